@@ -403,9 +403,9 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
 /* No event is cut at: a map on the face of a slow impact has entries of 1 / speed^2, whose sum is all that is wanted
  * (1e7 and 1e-9 of the trace at a speed of 2.4e-4 of the fastest). q + i p has a complex structure that turns the
  * gradient of the energy into the flow; a unitary basis of the complement of the gradient is a symplectic basis of what
- * is perpendicular to both, real parts first. V [2n * ld] as states, and with `dual` scaled such that inner products
- * with it are coordinates. */
-static void free_section(const ric_shooting *c, bool dual, double *V)
+ * is perpendicular to both, real parts first. V [2n * ld] as states; inner products with dual [2n * ld] are
+ * coordinates. */
+static void free_section(const ric_shooting *c, double *V, double *dual)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
     const ric_model *m = c->model;
@@ -424,11 +424,13 @@ static void free_section(const ric_shooting *c, bool dual, double *V)
     for (int j = 0; j < k; j++)
         for (int i = 0; i < n; i++) {
             double complex e = (i == j + 1) - beta * eta[i] * conj(eta[j + 1]);
-            double kappa = dual ? 1 / m->kappa[i] : m->kappa[i];
+            double kappa = m->kappa[i], inverse = 1 / kappa;
             V[i * ld + j] = kappa * creal(e);
-            V[(n + i) * ld + j] = cimag(e);
             V[i * ld + k + j] = -kappa * cimag(e);
-            V[(n + i) * ld + k + j] = creal(e);
+            dual[i * ld + j] = inverse * creal(e);
+            dual[i * ld + k + j] = -inverse * cimag(e);
+            V[(n + i) * ld + j] = dual[(n + i) * ld + j] = cimag(e);
+            V[(n + i) * ld + k + j] = dual[(n + i) * ld + k + j] = creal(e);
         }
 }
 
@@ -436,9 +438,8 @@ static void free_section(const ric_shooting *c, bool dual, double *V)
 static void return_map(const ric_shooting *c, double *V, double *dual, double *P, int *exponent, double *growth)
 {
     int n = c->n, ld = 2 * (n - 1);
-    free_section(c, false, V);
+    free_section(c, V, dual);
     propagate(c, 0, c->n_flight, V, exponent, growth);
-    free_section(c, true, dual);
     memset(P, 0, (size_t)(ld * ld) * sizeof *P);
     for (int r = 0; r < ld; r++)
         for (int i = 0; i < 2 * n; i++)
