@@ -143,21 +143,21 @@ static bool add_departures(ric_node *node, int count)
     return true;
 }
 
-/* Newton's method knows the equations of a motion only: beyond the end of a branch it solves them with a flight that
- * lasts less than no time. */
-static bool runs_back(const ric_periodic *solved)
+/* A junction at an orbit that was solved for, which it takes over. Newton's method knows the equations of a motion
+ * only: beyond the end of a branch it solves them with a flight that lasts less than no time. */
+static ric_status create_solved(const ric_model *m, ric_kind kind, ric_periodic *solved, ric_node **out)
 {
-    for (int i = 0; i < solved->N; i++)
-        if (solved->tau[i] < 0) return true;
-    return false;
-}
-
-static ric_status refuse_back(ric_periodic *solved)
-{
-    ric_status status = ric_fail(RIC_E_NUMERIC,
-                                 "a junction on a branch of %d impacts has a flight of less than no time", solved->N);
-    ric_periodic_free(solved);
-    return status;
+    *out = NULL;
+    for (int i = 0; i < solved->N; i++) {
+        if (solved->tau[i] >= 0) continue;
+        ric_status status = ric_fail(RIC_E_NUMERIC,
+                                     "a junction on a branch of %d impacts has a flight of less than no time",
+                                     solved->N);
+        ric_periodic_free(solved);
+        return status;
+    }
+    *out = ric_node_create(m, kind, solved);
+    return *out ? RIC_OK : ric_no_memory("a junction");
 }
 
 ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int test, ric_node **out)
@@ -175,9 +175,9 @@ ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int 
         ric_periodic_free(solved);
         return RIC_OK;
     }
-    if (runs_back(solved)) return refuse_back(solved);
-    ric_node *node = ric_node_create(m, kind, solved);
-    if (!node) return ric_no_memory("a junction");
+    ric_node *node;
+    ric_status status = create_solved(m, kind, solved, &node);
+    if (status) return status;
     node->test = test;
     if (kind == RIC_KIND_BRANCH_POINT && !add_departures(node, 2)) {
         ric_node_free(node);
@@ -193,12 +193,9 @@ ric_status ric_node_user(const ric_model *m, const ric_periodic *cycle, const ri
     ric_periodic *solved = ric_node_solve(m, cycle, (ric_criterion){.test = RIC_TEST_ASKED, .asked = asked}, NULL);
     if (!solved)
         return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts with what was asked for does not converge", cycle->N);
-    if (runs_back(solved)) return refuse_back(solved);
-    ric_node *node = ric_node_create(m, RIC_KIND_USER, solved);
-    if (!node) return ric_no_memory("a junction");
-    node->asked = *asked;
-    *out = node;
-    return RIC_OK;
+    ric_status status = create_solved(m, RIC_KIND_USER, solved, out);
+    if (!status) (*out)->asked = *asked;
+    return status;
 }
 
 ric_status ric_node_start(const ric_model *m, const ric_periodic *cycle, ric_node **out)
@@ -265,9 +262,10 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_periodic *cycle
     *out = NULL;
     ric_periodic *solved = ric_node_solve(m, cycle, what, NULL);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication by %d does not converge", q);
-    if (runs_back(solved)) return refuse_back(solved);
-    ric_node *node = ric_node_create(m, RIC_KIND_MULTIPLICATION, solved);
-    if (!node || !add_departures(node, 4)) {
+    ric_node *node;
+    ric_status status = create_solved(m, RIC_KIND_MULTIPLICATION, solved, &node);
+    if (status) return status;
+    if (!add_departures(node, 4)) {
         ric_node_free(node);
         return ric_no_memory("a junction");
     }
