@@ -243,24 +243,35 @@ int cli_unmeasured(const ric_atlas *atlas)
     return n;
 }
 
-/* Labels whose multiplicities nobody can tell, the first with its place. */
-static ric_status add_undecided(json_t *rows, const ric_atlas *atlas)
+/* What there is to say of a junction, which counts then; false: nothing, and it does not. */
+typedef bool remark(const ric_atlas *atlas, int id, const ric_junction *j, json_t **text);
+
+/* How many junctions there is something to say of, with what is said of the first. */
+static ric_status add_remarked(json_t *rows, const ric_atlas *atlas, const char *item, remark *say)
 {
     int n = 0;
-    json_t *detail = NULL;
+    json_t *first = NULL;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j;
         ric_status status = ric_atlas_junction(atlas, id, &j);
-        if (status) return json_decref(detail), status;
-        if (j.a == 0 || j.decided) continue;
-        if (!n++)
-            detail = json_sprintf("lost in rounding, a and b are those of the kind; first %s, junction %d, E %.9g "
-                                  "omega %.9g",
-                                  j.label, id, j.energy, j.frequency);
+        if (status) return json_decref(first), status;
+        n += say(atlas, id, &j, n ? NULL : &first);
     }
-    if (n) add_count(rows, "labels that are not decided", n, detail ? json_string_value(detail) : "");
-    json_decref(detail);
+    if (n) add_count(rows, item, n, first ? json_string_value(first) : "");
+    json_decref(first);
     return RIC_OK;
+}
+
+/* A label whose multiplicities nobody can tell. */
+static bool is_undecided(const ric_atlas *atlas, int id, const ric_junction *j, json_t **text)
+{
+    (void)atlas;
+    if (j->a == 0 || j->decided) return false;
+    if (text)
+        *text = json_sprintf("lost in rounding, a and b are those of the kind; first %s, junction %d, E %.9g "
+                             "omega %.9g",
+                             j->label, id, j->energy, j->frequency);
+    return true;
 }
 
 /* The first junction whose label is what the study calls another one, `named`; 0: none. */
@@ -274,22 +285,13 @@ static int labelled_like(const ric_atlas *atlas, int named, const char *name)
 }
 
 /* Two numberings stand side by side: a label may be what the study calls another junction. */
-static ric_status add_ambiguous(json_t *rows, const ric_atlas *atlas)
+static bool is_ambiguous(const ric_atlas *atlas, int id, const ric_junction *j, json_t **text)
 {
-    int n = 0;
-    json_t *detail = NULL;
-    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
-        ric_junction j;
-        ric_status status = ric_atlas_junction(atlas, id, &j);
-        if (status) return json_decref(detail), status;
-        int other = *j.name ? labelled_like(atlas, id, j.name) : 0;
-        if (other && !n++)
-            detail = json_sprintf("%s is junction %d by name, and the label of junction %d; a name comes first", j.name,
-                                  id, other);
-    }
-    if (n) add_count(rows, "names that are labels of other junctions", n, detail ? json_string_value(detail) : "");
-    json_decref(detail);
-    return RIC_OK;
+    const int other = *j->name ? labelled_like(atlas, id, j->name) : 0;
+    if (other && text)
+        *text = json_sprintf("%s is junction %d by name, and the label of junction %d; a name comes first", j->name, id,
+                             other);
+    return other > 0;
 }
 
 static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
@@ -317,8 +319,8 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
     if (cli_unmeasured(atlas))
         add_count(rows, "junctions without a label", cli_unmeasured(atlas),
                   "not measured yet; the run goes on with them");
-    ric_status status = add_undecided(rows, atlas);
-    if (!status) status = add_ambiguous(rows, atlas);
+    ric_status status = add_remarked(rows, atlas, "labels that are not decided", is_undecided);
+    if (!status) status = add_remarked(rows, atlas, "names that are labels of other junctions", is_ambiguous);
     if (status) return status;
     if (ric_atlas_n_unplaced(atlas))
         add_count(rows, "events that are no junctions", ric_atlas_n_unplaced(atlas),
