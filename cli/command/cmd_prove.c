@@ -201,6 +201,21 @@ static void tell_failure(const work_list *w, const ric_proof *p)
     cli_say("ricochet: branch %d %s, point %d is not proved: %s\n", p->branch, label, p->point, p->why);
 }
 
+/* The counts of each verdict; of those that are not proved `ends` are ends of branches. */
+static void tell_counts(const work_list *w, FILE *out, const int count[3], int ends, int undecided)
+{
+    cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n", count[RIC_PROOF_DONE],
+             count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], undecided);
+    if (ends) cli_tell(out, "%d of those that are not are ends of branches\n", ends);
+    if (count[RIC_PROOF_LEFT_OUT]) cli_tell(out, "%d points left out\n", count[RIC_PROOF_LEFT_OUT]);
+    for (int i = 0; i < w->n && count[RIC_PROOF_LEFT_OUT]; i++)
+        if (w->results[i].done && w->results[i].proof.state == RIC_PROOF_LEFT_OUT) {
+            cli_tell(out, "the first of them: %s\n", w->results[i].proof.why);
+            break;
+        }
+}
+
+/* What came of it; the counts to `out` unless it is NULL. */
 static int tell_all(const work_list *w, FILE *out, bool verbose)
 {
     int count[3] = {0}, ends = 0, told = 0, undecided = 0, done = 0;
@@ -215,16 +230,7 @@ static int tell_all(const work_list *w, FILE *out, bool verbose)
         ends += end;
         if ((!end || verbose) && told++ < MOST_TOLD) tell_failure(w, p);
     }
-    if (out)
-        cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n", count[RIC_PROOF_DONE],
-                 count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], undecided);
-    if (out && ends) cli_tell(out, "%d of those that are not are ends of branches\n", ends);
-    if (out && count[RIC_PROOF_LEFT_OUT]) cli_tell(out, "%d points left out\n", count[RIC_PROOF_LEFT_OUT]);
-    for (int i = 0; out && i < w->n && count[RIC_PROOF_LEFT_OUT]; i++)
-        if (w->results[i].done && w->results[i].proof.state == RIC_PROOF_LEFT_OUT) {
-            cli_tell(out, "the first of them: %s\n", w->results[i].proof.why);
-            break;
-        }
+    if (out) tell_counts(w, out, count, ends, undecided);
     if (done < w->n) {
         cli_say("ricochet: stopped %s: %d of %d points were not looked at\n",
                 cli_stopped() ? "on request" : "when the time given was over", w->n - done, w->n);

@@ -12,6 +12,8 @@
 enum {
     VERSION = 1, /* of what is proved and how it is written: rows of another one are proved again */
     COLUMNS = 20,
+    NUMBERS = 10, /* of a proof, from column FIRST on */
+    FIRST = 8,
 };
 
 static const char create[] =
@@ -27,12 +29,20 @@ static const char select_all[] =
     "energy_low, energy_high, period_low, period_high, trace_low, trace_high, approach, certificate, digest FROM proof "
     "ORDER BY branch, point";
 
-/* In the order of the columns. */
-static void list_numbers(const ric_proof *p, double out[10])
+/* The numbers of a proof in the order of the columns. */
+static const size_t numbers[NUMBERS] = {
+    offsetof(ric_proof, distance),  offsetof(ric_proof, exists),    offsetof(ric_proof, unique),
+    offsetof(ric_proof, energy[0]), offsetof(ric_proof, energy[1]), offsetof(ric_proof, period[0]),
+    offsetof(ric_proof, period[1]), offsetof(ric_proof, trace[0]),  offsetof(ric_proof, trace[1]),
+    offsetof(ric_proof, approach),
+};
+
+/* As the file has it: what is not finite is NULL there. */
+static double stored_number(const ric_proof *p, int i)
 {
-    const double all[10] = {p->distance,  p->exists,    p->unique,   p->energy[0], p->energy[1],
-                            p->period[0], p->period[1], p->trace[0], p->trace[1],  p->approach};
-    memcpy(out, all, sizeof all);
+    const void *at = (const char *)p + numbers[i];
+    const double value = *(const double *)at;
+    return isfinite(value) ? value : NAN;
 }
 
 /* Over the point as it is stored, and what is said of it; NULL cannot be told from other numbers that are not finite.
@@ -42,17 +52,15 @@ static ric_status digest_row(const ric_atlas *atlas, const ric_proof *p, const c
     const ric_branch *branch = &atlas->branches[p->branch - 1].row;
     const ric_point_row row = ric_atlas_point_row(atlas, p->branch, p->point);
     const int n_dof = ric_model_n_dof(ric_atlas_model(atlas));
-    double numbers[10];
     ric_buffer b;
     if (!ric_buffer_open(&b)) return ric_store_fail_memory();
-    list_numbers(p, numbers);
     fprintf(b.file, "%d %d %d %d %d %d %d %d %d %d", VERSION, p->branch, p->point, (int)p->state, p->bits,
             (int)p->stable, p->symmetric, p->reversible, branch->symmetric, branch->reversible);
     for (int i = 0; i < branch->letters; i++) fprintf(b.file, " %d", branch->word[i]);
     fprintf(b.file, " %a %a %d", row.point.energy, row.point.frequency, (int)row.point.stable);
     for (int i = 0; i < 2 * n_dof; i++) fprintf(b.file, " %a", row.state[i]);
     for (int i = 0; i < branch->letters; i++) fprintf(b.file, " %a", row.flights[i]);
-    for (int i = 0; i < 10; i++) fprintf(b.file, " %a", isfinite(numbers[i]) ? numbers[i] : NAN);
+    for (int i = 0; i < NUMBERS; i++) fprintf(b.file, " %a", stored_number(p, i));
     fprintf(b.file, " %s\n%s", p->why, certificate);
     char *text = ric_buffer_take(&b);
     if (!text) return ric_store_fail_memory();
@@ -108,9 +116,10 @@ static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_proof *p)
     p->stable = (ric_stability)sqlite3_column_int(row, 5);
     p->symmetric = sqlite3_column_int(row, 6);
     p->reversible = sqlite3_column_int(row, 7);
-    double *const numbers[10] = {&p->distance,  &p->exists,    &p->unique,   &p->energy[0], &p->energy[1],
-                                 &p->period[0], &p->period[1], &p->trace[0], &p->trace[1],  &p->approach};
-    for (int i = 0; i < 10; i++) *numbers[i] = number(row, 8 + i);
+    for (int i = 0; i < NUMBERS; i++) {
+        void *at = (char *)p + numbers[i];
+        *(double *)at = number(row, FIRST + i);
+    }
     const char *why = (const char *)sqlite3_column_text(row, 3);
     snprintf(p->why, sizeof p->why, "%s", why ? why : "");
     return true;
@@ -156,18 +165,19 @@ static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atla
 {
     const int integers[] = {p->branch, p->point, (int)p->state};
     const int more[] = {p->bits, (int)p->stable, p->symmetric, p->reversible};
-    double numbers[10];
     uint64_t digest;
     bool row;
     ric_status status = digest_row(atlas, p, certificate, &digest);
     if (status) return status;
-    list_numbers(p, numbers);
     int code = 0;
     for (int i = 0; i < 3; i++) code |= sqlite3_bind_int(query, i + 1, integers[i]);
     code |= sqlite3_bind_text(query, 4, p->why, -1, SQLITE_STATIC);
     for (int i = 0; i < 4; i++) code |= sqlite3_bind_int(query, i + 5, more[i]);
-    for (int i = 0; i < 10; i++)
-        code |= isfinite(numbers[i]) ? sqlite3_bind_double(query, i + 9, numbers[i]) : sqlite3_bind_null(query, i + 9);
+    for (int i = 0; i < NUMBERS; i++) {
+        const double value = stored_number(p, i);
+        code |= isnan(value) ? sqlite3_bind_null(query, FIRST + i + 1)
+                             : sqlite3_bind_double(query, FIRST + i + 1, value);
+    }
     code |= sqlite3_bind_text(query, 19, certificate, -1, SQLITE_STATIC);
     code |= sqlite3_bind_int64(query, COLUMNS, (sqlite3_int64)digest);
     status = code ? ric_store_fail_memory() : ric_store_sqlite_step(file, query, &row);
