@@ -154,24 +154,11 @@ ok 'and how to see them' grep 'long lists are cut; --csv or --json shows all' "$
 
 # on_terminal WIDTH COMMAND...: no line of the table is wider, and energy and frequency are there from 80 columns on
 on_terminal() {
-    python3 - "$ricochet" "$@" <<'P'
-import fcntl, os, pty, struct, sys, termios
-width = int(sys.argv[2])
-child, terminal = pty.fork()
-if child == 0:
-    fcntl.ioctl(1, termios.TIOCSWINSZ, struct.pack("HHHH", 24, width, 0, 0))
-    os.execv(sys.argv[1], [sys.argv[1], *sys.argv[3:]])
-text = b""
-while True:
-    try:
-        more = os.read(terminal, 65536)
-    except OSError:
-        break
-    if not more:
-        break
-    text += more
-assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
-lines = [line for line in text.decode().splitlines() if line and not line.startswith("ricochet:")]
+    python3 tests/support/terminal.py "$1" "$ricochet" "${@:2}" >"$folder/shown" || return 1
+    python3 - "$1" "$folder/shown" <<'P'
+import sys
+width = int(sys.argv[1])
+lines = [line for line in open(sys.argv[2]).read().splitlines() if line and not line.startswith("ricochet:")]
 assert len(lines) > 10 and max(map(len, lines)) <= width, (len(lines), max(map(len, lines)))
 assert width < 80 or "energy" in lines[0] and "frequency" in lines[0], lines[0]
 P

@@ -151,8 +151,7 @@ ok 'a message writes out what would steer a terminal' inert check "$folder/$(pri
 ok 'a run writes out what would steer a terminal' inert run "$folder/t.yaml" -o "$folder/$(printf '\033[2J').ricochet"
 ok 'a new study writes out what would steer a terminal' inert new "$folder/absent/$(printf '\033[2J')"
 on_terminal() { # COMMAND...: what it writes to a terminal
-    python3 -c 'import pty, sys
-sys.exit(pty.spawn(sys.argv[1:]) >> 8)' "$ricochet" "$@" </dev/null | tr -d '\r' >"$folder-out"
+    python3 tests/support/terminal.py 80 "$ricochet" "$@" >"$folder-out"
     cat -v "$folder-out" | head -5
     ! LC_ALL=C grep -q "$steering" "$folder-out" && grep -q '\\x1b\[2J' "$folder-out"
 }
