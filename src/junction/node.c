@@ -79,6 +79,22 @@ ric_node *ric_node_create(const ric_model *m, ric_kind kind, ric_periodic *cycle
     return node;
 }
 
+/* A junction at an orbit that was solved for, which it takes over. */
+static ric_status create_solved(const ric_model *m, ric_kind kind, ric_periodic *solved, ric_node **out)
+{
+    *out = NULL;
+    if (!ric_node_solve_admissible(m, solved)) {
+        ric_status status = ric_fail(RIC_E_NUMERIC,
+                                     "a junction on a branch of %d impacts has a flight of less than no time, or "
+                                     "passes a stop",
+                                     solved->N);
+        ric_periodic_free(solved);
+        return status;
+    }
+    *out = ric_node_create(m, kind, solved);
+    return *out ? RIC_OK : ric_no_memory("a junction");
+}
+
 /* ------------------------------------------------------------------ corners */
 
 bool ric_node_coincident(const ric_model *m, const ric_periodic *cycle)
@@ -102,8 +118,9 @@ static ric_status finish_corner(const ric_model *m, const ric_periodic *cycle, i
     solved = ric_node_solve(m, least, (ric_criterion){.test = RIC_TEST_FLIGHT}, NULL);
     ric_periodic_free(least);
     if (!solved) return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
-    ric_node *node = ric_node_create(m, RIC_KIND_CORNER, solved);
-    if (!node) return ric_no_memory("a junction");
+    ric_node *node;
+    ric_status status = create_solved(m, RIC_KIND_CORNER, solved, &node);
+    if (status) return status;
     node->n_touch = ric_corner_pairs(m, solved, NO_TIME, RIC_MAX_TOUCHES, node->touch);
     if (node->n_touch != n_pair) {
         ric_node_free(node);
@@ -141,23 +158,6 @@ static bool add_departures(ric_node *node, int count)
     for (int i = 0; i < count; i++) node->departures[i].choice = RIC_THROUGH + (unsigned)i;
     node->n_departure = count;
     return true;
-}
-
-/* A junction at an orbit that was solved for, which it takes over. Newton's method knows the equations of a motion
- * only: beyond the end of a branch it solves them with a flight that lasts less than no time. */
-static ric_status create_solved(const ric_model *m, ric_kind kind, ric_periodic *solved, ric_node **out)
-{
-    *out = NULL;
-    for (int i = 0; i < solved->N; i++) {
-        if (solved->tau[i] >= 0) continue;
-        ric_status status = ric_fail(RIC_E_NUMERIC,
-                                     "a junction on a branch of %d impacts has a flight of less than no time",
-                                     solved->N);
-        ric_periodic_free(solved);
-        return status;
-    }
-    *out = ric_node_create(m, kind, solved);
-    return *out ? RIC_OK : ric_no_memory("a junction");
 }
 
 ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int test, ric_node **out)

@@ -17,7 +17,7 @@
 #define NO_SPEED 1e-10
 #define HARDLY 1e-7
 #define NO_TIME 1e-7 /* scaled: a contact that lasts no longer is a touch of a spring */
-#define BEYOND 1e-9  /* of the clearance: an orbit of a junction that goes through a stop by more is no motion */
+#define BEYOND 1e-9  /* of its size: what is open by more does not come back */
 
 static double impact_speed(const ric_model *m, const ric_periodic *c, const double *W, int i)
 {
@@ -103,18 +103,10 @@ static bool is_motion(const ric_model *m, const ric_node *node)
     if (node->refusal) return true;
     if (is_bare(node)) return comes_back(m, node);
     ric_periodic *left = ric_node_regular(m, node), *again = left ? ric_node_solve_again(m, left) : NULL;
-    ric_shooting *chain = NULL;
-    double *u = NULL;
-    double reach = 0;
-    if (left && !ric_periodic_to_chain(m, again ? again : left, &chain, &u)) {
-        ric_shooting_fly(chain, u);
-        reach = ric_reach(chain, u, NULL);
-    }
+    bool motion = left && ric_node_solve_admissible(m, again ? again : left);
     ric_periodic_free(left);
     ric_periodic_free(again);
-    ric_shooting_free(chain);
-    free(u);
-    return reach <= 1 + BEYOND;
+    return motion;
 }
 
 static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple, ric_node **out)

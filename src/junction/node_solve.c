@@ -31,7 +31,9 @@
 /* GRAIN: canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came
  * from */
 #define GRAIN 0x1p-32
-#define PASSES 5 /* most of them: where a place is known to less than a grain they need not come to an end */
+#define NO_TIME 1e-12 /* of the period: what rounding leaves of a flight between two impacts at one instant */
+#define BEYOND 1e-9   /* of the clearance: an orbit that goes through a stop by more is no motion */
+#define PASSES 5      /* most of them: where a place is known to less than a grain they need not come to an end */
 /* COARSE_GRAIN: the same where what vanishes is regular: the fewer orbits that differ by rounding are rounded to
  * different ones */
 #define COARSE_GRAIN 0x1p-28
@@ -455,4 +457,20 @@ ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle
     ric_shooting_free(chain);
     free(u);
     return out;
+}
+
+bool ric_node_solve_admissible(const ric_model *m, const ric_periodic *cycle)
+{
+    ric_shooting *chain = NULL;
+    double *u = NULL;
+    bool admissible = true;
+    for (int i = 0; i < cycle->N; i++) admissible &= cycle->tau[i] >= -NO_TIME * ric_periodic_period(cycle);
+    admissible = admissible && !ric_periodic_to_chain(m, cycle, &chain, &u);
+    if (admissible) {
+        ric_shooting_fly(chain, u);
+        admissible = ric_reach(chain, u, NULL) <= 1 + BEYOND;
+    }
+    ric_shooting_free(chain);
+    free(u);
+    return admissible;
 }

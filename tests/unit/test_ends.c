@@ -64,6 +64,26 @@ static void no_junction_beyond_the_end(void **state)
     ric_atlas_free(atlas);
 }
 
+/* What is solved for beside the end of a branch, or where another stop has come into reach, is an orbit of the
+ * equations only: no junction passes a stop. */
+static void no_junction_through_a_stop(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.765625, 0.140625], [0.140625, 0.78125]]\n"
+        "  stiffness: [[813157.3252669553, -328358.91588548716], [-328358.91588548716, 551738.2424708569]]\n"
+        "  contacts:\n    - {normal: [-1, 1], law: rigid, clearance: 0.608, sides: both}\n"
+        "explore: {energy: [0, 2374000000], frequency: [100.1, 3002], impacts: 4, multiply: 2, depth: 2}\n");
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        const ric_junction j = junction_of(atlas, id);
+        ric_claims claims;
+        assert_int_equal(ric_verify_junction(atlas, id, &claims), RIC_OK);
+        if (claims.finding[0]) fail_msg("%s: %s", j.label, claims.finding);
+    }
+    assert_true(ric_atlas_n_junction(atlas) > 20);
+    ric_atlas_free(atlas);
+}
+
 /* Three stops at one distance are touched all but together. Without its touches the orbit is another one, by their
  * speeds. */
 static void solved_without_touches(void **state)
@@ -284,6 +304,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_negative_flight),
         cmocka_unit_test(no_junction_beyond_the_end),
+        cmocka_unit_test(no_junction_through_a_stop),
         cmocka_unit_test(solved_without_touches),
         cmocka_unit_test(grazings_touch),
         cmocka_unit_test(no_branch_without_length),
