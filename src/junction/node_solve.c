@@ -441,8 +441,7 @@ static bool solve_chain(ric_shooting *chain, double *u)
 {
     double du[chain->n_unknown];
     int iterations;
-    ric_shooting_evaluate(chain, u);
-    return !ric_continuation_solved(chain) && ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations);
+    return ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations);
 }
 
 ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle)
