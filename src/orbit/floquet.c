@@ -15,8 +15,7 @@
 /* SMOOTH_STEPS: of law power, in the same units: several of its steps make one error, tens of them a period */
 #define SMOOTH_STEPS 12
 #define NO_SPEED 1e-60
-#define ACCURATE 1e-6    /* error of rho from which on the factors of the map are not multiplied */
-#define SLOW_SECTION 0.1 /* least speed of the impact between two halves, over the largest */
+#define ACCURATE 1e-6 /* error of rho from which on the factors of the map are not multiplied */
 /* MOST_PAIRS: up to which the halves are taken apart, or extended precision is used: they need 32 k^2 numbers */
 #define MOST_PAIRS 64
 #define ROUGH 1e-12 /* error of rho, over 1 + |rho|, from which on the map is made in extended precision */
@@ -52,25 +51,6 @@ void ric_floquet_release(ric_floquet *f)
 
 /* ---------------------------------------------------------------- sections */
 
-/* The direction that the section of a mirror point leaves out: grad of the energy at rest, the velocity at a centre,
- * the normal at an impact. Written in canonical coordinates (q, p). */
-static void section(const ric_shooting *c, ric_mirror mirror, uint64_t closed, const double *w, int face, double *E)
-{
-    int n = c->n;
-    double h[n];
-    if (n < 2) return;
-    if (mirror == RIC_MIRROR_REST) {
-        double rate[2 * n];
-        ric_flight_rate(c->model, closed, w, rate);
-        for (int i = 0; i < n; i++) h[i] = -rate[n + i];
-    } else if (mirror == RIC_MIRROR_CENTRE) memcpy(h, w + n, sizeof h);
-    else {
-        memcpy(E, c->model->face[face].E, (size_t)(n - 1) * (size_t)n * sizeof *E);
-        return;
-    }
-    ric_model_complement(n, h, E);
-}
-
 /* At a touch a derivative by the time of impact has no bound: its sign and a size far beyond any regular one are kept,
  * the products are scaled. */
 static double not_zero(double speed)
@@ -78,10 +58,49 @@ static double not_zero(double speed)
     return fabs(speed) < NO_SPEED ? copysign(NO_SPEED, speed) : speed;
 }
 
-/* Columns of the section at w as states (da, dp): the first k move q along E, the others p along E. On a face, the
- * normal velocity follows from dE = 0. */
-static void section_columns(const ric_shooting *c, ric_mirror mirror, const double *w, int face, const double *E,
-                            double *V)
+/* A mirror point at an impact, w on one side of it: the reversal followed by the impact keeps displacements along the
+ * face and the normal velocity, the latter less what the force `pull` makes of a normal displacement. These are the
+ * coordinates of what is symmetric, so that normal displacement and velocity of the columns V [2n * count] exchange
+ * their roles: (q, p) -> (p - slope q, -q), which is canonical and does not divide by the speed but for the kick that
+ * there is. */
+static void exchange(const ric_shooting *c, uint64_t closed, const double *w, const ric_face *f, bool back, int count,
+                     double *V)
+{
+    int n = c->n;
+    const ric_model *m = c->model;
+    double rate[2 * n], length = sqrt(f->cc);
+    ric_flight_rate(m, closed, w, rate);
+    double slope = ric_dot(n, f->c, rate + n) / not_zero(ric_dot(n, f->c, w + n));
+    for (int j = 0; j < count; j++) {
+        double q = 0, p = 0;
+        for (int i = 0; i < n; i++) {
+            q += f->g[i] * V[i * count + j] / length;
+            p += f->c[i] * V[(n + i) * count + j] / length;
+        }
+        double x = back ? -p : p - slope * q, y = back ? q - slope * p : -q;
+        for (int i = 0; i < n; i++) {
+            V[i * count + j] += (x - q) * m->kappa[i] * f->c[i] / length;
+            V[(n + i) * count + j] += (y - p) * f->c[i] / length;
+        }
+    }
+}
+
+/* E: what is perpendicular to the direction that the section of a mirror point leaves out, which is the velocity at a
+ * centre, else the gradient of the energy in the coordinates of what is symmetric. Written in canonical coordinates
+ * (q, p). */
+static void section(const ric_shooting *c, ric_mirror mirror, uint64_t closed, const double *w, int face, double *E)
+{
+    int n = c->n;
+    double h[n], rate[2 * n];
+    if (n < 2) return;
+    ric_flight_rate(c->model, closed, w, rate);
+    if (mirror == RIC_MIRROR_IMPACT) exchange(c, closed, w, &c->model->face[face], false, 1, rate);
+    for (int i = 0; i < n; i++) h[i] = mirror == RIC_MIRROR_CENTRE ? w[n + i] : -rate[n + i];
+    ric_model_complement(n, h, E);
+}
+
+/* Columns of the section at the start as states (da, dp): the first k move q along E, the others p along E. */
+static void section_columns(const ric_shooting *c, const double *E, double *V)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
     const ric_model *m = c->model;
@@ -91,36 +110,16 @@ static void section_columns(const ric_shooting *c, ric_mirror mirror, const doub
             V[i * ld + j] = m->kappa[i] * E[j * n + i];
             V[(n + i) * ld + k + j] = E[j * n + i];
         }
-    if (mirror == RIC_MIRROR_REST || mirror == RIC_MIRROR_CENTRE) return;
-    const ric_face *f = &m->face[face];
-    double normal = not_zero(ric_dot(n, f->c, w + n)), h[2 * n];
-    ric_flight_secant(m, c->closed[0], w, w, h);
-    for (int j = 0; j < ld; j++) {
-        double dE = 0;
-        for (int i = 0; i < 2 * n; i++) dE += h[i] / 2 * V[i * ld + j];
-        for (int i = 0; i < n; i++) V[(n + i) * ld + j] -= dE / normal * f->c[i];
-    }
+    if (c->start == RIC_MIRROR_IMPACT) exchange(c, c->closed[0], c->w, &m->face[c->face[0]], true, ld, V);
 }
 
-/* Coordinates (E dq, E dp) of a state's columns, after the flow has taken them onto the face. w: the state on the side
- * that V is on. */
-static void project(const ric_shooting *c, bool on_face, const double *w, int face, const double *E, double *V,
-                    double *P)
+/* Coordinates (E dq, E dp) of a state's columns at the end, on the side of an impact that V is on. */
+static void project(const ric_shooting *c, const double *E, double *V, double *P)
 {
-    int n = c->n, k = n - 1, ld = 2 * k;
+    int n = c->n, k = n - 1, ld = 2 * k, last = c->n_flight;
     const ric_model *m = c->model;
-    if (on_face) {
-        const ric_face *f = &m->face[face];
-        double flow[2 * n], speed = 0;
-        ric_flight_rate(m, c->closed[c->n_flight], w, flow);
-        for (int i = 0; i < n; i++) speed += f->g[i] * flow[i];
-        speed = not_zero(speed);
-        for (int j = 0; j < ld; j++) {
-            double gap = 0;
-            for (int i = 0; i < n; i++) gap += f->g[i] * V[i * ld + j];
-            for (int i = 0; i < 2 * n; i++) V[i * ld + j] -= flow[i] * (gap / speed);
-        }
-    }
+    if (c->end == RIC_MIRROR_IMPACT)
+        exchange(c, c->closed[last], c->w + 2 * n * last, &m->face[c->face[last]], false, ld, V);
     memset(P, 0, (size_t)(ld * ld) * sizeof *P);
     for (int r = 0; r < k; r++)
         for (int i = 0; i < n; i++) /* row by row, which is how V lies in memory */
@@ -366,9 +365,9 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
     bool quarter = c->multiple == 4;
     section(c, c->start, c->closed[0], c->w, c->face[0], E0);
     section(c, c->end, c->closed[c->n_flight], end, c->face[c->n_flight], E1);
-    section_columns(c, c->start, c->w, c->face[0], E0, V);
+    section_columns(c, E0, V);
     propagate(c, 0, c->n_flight, V, &exponent, &growth);
-    project(c, c->end == RIC_MIRROR_IMPACT, end, c->face[c->n_flight], E1, V, P);
+    project(c, E1, V, P);
     blocks(c, P, a, b, cc, d);
     double size = 0;
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fabs(P[i]));
@@ -403,15 +402,16 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
 /* No event is cut at: a map on the face of a slow impact has entries of 1 / speed^2, whose sum is all that is wanted
  * (1e7 and 1e-9 of the trace at a speed of 2.4e-4 of the fastest). q + i p has a complex structure that turns the
  * gradient of the energy into the flow; a unitary basis of the complement of the gradient is a symplectic basis of what
- * is perpendicular to both, real parts first. V [2n * ld] as states; inner products with dual [2n * ld] are
- * coordinates. */
-static void free_section(const ric_shooting *c, double *V, double *dual)
+ * is perpendicular to both, real parts first. At the start of a flight: V [2n * ld] as states; inner products with dual
+ * [2n * ld] are coordinates. */
+static void free_section(const ric_shooting *c, int flight, double *V, double *dual)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
     const ric_model *m = c->model;
+    const double *w = c->w + 2 * n * flight;
     double h[2 * n], norm = 0, lead;
     double complex eta[n];
-    ric_flight_secant(m, c->closed[0], c->w, c->w, h);
+    ric_flight_secant(m, c->closed[flight], w, w, h);
     for (int i = 0; i < n; i++) {
         eta[i] = m->kappa[i] * h[i] + I * h[n + i];
         norm += creal(eta[i]) * creal(eta[i]) + cimag(eta[i]) * cimag(eta[i]);
@@ -434,16 +434,22 @@ static void free_section(const ric_shooting *c, double *V, double *dual)
         }
 }
 
-/* P [ld * ld] of the return map; V and dual [2n * ld] are workspace. */
-static void return_map(const ric_shooting *c, double *V, double *dual, double *P, int *exponent, double *growth)
+/* P [ld * ld]: coordinates of V with the basis that dual belongs to. */
+static void in_section(int n, const double *dual, const double *V, double *P)
 {
-    int n = c->n, ld = 2 * (n - 1);
-    free_section(c, V, dual);
-    propagate(c, 0, c->n_flight, V, exponent, growth);
+    int ld = 2 * (n - 1);
     memset(P, 0, (size_t)(ld * ld) * sizeof *P);
     for (int r = 0; r < ld; r++)
         for (int i = 0; i < 2 * n; i++)
             for (int j = 0; j < ld; j++) P[r * ld + j] += dual[i * ld + r] * V[i * ld + j];
+}
+
+/* P [ld * ld] of the return map; V and dual [2n * ld] are workspace. */
+static void return_map(const ric_shooting *c, double *V, double *dual, double *P, int *exponent, double *growth)
+{
+    free_section(c, 0, V, dual);
+    propagate(c, 0, c->n_flight, V, exponent, growth);
+    in_section(c->n, dual, V, P);
 }
 
 /* 2k eigenvalues, each there twice, as k; apart [k]: half the distance of the two. */
@@ -471,20 +477,16 @@ static void pair_up(int k, const double *all, double *rho, double *apart)
     }
 }
 
-/* The impact between two halves of about the same growth, which is that of 1 / speed; not one of the slow ones. 0:
- * there is none. */
+/* The impact between two halves of about the same growth, which is that of 1 / speed. 0: there is none. */
 static int middle_impact(const ric_shooting *c)
 {
     int best = 0;
-    double fastest = 0, all = 0, half = 0, off = HUGE_VAL;
-    for (int k = 1; k <= c->n_flight; k++) {
-        fastest = fmax(fastest, c->approach[k]);
-        all += log(fmax(c->approach[k], NO_SPEED));
-    }
+    double all = 0, half = 0, off = HUGE_VAL;
+    for (int k = 1; k <= c->n_flight; k++) all += log(fmax(c->approach[k], NO_SPEED));
     for (int k = 1; k < c->n_flight; k++) {
         half += log(fmax(c->approach[k], NO_SPEED));
         double next = fabs(half - all / 2);
-        if (c->approach[k] < SLOW_SECTION * fastest || next >= off) continue;
+        if (next >= off) continue;
         off = next;
         best = k;
     }
@@ -509,16 +511,14 @@ static bool rho_of_halves(const ric_shooting *c, ric_floquet *f, double *work, d
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent[2], middle;
     if (!ric_flight_law_of(c->model)->turns || k > MOST_PAIRS || !(middle = middle_impact(c))) return false;
-    const ric_face *first = &c->model->face[c->face[0]], *second = &c->model->face[c->face[middle]];
     double *V = f->work, *P1 = work, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld, *H = Y + ld * ld,
-           growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];
-    const double *w = c->w + 2 * n * middle;
-    section_columns(c, RIC_MIRROR_IMPACT, c->w, c->face[0], first->E, V);
+           *first = H, *second = first + 2 * n * ld, growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];
+    free_section(c, 0, V, first);
     propagate(c, 0, middle, V, &exponent[0], &growth[0]);
-    project(c, true, w, c->face[middle], second->E, V, P1);
-    section_columns(c, RIC_MIRROR_IMPACT, w, c->face[middle], second->E, V);
-    propagate(c, middle, c->n_flight, V, &exponent[1], &growth[1]);
-    project(c, true, c->w + 2 * n * c->n_flight, c->face[c->n_flight], first->E, V, P2);
+    free_section(c, middle, X, second); /* 2n * ld fit into X and Y together, as both bases fit into H, for k > 1 */
+    in_section(n, second, V, P1);
+    propagate(c, middle, c->n_flight, X, &exponent[1], &growth[1]);
+    in_section(n, first, X, P2);
     if (exponent[0] || exponent[1]) return false;
     add_inverse(k, P2, c->sigma, P1, X);
     add_inverse(k, P1, c->sigma, P2, Y);

@@ -65,17 +65,6 @@ static void pulls(const course *q, real *out)
     }
 }
 
-/* What a section at the present state leaves out (floquet.c). */
-static void section(course *q, ric_mirror mirror, int face, const double *E)
-{
-    real h[q->n];
-    if (mirror == RIC_MIRROR_REST) pulls(q, h);
-    else if (mirror == RIC_MIRROR_CENTRE) memcpy(h, q->w + q->n, sizeof h);
-    else
-        for (int i = 0; i < q->n; i++) h[i] = q->c->model->face[face].c[i];
-    sharpen(q, E, h);
-}
-
 static real not_zero(real speed)
 {
     return fabsl(speed) < NO_SPEED ? copysignl(NO_SPEED, speed) : speed;
@@ -96,7 +85,42 @@ static real square(const course *q, const ric_face *f)
     return sum;
 }
 
-/* On a face the normal velocity of a column follows from dE = 0. */
+/* A mirror point at an impact: normal displacement and velocity of V [2n * count] exchange their roles (floquet.c). */
+static void exchange(const course *q, const ric_face *f, bool back, int count, real *V)
+{
+    int n = q->n;
+    const double *kappa = q->c->model->kappa;
+    real pull[n], length = sqrtl(square(q, f));
+    pulls(q, pull);
+    real slope = -along(q, f, pull) / not_zero(along(q, f, q->w + n));
+    for (int j = 0; j < count; j++) {
+        real s = 0, p = 0;
+        for (int i = 0; i < n; i++) {
+            s += f->c[i] / (real)kappa[i] * V[i * count + j] / length;
+            p += f->c[i] * V[(n + i) * count + j] / length;
+        }
+        real x = back ? -p : p - slope * s, y = back ? s - slope * p : -s;
+        for (int i = 0; i < n; i++) {
+            V[i * count + j] += (x - s) * kappa[i] * f->c[i] / length;
+            V[(n + i) * count + j] += (y - p) * f->c[i] / length;
+        }
+    }
+}
+
+/* The basis E of the section at the present state, to the last digit. */
+static void section(course *q, ric_mirror mirror, int face, const double *E)
+{
+    int n = q->n;
+    real rate[2 * n], *h = rate + n;
+    pulls(q, h);
+    for (int i = 0; i < n; i++) {
+        rate[i] = q->c->model->kappa[i] * q->w[n + i];
+        h[i] = mirror == RIC_MIRROR_CENTRE ? q->w[n + i] : -h[i];
+    }
+    if (mirror == RIC_MIRROR_IMPACT) exchange(q, &q->c->model->face[face], false, 1, rate);
+    sharpen(q, E, h);
+}
+
 static void start_columns(course *q, ric_mirror mirror, int face)
 {
     int n = q->n, k = q->k, ld = q->ld;
@@ -107,16 +131,7 @@ static void start_columns(course *q, ric_mirror mirror, int face)
             q->V[i * ld + j] = m->kappa[i] * q->E[j * n + i];
             q->V[(n + i) * ld + k + j] = q->E[j * n + i];
         }
-    if (mirror == RIC_MIRROR_REST || mirror == RIC_MIRROR_CENTRE) return;
-    const ric_face *f = &m->face[face];
-    real pull[n], normal = not_zero(along(q, f, q->w + n));
-    pulls(q, pull);
-    for (int j = 0; j < ld; j++) {
-        real dE = 0;
-        for (int i = 0; i < n; i++)
-            dE += pull[i] / m->kappa[i] * q->V[i * ld + j] + q->w[n + i] * q->V[(n + i) * ld + j];
-        for (int i = 0; i < n; i++) q->V[(n + i) * ld + j] -= dE / normal * f->c[i];
-    }
+    if (mirror == RIC_MIRROR_IMPACT) exchange(q, &m->face[face], true, ld, q->V);
 }
 
 /* State and columns through one flight. */
@@ -164,31 +179,6 @@ static void strike(course *q, const ric_face *f)
     }
     for (int i = 0; i < n; i++) q->w[n + i] -= 2 * normal / cc * f->c[i];
     for (int i = 0; i < 2 * n * ld; i++) q->size = fmaxl(q->size, fabsl(q->V[i]));
-}
-
-/* At the impact of a mirror point the velocity is along the normal; what rounding has left beside it would be divided
- * by the speed. */
-static void straighten(course *q, const ric_face *f)
-{
-    real part = along(q, f, q->w + q->n) / square(q, f);
-    for (int i = 0; i < q->n; i++) q->w[q->n + i] = part * f->c[i];
-}
-
-/* Along the flow onto the face of an impact that is the end mirror. */
-static void onto(course *q, const ric_face *f)
-{
-    const ric_model *m = q->c->model;
-    int n = q->n, ld = q->ld;
-    real pull[n], speed = not_zero(along(q, f, q->w + n));
-    pulls(q, pull);
-    for (int j = 0; j < ld; j++) {
-        real gap = 0;
-        for (int i = 0; i < n; i++) gap += f->c[i] / (real)m->kappa[i] * q->V[i * ld + j];
-        for (int i = 0; i < n; i++) {
-            q->V[i * ld + j] -= m->kappa[i] * q->w[n + i] * (gap / speed);
-            q->V[(n + i) * ld + j] += pull[i] * (gap / speed);
-        }
-    }
 }
 
 static void project(course *q)
@@ -280,15 +270,11 @@ bool ric_floquet_fine_map(const ric_shooting *c, const double *start, const doub
     for (int i = 0; i < 2 * n; i++) q.w[i] = c->w[i];
     if (c->start == RIC_MIRROR_NONE) return_map(&q);
     else {
-        if (c->start == RIC_MIRROR_IMPACT) straighten(&q, &m->face[c->face[0]]);
         section(&q, c->start, c->face[0], start);
         start_columns(&q, c->start, c->face[0]);
         flights(&q);
-        if (c->end == RIC_MIRROR_IMPACT) {
-            straighten(&q, &m->face[c->face[last]]);
-            onto(&q, &m->face[c->face[last]]);
-        }
         section(&q, c->end, c->face[last], end);
+        if (c->end == RIC_MIRROR_IMPACT) exchange(&q, &m->face[c->face[last]], false, ld, q.V);
         project(&q);
     }
     *size = (double)q.size;

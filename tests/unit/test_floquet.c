@@ -556,6 +556,30 @@ static void slow_impact_within_contact(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Both modes are of one frequency, so that a motion between the two slow impacts on the near stop is turned by nothing
+ * but the stop: its trace is two. Sections on faces left 1e-11 of it, where entries of 1 / speed cancel. */
+static void trace_at_slow_mirrors(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[2, 0], [0, 2]]\n  contacts:\n"
+        "    - {normal: [1, -1], law: rigid, clearance: 5.7, sides: both}\n"
+        "    - {normal: [2, 1], law: rigid, clearance: 0.0057, sides: both}\n"
+        "explore: {energy: [0, 2.387], frequency: [0.2828, 4.243], impacts: 4, multiply: 2, depth: 2}\n");
+    int points = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        if (strcmp(b.label, "A4[2323]") != 0) continue;
+        for (int i = 0; i < b.n_point; i++, points++) {
+            ric_point p;
+            assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
+            if (!(fabs(2 * sinh(p.trace) - 2) < 4e-12)) fail_msg("point %d: trace %.15g", i, 2 * sinh(p.trace));
+        }
+    }
+    assert_true(points > 10);
+    ric_atlas_free(atlas);
+}
+
 /* Where an impact is a touch the trace has no bound, and rounding decides what a computation makes of it: from 1e25 to
  * 1e67 here. No digit of it is known. */
 static void no_trace_at_touches(void **state)
@@ -612,7 +636,7 @@ static void lost_or_right(void **state)
         }
     }
     print_message("# general form: %d pairs right, %d lost\n", right, lost);
-    assert_true(right > 100 && lost > 5 && lost < 20);
+    assert_true(right > 100 && lost > 2 && lost < 20);
     ric_graph_free(graph);
     ric_study_free(study);
 }
@@ -672,7 +696,7 @@ int main(void)
         cmocka_unit_test(closed_springs_count), cmocka_unit_test(growth_near_grazing),
         cmocka_unit_test(small_beside_large),   cmocka_unit_test(lost_or_right),
         cmocka_unit_test(no_overflow),          cmocka_unit_test(slow_impact_within_contact),
-        cmocka_unit_test(no_trace_at_touches),
+        cmocka_unit_test(no_trace_at_touches),  cmocka_unit_test(trace_at_slow_mirrors),
     };
     return cmocka_run_group_tests_name("floquet", tests, NULL, NULL);
 }
