@@ -12,7 +12,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 19
+#define RIC_NUMERICS 20
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -236,8 +236,8 @@ ric_point ric_continuation_point(const ric_shooting *chain, const ric_floquet *f
  * itself: undecided where that may count. */
 ric_status ric_continuation_judge(ric_shooting *chain, const double *u, ric_floquet *floquet);
 /* Unknowns that are the same orbit as u but for rounding, from the last evaluation, there: each within its own, and all
- * of them by what the residual leaves open across the curve, where the Jacobian is least. Along the curve lie other
- * orbits. `way` 1 .. RIC_TRACE_WAYS. False: nothing is known of how far that is. */
+ * of them by what the residual leaves open across the curve, where the Jacobian is least, and as far along it: beside a
+ * branch point rounding exchanges the two. `way` 1 .. RIC_TRACE_WAYS. False: nothing is known of how far that is. */
 enum { RIC_TRACE_WAYS = 4 };
 bool ric_continuation_move(const ric_shooting *chain, const double *u, int way, double *out);
 /* The multipliers of the orbit at u with the flag and the error of each, that of the orbit counted: unknowns within

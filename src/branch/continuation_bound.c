@@ -39,10 +39,12 @@ bool ric_continuation_move(const ric_shooting *c, const double *u, int way, doub
     double plane[2 * size], second;
     unsigned bits = (unsigned)way * 2654435769u;
     if (!ric_shooting_plane(c, plane, &second)) return false;
-    double across = ric_continuation_tolerance(c) * c->scale / second * (way & 1 ? 1 : -1);
-    double each = of_unknown(c) * c->scale;
-    for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, each) + across * plane[i];
-    return isfinite(across);
+    /* beside another branch the two directions are exchanged by as little as is known of the orbit; elsewhere the one
+     * along the branch counts for nothing */
+    const double far = ric_continuation_tolerance(c) * c->scale / second, each = of_unknown(c) * c->scale,
+                 across = way & 1 ? far : -far, along = way & 2 ? far : -far;
+    for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, each) + across * plane[i] + along * plane[size + i];
+    return isfinite(far);
 }
 
 /* How far the nearest of the pairs `rho` [2 count] is from one. */
