@@ -183,6 +183,20 @@ static void verify_stiff_contacts(void **state)
         "explore: {energy: [0, 6897], frequency: [0.2, 9], impacts: 4, multiply: 2, depth: 2}\n");
 }
 
+/* A soft spring at 0.001 of the clearance of a stiff one: what rounding of the whole motion leaves of a gap is a
+ * thousand times more of the small clearance than of the large one. */
+static void verify_small_clearance_beside_large(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n"
+                     "  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+                     "  stiffness: [[3, 0, 0], [0, 2, 0], [0, 0, 2]]\n"
+                     "  contacts:\n"
+                     "    - {normal: [1, 0, -1], law: bilinear, clearance: 1.35, sides: both, stiffness: 1826000}\n"
+                     "    - {normal: [1, 0, 0], law: bilinear, clearance: 0.00135, sides: lower, stiffness: 0.004841}\n"
+                     "explore: {energy: [0, 8.72], frequency: [0.2828, 5.196], impacts: 6, multiply: 3, depth: 2}\n");
+}
+
 /* Two stops at 0.001 of the clearance of a spring are struck within its contact, at 1e-6 of the largest speed and less:
  * the gap that rounding leaves decides when, and a touch there is none of the spring, which is closed. */
 static void verify_stop_in_contact(void **state)
@@ -322,6 +336,7 @@ int main(void)
         cmocka_unit_test(verify_touch_of_stiff_spring),
         cmocka_unit_test(verify_all_impacts_at_once),
         cmocka_unit_test(verify_stiff_contacts),
+        cmocka_unit_test(verify_small_clearance_beside_large),
         cmocka_unit_test(verify_stop_in_contact),
         cmocka_unit_test(verify_stop_and_stiff_spring),
         cmocka_unit_test(verify_flow_at_closing),
