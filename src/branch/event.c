@@ -16,7 +16,7 @@
  * seen. */
 #define EMERGED 100
 /* Looks for a better place of an arrival: on sharp turns the zero of the determinant is off. */
-#define ASIDE_STEPS 3
+#define ASIDE_STEPS 12
 /* Of the size: the start of a closed branch again. */
 #define SAME_PLACE 1e-8
 /* The same at a branch point, of the step over it: the cubic is off by its fourth power, and another branch through
@@ -489,6 +489,26 @@ static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q
     return n;
 }
 
+/* Whether the branch meets an image of its own, by `kept`, where the determinant vanishes, or beside it: a zero read
+ * off cubics lies aside of the middle between the orbit there and its image. *at and tr->mid are moved to it. */
+static bool at_image(ric_continuation *tr, const ric_event_bridge *q, double h,
+                     bool (*kept)(const ric_continuation *, const ric_crossed *, double *), double *at)
+{
+    const double from = *at;
+    /* a neighbour on the side where there is more room: close by it is lost in rounding */
+    const int size = tr->chain->n_unknown, far = from - q->x[0] > q->x[3] - from ? 0 : 3;
+    const ric_crossed place = {tr->mid.u, q->u + far * size, q->u + (3 - far) * size};
+    for (int i = 0; i < ASIDE_STEPS; i++) {
+        double aside;
+        if (kept(tr, &place, &aside)) return true;
+        const double x = *at + aside * (q->x[far] - *at);
+        if (x == *at || !(x > q->x[0] && x < q->x[3])) break;
+        ric_event_bridge_station(tr, q, *at = x, h, &tr->mid);
+    }
+    if (*at != from) ric_event_bridge_station(tr, q, *at = from, h, &tr->mid);
+    return false;
+}
+
 /* A step over a branch point (shorter than RIC_CROSSING): every inner function from the cubics. *end_test: why the
  * branch ends there, at *end: DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
 static ric_status cross(ric_continuation *tr, double h, int *end_test, double *end, bool *retry)
@@ -504,15 +524,7 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
     double at = ric_event_bridge_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
     ric_event_bridge_station(tr, &q, at, h, &tr->mid);
-    /* a neighbour on the side where there is more room: close by it is lost in rounding */
-    int far = at - q.x[0] > q.x[3] - at ? 0 : 3;
-    const ric_crossed place = {tr->mid.u, q.u + far * tr->chain->n_unknown, q.u + (3 - far) * tr->chain->n_unknown};
-    for (int i = 0; i < ASIDE_STEPS && *end_test < 0; i++) {
-        double aside, x;
-        if (ric_symmetric_end_meets(tr, &place, &aside)) *end_test = RIC_TEST_DET;
-        else if ((x = at + aside * (q.x[far] - at)) == at || !(x > q.x[1] && x < q.x[2])) break;
-        else ric_event_bridge_station(tr, &q, at = x, h, &tr->mid);
-    }
+    if (*end_test < 0 && at_image(tr, &q, h, ric_symmetric_end_meets, &at)) *end_test = RIC_TEST_DET;
     bool arrived = *end_test >= 0;
     if (arrived) *end = at;
     bool repeated = ric_symmetric_end_repeats(tr, tr->mid.u);
@@ -525,7 +537,7 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
     /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the
      * determinant: that zero belongs to the one junction, and beyond it the other sign is the one to expect. A family
      * of order 3 passes on a slope; its extremum lies aside and is a junction of its own. */
-    bool image = !arrived && ric_symmetric_end_passes(tr, &place);
+    bool image = !arrived && at_image(tr, &q, h, ric_symmetric_end_passes, &at);
     bool flat = arrived || image ||
                 (repeated && fabs(ric_event_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
                                  ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));

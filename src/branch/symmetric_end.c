@@ -162,14 +162,14 @@ bool ric_symmetric_end_meets(const ric_continuation *tr, const ric_crossed *plac
     return turned_round(tr, place, 0, ric_periodic_operations(tr->chain->model) - 1, aside);
 }
 
-bool ric_symmetric_end_passes(const ric_continuation *tr, const ric_crossed *place)
+bool ric_symmetric_end_passes(const ric_continuation *tr, const ric_crossed *place, double *aside)
 {
+    *aside = 0;
     if (tr->chain->model->symmetric) return false;
     ric_periodic *cycle = ric_continuation_cycle(tr, place->at);
-    double aside;
     bool mirrors = cycle && ric_periodic_mirrors(tr->chain->model, cycle);
     ric_periodic_free(cycle);
-    return mirrors && turned_round(tr, place, 2, 3, &aside);
+    return mirrors && turned_round(tr, place, 2, 3, aside);
 }
 
 bool ric_symmetric_end_repeats(const ric_continuation *tr, const double *at)

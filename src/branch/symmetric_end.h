@@ -14,8 +14,8 @@ typedef struct {
  * middle between the orbit and its image lies; else 0. */
 bool ric_symmetric_end_meets(const ric_continuation *trace, const ric_crossed *place, double *aside);
 /* Whether x -> -x does so, a symmetry that the structure lacks but not the contacts that the orbit meets. Beyond are
- * the mirror images, other motions, and the branch goes on. */
-bool ric_symmetric_end_passes(const ric_continuation *trace, const ric_crossed *place);
+ * the mirror images, other motions, and the branch goes on. *aside as above. */
+bool ric_symmetric_end_passes(const ric_continuation *trace, const ric_crossed *place, double *aside);
 /* Whether the orbit is one of fewer impacts gone through several times. */
 bool ric_symmetric_end_repeats(const ric_continuation *trace, const double *at);
 
