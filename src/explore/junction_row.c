@@ -65,36 +65,16 @@ static char *refusals(const ric_node *node)
     return text;
 }
 
-/* The orbit of a junction without touches, over its own period also where the junction is a duplicate; *bare: no impact
- * is left. */
-static ric_periodic *original_orbit(const ric_model *m, const ric_node *node, bool *bare)
-{
-    ric_periodic *regular = ric_node_regular(m, node), *once = NULL, *canonical = NULL;
-    *bare = !regular;
-    if (regular && node->kind == RIC_KIND_GRAZING && node->multiple > 1) {
-        once = ric_periodic_shorten(regular, node->multiple);
-        canonical = once ? ric_periodic_canonical(m, once) : NULL;
-    } else if (regular) canonical = ric_periodic_canonical(m, regular);
-    ric_periodic_free(regular);
-    ric_periodic_free(once);
-    return canonical;
-}
-
 ric_status ric_junction_row_make(const ric_model *m, const ric_node *node, int index, ric_junction_row *out)
 {
     ric_status status = RIC_OK;
     ric_junction_record *r = &out->record;
     int n = m->n_dof;
     bool bare;
-    ric_periodic *cycle = original_orbit(m, node, &bare), *again = NULL;
-    double energy = node->energy, period = node->period;
-    if (cycle && node->kind == RIC_KIND_GRAZING) again = ric_node_solve_again(m, cycle);
-    if (again) {
-        ric_periodic_free(cycle);
-        cycle = again;
-        energy = ric_periodic_energy(m, cycle);
-        period = ric_periodic_period(cycle);
-    }
+    ric_periodic *cycle = ric_node_original(m, node, &bare);
+    const bool own = cycle && node->kind == RIC_KIND_GRAZING;
+    const double energy = own ? ric_periodic_energy(m, cycle) : node->energy,
+                 period = own ? ric_periodic_period(cycle) : node->period;
     int N = cycle ? ric_periodic_letters(cycle) : 0;
     *out = (ric_junction_row){.node = node, .index = index};
     r->word = ric_calloc((size_t)N + 1, sizeof *r->word);

@@ -393,6 +393,22 @@ ric_periodic *ric_node_regular(const ric_model *m, const ric_node *node)
     return node->kind == RIC_KIND_GRAZING ? ric_grazing_words_cycle(m, node, 0) : ric_periodic_copy(node->cycle);
 }
 
+ric_periodic *ric_node_original(const ric_model *m, const ric_node *node, bool *bare)
+{
+    ric_periodic *regular = ric_node_regular(m, node), *once = NULL, *canonical = NULL, *again = NULL;
+    const bool grazing = node->kind == RIC_KIND_GRAZING;
+    *bare = !regular;
+    if (!regular) return NULL;
+    if (grazing && node->multiple > 1) once = ric_periodic_shorten(regular, node->multiple);
+    if (once || !grazing || node->multiple == 1) canonical = ric_periodic_canonical(m, once ? once : regular);
+    ric_periodic_free(regular);
+    ric_periodic_free(once);
+    if (canonical && grazing) again = ric_node_solve_again(m, canonical);
+    if (!again) return canonical;
+    ric_periodic_free(canonical);
+    return again;
+}
+
 int ric_node_impacts(const ric_node *node, unsigned choice)
 {
     int count = ric_periodic_impacts(node->springs, node->cycle), missing = 0;

@@ -121,5 +121,8 @@ int ric_node_impacts(const ric_node *node, unsigned choice);
 bool ric_node_half(const ric_model *model, const ric_node *node, unsigned choice);
 /* Regular orbit of a node: a grazing without its touches (NULL with no impact left). */
 ric_periodic *ric_node_regular(const ric_model *model, const ric_node *node);
+/* The orbit that is stored for a junction: a grazing's is solved without its touches, and gone through once where the
+ * junction is a duplicate. *bare: no impact is left, and NULL; NULL otherwise: no memory. */
+ric_periodic *ric_node_original(const ric_model *model, const ric_node *node, bool *bare);
 
 #endif

@@ -102,10 +102,10 @@ static bool is_motion(const ric_model *m, const ric_node *node)
 {
     if (node->refusal) return true;
     if (is_bare(node)) return comes_back(m, node);
-    ric_periodic *left = ric_node_regular(m, node), *again = left ? ric_node_solve_again(m, left) : NULL;
-    bool motion = left && ric_node_solve_admissible(m, again ? again : left);
+    bool bare;
+    ric_periodic *left = ric_node_original(m, node, &bare);
+    const bool motion = left && ric_node_solve_admissible(m, left);
     ric_periodic_free(left);
-    ric_periodic_free(again);
     return motion;
 }
 

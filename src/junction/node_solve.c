@@ -32,6 +32,7 @@
  * from */
 #define GRAIN 0x1p-32
 #define NO_TIME 1e-12 /* of the period: what rounding leaves of a flight between two impacts at one instant */
+#define TOUCHES 1e-13 /* of the clearance: a motion that ends so near to a stop touches it */
 #define BEYOND 1e-9   /* of the clearance: an orbit that goes through a stop by more is no motion */
 #define PASSES 5      /* most of them: where a place is known to less than a grain they need not come to an end */
 /* COARSE_GRAIN: the same where what vanishes is regular: the fewer orbits that differ by rounding are rounded to
@@ -439,9 +440,45 @@ bool ric_node_solve_sharp(const ric_model *m, const ric_periodic *cycle, int tes
 
 static bool solve_chain(ric_shooting *chain, double *u)
 {
-    double du[chain->n_unknown];
+    double du[chain->n_unknown], from[chain->n_unknown], moved = 0;
     int iterations;
-    return ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations);
+    memcpy(from, u, sizeof from);
+    if (!ric_continuation_correct(chain, u, NULL, NULL, 0, du, &iterations)) return false;
+    for (int i = 0; i < chain->n_unknown; i++) moved = fmax(moved, fabs(u[i] - from[i]));
+    return moved <= RIC_SAME_LOCATED * chain->scale;
+}
+
+/* How far the motion of the chain reaches beyond the stop that it comes nearest to, of its clearance. */
+static double beyond(ric_shooting *c, const double *u)
+{
+    ric_shooting_fly(c, u);
+    return ric_reach(c, u, NULL) - 1;
+}
+
+/* Moves u along its curve, by no more than a place is known to, to where the motion touches: with its touches an orbit
+ * may lack a symmetry that it has without them, and be known worse. */
+static void settle_touch(ric_shooting *c, double *u)
+{
+    const int size = c->n_unknown;
+    double origin[size], normal[size], v[size], du[size], x0 = 0, x1 = LEAST_FIRST * c->scale, f0 = beyond(c, u),
+                                                          least = fabs(f0);
+    int iterations;
+    memcpy(origin, u, sizeof origin);
+    ric_shooting_evaluate(c, u);
+    ric_continuation_tangent(c, NULL, normal);
+    for (int i = 0; i < 5 && least > TOUCHES && fabs(x1) <= RIC_SAME_LOCATED * c->scale; i++) {
+        for (int j = 0; j < size; j++) v[j] = origin[j] + x1 * normal[j];
+        if (!ric_continuation_correct(c, v, origin, normal, x1, du, &iterations)) return;
+        const double f1 = beyond(c, v), next = x1 - f1 * (x1 - x0) / (f1 - f0);
+        if (fabs(f1) < least) {
+            least = fabs(f1);
+            memcpy(u, v, sizeof v);
+        }
+        if (!isfinite(next)) return;
+        x0 = x1;
+        f0 = f1;
+        x1 = next;
+    }
 }
 
 ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle)
@@ -449,8 +486,10 @@ ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle
     ric_shooting *chain = NULL;
     double *u = NULL;
     ric_periodic *solved = NULL, *out = NULL;
-    if (!ric_periodic_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u))
+    if (!ric_periodic_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u)) {
+        settle_touch(chain, u);
         solved = ric_periodic_from_chain(chain, u);
+    }
     if (solved) out = ric_periodic_canonical(m, solved);
     ric_periodic_free(solved);
     ric_shooting_free(chain);
