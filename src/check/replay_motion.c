@@ -105,7 +105,7 @@ real ric_replay_pull(const replay *r, int k, const face_t *face, const real *w)
 
 bool ric_replay_touches(const replay *r, int k, const face_t *face, const real *w, real speed)
 {
-    return speed * speed <= 2 * fabs(ric_replay_pull(r, k, face, w)) * DEPTH * face->limit ||
+    return speed * speed <= 2 * fabs(ric_replay_pull(r, k, face, w)) * r->depth * face->limit ||
            fabs(speed) <= BLUNT * ric_replay_fastest(r, face);
 }
 

@@ -160,6 +160,7 @@ static ric_status prepare(replay *r, const ric_model *model)
     r->n = ric_model_n_dof(r->model);
     r->n_face = ric_model_n_face(r->model);
     r->n_flight = r->branch.letters > 0 ? r->branch.letters : 1;
+    r->depth = DEPTH;
     return allocate(r);
 }
 

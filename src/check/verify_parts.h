@@ -12,8 +12,8 @@
 #define SLOW 1e-3                   /* below, the time of the impact is weighed */
 #define BLUNT 1e-9                  /* no impact amplifies more than one of this speed */
 #define NO_LENGTH 1e-7              /* of the period: a contact of a spring that short is a touch */
-/* DEPTH: of the clearance: a motion that would go no farther beyond its face touches it, as what an orbit may be left
- * open decides whether it is met at all */
+/* DEPTH: of the clearance: a motion that would go no farther beyond its face touches it, as what a stored point may be
+ * left open decides whether it is met at all */
 #define DEPTH 1e-11
 
 typedef ric_real real;
@@ -54,6 +54,7 @@ typedef struct {
     real *w;                      /* [2n] q, p of the replay */
     real *moved;                  /* [2n] column by which the start of a flight was brought back to its stop */
     double *x;                    /* [2n] scratch: x, v */
+    real depth;                   /* as DEPTH: of a junction, which is located, it is more */
     real period, norm, offset;    /* offset: time at which the simulator was started anew behind a touch */
     double energy, reach;         /* energy: of the state that is replayed */
     real amplification;           /* logarithm: what the end of the period makes of rounding on the way */

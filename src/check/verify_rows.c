@@ -215,6 +215,7 @@ static ric_status check_faces(replay *r, ric_claims *out)
     ric_digits digits = {0};
     /* of a junction it is not stored: the digits allow for the most that any orbit has */
     r->point.residual = (float)SOLVED;
+    r->depth = SOLVED;
     ric_status status = ric_verify_digits_open(r, &digits);
     r->check = &check;
     r->digits = &digits;

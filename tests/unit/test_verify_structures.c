@@ -197,6 +197,27 @@ static void verify_small_clearance_beside_large(void **state)
                      "explore: {energy: [0, 8.72], frequency: [0.2828, 5.196], impacts: 6, multiply: 3, depth: 2}\n");
 }
 
+/* Beside a family of nearly one frequency the place of a grazing is known to 1e-10 of the clearance only. */
+static void verify_grazing_of_a_family(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n"
+                     "  mass:\n"
+                     "    - [0.890625, 0.15625, 0, 0.171875]\n"
+                     "    - [0.15625, 1.953125, -0.1875, 0.015625]\n"
+                     "    - [0, -0.1875, 1.390625, 0.28125]\n"
+                     "    - [0.171875, 0.015625, 0.28125, 1.859375]\n"
+                     "  stiffness:\n"
+                     "    - [1.3685489182338983, 0.10361638865336348, -0.6582247861336603, -1.8484433284798587]\n"
+                     "    - [0.10361638865336348, 2.570514220878024, 1.8204796976807145, 0.9244913896346436]\n"
+                     "    - [-0.6582247861336603, 1.8204796976807145, 8.422358363319413, 5.235883800723144]\n"
+                     "    - [-1.8484433284798587, 0.9244913896346436, 5.235883800723144, 11.170115404641983]\n"
+                     "  contacts:\n"
+                     "    - {normal: [-1, 1, 0, 0], law: bilinear, clearance: 1.36, sides: lower, stiffness: 122.6}\n"
+                     "    - {normal: [0, -1, 1, 0], law: bilinear, clearance: 0.95, sides: upper, stiffness: 13.18}\n"
+                     "explore: {energy: [0, 6.955], frequency: [0.2, 9], impacts: 5, multiply: 2, depth: 1}\n");
+}
+
 /* Two stops at 0.001 of the clearance of a spring are struck within its contact, at 1e-6 of the largest speed and less:
  * the gap that rounding leaves decides when, and a touch there is none of the spring, which is closed. */
 static void verify_stop_in_contact(void **state)
@@ -337,6 +358,7 @@ int main(void)
         cmocka_unit_test(verify_all_impacts_at_once),
         cmocka_unit_test(verify_stiff_contacts),
         cmocka_unit_test(verify_small_clearance_beside_large),
+        cmocka_unit_test(verify_grazing_of_a_family),
         cmocka_unit_test(verify_stop_in_contact),
         cmocka_unit_test(verify_stop_and_stiff_spring),
         cmocka_unit_test(verify_flow_at_closing),
