@@ -141,6 +141,8 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
         n_pair = RIC_CORNER_TOGETHER;
     ric_periodic_free(full);
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
+    if (!ric_node_solve_admissible(m, cycle))
+        return ric_fail(RIC_E_NUMERIC, "where two contacts meet, an orbit of %d impacts is none", cycle->N);
     ric_node *node = ric_node_create(m, RIC_KIND_CORNER, ric_periodic_canonical(m, cycle));
     if (!node) return ric_no_memory("a junction");
     node->refusal = n_pair == RIC_CORNER_TOGETHER ? RIC_REFUSAL_TOGETHER : RIC_REFUSAL_OBLIQUE;

@@ -506,7 +506,7 @@ bool ric_node_solve_admissible(const ric_model *m, const ric_periodic *cycle)
     admissible = admissible && !ric_periodic_to_chain(m, cycle, &chain, &u);
     if (admissible) {
         ric_shooting_fly(chain, u);
-        admissible = ric_reach(chain, u, NULL) <= 1 + BEYOND;
+        admissible = chain->residual <= RIC_SAME_SOLVED && ric_reach(chain, u, NULL) <= 1 + BEYOND;
     }
     ric_shooting_free(chain);
     free(u);

@@ -91,7 +91,14 @@ static void no_junction_through_a_stop(void **state)
          "  contacts:\n"
          "    - {normal: [1, -1], law: rigid, clearance: 0.94, sides: both}\n"
          "    - {normal: [1, 0], law: bilinear, clearance: 0.94, sides: lower, stiffness: 159.3}\n"
-         "explore: {energy: [0, 3.799], frequency: [0.3189, 5.224], impacts: 6, multiply: 3, depth: 2}\n"};
+         "explore: {energy: [0, 3.799], frequency: [0.3189, 5.224], impacts: 6, multiply: 3, depth: 2}\n",
+         "model:\n"
+         "  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+         "  stiffness: [[3, 0, 0], [0, 2, 0], [0, 0, 2]]\n"
+         "  contacts:\n"
+         "    - {normal: [-1, 1, 0], law: rigid, clearance: 1.05, sides: both}\n"
+         "    - {normal: [1, 0, 0], law: rigid, clearance: 0.00105, sides: both}\n"
+         "explore: {energy: [0, 3.841], frequency: [0.2828, 5.196], impacts: 6, multiply: 2, depth: 2}\n"};
     for (size_t k = 0; k < sizeof studies / sizeof *studies; k++) {
         ric_atlas *atlas = explore_text(studies[k]);
         for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
