@@ -136,6 +136,27 @@ def solve(a, b):
     return x
 
 
+def bordered(chain):
+    """The relative Jacobian of one orbit in 50 digits, [size + 1, size + 1] with the direction along the curve and the equation that
+    energy makes superfluous."""
+    unknowns, equations = [ar.array(w[0], True) for w in chain.weights()]
+    U, _, Vt = chain.singular()
+    size = len(unknowns)
+    matrix = ar.zeros((size + 1, size + 1), True)
+    matrix[:size, :size] = chain.jacobian()[0] * unknowns[None, :] / equations[:, None]
+    matrix[:size, size], matrix[size, :size] = ar.array(U[0, :, -1], True), ar.array(Vt[0, -1], True)
+    return matrix
+
+
+def tangent_finely(chain):
+    """The direction along the curve of one orbit in 50 digits, of unit length in relative unknowns."""
+    matrix = bordered(chain)
+    right = ar.zeros(len(matrix), True)
+    right[-1] = ar.number(1, True)
+    tangent = ar.double(solve(matrix, right)[:-1])
+    return tangent / np.linalg.norm(tangent)
+
+
 def polish_finely(chain, rounds=6):
     """The same for one orbit in 50 digits: Newton's method with its Jacobian in these, bordered by the direction along the curve and
     the equation that energy makes superfluous, so that small singular values cost digits and not the convergence."""
@@ -144,13 +165,8 @@ def polish_finely(chain, rounds=6):
         left = float(max(abs(r) for r in chain.residual()[0] / equations))
         if left < 1e-42:
             break
-        U, _, Vt = chain.singular()
-        size = len(unknowns)
-        matrix = ar.zeros((size + 1, size + 1), True)
-        matrix[:size, :size] = chain.jacobian()[0] * unknowns[None, :] / equations[:, None]
-        matrix[:size, size], matrix[size, :size] = ar.array(U[0, :, -1], True), ar.array(Vt[0, -1], True)
         right = np.append(-chain.residual()[0] / equations, ar.zeros(1, True))
-        chain = chain.moved((solve(matrix, right)[:size] * unknowns)[None, :])
+        chain = chain.moved((solve(bordered(chain), right)[:-1] * unknowns)[None, :])
     difference = np.concatenate([chain.u - start.u, chain.v - start.v, chain.tau - start.tau], axis=1)[0] / unknowns
     return chain, float(max(abs(x) for x in difference))
 
