@@ -134,12 +134,12 @@ def _parts(count):
 
 def _brackets(sign, rise, t, g, w, y, yd):
     """(orbit, from, to) of intervals with a maximum: sign changes of the slope on the grid, and pairs of them within two intervals,
-    where the slope has its extremum: by the parabola through three points, then by bisection of the curvature."""
+    where the slope is nearest to zero between three points: by bisection of the curvature."""
     p, i = np.nonzero((rise[:, :-1] > 0) & (rise[:, 1:] <= 0))
     lower, upper = t[p, i], t[p, i + 1]
     left, middle, right = rise[:, :-2], rise[:, 1:-1], rise[:, 2:]
-    bend, side = left - 2 * middle + right, np.sign(middle)
-    near = (side * left >= side * middle) & (side * right >= side * middle) & (side * middle < 0.5 * side * bend)
+    side = np.sign(middle)
+    near = (side * left >= side * middle) & (side * right >= side * middle)
     q, k = np.nonzero(near & (side != 0))
     if len(q) == 0:
         return p, lower, upper
