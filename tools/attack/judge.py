@@ -299,14 +299,16 @@ class Judge:
         def distance(a, b):
             return np.maximum(np.abs(ar.double(a[0] - b[0])).max(axis=1) / su, np.abs(ar.double(a[1] - b[1])).max(axis=1) / sv)
 
-        u0, v0 = chain.after[0]
-        half = [distance((-chain.after[k][0], -chain.after[k][1]), (u0, v0)) for k in range(chain.N)]
-        symmetric = np.min(half, axis=0)
-        back = []
-        for k in range(1, chain.N + 1):
-            u, w = chain.before[k - 1]
-            back += [distance((u, -w), (u0, v0)), distance((-u, w), (u0, v0))]
-        reversible = np.min(back, axis=0)
+        N = chain.N
+        half, back = [], []  # of each operation, how far off it is at the start, and at every event
+        for k in range(N):
+            half.append([distance([-x for x in chain.after[(k + j) % N]], chain.after[j]) for j in range(N)])
+            for sign in (1, -1):
+                back.append([distance((sign * u, -sign * w), chain.after[j])
+                             for j in range(N) for u, w in [chain.before[(k - j) % N]]])
+        symmetric, reversible = (np.min([op[0] for op in ops], axis=0) for ops in (half, back))
+        # where a stop has no counterpart, the state at one event may be its own image, and the motion is not
+        everywhere = {what: np.min([np.max(op, axis=0) for op in ops], axis=0) for what, ops in (("symmetric", half), ("reversible", back))}
         middle = [i for i, r in enumerate(rows) if 0 < r["point"] < branch["points"] - 1 and slow[i] > 1e-4]
         for said, found, what in ((branch["symmetric"], symmetric, "symmetric"), (branch["reversible"], reversible, "reversible")):
             for i in range(len(rows)):
@@ -314,7 +316,7 @@ class Judge:
                 if said and found[i] > SIMILAR * max(1, 1e-3 / max(slow[i], 1e-9)):
                     v.find(what, f"branch {branch['id']} {branch['label']} point {rows[i]['point']}",
                            f"said to be {what}, {found[i]:.1e} off")
-            if not said and len(middle) > 3 and max(found[i] for i in middle) < 1e-10:
+            if not said and len(middle) > 3 and max(everywhere[what][i] for i in middle) < 1e-10:
                 v.find(what, f"branch {branch['id']} {branch['label']}", f"all {len(middle)} inner orbits are {what}, not said")
 
     # ---- many digits
