@@ -109,7 +109,8 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
  * rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is slow or a spring is hardly
  * closed. What is so near to the border that this may count is measured, and a trace of which it may leave less than
  * three digits, as at a grazing, is lost if it
- * does. Where branches meet at no slow impact it stays: there it is 2 or -2. */
+ * does: where the map is known, too, the speed of an impact may be known to no more than that. Where branches meet at
+ * no slow impact it stays: there it is 2 or -2. */
 ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
 {
     if (f->n_pair < 1) return RIC_OK;
@@ -118,7 +119,8 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
     const double error = f->rough * (1 + (1 + 1 / approach) * c->scale / c->smallest), slow = f->rough / approach;
     const bool far = !ric_flight_law_of(c->model)->closes && !(fabs(margin) <= NEAR_BORDER * error * steepness(margin)),
                decided = f->stable != RIC_STABLE_UNDECIDED && !far,
-               vague = f->n_pair == 1 && !(slow <= NEARLY_LOST * (1 + fabs(f->own[0])));
+               touched = !(UNKNOWN * c->scale <= NEARLY_LOST * approach),
+               vague = f->n_pair == 1 && (touched || !(slow <= NEARLY_LOST * (1 + fabs(f->own[0]))));
     if (!decided && !vague) return RIC_OK;
     ric_status status = measure(c, u, f, seen);
     if (!status && vague) ric_floquet_widen(f, seen);

@@ -1,0 +1,125 @@
+/* Floquet multipliers beside slow impacts, which divide the map: of touches no digit of the trace is known, of others
+ * all that the orbit leaves. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "explored.h"
+
+/* A spring is closed while a stop is struck with 2.4e-4 of the largest speed: a map on the face of that stop has
+ * entries of 1e7, of which nine digits cancel in the trace. The exact one is that of a solution in 50 digits. */
+static void slow_impact_within_contact(void **state)
+{
+    (void)state;
+    static const double exact = -0.21210893515212685;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[3, 0], [0, 2]]\n  contacts:\n"
+        "    - {normal: [-1, 1], law: bilinear, clearance: 1.95, sides: upper, stiffness: 0.00961}\n"
+        "    - {normal: [1, 0], law: rigid, clearance: 0.00195, sides: both}\n"
+        "explore: {energy: [0, 3.6], frequency: [0.2828, 5.196], impacts: 4, multiply: 1, depth: 2}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_orbit **orbits;
+        int n;
+        double p[4];
+        if (strcmp(branch_of(atlas, id).label, "A2[01-0]")) continue;
+        assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_ENERGY, 2.05, &n, &orbits), RIC_OK);
+        for (int i = 0; i < n; i++, found++) {
+            assert_int_equal(ric_orbit_multipliers(orbits[i], p), RIC_OK);
+            if (!(fabs(p[0] + p[2] - exact) < 1e-11)) fail_msg("branch %d: trace %.17g", id, p[0] + p[2]);
+        }
+        ric_orbits_free(n, orbits);
+    }
+    assert_true(found > 0);
+    ric_atlas_free(atlas);
+}
+
+/* Two touches on one side of the near stop, at 1e-11 of the speed of the others: the map of the orbit as it is written
+ * down has all its digits, but the speed that it divides by is known to two. */
+static void no_trace_of_an_unknown_speed(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n"
+        "  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+        "  stiffness: [[3, 0, 0], [0, 2, 0], [0, 0, 2]]\n"
+        "  contacts:\n"
+        "    - {normal: [1, 0, -1], law: rigid, clearance: 0.862, sides: both}\n"
+        "    - {normal: [1, 0, 0], law: rigid, clearance: 0.000862, sides: lower}\n"
+        "explore: {energy: [0, 6.71], frequency: [0.2828, 5.196], impacts: 4, multiply: 3, depth: 2}\n");
+    int slow = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+        for (int i = 0; i < branch_of(atlas, id).n_point; i++) {
+            ric_point p;
+            assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
+            if (!(p.approach > 0 && p.approach < 1e-11)) continue;
+            slow++;
+            if (!isnan(p.trace))
+                fail_msg("branch %d, point %d: asinh(trace / 2) %g at speed %g", id, i, p.trace, p.approach);
+        }
+    assert_true(slow > 0);
+    ric_atlas_free(atlas);
+}
+
+/* Both modes are of one frequency, so that a motion between the two slow impacts on the near stop is turned by nothing
+ * but the stop: its trace is two. Sections on faces left 1e-11 of it, where entries of 1 / speed cancel. */
+static void trace_at_slow_mirrors(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[2, 0], [0, 2]]\n  contacts:\n"
+        "    - {normal: [1, -1], law: rigid, clearance: 5.7, sides: both}\n"
+        "    - {normal: [2, 1], law: rigid, clearance: 0.0057, sides: both}\n"
+        "explore: {energy: [0, 2.387], frequency: [0.2828, 4.243], impacts: 4, multiply: 2, depth: 2}\n");
+    int points = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        if (strcmp(b.label, "A4[2323]") != 0) continue;
+        for (int i = 0; i < b.n_point; i++, points++) {
+            ric_point p;
+            assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
+            if (!(fabs(2 * sinh(p.trace) - 2) < 4e-12)) fail_msg("point %d: trace %.15g", i, 2 * sinh(p.trace));
+        }
+    }
+    assert_true(points > 10);
+    ric_atlas_free(atlas);
+}
+
+/* Where an impact is a touch the trace has no bound, and rounding decides what a computation makes of it: from 1e25 to
+ * 1e67 here. No digit of it is known. */
+static void no_trace_at_touches(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], law: rigid, clearance: 1, sides: both}\n"
+        "explore: {energy: [0, 2000], frequency: [0.2, 10], impacts: 14, multiply: 1, depth: 0, symmetric: true}\n");
+    int touches = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+        for (int i = 0; i < branch_of(atlas, id).n_point; i++) {
+            ric_point p;
+            assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
+            if (!(fabs(p.approach) < 1e-13)) continue;
+            touches++;
+            if (fabs(p.trace) > asinh(5e9)) fail_msg("branch %d, point %d: asinh(trace / 2) %g", id, i, p.trace);
+        }
+    print_message("# %d touches\n", touches);
+    assert_true(touches > 10);
+    ric_atlas_free(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(slow_impact_within_contact),
+        cmocka_unit_test(no_trace_of_an_unknown_speed),
+        cmocka_unit_test(trace_at_slow_mirrors),
+        cmocka_unit_test(no_trace_at_touches),
+    };
+    return cmocka_run_group_tests_name("floquet_slow", tests, NULL, NULL);
+}
