@@ -138,7 +138,9 @@ ric_status ric_verify_digits_open(const replay *r, ric_digits *d)
     d->close = d->speed + N;
     real *sizes = d->close + 2 * n;
     for (int i = 0; i < 2 * n; i++) d->unit[i >= n] = fmax(d->unit[i >= n], fabs(r->state[i]));
-    const real digit = DIGIT * N + (r->point.residual > 0 ? fmin(r->point.residual, MOST_OPEN) : 0);
+    /* of an orbit that is small beside the clearances the residual is relative to these */
+    const real residual = r->point.residual * (1 + d->unit[0]) / d->unit[0],
+               digit = DIGIT * N + (residual > 0 ? fmin(residual, MOST_OPEN) : 0);
     for (int j = 0; j < 2 * n && r->n_event; j++) {
         real column[2 * n];
         start_column(r, j, column);
