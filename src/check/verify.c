@@ -282,21 +282,24 @@ static bool is_at(const replay *r, const face_t *face)
     return face->spring > 0 && fabs(ric_replay_gap(r, face, r->w)) <= REACH * face->limit;
 }
 
-/* A flight that ends in a touch: the face is reached and not passed, or struck as slowly as the chain does. A contact
- * of a spring that is as shallow as that may be met or not, and the state is continuous. */
+/* A flight that ends in a touch: the face is reached, as far as the stored digits tell, and not passed, or struck as
+ * slowly as the chain does. A contact of a spring that is as shallow as that may be met or not, and the state is
+ * continuous. */
 static ric_status check_touch(replay *r, int k)
 {
     event e;
+    const face_t *face = ric_replay_end_face(r, k);
     ric_status status = run_to_impact(r, k, r->tau[k], r->tau[k], &e);
     if (status) return status;
-    bool corner = e.refused && at_corner(r, ric_replay_end_face(r, k), r->chain + (size_t)(k + 1) * 2 * (size_t)r->n);
+    bool corner = e.refused && at_corner(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n);
     if (corner) { /* two gaps touch at one instant: there is nothing to compare */
         r->corner = true;
         return RIC_OK;
     }
-    if (e.refused || (e.hit && &r->face[e.face] != ric_replay_end_face(r, k))) r->check->faces_agree = false;
-    bool met = e.hit || e.touches || fabs(r->reach - 1) <= REACH;
-    if (!met && !is_at(r, ric_replay_end_face(r, k))) r->check->faces_agree = false;
+    if (e.refused || (e.hit && &r->face[e.face] != face)) r->check->faces_agree = false;
+    const real digits = r->digits && r->n_event ? r->digits->gap[k] / face->limit : 0;
+    const bool met = e.hit || e.touches || fabs(r->reach - 1) <= REACH + digits;
+    if (!met && !is_at(r, face)) r->check->faces_agree = false;
     compare_end(r, k, e.hit ? e.time : r->tau[k]);
     return RIC_OK;
 }

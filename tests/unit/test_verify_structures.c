@@ -197,6 +197,38 @@ static void verify_small_clearance_beside_large(void **state)
                      "explore: {energy: [0, 8.72], frequency: [0.2828, 5.196], impacts: 6, multiply: 3, depth: 2}\n");
 }
 
+/* The residual is relative to the clearances: an orbit of a thousandth of them is solved to a thousand times the
+ * rounding of its own numbers, and a soft spring is met with 1e-4 of its largest speed. */
+static void verify_small_orbits(void **state)
+{
+    (void)state;
+    all_of_it_passes(
+        "model:\n"
+        "  mass: [[1.125, -0.0625, -0.03125], [-0.0625, 2.265625, -0.15625], [-0.03125, -0.15625, 1.390625]]\n"
+        "  stiffness:\n"
+        "    - [9.326823221354077, 3.001218382200186, -1.193035760736893]\n"
+        "    - [3.001218382200186, 3.781025264335784, 0.5882584040190442]\n"
+        "    - [-1.193035760736893, 0.5882584040190442, 5.298896866926673]\n"
+        "  contacts:\n"
+        "    - {normal: [1, 0, -1], law: rigid, clearance: 1.71, sides: both}\n"
+        "    - {normal: [0, 0, 1], law: bilinear, clearance: 0.00171, sides: lower, stiffness: 0.05015}\n"
+        "explore: {energy: [0, 3.326e-05], frequency: [0.2, 9], impacts: 8, multiply: 3, depth: 2}\n");
+}
+
+/* Stiff springs multiply the last digits until a stop that is touched is missed, or struck: within what they leave of
+ * its gap it may be either. */
+static void verify_touch_within_the_digits(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n"
+                     "  mass: [[1.40625, -0.109375], [-0.109375, 1.765625]]\n"
+                     "  stiffness: [[1750000, 1437500], [1437500, 1953125]]\n"
+                     "  contacts:\n"
+                     "    - {normal: [1, -1], law: bilinear, clearance: 0.842, sides: both, stiffness: 1625000000}\n"
+                     "    - {normal: [1, 0], law: rigid, clearance: 1.24, sides: both}\n"
+                     "explore: {energy: [0, 30930000], frequency: [98.71, 4496], impacts: 8, multiply: 3, depth: 2}\n");
+}
+
 /* Beside a family of nearly one frequency the place of a grazing is known to 1e-10 of the clearance only. */
 static void verify_grazing_of_a_family(void **state)
 {
@@ -358,6 +390,8 @@ int main(void)
         cmocka_unit_test(verify_all_impacts_at_once),
         cmocka_unit_test(verify_stiff_contacts),
         cmocka_unit_test(verify_small_clearance_beside_large),
+        cmocka_unit_test(verify_small_orbits),
+        cmocka_unit_test(verify_touch_within_the_digits),
         cmocka_unit_test(verify_grazing_of_a_family),
         cmocka_unit_test(verify_stop_in_contact),
         cmocka_unit_test(verify_stop_and_stiff_spring),
