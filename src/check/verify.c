@@ -90,12 +90,10 @@ static bool only_touched(const replay *r, int k, bool far, real *wait)
 
 /* Flies on from a touch in closed form until the gap is open again. The simulator cannot do so where two faces are
  * touched together: it sees impacts that disturb each other, however slow. */
-static ric_status pass_touch(replay *r, int k, real wait, real end, event *e)
+static void pass_touch(const replay *r, int k, real wait, event *e)
 {
-    wait = fmin(wait, end - e->time);
     ric_replay_fly(r, k, wait, r->w, r->w);
     e->time += wait;
-    return e->time < end ? start_at(r, k, r->w, e->time) : RIC_OK;
 }
 
 /* Whether a hit at r->w is an impact of the orbit: the word has one of that speed at the end of flight k, due at time
@@ -139,8 +137,12 @@ static ric_status run_to_impact(replay *r, int k, real due, real end, event *e)
         /* What digits make of the touch of a spring that is open is no contact, as a stiff one would turn its speed
          * round. Any other the simulator passes by itself. */
         if (contact && (e->opens || !passes)) continue;
-        if ((status = pass_touch(r, k, wait, end, e))) return status;
-        if (e->time >= end || !r->check->faces_agree) break;
+        /* an impact that falls on the same instant is not flown over */
+        const real until = e->time < due ? fmin(due, end) : end;
+        pass_touch(r, k, fmin(wait, until - e->time), e);
+        if (e->time >= end) break;
+        if ((status = start_at(r, k, r->w, e->time))) return status;
+        if (!r->check->faces_agree) break;
     }
     return RIC_OK;
 }

@@ -229,6 +229,21 @@ static void verify_touch_within_the_digits(void **state)
                      "explore: {energy: [0, 30930000], frequency: [98.71, 4496], impacts: 8, multiply: 3, depth: 2}\n");
 }
 
+/* A soft spring is touched 2e-7 before a stop is struck whose normal is orthogonal to its own: the touch is not flown
+ * over that impact. */
+static void verify_touch_beside_an_impact(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n"
+                     "  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+                     "  stiffness: [[2, 0, 0], [0, 3, 0], [0, 0, 2]]\n"
+                     "  contacts:\n"
+                     "    - {normal: [1, 0, -1], law: rigid, clearance: 0.812, sides: both}\n"
+                     "    - {normal: [1, 0, 0], law: bilinear, clearance: 0.000812, sides: upper, stiffness: 0.8938}\n"
+                     "    - {normal: [0, -1, 1], law: rigid, clearance: 0.561, sides: both}\n"
+                     "explore: {energy: [0, 0.9869], frequency: [0.2828, 5.196], impacts: 4, multiply: 3, depth: 2}\n");
+}
+
 /* Beside a family of nearly one frequency the place of a grazing is known to 1e-10 of the clearance only. */
 static void verify_grazing_of_a_family(void **state)
 {
@@ -392,6 +407,7 @@ int main(void)
         cmocka_unit_test(verify_small_clearance_beside_large),
         cmocka_unit_test(verify_small_orbits),
         cmocka_unit_test(verify_touch_within_the_digits),
+        cmocka_unit_test(verify_touch_beside_an_impact),
         cmocka_unit_test(verify_grazing_of_a_family),
         cmocka_unit_test(verify_stop_in_contact),
         cmocka_unit_test(verify_stop_and_stiff_spring),
