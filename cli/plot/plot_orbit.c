@@ -448,6 +448,9 @@ static int find_and_draw(orbit *o, const words *w)
     if (code != CLI_DONE) return code;
     if (w->coordinates && !take_coordinates(o, w->coordinates)) return CLI_WRONG;
     if (!w->coordinates) usual_coordinates(o);
+    if (!w->coordinates && o->motion.n > o->n_shown)
+        fprintf(stderr, "ricochet: %d of %d coordinates are shown; --coordinates I,J chooses which\n", o->n_shown,
+                o->motion.n);
     const ric_status status = plot_motion_make(&o->motion);
     if (status != RIC_OK) return cli_report(status);
     choose_gaps(o);

@@ -105,6 +105,20 @@ draws orbit plot orbit "$ATLAS" --branch 1 --point 0
 draws junction plot orbit "$ATLAS" --junction 1 --coordinates 1
 draws tiny plot orbit "$ATLAS" --branch 1 --energy 1e-6
 note "an axis of tiny numbers names their power of ten" "$(grep -q '0\.000[1-9]' tiny.svg; [ $? = 1 ] && grep -q 'displacement / 10<' tiny.svg; echo $?)"
+cat >five.yaml <<'END'
+model:
+  mass: [[1, 0, 0, 0, 0], [0, 1, 0, 0, 0], [0, 0, 1, 0, 0], [0, 0, 0, 1, 0], [0, 0, 0, 0, 1]]
+  stiffness: [[2, -1, 0, 0, 0], [-1, 2, -1, 0, 0], [0, -1, 2, -1, 0], [0, 0, -1, 2, -1], [0, 0, 0, -1, 2]]
+  contacts:
+    - {normal: [0, 0, 0, 0, 1], clearance: 1.0, sides: both, law: rigid}
+explore: {start: [1], energy: [0, 5], impacts: 1, multiply: 1, depth: 0}
+END
+"$RICOCHET" run five.yaml -o five.ricochet >run.out 2>&1
+draws five plot orbit five.ricochet --branch 1 --point 0
+note "one of five coordinates is left out without a word" \
+    "$("$RICOCHET" plot orbit five.ricochet --branch 1 --point 0 -o five.svg 2>&1 >/dev/null | grep -q '4 of 5 coordinates are shown; --coordinates'; echo $?)"
+note "what was asked for is said to be left out" \
+    "$("$RICOCHET" plot orbit five.ricochet --branch 1 --point 0 --coordinates 5 -o five.svg 2>&1 >/dev/null | grep -c 'are shown')"
 draws fep-duplicates plot fep "$ATLAS" --duplicates 3
 draws fep-two plot fep "$ATLAS" --key one "$ATLAS" --key two --branch 1
 draws fep-zoom plot fep "$ATLAS" --zoom 1.8:4,2.5:4 --zoom 0.6:1,0.9:1 --log-frequency --symmetric --mark 'P1: 1@0.5'
