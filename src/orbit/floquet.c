@@ -265,6 +265,22 @@ static double roundings(const ric_shooting *c)
     return ric_flight_law_of(c->model)->integrated ? SMOOTH_STEPS : c->n_flight + 2;
 }
 
+/* The same with what stiff springs make of the rounding of their normals in the modes: their stiffness, over that of
+ * the lowest mode, multiplies it, and where a family is almost one of two parameters it turns up in the trace with its
+ * full size (two equal modes beside a spring of 4,400 times their stiffness: 6e-12 of a trace that is 2). */
+static double stiff_roundings(const ric_shooting *c)
+{
+    const ric_model *m = c->model;
+    double most = 0;
+    for (int k = 0; k <= c->n_flight; k++) {
+        double sum = 0;
+        for (int f = 0; c->closed[k] >> f && f < m->n_face; f++)
+            if (c->closed[k] >> f & 1) sum += m->face[f].spring * m->face[f].cc;
+        most = fmax(most, sum);
+    }
+    return roundings(c) + most;
+}
+
 /* rho = 2 + 4 eig(b'c), accurate to the rounding of the largest. A [k * k] is workspace. */
 static bool rho_of_product(int k, const double *b, const double *cc, int exponent, double *A, double *rho)
 {
@@ -378,7 +394,7 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
     f->det_d = determinant(k, k, d, tmp, rounding, &f->error_d);
     f->size_a = f->size_b = bound(k, a, b);
     f->size_d = bound(k, cc, d);
-    double error = ROUNDING * DBL_EPSILON * roundings(c) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
+    double error = ROUNDING * DBL_EPSILON * stiff_roundings(c) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
         ric_floquet_judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
         reversible_fine(c, f, E0, E1, A);
@@ -390,7 +406,10 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
     for (int i = 0; i < k; i++) errors[i] = error;
     bool found = exponent < 500;
     if (found && error <= ACCURATE) found = rho_of_product(k, b, cc, exponent, A, f->rho);
-    else if (found) found = rho_of_blocks(k, b, cc, exponent, rounding, A, P, f->rho, errors);
+    else if (found) {
+        double stiff = ROUNDING * DBL_EPSILON * stiff_roundings(c) * size;
+        found = rho_of_blocks(k, b, cc, exponent, stiff, A, P, f->rho, errors);
+    }
     if (found) ric_floquet_judge_pairs(f, quarter, errors);
     else ric_floquet_judge_lost(f);
     if (found) reversible_fine(c, f, E0, E1, A);
@@ -524,8 +543,8 @@ static bool rho_of_halves(const ric_shooting *c, ric_floquet *f, double *work, d
     add_inverse(k, P1, c->sigma, P2, Y);
     double size = fmax(growth[0], growth[1]);
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fmax(fabs(P1[i]), fabs(P2[i])));
-    if (!isfinite(size) || !ric_eigen_product(ld, X, Y, 2 * ROUNDING * DBL_EPSILON * roundings(c) * size, H, mu, error))
-        return false;
+    double rounding = 2 * ROUNDING * DBL_EPSILON * stiff_roundings(c) * size;
+    if (!isfinite(size) || !ric_eigen_product(ld, X, Y, rounding, H, mu, error)) return false;
     pair_up(k, mu, rho, apart);
     for (int i = 0; i < k; i++) {
         f->rho[2 * i] = c->sigma * rho[2 * i] - 2;
@@ -596,8 +615,8 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
         size = fmax(size, fabs(P[i]));
     }
     for (int i = 0; i < ld; i++) trace += P[i * ld + i];
-    double error = ROUNDING * DBL_EPSILON * roundings(c) * ldexp(size, exponent < 1000 ? exponent : 1000) +
-                   8 * DBL_EPSILON;
+    double rounding = ROUNDING * DBL_EPSILON * stiff_roundings(c);
+    double error = rounding * ldexp(size, exponent < 1000 ? exponent : 1000) + 8 * DBL_EPSILON;
     f->det_b = f->det_d = 1;
     f->error_a = f->error_b = f->error_d = 0;
     f->size_a = f->size_b = f->size_d = 1;
@@ -620,7 +639,7 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
             f->error_a = ROUNDING * DBL_EPSILON * roundings(c) * size;
             f->size_a = ldexp(2, -exponent) + size;
         }
-        ric_floquet_judge_trace(f, c->sigma < 0, trace, P[1], exponent, ROUNDING * DBL_EPSILON * roundings(c) * size);
+        ric_floquet_judge_trace(f, c->sigma < 0, trace, P[1], exponent, rounding * size);
         whole_fine(c, f);
         return RIC_OK;
     }
