@@ -25,7 +25,6 @@
 #define NEAR_ROOT 1e-4  /* the same with an error that is larger: farther away there is none */
 #define FIRST_MOVE 1e-12 /* of the size: the first step towards the root, from a zero of the determinant beside it */
 #define BESIDE 1e-4      /* distance, relative, of the points whose slopes tell how sharp it is */
-#define UNDECIDED (-1)
 /* MET: relative distance at which it is: beside a branch point orbits are known to rounding / distance */
 #define MET 1e-8
 /* GRAIN: canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came
@@ -39,118 +38,8 @@
  * different ones */
 #define COARSE_GRAIN 0x1p-28
 
-/* What vanishes at a junction, as a function of the point on the curve. */
-typedef struct {
-    ric_shooting *chain;
-    ric_floquet floquet;
-    int test;
-    int place; /* in the chain, of the impact or flight in question */
-    bool soft; /* at a grazing: a flight between two switches of a spring, and no impact */
-    const double *u;
-    int rotation[2], choice; /* of a multiplication p / q, and of its problems the one that is used, or UNDECIDED */
-    const ric_user_point *asked;
-    bool last;     /* from a canonical orbit: what is found is kept */
-    double noise;  /* rounding in the determinant of the larger problem, beside its zero */
-    double aside;  /* imaginary part of the pair nearest to that of a multiplication */
-    double *along; /* direction of the curve in the unknowns of the problem without the symmetry that breaks; owned */
-} criterion;
-
-/* The problem with fewer symmetries whose determinant vanishes at the junction. */
-static ric_symmetry smaller_problem(criterion *q, const ric_periodic *cycle)
-{
-    ric_symmetry problems[2];
-    if (q->test != RIC_TEST_ROTATION) return ric_symmetry_breaking(cycle, q->test);
-    int count = ric_symmetry_multiplying(cycle, q->rotation[0], q->rotation[1], problems);
-    /* which is which depends on where the cycle starts: decided once, on the first one seen */
-    if (q->choice == UNDECIDED) q->choice = count == 2 && ric_symmetry_singular(q->chain->model, cycle, problems);
-    return problems[q->choice];
-}
-
-/* Bordered determinant of a problem with fewer symmetries, or over several periods, at the orbit u: it vanishes where
- * the factors of section 5 do, or where the multiplier is a root of unity, but does not divide by impact speeds and
- * keeps its digits however unstable the orbit is. */
-static double larger_determinant(criterion *q, const double *u)
-{
-    ric_shooting *large = NULL;
-    double *v = NULL, value = NAN;
-    ric_periodic *here = ric_periodic_from_chain(q->chain, u), *cycle = NULL;
-    if (here) {
-        ric_symmetry problem = smaller_problem(q, here);
-        cycle = ric_symmetry_cycle(here, &problem);
-    }
-    if (cycle && !ric_periodic_to_chain(q->chain->model, cycle, &large, &v)) {
-        double t[large->n_unknown];
-        ric_shooting_evaluate(large, v);
-        double sign = ric_continuation_tangent(large, q->along, t);
-        value = sign * large->end_det;
-        q->noise = ric_continuation_tolerance(large) * fabs(large->end_det / large->smallest);
-        if (!q->along && (q->along = ric_malloc(sizeof t))) memcpy(q->along, t, sizeof t);
-    }
-    ric_shooting_free(large);
-    ric_periodic_free(here);
-    ric_periodic_free(cycle);
-    free(v);
-    return value;
-}
-
-/* Distance of the nearest pair from lambda + 1/lambda of the multiplier sought, on the chain's own map: where the
- * period is its square, that of the period only touches -2. q->aside: its imaginary part. */
-static double off_rotation(criterion *q)
-{
-    const ric_shooting *c = q->chain;
-    q->aside = HUGE_VAL;
-    if (ric_floquet_compute(c, &q->floquet)) return NAN;
-    double nearest = HUGE_VAL, target = ric_symmetry_rho(ric_shooting_halves(c), q->rotation[0], q->rotation[1]);
-    for (int i = 0; i < q->floquet.n_pair; i++) {
-        double off = q->floquet.own[2 * i] - target, aside = fabs(q->floquet.own[2 * i + 1]);
-        if (!(hypot(off, aside) < hypot(nearest, q->aside))) continue;
-        nearest = off;
-        q->aside = aside;
-    }
-    return nearest;
-}
-
-/* Whether the determinant of the larger problem tells a multiplication: it passes zero where one direction is lost.
- * That is so between mirror points, and at a doubling of the period's own map without them; of higher order without
- * mirror points two directions are lost at once, and it only touches zero. */
-static bool by_larger(const criterion *q)
-{
-    return q->chain->start != RIC_MIRROR_NONE || (q->rotation[1] == 2 && !ric_shooting_halves(q->chain));
-}
-
-static double off_asked(const criterion *q, const double *u)
-{
-    const ric_model *m = q->chain->model;
-    return ric_user_point_off(q->asked, ric_shooting_energy(q->chain) * m->energy_unit,
-                              RIC_TWO_PI / ric_shooting_time(q->chain, u) * m->omega_ref);
-}
-
-static double evaluate(criterion *q, const double *u, const double *t, double orientation)
-{
-    const ric_shooting *c = q->chain;
-    switch (q->test) {
-    case RIC_TEST_APPROACH: return q->soft ? q->u[c->n_start + q->place] : c->approach[q->place];
-    case RIC_TEST_SLOPE: return ric_shooting_energy_slope(c, t) / c->scale;
-    case RIC_TEST_DET: return orientation * c->end_det;
-    case RIC_TEST_FLIGHT: return q->u[c->n_start + q->place];
-    case RIC_TEST_PERIOD: {
-        double sum = 0;
-        for (int k = c->n_start; k < c->n_start + c->n_flight; k++) sum += t[k];
-        return sum;
-    }
-    case RIC_TEST_ASKED: return off_asked(q, u);
-    case RIC_TEST_ROTATION: return by_larger(q) ? larger_determinant(q, u) : off_rotation(q);
-    default: return larger_determinant(q, u);
-    }
-}
-
-static bool breaks_symmetry(int test)
-{
-    return test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
-}
-
 /* The same zero where rounding hides it: sought in quadruple precision from u on, an orbit beside it. */
-static bool solve_finely(criterion *q, double *u)
+static bool solve_finely(ric_criterion_work *q, double *u)
 {
     ric_shooting *c = q->chain;
     double t[c->n_unknown];
@@ -161,7 +50,7 @@ static bool solve_finely(criterion *q, double *u)
 }
 
 /* Whether the function is a line through zero within h of u on either side. */
-static bool passes(criterion *q, const double *u, const double *normal, double h)
+static bool passes(ric_criterion_work *q, const double *u, const double *normal, double h)
 {
     static const double place[] = {-1, -0.5, 0.5, 1};
     ric_shooting *c = q->chain;
@@ -171,7 +60,7 @@ static bool passes(criterion *q, const double *u, const double *normal, double h
         for (int j = 0; j < size; j++) v[j] = u[j] + place[i] * h * normal[j];
         if (!ric_continuation_correct(c, v, u, normal, place[i] * h, du, &iterations)) return false;
         double sign = ric_continuation_tangent(c, normal, t);
-        f[i] = evaluate(q, v, t, sign);
+        f[i] = ric_criterion_value(q, v, t, sign);
         if (isfinite(q->noise)) noise = fmax(noise, q->noise);
         slope += place[i] * f[i] / 2.5;
     }
@@ -182,7 +71,7 @@ static bool passes(criterion *q, const double *u, const double *normal, double h
 /* Whether a zero at u stands out of rounding: at some distance the function passes it in a straight line. On a branch
  * of orbits that belong to families of two parameters, or nearly so, determinants are rounding all along, and bounds of
  * it tell little. The chain is left at u. */
-static bool stands_out(criterion *q, const double *u)
+static bool stands_out(ric_criterion_work *q, const double *u)
 {
     ric_shooting *c = q->chain;
     double normal[c->n_unknown];
@@ -198,7 +87,7 @@ static bool stands_out(criterion *q, const double *u)
 
 /* Error of lambda + 1/lambda at u: of the map, and of the orbit, which is known to rounding, by the slope along the
  * curve. */
-static double root_error(const criterion *q, double slope)
+static double root_error(const ric_criterion_work *q, double slope)
 {
     const ric_shooting *c = q->chain;
     return 4 * q->floquet.error + (isfinite(slope) ? fabs(slope) : 0) * ric_continuation_tolerance(c) * c->scale;
@@ -206,7 +95,7 @@ static double root_error(const criterion *q, double slope)
 
 /* How far lambda + 1/lambda scatters over orbits that are not told apart from that at u, where the chain has been
  * evaluated: along the curve, and across it. Deep in a cascade the multipliers are known far worse than the place. */
-static double scatter_of_root(criterion *q, const double *u, const double *normal, double f0)
+static double scatter_of_root(ric_criterion_work *q, const double *u, const double *normal, double f0)
 {
     enum { ALONG = 4, ALL = ALONG + RIC_TRACE_WAYS };
     static const int place[ALONG] = {-2, -1, 1, 2};
@@ -221,7 +110,7 @@ static double scatter_of_root(criterion *q, const double *u, const double *norma
         double *at = v + i * size;
         if (i >= ALONG) ric_shooting_fly(c, at);
         else if (!ric_continuation_correct(c, at, u, normal, place[i] * grain, du, &iterations)) continue;
-        double f = off_rotation(q);
+        double f = ric_criterion_off_rotation(q);
         if (isfinite(f)) scatter = fmax(scatter, fabs(f - f0));
     }
     return scatter;
@@ -231,13 +120,13 @@ static double scatter_of_root(criterion *q, const double *u, const double *norma
  * stiffness, and over that time the multipliers run through all they can: its zero is near the root, and may be far
  * from it in what matters. There the multipliers themselves are exact, and lead on from u by the secant, which is moved
  * if it comes nearer. False: it is known that no multiplier has the root. */
-static bool solve_root(criterion *q, double *u)
+static bool solve_root(ric_criterion_work *q, double *u)
 {
     ric_shooting *c = q->chain;
     int size = c->n_unknown, iterations;
     double origin[size], normal[size], best[size], du[size], x0 = 0, x1 = FIRST_MOVE * c->scale;
     ric_shooting_evaluate(c, u);
-    double f0 = off_rotation(q), least = hypot(f0, q->aside), error = root_error(q, 0);
+    double f0 = ric_criterion_off_rotation(q), least = hypot(f0, q->aside), error = root_error(q, 0);
     if (!isfinite(least) || least <= AT_ROOT + error) return true; /* lost, or there */
     ric_continuation_tangent(c, NULL, normal);
     double scatter = 4 * scatter_of_root(q, u, normal, f0);
@@ -246,7 +135,7 @@ static bool solve_root(criterion *q, double *u)
     for (int i = 0; i < 20 && fabs(x1) <= AT_ZERO * c->scale; i++) {
         for (int j = 0; j < size; j++) u[j] = origin[j] + x1 * normal[j];
         if (!ric_continuation_correct(c, u, origin, normal, x1, du, &iterations)) break;
-        double f1 = off_rotation(q), distance = hypot(f1, q->aside);
+        double f1 = ric_criterion_off_rotation(q), distance = hypot(f1, q->aside);
         if (!isfinite(distance)) break;
         if (distance < least) {
             least = distance;
@@ -266,7 +155,7 @@ static bool solve_root(criterion *q, double *u)
 }
 
 /* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false where there is none. */
-static bool solve_criterion(criterion *q, double *u)
+static bool solve_criterion(ric_criterion_work *q, double *u)
 {
     ric_shooting *c = q->chain;
     int size = c->n_unknown, iterations;
@@ -276,7 +165,7 @@ static bool solve_criterion(criterion *q, double *u)
     if (!ric_continuation_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
     memcpy(origin, u, sizeof origin);
     ric_continuation_tangent(c, NULL, normal);
-    f1 = evaluate(q, u, normal, 1);
+    f1 = ric_criterion_value(q, u, normal, 1);
     for (int i = 0; i < 30; i++) {
         if (fabs(x1 - x0) > TOLD * AT_ZERO * c->scale) slope = fabs((f1 - f0) / (x1 - x0));
         if (fabs(f1) < least) {
@@ -298,17 +187,17 @@ static bool solve_criterion(criterion *q, double *u)
             continue;
         }
         double sign = ric_continuation_tangent(c, normal, t);
-        f1 = evaluate(q, u, t, sign);
+        f1 = ric_criterion_value(q, u, t, sign);
         if (x1 == x0) break;
     }
     memcpy(u, best, sizeof best);
     ric_shooting_evaluate(c, u);
     if (q->test == RIC_TEST_ASKED) return least <= MET;
-    bool by_determinant = breaks_symmetry(q->test) || q->test == RIC_TEST_DET ||
-                          (q->test == RIC_TEST_ROTATION && by_larger(q));
+    bool by_determinant = ric_criterion_breaks_symmetry(q->test) || q->test == RIC_TEST_DET ||
+                          (q->test == RIC_TEST_ROTATION && ric_criterion_by_larger(q));
     if (q->test == RIC_TEST_ROTATION && !by_determinant) return solve_root(q, u);
     if (!by_determinant) return true;
-    bool blurred = ric_flight_law_of(c->model)->integrated && breaks_symmetry(q->test) &&
+    bool blurred = ric_flight_law_of(c->model)->integrated && ric_criterion_breaks_symmetry(q->test) &&
                    !(q->noise <= FINE * c->scale * slope);
     if (blurred) return !q->last || solve_finely(q, u);
     if (!(least <= AT_ZERO * c->scale * slope)) return false;
@@ -374,11 +263,8 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
     bool done = false;
     double grain = what.test == RIC_TEST_ASKED ? COARSE_GRAIN : GRAIN;
     for (int pass = 0; pass < PASSES && !done; pass++) {
-        criterion q = {.test = what.test,
-                       .rotation = {what.rotation[0], what.rotation[1]},
-                       .asked = what.asked,
-                       .last = pass > 0,
-                       .choice = what.test == RIC_TEST_ROTATION ? UNDECIDED : 0};
+        ric_criterion_work q = ric_criterion_begin(what, NULL);
+        q.last = pass > 0;
         double *u = NULL;
         ric_periodic *source = pass ? canonical : ric_periodic_copy(cycle);
         bool good = source && !ric_periodic_to_chain(m, source, &q.chain, &u);
@@ -394,8 +280,7 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
         if (!done) ric_periodic_free(before);
         ric_periodic_free(source);
         ric_shooting_free(q.chain);
-        ric_floquet_release(&q.floquet);
-        free(q.along);
+        ric_criterion_release(&q);
         free(u);
         before = out;
         canonical = out && !done && pass + 1 < PASSES ? ric_periodic_canonical(m, out) : NULL;
@@ -415,7 +300,7 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
 
 bool ric_node_solve_sharp(const ric_model *m, const ric_periodic *cycle, int test)
 {
-    criterion q = {.test = test};
+    ric_criterion_work q = {.test = test};
     double *u = NULL, change = 0, blur = HUGE_VAL, h = 0;
     if (!ric_periodic_to_chain(m, cycle, &q.chain, &u)) {
         ric_shooting *c = q.chain;
@@ -429,7 +314,7 @@ bool ric_node_solve_sharp(const ric_model *m, const ric_periodic *cycle, int tes
             for (int j = 0; j < size; j++) v[j] = u[j] + side * h * normal[j];
             if (!ric_continuation_correct(c, v, u, normal, side * h, du, &iterations)) blur = HUGE_VAL;
             double sign = ric_continuation_tangent(c, normal, t);
-            change += side * evaluate(&q, v, t, sign);
+            change += side * ric_criterion_value(&q, v, t, sign);
         }
         h /= c->scale;
     }

@@ -2,19 +2,7 @@
 #ifndef RIC_JUNCTION_NODE_SOLVE_H
 #define RIC_JUNCTION_NODE_SOLVE_H
 
-#include "branch/room.h"
-#include "orbit/room.h"
-
-enum {
-    RIC_TEST_ROTATION = 100, /* lambda + 1/lambda of some pair reaches a given value */
-    RIC_TEST_ASKED = 101,    /* energy or frequency is what was asked for */
-};
-
-typedef struct {
-    int test;        /* of continuation.h, or one of these */
-    int rotation[2]; /* p / q of a multiplication */
-    const ric_user_point *asked;
-} ric_criterion;
+#include "criterion.h"
 
 /* Re-solves `cycle` (with its symmetries) on its defining equation: canonical start, unknowns rounded, solved again, so
  * that nothing is left of where it came from. NULL where there is none near; *moved (may be NULL): because it went
