@@ -111,7 +111,7 @@ static bool take_print(const char *font, const char *dpi, plot_options *options)
 /* Letters may be too large for the page: what remains of it, in pixels of the layout. */
 static bool fits(const plot_options *options)
 {
-    const double width = plot_layout_width(options, 1000), height = plot_layout_height(options, 620);
+    const double width = plot_layout_width(options, PLOT_WIDTH), height = plot_layout_height(options, 500);
     if (options->font <= 0 || (width >= 320 && height >= 180)) return true;
     cli_wrong("--font %g: such letters leave no room in the picture; give a larger --size", options->font);
     return false;
@@ -232,6 +232,7 @@ static const cli_item items[] = {
     {.name = "--orbit", .value = "ORBIT", .text = "one orbit; may be repeated"},
     {.name = "--histories", .text = "leave out the portraits"},
     {.name = "--columns", .value = "N", .text = "rows side by side"},
+    {.name = "--gap", .text = "with the gap of the first contact, and where it closes"},
     {.name = "--same-axes", .text = "the same scales in all"},
     {.name = "--coordinates", .value = "LIST", .text = "which coordinates to show"},
     {.name = "curves",
@@ -297,12 +298,12 @@ static const cli_item items[] = {
     {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
     {.name = "all", .picture = true, .text = "every picture"},
     {.name = "-o", .value = "FILE", .text = "the file to write, its ending .svg, .pdf, .png or .gp"},
-    {.name = "--title", .value = "TEXT", .text = "instead of the title of the study"},
+    {.name = "--title", .value = "TEXT", .text = "a title above the picture, which has none unless asked for"},
     {.name = "--size", .value = "WxH", .text = "pixels (1/96 inch in PDF)"},
     {.name = "--font",
      .value = "PT",
-     .text = "size of the letters in points, 9 unless given; lines and marks grow with them. For a figure of 174 mm "
-             "--size 658x460 and --font 8 give what is printed"},
+     .text = "size of the letters in points, 9 unless given; lines and marks grow with them. A picture that is not "
+             "given a size is 740 pixels wide: printed on 174 mm its letters have 8 points, its indices 6"},
     {.name = "--dpi", .value = "N", .text = "PNG: pixels per inch, 96 unless given"},
     {.name = "--physical",
      .text = "fep, orbit, orbits, curves and floquet: lengths, speeds and energies in the units of the study, also "
@@ -330,7 +331,7 @@ const cli_command cli_plot = {
              "           (--point I | --energy E | --frequency F) [--which K] [--coordinates LIST] -o FILE\n"
              "ricochet plot orbit ATLAS --junction ID [--coordinates LIST] -o FILE\n"
              "ricochet plot orbits ATLAS --orbit ORBIT... [ATLAS --orbit ORBIT...]... [--histories]\n"
-             "           [--columns N] [--same-axes] [--coordinates LIST] -o FILE\n"
+             "           [--columns N] [--same-axes] [--gap] [--coordinates LIST] -o FILE\n"
              "ricochet plot curves ATLAS --x NAME --y NAME [--branch ID | --at E,OMEGA]...\n"
              "           [--log AXES] [--window A:B,C:D] -o FILE\n"
              "ricochet plot floquet ATLAS (--branch ID | --at E,OMEGA) [--x NAME] -o FILE\n"

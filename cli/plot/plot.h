@@ -20,29 +20,35 @@ typedef struct {
 
 /* -------------------------------------------------------------- page (plot_page.c) */
 
-/* Line styles, in drawing order: later ones lie above. A branch is drawn with family + stability (RIC_STABLE_*). */
+/* How branches are told apart: linear modes, asymmetric and symmetric ones, and one of several atlases. */
+enum { PLOT_N_BRANCH = 9 };
+
+/* Line styles, in drawing order: later ones lie above. A branch is drawn with family + stability (RIC_STABLE_*), its
+ * duplicates, dashed, with PLOT_DASHED more. */
 typedef enum {
     PLOT_GRID,
     PLOT_NATURAL,
     PLOT_LOCKED,
     PLOT_GHOST,
-    PLOT_DUPLICATE,                   /* + 0..2: linear, asymmetric, symmetric */
-    PLOT_LINEAR = PLOT_DUPLICATE + 3, /* + 0..2 */
+    PLOT_DUPLICATE,                                   /* + 3 times 0..8, + 0..2: as those from PLOT_LINEAR on */
+    PLOT_LINEAR = PLOT_DUPLICATE + 3 * PLOT_N_BRANCH, /* + 0..2 */
     PLOT_ASYMMETRIC = PLOT_LINEAR + 3,
     PLOT_SYMMETRIC = PLOT_ASYMMETRIC + 3,
-    PLOT_ATLAS_DUPLICATE = PLOT_SYMMETRIC + 3, /* + 0..5: one of several atlases */
-    PLOT_ATLAS = PLOT_ATLAS_DUPLICATE + 6,     /* + 3 times 0..5, + 0..2 */
-    PLOT_SHADE = PLOT_ATLAS + 18,              /* + 0: grey; + 1..15: dots shaded by a number, dark to light */
+    PLOT_ATLAS = PLOT_SYMMETRIC + 3, /* + 3 times 0..5, + 0..2: one of several atlases */
+    PLOT_SHADE = PLOT_ATLAS + 18,    /* + 0: grey; + 1..15: dots shaded by a number, dark to light */
     PLOT_ZOOM = PLOT_SHADE + 16,
     PLOT_SHEET, /* + 0, 1: inside, edge */
     PLOT_JUMP = PLOT_SHEET + 2,
-    PLOT_STOP,                   /* of all gaps of a panel; + 1..4: of one of them */
-    PLOT_SERIES = PLOT_STOP + 5, /* + 0..3 */
-    PLOT_DATA = PLOT_SERIES + 4, /* of one's own */
+    PLOT_STOP,                       /* of all gaps of a panel; + 1..4: of one of them */
+    PLOT_SERIES = PLOT_STOP + 5,     /* + 0..3 */
+    PLOT_PORTRAIT = PLOT_SERIES + 4, /* + 0..3: the colours of these, solid */
+    PLOT_GAP = PLOT_PORTRAIT + 4,
+    PLOT_DATA, /* of one's own */
     PLOT_FRAME,
     PLOT_LEADER,
     PLOT_N_STROKE,
 } plot_stroke;
+enum { PLOT_DASHED = PLOT_DUPLICATE - PLOT_LINEAR };
 
 typedef enum {
     PLOT_CIRCLE,
@@ -179,8 +185,10 @@ typedef struct plot_options {
     double font, dpi; /* points of the letters, pixels of PNG per inch; 0: as usual */
 } plot_options;
 
-/* The page in pixels of the layout, in which letters always have the same size: a larger font is a smaller page that is
- * drawn larger. */
+/* The page in pixels of the layout, in which letters always have the same size, and from which panels are laid out: a
+ * larger font is a smaller page that is drawn larger. Every picture is as wide unless asked otherwise: on two columns
+ * of a journal, 174 mm, its letters have 8 points. */
+enum { PLOT_WIDTH = 740 };
 double plot_layout_width(const plot_options *options, double usual);
 double plot_layout_height(const plot_options *options, double usual);
 
@@ -290,6 +298,8 @@ void plot_motion_free(plot_motion *motion);
 double *plot_motion_row(const plot_motion *motion, int i);
 /* Gap coordinate in clearances (lengths of a power law): stops are at +1 and -1 for every contact. */
 double plot_motion_gap(const plot_motion *motion, int contact, const double *x);
+/* What the gap is measured by, scaled like displacements. */
+double plot_motion_clearance(const plot_motion *motion, int contact);
 /* The face of a contact on a side, -1 if there is no stop. */
 int plot_motion_face(const plot_motion *motion, int contact, int side);
 /* A number read from a row, of coordinate or contact `what`. */
@@ -298,6 +308,8 @@ double plot_read_time(const plot_motion *motion, const double *row, int what);
 double plot_read_x(const plot_motion *motion, const double *row, int what);
 double plot_read_v(const plot_motion *motion, const double *row, int what);
 double plot_read_gap(const plot_motion *motion, const double *row, int what);
+double plot_read_distance(const plot_motion *motion, const double *row,
+                          int what); /* a gap as long as displacements are */
 void plot_motion_range(const plot_motion *motion, plot_reading y, int what, double *lo, double *hi);
 /* The mark of an event; which kinds of events a motion has, added to `seen`, and what a legend says of these. */
 plot_mark plot_event_mark(const plot_event *event);
@@ -344,8 +356,10 @@ typedef struct {
  * times; "NAME: " before it gives it a name. Returns an exit code. */
 int plot_choose(const ric_atlas *atlas, const char *text, const char *what, plot_choice *out);
 
-/* The title of the picture, or of the study followed by `extra` (enhanced notation, may be NULL). */
-void plot_page_title(plot_page *page, const plot_options *common, const ric_atlas *atlas, const char *extra);
+/* The title that was asked for with --title, else what the picture calls itself (enhanced notation; NULL: nothing); and
+ * what it takes above the panels. */
+void plot_page_title(plot_page *page, const plot_options *common, const char *own);
+double plot_page_head(const plot_options *common, const char *own);
 
 /* ------------------------------------------------------------ the pictures */
 

@@ -27,9 +27,9 @@ typedef struct {
     plot_page *page;
 } picture;
 
-static bool make_page(picture *p, double width, double height)
+static bool make_page(picture *p, double height)
 {
-    p->page = plot_page_create(plot_layout_width(p->common, width), plot_layout_height(p->common, height));
+    p->page = plot_page_create(plot_layout_width(p->common, PLOT_WIDTH), plot_layout_height(p->common, height));
     return p->page;
 }
 
@@ -38,7 +38,7 @@ static void title(picture *p)
     char name[200], extra[240];
     plot_branch_title(&p->branch, 1, sizeof name, name);
     snprintf(extra, sizeof extra, "%s%s", p->circle ? "" : "cascade from ", name);
-    plot_page_title(p->page, p->common, p->atlas, extra);
+    plot_page_title(p->page, p->common, extra);
 }
 
 /* Whether there are no impacts at all: law power. */
@@ -135,7 +135,7 @@ static int draw_diagram(picture *p)
     double x = 0, y[2] = {INFINITY, -INFINITY};
     char name[64];
     int code = CLI_FAILED;
-    ric_status status = strips && make_page(p, 900, 620) ? RIC_OK : RIC_E_NOMEM;
+    ric_status status = strips && make_page(p, 500) ? RIC_OK : RIC_E_NOMEM;
     for (int i = 1; !status && i < n; i++) {
         status = read_strip(p, i, x, &strips[i]);
         if (!status && strips[i].n_point) x = strips[i].way[strips[i].n_point - 1];
@@ -255,7 +255,7 @@ static int draw_shapes(picture *p)
 {
     const int n = ric_cascade_length(p->cascade);
     double x[2], v[2];
-    if (!make_page(p, 1000, 100 + 150.0 * n)) return cli_report(RIC_E_NOMEM);
+    if (!make_page(p, 100 + 130.0 * n)) return cli_report(RIC_E_NOMEM);
     const double top = plot_page_height(p->page) - 58, bottom = 54, step = (top - bottom) / n;
     shape_ranges(p, x, v);
     for (int i = 0; i < n; i++) {
@@ -296,7 +296,7 @@ static int draw_circle(picture *p)
 {
     double x[2] = {INFINITY, -INFINITY};
     int on_circle = 0;
-    if (!make_page(p, 1000, 520)) return cli_report(RIC_E_NOMEM);
+    if (!make_page(p, 400)) return cli_report(RIC_E_NOMEM);
     const double side = plot_page_height(p->page) - 110;
     for (int i = 0; i < p->branch.n_point; i++) {
         ric_point point;

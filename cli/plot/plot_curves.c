@@ -251,18 +251,9 @@ static ric_status draw_curves(curves *c)
     return RIC_OK;
 }
 
-void plot_page_title(plot_page *page, const plot_options *common, const ric_atlas *atlas, const char *extra)
-{
-    char title[400];
-    plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(atlas)), 300, title);
-    if (!common->title && extra) snprintf(title + strlen(title), sizeof title - strlen(title), ", %s", extra);
-    plot_page_text(page, (plot_point){plot_page_width(page) / 2, plot_page_height(page) - 17}, PLOT_CENTRE, type + 2,
-                   "#000000", false, title);
-}
-
 static int draw_curve_page(curves *c)
 {
-    const double width = plot_layout_width(c->common, 900), height = plot_layout_height(c->common, 640);
+    const double width = plot_layout_width(c->common, PLOT_WIDTH), height = plot_layout_height(c->common, 500);
     double x[2], y[2];
     plot_legend_entry entries[PLOT_MAX_LEGEND];
     if (!track_range(c, x, y)) {
@@ -272,7 +263,8 @@ static int draw_curve_page(curves *c)
     }
     c->page = plot_page_create(width, height);
     if (!c->page) return cli_report(RIC_E_NOMEM);
-    c->panel = (plot_panel){axis_of(&c->x, c->log_x, x, 78, width - 18), axis_of(&c->y, c->log_y, y, 92, height - 34)};
+    c->panel = (plot_panel){axis_of(&c->x, c->log_x, x, 78, width - 18),
+                            axis_of(&c->y, c->log_y, y, 92, height - plot_page_head(c->common, NULL))};
     const ric_status status = draw_curves(c);
     if (status != RIC_OK) return cli_report(status);
     plot_panel_frame(c->page, &c->panel, c->x.title, c->y.title);
@@ -280,7 +272,7 @@ static int draw_curve_page(curves *c)
     if (missing)
         fprintf(stderr, "ricochet: %d label%s left out for want of room; --branch or --size make more\n", missing,
                 missing == 1 ? "" : "s");
-    plot_page_title(c->page, c->common, c->atlas, NULL);
+    plot_page_title(c->page, c->common, NULL);
     const int n = plot_legend_entries(c->family, c->stability, c->kinds, entries);
     plot_legend(c->page, n, entries, 12, width - 12, c->panel.y.from - 46);
     return plot_page_write(c->page, c->common);
@@ -495,7 +487,7 @@ static int draw_dots(floquet *f, const plot_track *t)
 
 static int draw_floquet(floquet *f)
 {
-    const double width = plot_layout_width(f->common, 900), height = plot_layout_height(f->common, 620);
+    const double width = plot_layout_width(f->common, PLOT_WIDTH), height = plot_layout_height(f->common, 560);
     static const quantity of_trace = {.kind = TRACE}, of_rotation = {.kind = ROTATION};
     plot_track trace = {0}, rotation = {0};
     char name[200];
@@ -516,7 +508,7 @@ static int draw_floquet(floquet *f)
     code = known ? draw_trace(f, &trace, &rotation) : draw_dots(f, &trace);
     if (code != CLI_DONE) goto out;
     plot_branch_title(&f->branch, 1, sizeof name, name);
-    plot_page_title(f->page, f->common, f->atlas, name);
+    plot_page_title(f->page, f->common, name);
     code = plot_page_write(f->page, f->common);
 out:
     plot_track_free(&trace);

@@ -321,26 +321,40 @@ static void count_unmarked(fep *f)
     snprintf(f->remark, sizeof f->remark, "%d more junction%s not marked", f->unmarked, f->unmarked == 1 ? "" : "s");
 }
 
+/* What dashes say: of several atlases in the colour of the first, else of each kind of branches. */
+static int dashed_entries(const fep *f, unsigned dashed, plot_legend_entry *out)
+{
+    static const char *const texts[] = {"duplicate of a linear mode", "duplicate, asymmetric", "duplicate, symmetric"};
+    const int thick = dashed & 1u << RIC_STABLE_YES ? RIC_STABLE_YES : RIC_STABLE_NO;
+    int n = 0;
+    if (!dashed) return 0;
+    if (f->n_source > 1) {
+        out[n++] = (plot_legend_entry){"dashed: duplicate", PLOT_ATLAS + PLOT_DASHED + thick, -1};
+        return n;
+    }
+    for (int i = 2; i >= 0; i--)
+        if (f->duplicate[i]) out[n++] = (plot_legend_entry){texts[i], PLOT_DUPLICATE + 3 * i + thick, -1};
+    return n;
+}
+
 static int legend_entries(fep *f, plot_legend_entry *out)
 {
-    unsigned stability = 0;
+    unsigned stability = 0, dashed = 0;
     int n = 0;
-    for (int i = 0; i < f->n_source; i++) stability |= f->sources[i].stability;
+    for (int i = 0; i < f->n_source; i++) {
+        stability |= f->sources[i].stability;
+        dashed |= f->sources[i].dashed;
+    }
     if (f->n_source > 1) {
         for (int i = 0; i < f->n_source; i++)
             if (f->sources[i].drawn)
                 out[n++] = (plot_legend_entry){f->sources[i].key, PLOT_ATLAS + 3 * i + RIC_STABLE_YES, -1};
-        if (stability & 1u << RIC_STABLE_NO)
+        if ((stability | dashed) & 1u << RIC_STABLE_NO)
             out[n++] = (plot_legend_entry){"thin: unstable", PLOT_ATLAS + RIC_STABLE_NO, -1};
-        if (f->duplicate[0] || f->duplicate[1] || f->duplicate[2])
-            out[n++] = (plot_legend_entry){"dashed: duplicate", PLOT_ATLAS_DUPLICATE, -1};
     } else {
-        n = plot_legend_entries(f->family, stability, NULL, out);
-        static const char *const texts[] = {"duplicate of a linear mode", "duplicate, asymmetric",
-                                            "duplicate, symmetric"};
-        for (int i = 0; i < 3; i++)
-            if (f->duplicate[i]) out[n++] = (plot_legend_entry){texts[i], PLOT_DUPLICATE + i, -1};
+        n = plot_legend_entries(f->family, stability ? stability : dashed, NULL, out);
     }
+    n += dashed_entries(f, dashed, out + n);
     if (f->ghost) out[n++] = (plot_legend_entry){"ghost: no motion", PLOT_GHOST, -1};
     if (f->natural) out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
     if (f->locked) out[n++] = (plot_legend_entry){"contact locked", PLOT_LOCKED, -1};
@@ -351,21 +365,34 @@ static int legend_entries(fep *f, plot_legend_entry *out)
     return n;
 }
 
-/* Frames of the panels: one alone; two side by side; the first left of two; else rows of two or three. */
+/* How many panels stand side by side: two, but one above the other on a page that is higher than wide. */
+static int columns_of(const fep *f)
+{
+    return f->n_panel == 1 || (f->n_panel == 2 && plot_page_height(f->page) > plot_page_width(f->page)) ? 1 : 2;
+}
+
+/* Frames of the panels: an odd one comes first and is as wide as the page. */
 static void lay_out(fep *f, double legend)
 {
-    const double width = plot_page_width(f->page), left = f->n_panel > 1 ? 78 : 64, right = 44, foot = 50,
-                 top = plot_page_height(f->page) - (f->n_panel > 1 ? 54 : 34);
-    const int n = f->n_panel, columns = n == 1 ? 1 : n <= 4 ? 2 : 3, rows = n <= 2 ? 1 : 2;
-    const double w = width / columns, h = (top - legend) / rows;
+    const int n = f->n_panel, columns = columns_of(f), wide = columns == 2 && n % 2;
+    const double width = plot_page_width(f->page), left = 68, right = 44, foot = 50,
+                 head = plot_page_head(f->options->common, NULL) + (n > 1 ? 20 : 0);
+    const int rows = (n + wide + columns - 1) / columns;
+    const double w = width / columns, h = (plot_page_height(f->page) - head - legend) / rows;
     for (int i = 0; i < n; i++) {
-        const bool tall = n == 3 && i == 0;
-        const int column = n == 3 ? i > 0 : i % columns, row = n == 3 ? i == 2 : i / columns;
+        const int place = i ? i + wide : 0, column = place % columns, row = place / columns;
         f->panels[i].x.from = column * w + left;
-        f->panels[i].x.to = (column + 1) * w - right;
-        f->panels[i].y.from = legend + (tall ? 0 : rows - 1 - row) * h + foot;
+        f->panels[i].x.to = (wide && i == 0 ? width : (column + 1) * w) - right;
+        f->panels[i].y.from = legend + (rows - 1 - row) * h + foot;
         f->panels[i].y.to = legend + (rows - row) * h - (row ? 26 : 0);
     }
+}
+
+/* Of a page that nobody gave a height: each row of panels has as much as a reader needs. */
+static double usual_height(int n)
+{
+    static const double of_panels[FEP_MAX_PANEL] = {500, 380, 760, 720, 1040, 1040};
+    return of_panels[n - 1];
 }
 
 /* The window of a zoom in the first panel, with its letter. */
@@ -423,8 +450,8 @@ static void frame(const fep *f)
 static int draw_panels(fep *f, double legend, bool final, int *missing)
 {
     const plot_options *common = f->options->common;
-    const double width = plot_layout_width(common, f->n_panel > 4 ? 1500 : f->n_panel > 1 ? 1300 : 1000);
-    const double height = plot_layout_height(common, f->n_panel > 2 ? 960 : 700);
+    const double width = plot_layout_width(common, PLOT_WIDTH),
+                 height = plot_layout_height(common, usual_height(f->n_panel));
     int code = CLI_DONE;
     plot_page_free(f->page);
     f->page = plot_page_create(width, height);
@@ -449,7 +476,6 @@ static int draw_panels(fep *f, double legend, bool final, int *missing)
 static int draw(fep *f)
 {
     const plot_options *common = f->options->common;
-    char title[400];
     plot_legend_entry entries[PLOT_MAX_LEGEND];
     int missing = 0, code = draw_panels(f, 0, false, &missing); /* what the legend needs is known once the data are
                                                                  * drawn */
@@ -468,14 +494,7 @@ static int draw(fep *f)
                 "--zoom and --energy make room\n",
                 f->unmarked);
     report_unused(f);
-    plot_text_escape(common->title ? common->title : ric_study_title(ric_atlas_study(f->sources[0].atlas)),
-                     sizeof title, title);
-    if (f->n_source == 1 || common->title)
-        plot_page_text(f->page,
-                       (plot_point){f->n_panel > 1 ? plot_page_width(f->page) / 2
-                                                   : (f->panels[0].x.from + f->panels[0].x.to) / 2,
-                                    plot_page_height(f->page) - 17},
-                       PLOT_CENTRE, type + 2, "#000000", false, title);
+    plot_page_title(f->page, common, NULL);
     plot_legend(f->page, n_entry, entries, 12, plot_page_width(f->page) - 12, legend + 4);
     return plot_page_write(f->page, common);
 }

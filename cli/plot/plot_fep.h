@@ -52,8 +52,8 @@ typedef struct {
     struct {
         int n;
         ric_ghost **list;
-    } * ghosts; /* [n_branch], or NULL: not asked for */
-    unsigned stability;
+    } * ghosts;                 /* [n_branch], or NULL: not asked for */
+    unsigned stability, dashed; /* of originals, of duplicates: 1 << ric_stability */
     bool drawn;
     char key[400]; /* enhanced text */
 } fep_source;

@@ -289,30 +289,19 @@ static ric_status mark_inherited(fep *f, const fep_source *s, const ric_branch *
 
 static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch, const fep_part *part)
 {
-    const int family = ((int)plot_branch_family(s->model, branch) - PLOT_LINEAR) / 3;
     plot_track t = {0};
     ric_status status = make_track(f, s, branch, part, &t);
-    plot_point *curve = malloc(((size_t)t.n + 1) * sizeof *curve);
-    bool inside = false;
-    for (int i = 0; curve && i < t.n; i++) {
-        curve[i] = t.knots[i].at;
-        inside |= plot_panel_inside(f->panel, curve[i]);
-    }
-    f->duplicate[family] |= inside;
-    s->drawn |= inside;
-    if (status == RIC_OK && curve) {
-        const plot_stroke stroke = f->n_source > 1 ? PLOT_ATLAS_DUPLICATE + (plot_stroke)s->index
-                                                   : PLOT_DUPLICATE + (plot_stroke)family;
-        for (int i = 0, from = 0; i < t.n; i++)
-            if (t.knots[i].gap || i + 1 == t.n) {
-                plot_panel_curve(f->page, f->panel, stroke, i + 1 - from, curve + from);
-                from = i + 1;
-            }
+    if (status == RIC_OK) {
+        const plot_stroke own = plot_branch_family(s->model, branch),
+                          family = f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->index : own;
+        const unsigned seen = plot_track_draw(f->page, f->panel, family + PLOT_DASHED, &t);
+        f->duplicate[(own - PLOT_LINEAR) / 3] |= seen != 0;
+        s->dashed |= seen;
+        s->drawn |= seen != 0;
         tag_branch(f, s, branch, part->k, &t);
     }
-    free(curve);
     plot_track_free(&t);
-    return status != RIC_OK ? status : curve ? mark_inherited(f, s, branch, part) : RIC_E_NOMEM;
+    return status != RIC_OK ? status : mark_inherited(f, s, branch, part);
 }
 
 ric_status fep_draw_branches(fep *f, fep_source *s)

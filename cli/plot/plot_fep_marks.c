@@ -126,7 +126,7 @@ static int thin_spots(fep *f, int n, spot *spots)
 static void draw_spots(fep *f, const fep_source *s, int n, spot *spots)
 {
     const int drawn = thin_spots(f, n, spots);
-    const double large = 4.4, small = drawn > 150 ? 2 : 2.8;
+    const double large = 3.8, small = drawn > 150 ? 2 : 2.6;
     for (int i = 0, rank = drawn; i < n; i++) { /* the heaviest last, on top */
         ric_junction junction;
         if (!spots[i].drawn || ric_atlas_junction(s->atlas, spots[i].id, &junction) != RIC_OK) continue;
@@ -300,11 +300,11 @@ int fep_draw_marks(fep *f, fep_source *s)
         asked->used = true;
         plot_tag *tag = fep_new_tag(f);
         const plot_point at = plot_panel_at(f->panel, data);
-        if (choice.kind < 0) plot_page_mark(f->page, PLOT_DOT, at, 4.4);
-        else plot_page_mark(f->page, plot_junction_mark((ric_kind)choice.kind), at, 4.4);
+        if (choice.kind < 0) plot_page_mark(f->page, PLOT_DOT, at, 3.8);
+        else plot_page_mark(f->page, plot_junction_mark((ric_kind)choice.kind), at, 3.8);
         if (!tag) return cli_report(RIC_E_NOMEM);
         tag->at = at;
-        tag->clear = 4.4;
+        tag->clear = 3.8;
         tag->weight = 2000 - i;
         tag->colour = "#000000";
         plot_text_label(choice.name, sizeof tag->text, tag->text);

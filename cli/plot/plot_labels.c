@@ -137,9 +137,23 @@ static double leader_cost(const placing *p, const plot_tag *tag, leader_line lin
     return 2.5 * leader_ink(p->page, rest) + (tag->clear > 0 ? 4 : 8);
 }
 
-/* Cost of a box for the tag: infinite where it cannot stand. */
-static double box_cost(const placing *p, const plot_tag *tag, plot_box box, double distance)
+/* On how many sides of a box lines pass so near that it may seem to belong to them, beyond the first, its own. */
+static int crowding(plot_page *page, plot_box box)
 {
+    const double reach = 7;
+    const plot_box strips[] = {{box.left - reach, box.bottom, box.left, box.top},
+                               {box.right, box.bottom, box.right + reach, box.top},
+                               {box.left, box.bottom - reach, box.right, box.bottom},
+                               {box.left, box.top, box.right, box.top + reach}};
+    int sides = 0;
+    for (int i = 0; i < 4; i++) sides += plot_page_ink(page, strips[i]) > 0;
+    return sides > 1 ? sides - 1 : 0;
+}
+
+/* Cost of a box for the tag: infinite where it cannot stand. */
+static double box_cost(const placing *p, const plot_tag *tag, plot_box box, double gap)
+{
+    double distance = gap;
     const plot_box wide = {box.left - 2, box.bottom - 1, box.right + 2, box.top + 1};
     if (wide.left < p->bounds.left || wide.right > p->bounds.right || wide.bottom < p->bounds.bottom ||
         wide.top > p->bounds.top)
@@ -147,7 +161,8 @@ static double box_cost(const placing *p, const plot_tag *tag, plot_box box, doub
     if (!plot_page_free_box(p->page, wide) || plot_page_ink(p->page, wide) > 0) return INFINITY;
     for (int i = 0; i < p->n_leader; i++)
         if (crosses_box(p->leaders[i], wide)) return INFINITY;
-    if (distance < 9) return distance;
+    distance += 4 * crowding(p->page, wide);
+    if (gap < 9) return distance;
     return tag->leader ? distance + leader_cost(p, tag, leader_to(tag, box)) : INFINITY;
 }
 
@@ -156,27 +171,40 @@ static plot_box box_around(plot_point centre, double width, double height)
     return (plot_box){centre.x - width / 2, centre.y - height / 2, centre.x + width / 2, centre.y + height / 2};
 }
 
-/* Sixteen directions at growing distances; to the right and above are preferred a little, as on maps. */
-static bool find_place(const placing *p, const plot_tag *tag, plot_box *out, double *gap)
+typedef struct {
+    double cost; /* infinite: none */
+    plot_box box;
+    double gap;
+    int tag;
+} stand;
+
+/* Sixteen directions at growing distances; to the right and above are preferred a little, as on maps. Takes what costs
+ * less than `best`, `extra` included. */
+static void find_place(const placing *p, const plot_tag *tags, int i, double extra, stand *best)
 {
     static const double distances[] = {2, 5, 8, 13, 20, 29, 40, 53, 68, 86, 106, 130};
+    const plot_tag *tag = &tags[i];
     const plot_box size = plot_text_box((plot_point){0, 0}, PLOT_LEFT, p->size, false, tag->text);
     const double width = size.right - size.left, height = size.top - size.bottom;
-    double best = INFINITY;
-    for (size_t i = 0; i < sizeof distances / sizeof *distances && distances[i] < best; i++)
+    for (size_t d = 0; d < sizeof distances / sizeof *distances && distances[d] + extra < best->cost; d++)
         for (int k = 0; k < 16; k++) {
-            const double angle = acos(-1) / 8 * k, reach = tag->clear + distances[i];
+            const double angle = acos(-1) / 8 * k, reach = tag->clear + distances[d];
             const plot_point centre = {tag->at.x + cos(angle) * (reach + width / 2),
                                        tag->at.y + sin(angle) * (reach + height / 2)};
             const plot_box box = box_around(centre, width, height);
-            const double cost = box_cost(p, tag, box, distances[i]) + 0.6 * (1 - cos(angle - 0.6));
-            if (cost < best) {
-                best = cost;
-                *out = box;
-                *gap = distances[i];
-            }
+            const double cost = box_cost(p, tag, box, distances[d]) + 0.6 * (1 - cos(angle - 0.6)) + extra;
+            if (cost < best->cost) *best = (stand){cost, box, distances[d], i};
         }
-    return best < INFINITY;
+}
+
+/* The best place of a label, or of any of its alternatives, which come after it. */
+static stand best_place(const placing *p, int n, const plot_tag *tags, int first)
+{
+    stand best = {.cost = INFINITY};
+    for (int i = first; i < n; i++)
+        if (i == first || (tags[first].group > 0 && tags[i].group == tags[first].group))
+            find_place(p, tags, i, tags[first].weight - tags[i].weight, &best);
+    return best;
 }
 
 static bool group_done(int n, const plot_tag *tags, const bool *placed, int group)
@@ -206,13 +234,13 @@ int plot_place_tags(plot_page *page, plot_box bounds, int n, plot_tag *tags, dou
     if (!placed || !p.leaders) goto out;
     if (n > 0) qsort(tags, (size_t)n, sizeof *tags, heavier);
     for (int i = 0; i < n; i++) {
-        plot_box box;
-        double gap = 0;
-        if (group_done(n, tags, placed, tags[i].group) || !find_place(&p, &tags[i], &box, &gap)) continue;
+        if (group_done(n, tags, placed, tags[i].group)) continue;
+        const stand s = best_place(&p, n, tags, i);
+        if (s.cost == INFINITY) continue;
         placed[i] = true;
-        plot_page_text(page, (plot_point){box.left, (box.bottom + box.top) / 2}, PLOT_LEFT, size, tags[i].colour, false,
-                       tags[i].text);
-        if (gap >= 9) p.leaders[p.n_leader++] = leader_to(&tags[i], box);
+        plot_page_text(page, (plot_point){s.box.left, (s.box.bottom + s.box.top) / 2}, PLOT_LEFT, size, tags[i].colour,
+                       false, tags[i].text);
+        if (s.gap >= 9) p.leaders[p.n_leader++] = leader_to(&tags[s.tag], s.box);
     }
     for (int i = 0; i < p.n_leader; i++)
         plot_page_line(page, PLOT_LEADER, 2, (plot_point[]){p.leaders[i].from, p.leaders[i].to});

@@ -35,6 +35,12 @@ double plot_motion_gap(const plot_motion *o, int contact, const double *x)
     return s / unit_of(o, &c);
 }
 
+double plot_motion_clearance(const plot_motion *o, int contact)
+{
+    ric_contact c;
+    return ric_model_contact(o->model, contact, &c) == RIC_OK ? unit_of(o, &c) : NAN;
+}
+
 /* ------------------------------------------------------------------- motion */
 
 typedef struct {
@@ -385,6 +391,11 @@ double plot_read_v(const plot_motion *o, const double *r, int what)
 double plot_read_gap(const plot_motion *o, const double *r, int what)
 {
     return plot_motion_gap(o, what, r + 1);
+}
+
+double plot_read_distance(const plot_motion *o, const double *r, int what)
+{
+    return plot_motion_gap(o, what, r + 1) * plot_motion_clearance(o, what);
 }
 
 void plot_motion_range(const plot_motion *o, plot_reading y, int what, double *lo, double *hi)

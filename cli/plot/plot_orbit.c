@@ -405,7 +405,7 @@ static void draw_portraits(orbit *o, plot_box area)
 
 static int draw(orbit *o)
 {
-    const double width = plot_layout_width(o->common, 1000), height = plot_layout_height(o->common, 640);
+    const double width = plot_layout_width(o->common, PLOT_WIDTH), height = plot_layout_height(o->common, 560);
     o->page = plot_page_create(width, height);
     if (!o->page) return cli_report(RIC_E_NOMEM);
     const double split = width * (o->n_shown > 2 ? 0.52 : 0.62), foot = 64, head = 58,

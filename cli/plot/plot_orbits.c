@@ -10,7 +10,7 @@
 #include "plot.h"
 
 enum { MAX_ORBIT = 40, MAX_SHOWN = 4 };
-static const double type = 12;
+static const double type = 12, small = 11;
 
 typedef struct {
     plot_choice choice;
@@ -24,6 +24,7 @@ typedef struct {
     int n;
     panel panels[MAX_ORBIT];
     bool histories; /* no phase portraits */
+    bool gap;       /* that of the first contact in the histories */
     bool same;      /* the same axes in all rows */
     long columns;
     int n_shown, shown[MAX_SHOWN];
@@ -103,6 +104,8 @@ static void ranges(const figure *f, int only, int coordinate, double x[2], doubl
             if ((i != only && !f->same) || (coordinate >= 0 && f->shown[k] != coordinate)) continue;
             plot_motion_range(&f->panels[i].choice.motion, plot_read_x, f->shown[k], &x[0], &x[1]);
             plot_motion_range(&f->panels[i].choice.motion, plot_read_v, f->shown[k], &v[0], &v[1]);
+            if (f->gap && coordinate < 0)
+                plot_motion_range(&f->panels[i].choice.motion, plot_read_distance, 0, &x[0], &x[1]);
         }
     plot_range_widen(false, 0.08, &x[0], &x[1]);
     plot_range_widen(false, 0.08, &v[0], &v[1]);
@@ -127,44 +130,92 @@ static void draw_events(figure *f, const panel *p, const plot_panel *at)
                 ric_word_format(m->model, 1, &e->face, sizeof letter, letter) != RIC_OK)
                 continue;
             plot_text_escape(letter, sizeof text, text);
-            const plot_point place = {x, box.top + 10};
-            if (plot_page_free_box(f->page, plot_text_box(place, PLOT_CENTRE, type - 2, false, text)))
-                plot_page_text(f->page, place, PLOT_CENTRE, type - 2, "#000000", false, text);
+            const plot_point place = {x, box.top + 11};
+            if (plot_page_free_box(f->page, plot_text_box(place, PLOT_CENTRE, small, false, text)))
+                plot_page_text(f->page, place, PLOT_CENTRE, small, "#000000", false, text);
         }
 }
 
-static void caption(const figure *f, const panel *p, char letter, size_t size, char *out)
+/* A caption in lines that are as wide as their panel at most. */
+enum { MAX_LINE = 4 };
+typedef struct {
+    int n;
+    char lines[MAX_LINE][400];
+} caption;
+
+static void add_piece(caption *c, double width, const char *piece)
 {
-    static const char *const stability[] = {", unstable", ", stable", ", stability undecided"};
-    char name[200], times[40] = "", place[120];
-    plot_text_label(p->choice.name, sizeof name, name);
-    if (p->choice.periods > 1) snprintf(times, sizeof times, ",  %d periods", p->choice.periods);
-    plot_place_text(f->common, p->choice.motion.model, p->choice.energy, p->choice.frequency, sizeof place, place);
-    snprintf(out, size, "(%c)  %s:  %s%s%s", letter, name, place,
-             p->choice.stable >= 0 ? stability[p->choice.stable] : "", times);
+    char longer[500];
+    char *last = c->lines[c->n ? c->n - 1 : 0];
+    snprintf(longer, sizeof longer, "%s%s%s", last, c->n ? "  " : "", piece);
+    if (c->n > 0 && (plot_text_width(longer, type) <= width || c->n == MAX_LINE))
+        snprintf(last, sizeof c->lines[0], "%.399s", longer);
+    else snprintf(c->lines[c->n++], sizeof c->lines[0], "%.399s", piece);
 }
 
-static void draw_history(figure *f, int i, plot_box box, bool numbers)
+static caption make_caption(const figure *f, int i, double width)
+{
+    static const char *const stability[] = {"unstable", "stable", "stability undecided"};
+    const panel *p = &f->panels[i];
+    const plot_units unit = plot_units_of(f->common, p->choice.motion.model);
+    caption c = {0};
+    char name[200], piece[240];
+    plot_text_label(p->choice.name, sizeof name, name);
+    snprintf(piece, sizeof piece, "(%c)  %s:", 'a' + i % 26, name);
+    add_piece(&c, width, piece);
+    snprintf(piece, sizeof piece, "E = %.6g,", p->choice.energy * unit.energy);
+    add_piece(&c, width, piece);
+    snprintf(piece, sizeof piece, "%s = %.6g %s", f->common->hertz ? "f" : "ω", p->choice.frequency * unit.frequency,
+             f->common->hertz ? "Hz" : "rad/s");
+    add_piece(&c, width, piece);
+    if (p->choice.periods > 1) {
+        snprintf(piece, sizeof piece, "%d periods", p->choice.periods);
+        add_piece(&c, width, piece);
+    }
+    if (p->choice.stable >= 0) add_piece(&c, width, stability[p->choice.stable]);
+    return c;
+}
+
+static double caption_height(int lines)
+{
+    return 1.3 * type * lines;
+}
+
+/* The gap of a contact in units of length, with lines where the contact closes. */
+static void draw_gap(figure *f, const plot_motion *m, const plot_panel *at, int periods)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        const double y = side * plot_motion_clearance(m, 0);
+        if (plot_motion_face(m, 0, side) >= 0 || ric_model_n_face(m->model) == 0)
+            plot_panel_curve(f->page, at, PLOT_STOP, 2, (plot_point[]){{at->x.lo, y}, {at->x.hi, y}});
+    }
+    for (int period = 0; period < periods; period++)
+        plot_motion_draw(f->page, at, PLOT_GAP, m, plot_read_time, plot_read_distance, 0, period * m->period);
+}
+
+static void draw_history(figure *f, int i, plot_box box, bool title)
 {
     const panel *p = &f->panels[i];
     const plot_motion *m = &p->choice.motion;
     double x[2], v[2];
-    char text[400];
     ranges(f, i, -1, x, v);
     plot_panel at = {axis_over(0, m->period * p->choice.periods, box.left, box.right),
                      axis_over(x[0], x[1], box.bottom, box.top)};
     at.y.unit = plot_units_of(f->common, m->model).length;
     draw_events(f, p, &at);
+    if (f->gap) draw_gap(f, m, &at, p->choice.periods);
     for (int k = 0; k < f->n_shown; k++)
         for (int period = 0; period < p->choice.periods; period++)
             plot_motion_draw(f->page, &at, PLOT_SERIES + (plot_stroke)k, m, plot_read_time, plot_read_x, f->shown[k],
                              period * m->period);
-    plot_panel_frame(f->page, &at, numbers ? "time (s)" : "", "x");
-    caption(f, p, (char)('a' + i % 26), sizeof text, text);
-    plot_page_text(f->page, (plot_point){box.left, box.top + 25}, PLOT_LEFT, type, "#000000", false, text);
+    plot_panel_frame(f->page, &at, title ? "time (s)" : "", "x");
+    const caption c = make_caption(f, i, box.right - box.left);
+    for (int k = 0; k < c.n; k++)
+        plot_page_text(f->page, (plot_point){box.left, box.top + 26 + caption_height(c.n - 1 - k)}, PLOT_LEFT, type,
+                       "#000000", false, c.lines[k]);
 }
 
-static void draw_portrait(figure *f, int i, int coordinate, plot_box box)
+static void draw_portrait(figure *f, int i, int coordinate, plot_box box, bool title)
 {
     double x[2], v[2];
     char across[24], up[24];
@@ -173,54 +224,92 @@ static void draw_portrait(figure *f, int i, int coordinate, plot_box box)
     at.x.unit = at.y.unit = plot_units_of(f->common, f->panels[i].choice.motion.model).length;
     int series = 0;
     for (int k = 0; k < f->n_shown; k++) series = f->shown[k] == coordinate ? k : series;
-    plot_motion_draw(f->page, &at, series ? PLOT_ASYMMETRIC : PLOT_SYMMETRIC, &f->panels[i].choice.motion, plot_read_x,
+    plot_motion_draw(f->page, &at, PLOT_PORTRAIT + (plot_stroke)series, &f->panels[i].choice.motion, plot_read_x,
                      plot_read_v, coordinate, 0);
     snprintf(across, sizeof across, "x_{%d}", coordinate + 1);
     snprintf(up, sizeof up, "v_{%d}", coordinate + 1);
-    plot_panel_frame(f->page, &at, across, up);
+    plot_panel_frame(f->page, &at, title ? across : "", up);
 }
 
-static void draw_row(figure *f, int i, plot_box cell, bool last)
+/* What the cells of the figure share. */
+typedef struct {
+    int rows;
+    double width, height; /* of a cell */
+    double head, foot;    /* of it, beside the panels themselves */
+    double portrait;      /* width of one, with its numbers; 0: none */
+} grid;
+
+enum { LEFT = 56, RIGHT = 12, FOOT = 24, TITLE = 22, LEGEND = 26 };
+
+/* Portraits are square; the history has what is left of the row. */
+static grid make_grid(const figure *f)
 {
-    const double height = cell.top - cell.bottom, foot = 48,
-                 side = f->histories ? 0 : f->n_shown * (height - foot + 66);
-    const double right = cell.right - side;
-    draw_history(f, i, (plot_box){cell.left + 56, cell.bottom + foot, right - 12, cell.top - 34},
-                 last || f->histories || true);
+    const int columns = (int)f->columns;
+    const double width = plot_layout_width(f->common, PLOT_WIDTH), top = plot_page_head(f->common, NULL) + LEGEND;
+    grid g = {.rows = (f->n + columns - 1) / columns, .width = width / columns, .foot = FOOT};
+    const double usual = g.rows <= 4 ? 112 : 80; /* of a panel: so many rows fill a page of a journal */
+    int lines = 1;
+    for (int round = 0; round < 2; round++) { /* the captions depend on the width that the portraits leave, these on the
+                                               * height of the captions */
+        g.head = 18 + caption_height(lines);
+        g.height = (plot_layout_height(f->common, top + TITLE + g.rows * (usual + g.head + FOOT)) - top - TITLE) /
+                   g.rows;
+        g.portrait = f->histories ? 0 : g.height - g.head - FOOT + LEFT + 4;
+        lines = 1;
+        for (int i = 0; i < f->n; i++) {
+            const caption c = make_caption(f, i, g.width - LEFT - RIGHT - g.portrait * f->n_shown);
+            lines = c.n > lines ? c.n : lines;
+        }
+    }
+    return g;
+}
+
+static void draw_cell(figure *f, const grid *g, int i, double left, double top)
+{
+    const int columns = (int)f->columns;
+    const double bottom = top - g->height + g->foot, upper = top - g->head,
+                 right = left + g->width - RIGHT - g->portrait * f->n_shown;
+    const bool last = i + columns >= f->n;
+    draw_history(f, i, (plot_box){left + LEFT, bottom, right, upper}, last);
     for (int k = 0; !f->histories && k < f->n_shown; k++) {
-        const double left = right + k * (height - foot + 66) + 62;
-        draw_portrait(f, i, f->shown[k], (plot_box){left, cell.bottom + foot, left + height - foot - 6, cell.top - 34});
+        const double from = right + LEFT + k * g->portrait;
+        draw_portrait(f, i, f->shown[k], (plot_box){from, bottom, from + g->portrait - LEFT, upper}, last);
     }
 }
 
-static int draw(figure *f)
+static void draw_legends(figure *f, double top)
 {
-    const int columns = (int)f->columns, rows = (f->n + columns - 1) / columns;
-    const double row = f->histories ? 190 : 210, head = 58;
-    const double width = plot_layout_width(f->common, columns > 1 ? 1200 : 1000);
-    const double height = plot_layout_height(f->common, head + row * rows);
-    plot_legend_entry entries[MAX_SHOWN + 2];
-    char names[MAX_SHOWN][24], title[400];
+    plot_legend_entry entries[MAX_SHOWN + 2 + PLOT_MAX_EVENT_ENTRY];
+    char names[MAX_SHOWN][24];
+    const double width = plot_page_width(f->page);
     int n = 0;
     unsigned seen = 0;
-    f->page = plot_page_create(width, height);
-    if (!f->page) return cli_report(RIC_E_NOMEM);
-    const double w = width / columns, h = (height - head) / rows;
-    for (int i = 0; i < f->n; i++) {
-        const double left = w * (i % columns), top = height - head - h * (i / columns);
-        draw_row(f, i, (plot_box){left, top - h, left + w, top}, i + columns >= f->n);
-        seen = plot_events_seen(&f->panels[i].choice.motion, seen);
-    }
+    for (int i = 0; i < f->n; i++) seen = plot_events_seen(&f->panels[i].choice.motion, seen);
     for (int k = 0; k < f->n_shown; k++) {
         snprintf(names[k], sizeof names[k], "x_{%d}", f->shown[k] + 1);
         entries[n++] = (plot_legend_entry){names[k], PLOT_SERIES + k, -1};
     }
-    plot_legend(f->page, n, entries, 12, 0.5 * width, height - 34);
-    n = plot_event_entries(seen, entries);
-    plot_legend(f->page, n, entries, 0.5 * width, width - 12, height - 34);
-    plot_text_escape(f->common->title ? f->common->title : ric_study_title(ric_atlas_study(f->from.atlas[0])),
-                     sizeof title, title);
-    plot_page_text(f->page, (plot_point){width / 2, height - 17}, PLOT_CENTRE, type + 2, "#000000", false, title);
+    if (f->gap) {
+        entries[n++] = (plot_legend_entry){"gap", PLOT_GAP, -1};
+        entries[n++] = (plot_legend_entry){"contact closed", PLOT_STOP, -1};
+    }
+    const int n_mark = plot_event_entries(seen, entries + n);
+    const double split = n_mark ? 0.66 * width : width;
+    plot_legend(f->page, n, entries, 12, split, top);
+    plot_legend(f->page, n_mark, entries + n, split, width - 12, top);
+}
+
+static int draw(figure *f)
+{
+    const int columns = (int)f->columns;
+    const grid g = make_grid(f);
+    const double head = plot_page_head(f->common, NULL) + LEGEND, height = head + TITLE + g.rows * g.height;
+    f->page = plot_page_create(g.width * columns, height);
+    if (!f->page) return cli_report(RIC_E_NOMEM);
+    for (int i = 0; i < f->n; i++)
+        draw_cell(f, &g, i, g.width * (i % columns), height - head - g.height * (i / columns));
+    draw_legends(f, height - head + LEGEND - 2);
+    plot_page_title(f->page, f->common, NULL);
     return plot_page_write(f->page, f->common);
 }
 
@@ -230,6 +319,7 @@ int plot_orbits(int argc, char **argv, const plot_options *common)
     const char *coordinates, *columns;
     f.histories = cli_take_flag(&argc, argv, "--histories");
     f.same = cli_take_flag(&argc, argv, "--same-axes");
+    f.gap = cli_take_flag(&argc, argv, "--gap");
     if (!cli_take_value(&argc, argv, "--coordinates", &coordinates) ||
         !cli_take_value(&argc, argv, "--columns", &columns) ||
         (columns && !cli_parse_integer(columns, "--columns", 1, 6, &f.columns)))

@@ -11,53 +11,37 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* Told apart by lightness as well as by hue, so that they stay apart in grey print: symmetric dark, asymmetric middle,
- * linear light; stable thick, unstable thin, undecided dotted. */
+/* Colours of branches: linear modes, asymmetric and symmetric branches, and one of several atlases. Any two of either
+ * group stay apart for a reader without one kind of cones, and by lightness alone in grey print (tests/cli). */
 static const struct {
+    const char *colour, *name;
+} branches[PLOT_N_BRANCH] = {
+    {"#a8a8a8", "linear"},  {"#d0701c", "asymmetric"}, {"#16325c", "symmetric"},
+    {"#16325c", "atlas 1"}, {"#ff6f00", "atlas 2"},    {"#6915b6", "atlas 3"},
+    {"#51d18a", "atlas 4"}, {"#9c4e30", "atlas 5"},    {"#757aba", "atlas 6"},
+};
+
+typedef struct {
     const char *colour, *title;
     double width;
     double dash[4]; /* on, off, on, off in pixels between round ends; none = solid */
-} strokes[PLOT_N_STROKE] = {
+} stroke_style;
+
+/* Stable thick, unstable thin, undecided dotted; by stability, once solid and once dashed. */
+static const stroke_style by_stability[2][3] = {
+    {[RIC_STABLE_NO] = {NULL, "unstable", 0.8, {0}},
+     [RIC_STABLE_YES] = {NULL, "stable", 2.4, {0}},
+     [RIC_STABLE_UNDECIDED] = {NULL, "stability undecided", 2.2, {0.1, 4.4}}},
+    {[RIC_STABLE_NO] = {NULL, "unstable, duplicate", 0.8, {6, 3.5}},
+     [RIC_STABLE_YES] = {NULL, "stable, duplicate", 2.4, {6, 5.5}},
+     [RIC_STABLE_UNDECIDED] = {NULL, "stability undecided, duplicate", 1.8, {6, 4, 0.1, 4}}},
+};
+
+static const stroke_style strokes[PLOT_N_STROKE] = {
     [PLOT_GRID] = {"#dddddd", "grid", 0.6, {0}},
     [PLOT_NATURAL] = {"#808080", "natural frequency", 0.8, {12, 4, 1, 4}},
     [PLOT_LOCKED] = {"#808080", "frequency with a contact locked", 0.8, {5, 4}},
-    [PLOT_GHOST] = {"#e3122d", "ghost", 0.7, {0}},
-    [PLOT_LINEAR + RIC_STABLE_NO] = {"#b4b4b4", "linear, unstable", 0.9, {0}},
-    [PLOT_LINEAR + RIC_STABLE_YES] = {"#b4b4b4", "linear, stable", 2.8, {0}},
-    [PLOT_LINEAR + RIC_STABLE_UNDECIDED] = {"#b4b4b4", "linear, stability undecided", 2.2, {0.1, 4.4}},
-    [PLOT_ASYMMETRIC + RIC_STABLE_NO] = {"#d0701c", "asymmetric, unstable", 0.9, {0}},
-    [PLOT_ASYMMETRIC + RIC_STABLE_YES] = {"#d0701c", "asymmetric, stable", 2.8, {0}},
-    [PLOT_ASYMMETRIC + RIC_STABLE_UNDECIDED] = {"#d0701c", "asymmetric, stability undecided", 2.2, {0.1, 4.4}},
-    [PLOT_SYMMETRIC + RIC_STABLE_NO] = {"#16325c", "symmetric, unstable", 0.9, {0}},
-    [PLOT_SYMMETRIC + RIC_STABLE_YES] = {"#16325c", "symmetric, stable", 2.8, {0}},
-    [PLOT_SYMMETRIC + RIC_STABLE_UNDECIDED] = {"#16325c", "symmetric, stability undecided", 2.2, {0.1, 4.4}},
-    [PLOT_DUPLICATE] = {"#b4b4b4", "duplicate, linear", 0.9, {6, 3.5}},
-    [PLOT_DUPLICATE + 1] = {"#d0701c", "duplicate, asymmetric", 0.9, {6, 3.5}},
-    [PLOT_DUPLICATE + 2] = {"#16325c", "duplicate, symmetric", 0.9, {6, 3.5}},
-    [PLOT_ATLAS_DUPLICATE] = {"#16325c", "duplicate, atlas 1", 0.9, {6, 3.5}},
-    [PLOT_ATLAS_DUPLICATE + 1] = {"#c2301f", "duplicate, atlas 2", 0.9, {6, 3.5}},
-    [PLOT_ATLAS_DUPLICATE + 2] = {"#2a8a57", "duplicate, atlas 3", 0.9, {6, 3.5}},
-    [PLOT_ATLAS_DUPLICATE + 3] = {"#b07a00", "duplicate, atlas 4", 0.9, {6, 3.5}},
-    [PLOT_ATLAS_DUPLICATE + 4] = {"#8a4aa8", "duplicate, atlas 5", 0.9, {6, 3.5}},
-    [PLOT_ATLAS_DUPLICATE + 5] = {"#3a9ac0", "duplicate, atlas 6", 0.9, {6, 3.5}},
-    [PLOT_ATLAS] = {"#16325c", "atlas 1, unstable", 0.9, {0}},
-    [PLOT_ATLAS + 1] = {"#16325c", "atlas 1, stable", 2.8, {0}},
-    [PLOT_ATLAS + 2] = {"#16325c", "atlas 1, stability undecided", 2.2, {0.1, 4.4}},
-    [PLOT_ATLAS + 3] = {"#c2301f", "atlas 2, unstable", 0.9, {0}},
-    [PLOT_ATLAS + 4] = {"#c2301f", "atlas 2, stable", 2.8, {0}},
-    [PLOT_ATLAS + 5] = {"#c2301f", "atlas 2, stability undecided", 2.2, {0.1, 4.4}},
-    [PLOT_ATLAS + 6] = {"#2a8a57", "atlas 3, unstable", 0.9, {0}},
-    [PLOT_ATLAS + 7] = {"#2a8a57", "atlas 3, stable", 2.8, {0}},
-    [PLOT_ATLAS + 8] = {"#2a8a57", "atlas 3, stability undecided", 2.2, {0.1, 4.4}},
-    [PLOT_ATLAS + 9] = {"#b07a00", "atlas 4, unstable", 0.9, {0}},
-    [PLOT_ATLAS + 10] = {"#b07a00", "atlas 4, stable", 2.8, {0}},
-    [PLOT_ATLAS + 11] = {"#b07a00", "atlas 4, stability undecided", 2.2, {0.1, 4.4}},
-    [PLOT_ATLAS + 12] = {"#8a4aa8", "atlas 5, unstable", 0.9, {0}},
-    [PLOT_ATLAS + 13] = {"#8a4aa8", "atlas 5, stable", 2.8, {0}},
-    [PLOT_ATLAS + 14] = {"#8a4aa8", "atlas 5, stability undecided", 2.2, {0.1, 4.4}},
-    [PLOT_ATLAS + 15] = {"#3a9ac0", "atlas 6, unstable", 0.9, {0}},
-    [PLOT_ATLAS + 16] = {"#3a9ac0", "atlas 6, stable", 2.8, {0}},
-    [PLOT_ATLAS + 17] = {"#3a9ac0", "atlas 6, stability undecided", 2.2, {0.1, 4.4}},
+    [PLOT_GHOST] = {"#e3122d", "ghost", 1, {0}},
     [PLOT_SHADE] = {"#b0b0b0", "without a shade", 1.5, {0}},
     [PLOT_SHADE + 1] = {"#0d0887", "shade 1", 1.5, {0}},
     [PLOT_SHADE + 2] = {"#2a0693", "shade 2", 1.5, {0}},
@@ -74,23 +58,40 @@ static const struct {
     [PLOT_SHADE + 13] = {"#ed7953", "shade 13", 1.5, {0}},
     [PLOT_SHADE + 14] = {"#f48c47", "shade 14", 1.5, {0}},
     [PLOT_SHADE + 15] = {"#fb9f3a", "shade 15", 1.5, {0}},
-    [PLOT_ZOOM] = {"#2a8a57", "window of a zoom", 0.9, {4, 3}},
+    [PLOT_ZOOM] = {"#444444", "window of a zoom", 0.9, {4, 3}},
     [PLOT_SHEET] = {"#3a5f94", "sheet", 0.8, {0}},
     [PLOT_SHEET + 1] = {"#16325c", "edge of a sheet", 1.7, {0}},
     [PLOT_JUMP] = {"#8c8c8c", "jump of the velocity", 0.9, {2.5, 3}},
     [PLOT_STOP] = {"#555555", "stop", 1.1, {12, 4}},
     [PLOT_STOP + 1] = {"#16325c", "stop of the first", 1.1, {12, 4}},
     [PLOT_STOP + 2] = {"#d0701c", "stop of the second", 1.1, {12, 4}},
-    [PLOT_STOP + 3] = {"#2a8a57", "stop of the third", 1.1, {12, 4}},
-    [PLOT_STOP + 4] = {"#a04a8c", "stop of the fourth", 1.1, {12, 4}},
+    [PLOT_STOP + 3] = {"#6915b6", "stop of the third", 1.1, {12, 4}},
+    [PLOT_STOP + 4] = {"#51d18a", "stop of the fourth", 1.1, {12, 4}},
     [PLOT_SERIES] = {"#16325c", "first", 1.7, {0}},
     [PLOT_SERIES + 1] = {"#d0701c", "second", 1.7, {7, 4}},
-    [PLOT_SERIES + 2] = {"#2a8a57", "third", 1.7, {9, 4, 1, 4}},
-    [PLOT_SERIES + 3] = {"#a04a8c", "fourth", 2, {0.1, 4}},
+    [PLOT_SERIES + 2] = {"#6915b6", "third", 1.7, {9, 4, 1, 4}},
+    [PLOT_SERIES + 3] = {"#51d18a", "fourth", 2, {0.1, 4}},
+    [PLOT_PORTRAIT] = {"#16325c", "portrait of the first", 1.2, {0}},
+    [PLOT_PORTRAIT + 1] = {"#d0701c", "portrait of the second", 1.2, {0}},
+    [PLOT_PORTRAIT + 2] = {"#6915b6", "portrait of the third", 1.2, {0}},
+    [PLOT_PORTRAIT + 3] = {"#51d18a", "portrait of the fourth", 1.2, {0}},
+    [PLOT_GAP] = {"#777777", "gap", 1.2, {0}},
     [PLOT_DATA] = {"#c2188b", "data", 5, {0.1, 8}},
     [PLOT_FRAME] = {"#222222", "axes", 0.9, {0}},
     [PLOT_LEADER] = {"#777777", "leaders", 0.6, {0}},
 };
+
+static stroke_style style_of(plot_stroke stroke, char title[64])
+{
+    const int i = (int)stroke - PLOT_DUPLICATE;
+    if (i < 0 || i >= 6 * PLOT_N_BRANCH) return strokes[stroke];
+    const int branch = i / 3 % PLOT_N_BRANCH;
+    stroke_style out = by_stability[i < 3 * PLOT_N_BRANCH][i % 3];
+    snprintf(title, 64, "%s, %s", branches[branch].name, out.title);
+    out.colour = branches[branch].colour;
+    out.title = title;
+    return out;
+}
 
 struct plot_page {
     double width, height;
@@ -106,7 +107,8 @@ struct plot_page {
 
 const char *plot_stroke_colour(plot_stroke stroke)
 {
-    return strokes[stroke].colour;
+    char title[64];
+    return style_of(stroke, title).colour;
 }
 
 double plot_page_width(const plot_page *page)
@@ -362,6 +364,23 @@ double plot_layout_height(const plot_options *o, double usual)
     return (o->height > 0 ? o->height : usual) / magnification(o);
 }
 
+static const double title_type = 14;
+
+void plot_page_title(plot_page *page, const plot_options *common, const char *own)
+{
+    char title[400];
+    if (!common->title && !own) return;
+    if (common->title) plot_text_escape(common->title, sizeof title, title);
+    else snprintf(title, sizeof title, "%s", own);
+    plot_page_text(page, (plot_point){page->width / 2, page->height - 17}, PLOT_CENTRE, title_type, "#000000", false,
+                   title);
+}
+
+double plot_page_head(const plot_options *common, const char *own)
+{
+    return common->title || own ? 34 : 10;
+}
+
 /* A picture in the making: `scale` is how many pixels of the target, of 1/96 inch in PDF, a pixel of the page has. */
 typedef struct {
     FILE *script;
@@ -396,13 +415,15 @@ static void write_terminal(const target *t, const plot_page *page)
 
 static void write_stroke(const target *t, int stroke)
 {
-    const double *dash = strokes[stroke].dash, width = strokes[stroke].width * t->scale;
+    char title[64];
+    const stroke_style style = style_of((plot_stroke)stroke, title);
+    const double *dash = style.dash, width = style.width * t->scale;
     const double unit = t->kind == PLOT_FORMAT_PDF   ? 0.3667 * fmax(1, 0.75 * width)
                         : t->kind == PLOT_FORMAT_PNG ? 0.25 * fmax(1, width)
                                                      : 0.5 * width;
-    fprintf(t->script, ", \\\n $l%d with lines lw %g lc rgb '%s' dt ", stroke, width, strokes[stroke].colour);
+    fprintf(t->script, ", \\\n $l%d with lines lw %g lc rgb '%s' dt ", stroke, width, style.colour);
     for (int i = 0; i < 4 && dash[i] > 0; i++) fprintf(t->script, "%c%.3f", i ? ',' : '(', dash[i] * t->scale / unit);
-    fprintf(t->script, "%s title '%s'", dash[0] > 0 ? ")" : "solid", strokes[stroke].title);
+    fprintf(t->script, "%s title '%s'", dash[0] > 0 ? ")" : "solid", style.title);
 }
 
 bool plot_page_script(plot_page *page, plot_format kind, const plot_options *options, FILE *script)

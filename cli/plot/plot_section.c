@@ -178,18 +178,14 @@ static void draw_legend(picture *p)
 
 static void draw_title(picture *p)
 {
-    char text[400];
-    plot_text_escape(p->common->title ? p->common->title
-                                      : ric_study_title(p->from.atlas ? ric_atlas_study(p->from.atlas) : p->from.study),
-                     300, text);
-    if (!p->common->title) snprintf(text + strlen(text), sizeof text - strlen(text), ", E = %.9g", p->request.energy);
-    plot_page_text(p->page, (plot_point){plot_page_width(p->page) / 2, plot_page_height(p->page) - 17}, PLOT_CENTRE,
-                   type + 2, "#000000", false, text);
+    char text[40];
+    snprintf(text, sizeof text, "E = %.9g", p->request.energy);
+    plot_page_title(p->page, p->common, text);
 }
 
 static int draw(picture *p)
 {
-    const double width = plot_layout_width(p->common, 860), height = plot_layout_height(p->common, 780);
+    const double width = plot_layout_width(p->common, PLOT_WIDTH), height = plot_layout_height(p->common, 660);
     const double whole[4] = {-1.04, 1.04, -1.04, 1.04}, *w = p->has_window ? p->window : whole;
     p->page = plot_page_create(width, height);
     if (!p->page) return cli_report(RIC_E_NOMEM);

@@ -287,7 +287,7 @@ static int draw_sheets(sheet *s)
     free(high);
     free(low);
     if (code != CLI_DONE) return code;
-    if (s->common->title) plot_page_title(s->page, s->common, s->from.atlas[0], NULL);
+    plot_page_title(s->page, s->common, NULL);
     return plot_page_write(s->page, s->common);
 }
 
@@ -438,7 +438,8 @@ static int draw_columns(sheet *s, int n, const column *columns)
     char text[64];
     plot_tag tags[MAX_PART];
     plot_point *line = malloc(((size_t)s->orbits + 1) * sizeof *line);
-    if (!line || !(s->page = plot_page_create(plot_layout_width(s->common, 900), plot_layout_height(s->common, 620)))) {
+    if (!line ||
+        !(s->page = plot_page_create(plot_layout_width(s->common, PLOT_WIDTH), plot_layout_height(s->common, 500)))) {
         free(line);
         return cli_report(RIC_E_NOMEM);
     }
@@ -470,7 +471,7 @@ static int draw_columns(sheet *s, int n, const column *columns)
     plot_panel_frame(s->page, &panel,
                      s->stretch ? "way along the segments, each of length 1" : "frequency passed on the way (rad/s)",
                      text);
-    plot_page_title(s->page, s->common, s->from.atlas[0], NULL);
+    plot_page_title(s->page, s->common, NULL);
     return plot_page_write(s->page, s->common);
 }
 
