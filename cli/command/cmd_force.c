@@ -80,7 +80,7 @@ static json_t *forced_row(const ric_force *force, const ric_branch *b, const ric
     json_object_set_new(row, "harmonic", json_integer(p->harmonic));
     json_object_set_new(row, "omega", cli_number(p->omega));
     json_object_set_new(row, "state", found ? numbers(2 * n, x->state) : json_null());
-    json_object_set_new(row, "flights", found ? numbers(b->letters, x->flights) : json_null());
+    json_object_set_new(row, "flights", found ? numbers(b->letters ? b->letters : 1, x->flights) : json_null());
     json_object_set_new(row, "phase", cli_number(found ? x->data.phase : NAN));
     json_object_set_new(row, "multipliers", pairs);
     json_object_set_new(row, "largest", cli_number(found ? x->data.largest : NAN));
@@ -98,22 +98,31 @@ static void say_fault(const ric_branch *b, const ric_prediction *p, int k, const
             p->energy, p->harmonic, p->phases[k], fault);
 }
 
+static bool same_orbit(int n, const forced *x, const double *first, double phase)
+{
+    double apart = fabs(x->data.phase - phase); /* which is 0 for all where there are no events */
+    for (int i = 0; i < n; i++) apart = fmax(apart, fabs(x->state[i] - first[i]));
+    return apart < same_phase;
+}
+
 /* The orbits at both phases of a prediction. */
 static ric_status solve_both(const request *ask, const ric_force *force, const ric_branch *b, const ric_orbit *orbit,
                              const ric_prediction *p, json_t *rows)
 {
     const size_t n = (size_t)ric_model_n_dof(ric_force_model(force)), letters = (size_t)b->letters;
-    double *room = calloc(6 * n + letters + 1, sizeof *room), first = NAN;
+    double *room = calloc(7 * n + letters + 1, sizeof *room), *first = room + 6 * n + letters + 1;
+    double first_phase = NAN;
     forced x = {.state = room, .multipliers = room + 2 * n, .flights = room + 6 * n};
     ric_status status = room ? RIC_OK : RIC_E_NOMEM;
     for (int k = 0; k < p->n_phase && !status; k++) {
         status = ric_force_solve(force, orbit, p->harmonic, ask->level, p->phases[k], &x.data, x.state, x.flights,
                                  x.multipliers);
-        if (!status && k == 1 && fabs(x.data.phase - first) < same_phase)
+        if (!status && k == 1 && same_orbit((int)n, &x, first, first_phase))
             x.data.fault = "both phases lead to one orbit";
         if (!status && *x.data.fault) say_fault(b, p, k, x.data.fault);
         if (!status) json_array_append_new(rows, forced_row(force, b, p, &x));
-        first = *x.data.fault ? NAN : x.data.phase;
+        first_phase = *x.data.fault ? NAN : x.data.phase;
+        if (!status) memcpy(first, x.state, n * sizeof *first);
     }
     if (!status && !p->n_phase)
         cli_say("ricochet: branch %d, energy %.10g, harmonic %d: the level %.10g is below the threshold %.10g\n", b->id,
@@ -129,7 +138,9 @@ static ric_status add_orbit(const request *ask, const ric_force *force, const ri
     ric_status status = RIC_OK;
     for (int i = 0; i < ask->n_harmonic && !status; i++) {
         status = ric_force_predict(force, b->id, orbit, ask->harmonics[i], ask->level, &p);
-        if (!status && ask->exact) status = b->letters ? solve_both(ask, force, b, orbit, &p, rows) : RIC_OK;
+        if (!status && ask->exact) status = b->letters || !ric_model_n_face(ric_force_model(force))
+                                              ? solve_both(ask, force, b, orbit, &p, rows)
+                                              : RIC_OK;
         else if (!status) json_array_append_new(rows, prediction_row(b, &p));
     }
     return status;
@@ -351,7 +362,7 @@ static const cli_item items[] = {
     {.name = "--exact",
      .text =
          "solves the forced problem itself at --level, from both phases: state right after the first impact, flights, "
-         "phase, all multipliers, stable, residual; rigid stops and modal damping"},
+         "phase, all multipliers, stable, residual; under a power law the state is that at phase 0"},
     {.name = "threshold", .text = "least amplitude L of the force L f, physical; null where the force does no work"},
     {.name = "loss_damping", .text = "energy per period, scaled, lost by damping; loss_impacts: at impacts"},
     {.name = "phases",

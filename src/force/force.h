@@ -7,6 +7,7 @@
 #define RIC_FORCE_FORCE_H
 
 #include "model/room.h"
+#include "orbit/room.h"
 
 struct ric_force {
     const ric_atlas *atlas; /* borrowed */
@@ -20,6 +21,8 @@ struct ric_force {
     double restitution; /* (0, 1] */
 };
 
+/* An orbit of the atlas as a list of events, at its state; NULL: no memory. */
+ric_periodic *ric_force_cycle(const ric_force *force, const ric_orbit *orbit, const double *state);
 /* Modal displacements and speeds of a public state. */
 void ric_force_modal(const ric_force *force, const double *x, const double *v, double *q, double *p);
 

@@ -167,7 +167,7 @@ static void along_cycle(const ric_force *f, const ric_periodic *c, double Omega,
 }
 
 /* The orbit as a list of events, at its state. */
-static ric_periodic *cycle_of(const ric_force *f, const ric_orbit *orbit, const double *state)
+ric_periodic *ric_force_cycle(const ric_force *f, const ric_orbit *orbit, const double *state)
 {
     const ric_model *m = f->model;
     const int N = ric_orbit_letters(orbit);
@@ -200,7 +200,7 @@ ric_status ric_force_balance_of(const ric_force *f, const ric_orbit *orbit, bool
         return RIC_OK;
     }
     ric_orbit_data(orbit, &point, state, NULL, NULL);
-    ric_periodic *c = cycle_of(f, orbit, state);
+    ric_periodic *c = ric_force_cycle(f, orbit, state);
     if (!c) return ric_no_memory("an orbit");
     along_cycle(f, c, harmonic * point.frequency, out);
     ric_periodic_free(c);

@@ -1,151 +1,326 @@
-/* Whether a solution of the forced problem is a motion, and its multipliers. */
+#include "force_motion.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/room.h"
-#include "force_exact.h"
 
-#define ON_FACE 1e-10 /* relative to a gap: where an impact is, to what Newton's method leaves */
+#define TOUCHES 1e-10 /* relative to a clearance: a maximum this near to its face is not known to be below it */
+#define STANDS 1e-10  /* scaled speed at an event that is none */
+#define UNDECIDED 1e-9 /* multipliers nearer to the circle than this decide nothing, however well they are known */
+#define FLAT 1e-14    /* relative: a maximum that is found cannot be passed by more */
 
-enum { DEEPEST = 40 }; /* bisections of a flight: a gap that is not decided then is touched */
+enum { DEEPEST = 52, PARTS = 64 };
 
-/* ---------------------------------------------------------------------- gaps */
+/* ------------------------------------------------------------------- maxima */
 
-/* A gap along a flight: side * c.q - gap, below 0 where it is open. */
 typedef struct {
-    const ric_force_exact *exact;
-    const double *c, *z;           /* [n], [2n] at the start */
-    double phase, side, gap, bend; /* bend: no second derivative is larger */
-} watch;
+    const ric_force_reading *r;
+    double best, time;
+} hunt;
 
-static double distance(const watch *w, double t, double *speed)
+static double crest(const ric_force_reading *r, double a, double b)
 {
-    const int n = w->exact->n;
-    double z[2 * n];
-    ric_force_exact_fly(w->exact, t, w->phase, w->z, NULL, z);
-    *speed = w->side * ric_dot(n, w->c, z + n);
-    return w->side * ric_dot(n, w->c, z) - w->gap;
+    double slope;
+    for (int k = 0; k < DEEPEST; k++) {
+        const double t = a + (b - a) / 2;
+        ric_force_frame_look(r, t, &slope);
+        if (slope > 0) a = t;
+        else b = t;
+    }
+    return a + (b - a) / 2;
 }
 
-/* |q''| of a mode: what is left beside the steady answer has less and less energy, and |q''| <= omega^2 |q| + 2 delta
- * |p|. */
-static double bound_bend(const watch *w)
+/* Maxima between a and b, where values and slopes are known. */
+static void seek(hunt *h, double a, double at_a, double up_a, double b, double at_b, double up_b, int depth)
 {
-    const ric_force_exact *e = w->exact;
-    const int n = e->n;
-    double sum = 0;
+    const double length = b - a, most = h->r->bend * length;
+    if (fmax(at_a, at_b) + most * length / 8 <= h->best + FLAT * (1 + fabs(h->best))) return;
+    if (up_a - most > 0 || up_b - most > 0 || up_a + most < 0 || up_b + most < 0) return; /* it rises, or falls */
+    if (depth == 0) return;
+    if (up_a > 0 && up_b < 0 && depth <= DEEPEST - 4) {
+        double slope;
+        const double t = crest(h->r, a, b), top = ric_force_frame_look(h->r, t, &slope);
+        if (top > h->best) {
+            h->best = top;
+            h->time = t;
+        }
+    }
+    double slope;
+    const double t = a + length / 2, value = ric_force_frame_look(h->r, t, &slope);
+    seek(h, a, at_a, up_a, t, value, slope, depth - 1);
+    seek(h, t, value, slope, b, at_b, up_b, depth - 1);
+}
+
+static void seek_all(hunt *h, double tau)
+{
+    double up[2], at[2] = {ric_force_frame_look(h->r, 0, &up[0]), ric_force_frame_look(h->r, tau, &up[1])};
+    seek(h, 0, at[0], up[0], tau, at[1], up[1], DEEPEST);
+}
+
+ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, double least, double *highest,
+                                    double *time)
+{
+    const ric_force_medium *m = o->medium;
+    const int n = o->n;
+    double row[2 * n], room[4 * n];
+    const double *u = ric_force_orbit_node(o, k), *c = ric_force_medium_normal(m, face);
+    const bool closed = o->closed[k] >> face & 1;
+    const double sign = (closed ? -1 : 1) * m->model->face[face].side / m->gap[face];
+    ric_force_reading r;
     for (int i = 0; i < n; i++) {
-        const double re = e->steady[i], im = e->steady[n + i], c = cos(w->phase), s = sin(w->phase),
-                     q = w->z[i] - (re * c - im * s), p = w->z[n + i] + e->Omega * (re * s + im * c),
-                     energy = hypot(e->omega[i] * q, p);
-        sum += fabs(w->c[i]) * ((e->omega[i] + 2 * e->delta[i]) * energy + e->Omega * e->Omega * hypot(re, im));
+        row[i] = sign * c[i];
+        row[n + i] = 0;
     }
-    return sum;
+    ric_status status = ric_force_frame_read(o->medium, o->closed[k], &o->drive, u[2 * n], u, row, room, &r);
+    if (status) return status;
+    if (closed) r.rest += 2;
+    hunt h = {&r, least, NAN};
+    seek_all(&h, u[2 * n + 1]);
+    *highest = h.best;
+    *time = h.time;
+    return RIC_OK;
 }
 
-/* Whether the gap stays open from a to b, where it may be at its face. */
-static bool open_between(const watch *w, double a, double b, int depth)
+/* -------------------------------------------------------------------- faults */
+
+double ric_force_motion_speed(const ric_force_orbit *o, int k)
 {
-    double speed_a, speed_b;
-    const double at_a = distance(w, a, &speed_a), at_b = distance(w, b, &speed_b), length = b - a,
-                 slack = ON_FACE * fabs(w->gap);
-    if (at_a > slack || at_b > slack) return false;
-    if (speed_a + w->bend * length < 0) return true; /* it moves away all the time */
-    if (speed_b - w->bend * length > 0) return true; /* it comes near all the time, and arrives at b at the most */
-    if (fmax(at_a, at_b) + w->bend * length * length / 8 < 0) return true;
-    if (depth == 0) return false;
-    return open_between(w, a, a + length / 2, depth - 1) && open_between(w, a + length / 2, b, depth - 1);
+    const int face = o->face[k];
+    const double v = ric_force_medium_towards(o->medium, face, ric_force_orbit_node(o, k) + o->n);
+    if (ric_force_medium_rigid(o->medium, face)) return -v / o->drive.restitution;
+    return o->closed[k] >> face & 1 ? v : -v;
 }
 
-static bool flight_open(const ric_force_exact *e, double tau, double phase, const double *z)
+ric_status ric_force_motion_fault(const ric_force_orbit *o, const char **fault)
 {
-    const ric_model *m = e->model;
-    for (int f = 0; f < m->n_face; f++) {
-        watch w = {e, e->normal + (size_t)m->face[f].contact * (size_t)e->n, z, phase, m->face[f].side, e->gap[f], 0};
-        w.bend = bound_bend(&w);
-        if (!open_between(&w, 0, tau, DEEPEST)) return false;
+    *fault = "";
+    for (int k = 0; k < o->N; k++) {
+        if (!(ric_force_orbit_tau(o, k) > 0)) *fault = "a flight takes no time";
+        else if (o->events && !(ric_force_motion_speed(o, k) > STANDS))
+            *fault = ric_force_medium_rigid(o->medium, o->face[k]) ? "an impact does not approach its stop"
+                                                                   : "a spring is not met in its direction";
+        for (int f = 0; f < o->medium->model->n_face && !**fault; f++) {
+            double highest, time;
+            ric_status status = ric_force_motion_highest(o, k, f, 1 - TOUCHES, &highest, &time);
+            if (status) return status;
+            if (!isnan(time)) *fault = "a stop is passed, or touched, between two impacts";
+        }
+        if (**fault) return RIC_OK;
     }
-    return true;
-}
-
-/* Speed towards the face. */
-static double approach(const ric_force_exact *e, int face, const double *z)
-{
-    const ric_face *at = &e->model->face[face];
-    return at->side * ric_dot(e->n, e->normal + (size_t)at->contact * (size_t)e->n, z + e->n);
-}
-
-const char *ric_force_motion_fault(const ric_force_exact *e, const double *u)
-{
-    const int n = e->n;
-    double z[2 * n], z1[2 * n], phase = u[2 * n + e->N];
-    memcpy(z, u, sizeof z);
-    for (int k = 0; k < e->N; k++) {
-        const double tau = u[2 * n + k];
-        const int face = e->face[(k + 1) % e->N];
-        if (!(tau > 0)) return "a flight takes no time";
-        ric_force_exact_fly(e, tau, phase, z, NULL, z1);
-        if (!(approach(e, face, z1) > ON_FACE)) return "an impact does not approach its stop";
-        if (!flight_open(e, tau, phase, z)) return "a stop is passed, or touched, between two impacts";
-        ric_force_exact_strike(e, face, 1, z1 + n);
-        memcpy(z, z1, sizeof z);
-        phase += e->Omega * tau;
-    }
-    return "";
+    return RIC_OK;
 }
 
 /* --------------------------------------------------------------- multipliers */
 
-/* Deviations X [2n * 2n] at one time, through a flight and the impact at its end, back to one time: the impact comes
+/* Deviations X [2n * 2n] at one time through a flight and the event at its end, back to one time: the event comes
  * earlier where the face is nearer (the saltation of Mueller 1995). */
-static void carry(const ric_force_exact *e, int face, const double *turn, double phase, const double *before,
-                  const double *after, double *X)
+static ric_status carry(const ric_force_orbit *o, int k, double *X, double *room)
 {
-    const int n = e->n, ld = 2 * n;
-    const double *c = e->normal + (size_t)e->model->face[face].contact * (size_t)n;
-    double in[2 * n], out[2 * n], late[2 * n];
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < ld; j++) {
-            const double *by = turn + 4 * i, q = X[i * ld + j], p = X[(n + i) * ld + j];
-            X[i * ld + j] = by[0] * q + by[1] * p;
-            X[(n + i) * ld + j] = by[2] * q + by[3] * p;
-        }
-    ric_force_exact_rate(e, phase, before, in);
-    ric_force_exact_rate(e, phase, after, out);
-    for (int j = 0; j < ld; j++) {
-        double s = 0;
-        for (int i = 0; i < n; i++) s += c[i] * X[i * ld + j];
-        late[j] = -s / ric_dot(n, c, in);
+    const int n = o->n, size = 2 * n, ld = size + RIC_BY_COUNT, face = ric_force_orbit_end(o, k);
+    ric_force_medium *m = o->medium;
+    const double *u = ric_force_orbit_node(o, k), theta = u[size] + o->drive.omega * u[size + 1];
+    double z[size], in[size], out[size], *D = room, *Y = D + size * ld;
+    ric_status status = ric_force_frame_fly(m, o->closed[k], &o->drive, u[size + 1], u[size], u, z, D);
+    if (status) return status;
+    memset(Y, 0, (size_t)size * (size_t)size * sizeof *Y);
+    for (int i = 0; i < size; i++)
+        for (int l = 0; l < size; l++)
+            for (int j = 0; j < size; j++) Y[i * size + j] += D[i * ld + l] * X[l * size + j];
+    memcpy(X, Y, (size_t)size * (size_t)size * sizeof *X);
+    if (face < 0 || !ric_force_medium_rigid(m, face)) return RIC_OK; /* a spring begins without a force */
+    const double *c = ric_force_medium_normal(m, face);
+    ric_force_medium_rate(m, o->closed[k], &o->drive, theta, z, in);
+    ric_force_medium_strike(m, o->drive.restitution, face, 1, z + n);
+    ric_force_medium_rate(m, o->closed[(k + 1) % o->N], &o->drive, theta, z, out);
+    for (int j = 0; j < size; j++) {
+        double late = 0;
+        for (int i = 0; i < n; i++) late -= c[i] * X[i * size + j];
+        late /= ric_dot(n, c, in);
+        for (int i = 0; i < size; i++) X[i * size + j] += in[i] * late;
+        Y[j] = late;
     }
-    for (int i = 0; i < ld; i++)
-        for (int j = 0; j < ld; j++) X[i * ld + j] += in[i] * late[j];
-    ric_force_exact_strike(e, face, ld, X + (size_t)n * (size_t)ld);
-    for (int i = 0; i < ld; i++)
-        for (int j = 0; j < ld; j++) X[i * ld + j] -= out[i] * late[j];
+    ric_force_medium_strike(m, o->drive.restitution, face, size, X + (size_t)n * (size_t)size);
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++) X[i * size + j] -= out[i] * Y[j];
+    return RIC_OK;
 }
 
-bool ric_force_motion_multipliers(const ric_force_exact *e, const double *u, double *out, double *rounding)
+ric_status ric_force_motion_multipliers(const ric_force_orbit *o, double *out, double *rounding, double *keep)
 {
-    const int n = e->n;
-    double z[2 * n], z1[2 * n], turn[4 * n], phase = u[2 * n + e->N], most = 1;
-    double *X = ric_calloc(4 * (size_t)n * (size_t)n, sizeof *X);
-    if (!X) return false;
-    for (int i = 0; i < 2 * n; i++) X[i * 2 * n + i] = 1;
-    memcpy(z, u, sizeof z);
-    for (int k = 0; k < e->N; k++) {
-        const double tau = u[2 * n + k];
-        const int face = e->face[(k + 1) % e->N];
-        ric_force_exact_fly(e, tau, phase, z, turn, z1);
-        memcpy(z, z1, sizeof z);
-        ric_force_exact_strike(e, face, 1, z + n);
-        phase += e->Omega * tau;
-        carry(e, face, turn, phase, z1, z, X);
-        for (int i = 0; i < 4 * n * n; i++) most = fmax(most, fabs(X[i]));
+    const size_t size = 2 * (size_t)o->n;
+    double most = 1, *X = ric_calloc(2 * size * size + size * (size + RIC_BY_COUNT), sizeof *X);
+    ric_status status = X ? RIC_OK : ric_no_memory("multipliers");
+    for (size_t i = 0; i < size && X; i++) X[i * size + i] = 1;
+    for (int k = 0; k < o->N && !status; k++) {
+        status = carry(o, k, X, X + size * size);
+        for (size_t i = 0; i < size * size; i++) most = fmax(most, fabs(X[i]));
     }
-    const bool found = ric_eigen(2 * n, X, out);
+    if (keep && !status) memcpy(keep, X, size * size * sizeof *X);
+    if (!status && !ric_eigen((int)size, X, out))
+        status = ric_trust(ric_fail(RIC_E_NUMERIC, "the multipliers of a forced orbit cannot be computed"));
     *rounding = most * sqrt(DBL_EPSILON);
     free(X);
-    return found;
+    return status;
+}
+
+ric_stability ric_force_motion_judge(int n, const double *multipliers, double rounding, double *largest)
+{
+    const double near = fmax(rounding, UNDECIDED);
+    *largest = 0;
+    for (int i = 0; i < 2 * n; i++) *largest = fmax(*largest, hypot(multipliers[2 * i], multipliers[2 * i + 1]));
+    return *largest < 1 - near ? RIC_STABLE_YES : *largest > 1 + near ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
+}
+
+/* ------------------------------------------------------------------ measures */
+
+void ric_force_motion_leave(const ric_force_medium *m, const double *z, double *state)
+{
+    const int n = m->n;
+    for (int j = 0; j < n; j++) {
+        state[j] = state[n + j] = 0;
+        for (int i = 0; i < n; i++) {
+            state[j] += m->model->Phi[j * n + i] * z[i] / m->unit;
+            state[n + j] += m->model->Phi[j * n + i] * z[n + i] * m->time / m->unit;
+        }
+    }
+}
+
+void ric_force_motion_enter(const ric_force_medium *m, const double *state, double *z)
+{
+    ric_force_modal(m->force, state, state + m->n, z, z + m->n);
+    for (int i = 0; i < m->n; i++) {
+        z[i] *= m->unit;
+        z[m->n + i] *= m->unit / m->time;
+    }
+}
+
+/* Nodes and weights of Gauss on (-1, 1). */
+static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363},
+                    weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+
+/* Adds int x_j^2 dt over a flight to rms, and the largest |x_j| at the nodes to peak. */
+static ric_status sample(const ric_force_orbit *o, int k, int panels, ric_force_measures *out)
+{
+    const int n = o->n;
+    const double *u = ric_force_orbit_node(o, k), half = u[2 * n + 1] / panels / 2;
+    double z[2 * n], state[2 * n], last = 0;
+    memcpy(z, u, sizeof z);
+    for (int i = 0; i < 8 * panels; i++) {
+        const int place = i % 8, at = place < 4 ? 3 - place : place - 4;
+        const double t = half * (2 * (i / 8) + 1 + (place < 4 ? -node[at] : node[at])),
+                     from = o->medium->smooth ? last : 0;
+        ric_status status = ric_force_frame_fly(o->medium, o->closed[k], &o->drive, t - from,
+                                                u[2 * n] + o->drive.omega * from, o->medium->smooth ? z : u, z, NULL);
+        if (status) return status;
+        last = t;
+        ric_force_motion_leave(o->medium, z, state);
+        for (int j = 0; j < n; j++) {
+            out->rms[j] += half * weight[at] * state[j] * state[j];
+            out->peak[j] = fmax(out->peak[j], fabs(state[j]));
+        }
+    }
+    return RIC_OK;
+}
+
+/* Largest |x_j| over a flight, its ends among it. */
+static ric_status peaks(const ric_force_orbit *o, int k, ric_force_measures *out)
+{
+    const int n = o->n;
+    const ric_force_medium *m = o->medium;
+    const double *u = ric_force_orbit_node(o, k);
+    double row[2 * n], room[4 * n];
+    memset(row, 0, sizeof row);
+    for (int j = 0; j < 2 * n; j++) {
+        ric_force_reading r;
+        const double sign = j < n ? 1 : -1;
+        for (int i = 0; i < n; i++) row[i] = sign * m->model->Phi[j % n * n + i] / m->unit;
+        ric_status status = ric_force_frame_read(o->medium, o->closed[k], &o->drive, u[2 * n], u, row, room, &r);
+        if (status) return status;
+        double slope;
+        hunt h = {&r, fmax(out->peak[j % n], ric_force_frame_look(&r, 0, &slope)), NAN};
+        seek_all(&h, u[2 * n + 1]);
+        out->peak[j % n] = h.best;
+    }
+    return RIC_OK;
+}
+
+/* Where |x_j| is largest under a power law: the speed is zero between two samples, on a motion that is flown anew. */
+static ric_status smooth_peaks(const ric_force_orbit *o, int k, ric_force_measures *out)
+{
+    const int n = o->n;
+    const double *u = ric_force_orbit_node(o, k), step = u[2 * n + 1] / PARTS;
+    double z[2 * n], next[2 * n], state[2 * n], after[2 * n];
+    memcpy(z, u, sizeof z);
+    for (int i = 0; i < PARTS; i++) {
+        const double theta = u[2 * n] + o->drive.omega * step * i;
+        ric_status status = ric_force_series_fly(o->medium, &o->drive, step, theta, z, next, NULL);
+        ric_force_motion_leave(o->medium, z, state);
+        ric_force_motion_leave(o->medium, next, after);
+        for (int j = 0; j < n && !status; j++) {
+            double a = 0, b = step, at[2 * n], x[2 * n];
+            out->peak[j] = fmax(out->peak[j], fabs(state[j]));
+            if (state[n + j] * after[n + j] > 0) continue;
+            for (int l = 0; l < DEEPEST && !status; l++) {
+                status = ric_force_series_fly(o->medium, &o->drive, (a + b) / 2, theta, z, at, NULL);
+                ric_force_motion_leave(o->medium, at, x);
+                if (x[n + j] * state[n + j] > 0) a = (a + b) / 2;
+                else b = (a + b) / 2;
+            }
+            out->peak[j] = fmax(out->peak[j], fabs(x[j]));
+        }
+        if (status) return status;
+        memcpy(z, next, sizeof z);
+    }
+    return RIC_OK;
+}
+
+static ric_status find_reach(const ric_force_orbit *o, ric_force_measures *out)
+{
+    double best = 0.5; /* gaps that stay wider than half tell nothing */
+    out->reach = out->approach = NAN;
+    for (int k = 0; k < o->N; k++) {
+        if (o->events) out->approach = fmin(out->approach, ric_force_motion_speed(o, k));
+        for (int f = 0; f < o->medium->model->n_face; f++) {
+            double time;
+            ric_status status = ric_force_motion_highest(o, k, f, best, &best, &time);
+            if (status) return status;
+            if (!isnan(time)) out->reach = best;
+        }
+    }
+    return RIC_OK;
+}
+
+ric_status ric_force_motion_measure(const ric_force_orbit *o, ric_force_measures *out)
+{
+    const int n = o->n;
+    const double period = ric_force_orbit_period(o);
+    double fastest = o->drive.omega;
+    for (int i = 0; i < n; i++) {
+        fastest = fmax(fastest, o->medium->omega[i]);
+        out->peak[i] = out->rms[i] = 0;
+    }
+    ric_status status = find_reach(o, out);
+    for (int k = 0; k < o->N && !status; k++) {
+        status = sample(o, k, 2 + (int)(fastest * ric_force_orbit_tau(o, k) / 2), out);
+        if (!status) status = o->medium->smooth ? smooth_peaks(o, k, out) : peaks(o, k, out);
+    }
+    for (int i = 0; i < n; i++) out->rms[i] = sqrt(out->rms[i] / period);
+    return status;
+}
+
+ric_status ric_force_motion_strobe(const ric_force_orbit *o, double theta, double *z)
+{
+    const int n = o->n;
+    const double first = ric_force_orbit_theta(o, 0);
+    theta = first + remainder(theta - first, RIC_TWO_PI);
+    if (theta < first) theta += RIC_TWO_PI;
+    for (int k = 0; k < o->N; k++) {
+        const double *u = ric_force_orbit_node(o, k), t = (theta - u[2 * n]) / o->drive.omega;
+        if (t > u[2 * n + 1] && k + 1 < o->N) continue;
+        return ric_force_frame_fly(o->medium, o->closed[k], &o->drive, t, u[2 * n], u, z, NULL);
+    }
+    return RIC_OK;
 }
