@@ -126,16 +126,16 @@ static const struct {
     {"fep", plot_fep, false, true},      {"orbit", plot_orbit, true, true},     {"orbits", plot_orbits, false, true},
     {"curves", plot_curves, true, true}, {"floquet", plot_floquet, true, true}, {"cascade", plot_cascade, true, false},
     {"sheet", plot_sheet, false, false}, {"strobe", plot_strobe, false, false}, {"section", plot_section, true, false},
+    {"law", plot_law, false, false},     {"model", plot_model, false, false},
 };
+
+#define PICTURES "fep, orbit, orbits, curves, floquet, cascade, sheet, strobe, section, law and model"
 
 static int run(int argc, char **argv)
 {
     plot_options options = {0};
     const char *size = NULL, *font = NULL, *dpi = NULL;
-    if (argc < 2)
-        return cli_wrong(
-            "plot: which picture? fep, orbit, orbits, curves, floquet, cascade, sheet, strobe or section; see "
-            "ricochet plot --help");
+    if (argc < 2) return cli_wrong("plot: which picture? " PICTURES "; see ricochet plot --help");
     if (!cli_take_value(&argc, argv, "-o", &options.out) || !cli_take_value(&argc, argv, "--title", &options.title) ||
         !cli_take_value(&argc, argv, "--size", &size) || !cli_take_value(&argc, argv, "--font", &font) ||
         !cli_take_value(&argc, argv, "--dpi", &dpi) || !take_print(font, dpi, &options))
@@ -159,9 +159,7 @@ static int run(int argc, char **argv)
             cli_handles_release(&handles);
             return code;
         }
-    return cli_wrong(
-        "plot: unknown picture '%s'; there are fep, orbit, orbits, curves, floquet, cascade, sheet, strobe and section",
-        argc > 1 ? argv[1] : "");
+    return cli_wrong("plot: unknown picture '%s'; there are " PICTURES, argc > 1 ? argv[1] : "");
 }
 
 /* What curves have, but for x1.., v1.. and tau1.. of the model. */
@@ -296,6 +294,14 @@ static const cli_item items[] = {
      .words = "lyapunov rotation",
      .text = "by the Lyapunov exponent, unless given; or by the rotation number, grey where there is none"},
     {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
+    {.name = "law",
+     .picture = true,
+     .text = "studies or atlases: the force of each contact over its gap coordinate, in units of the study"},
+    {.name = "--key", .value = "TEXT", .text = "of several structures: what the legend calls it, else its title"},
+    {.name = "model",
+     .picture = true,
+     .text = "studies or atlases: nodes and lines where the study has a `drawing`, else masses, springs and "
+             "contacts in a row"},
     {.name = "all", .picture = true, .text = "every picture"},
     {.name = "-o", .value = "FILE", .text = "the file to write, its ending .svg, .pdf, .png or .gp"},
     {.name = "--title", .value = "TEXT", .text = "a title above the picture, which has none unless asked for"},
@@ -346,6 +352,8 @@ const cli_command cli_plot = {
              "           [(--branch ID | --at E,OMEGA | --orbits) [--radius R]] [--face F]\n"
              "           [--colour WHAT] [--window A:B,C:D] [-j WORKERS | --jobs WORKERS]\n"
              "           [--seconds S] -o FILE\n"
+             "ricochet plot law STUDY|ATLAS... [--key TEXT] -o FILE\n"
+             "ricochet plot model STUDY|ATLAS... -o FILE\n"
              "with each: [--title TEXT] [--size WxH] [--font PT] [--dpi N] [--physical] [--hz]\n",
     .items = items,
     .example = "ricochet plot fep two-masses.ricochet --break 2.2 -o two-masses.svg\n",

@@ -43,6 +43,9 @@ typedef enum {
     PLOT_SERIES = PLOT_STOP + 5,     /* + 0..3 */
     PLOT_PORTRAIT = PLOT_SERIES + 4, /* + 0..3: the colours of these, solid */
     PLOT_GAP = PLOT_PORTRAIT + 4,
+    PLOT_OVERLAY, /* + 0..5: curves over one another, told apart by colour and by dashes */
+    PLOT_BEAM = PLOT_OVERLAY + 6,
+    PLOT_PART, /* of a schematic */
     PLOT_DATA, /* of one's own */
     PLOT_FRAME,
     PLOT_LEADER,
@@ -373,5 +376,7 @@ int plot_section(int argc, char **argv, const plot_options *options);
 int plot_curves(int argc, char **argv, const plot_options *options);
 int plot_floquet(int argc, char **argv, const plot_options *options);
 int plot_cascade(int argc, char **argv, const plot_options *options);
+int plot_law(int argc, char **argv, const plot_options *options);
+int plot_model(int argc, char **argv, const plot_options *options);
 
 #endif

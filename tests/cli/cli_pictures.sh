@@ -237,6 +237,36 @@ thick, thin = (p.lines.get("symmetric, %s, duplicate" % word) for word in ("stab
 check(thick and thin and p.has("duplicate, symmetric"), p.lines.keys())
 END
 
+# ----------------------------------------------------------- laws and models
+# The force at s = 1.2 clearances, read off the picture, is that of the study: 10^4 (s - 1) and s^3.
+ok 'the laws of a spring beyond a gap, of a power and of a stop' draw law law examples/bilinear/study.yaml --key soft examples/power-3/study.yaml \
+    --key cubic examples/elementary/study.yaml --key stop
+ok 'have the forces of the study' sees law <<'END'
+frames = [line for line in p.lines["axes"] if len(line) > 3]
+def force(name, frame, s):
+    (left, bottom), (right, _), (_, top) = frame[:3]
+    x = (left + right) / 2 + s / 1.6 * (right - left) / 2
+    line = next(line for line in p.lines[name] if len(line) > 2 and left - 1 < line[0][0] < right + 1)
+    y = next(b[1] + (a[1] - b[1]) * (b[0] - x) / (b[0] - a[0]) for a, b in zip(line, line[1:]) if a[0] <= x <= b[0] and a[0] < b[0])
+    return ((bottom + top) / 2 - y) / ((bottom - top) / 2)
+soft, cubic = force("first of several", frames[0], 1.2), force("second of several", frames[1], 1.2)
+stop = [x for line in p.lines["third of several"] for x, y in line]
+check(len(frames) == 2 and abs(soft - 0.2 / 0.4) < 0.01 and abs(cubic - 1.2**3 / 1.4**3) < 0.01 and p.has("cubic") and len(stop) > 6, soft, cubic)
+END
+ok 'a chain with a wall and a gap' draw chain model examples/three-masses/study.yaml
+ok 'has its masses, springs, walls and stops' sees chain <<'END'
+springs = [line for line in p.lines["part"] if len(line) == 12]
+texts = {"m = 1.5", "m = 1", "m = 0.8", "k = 4", "k = 1", "k = 2", "k = 3", "wall:  s = x_1,  closes at 1,  rigid", "gap:  s = x_3 − x_2,  closes at ±0.7,  rigid"}
+check(len(springs) == 4 and texts <= {t[2] for t in p.texts}, len(springs), [t[2] for t in p.texts])
+END
+ok 'a structure with nodes' draw nodes model examples/arm/study.yaml
+ok 'is drawn from them' sees nodes <<'END'
+line = sorted({q for l in p.lines["member"] for q in l})
+check(len(line) == 6 and all(abs(q[1] - line[0][1]) < 0.01 for q in line) and p.has("x_9") and not p.has("m = 1"), line)
+END
+ok 'a stiffness that is not of springs is said to be none' sh -c '"$1" plot model examples/two-walls/study.yaml -o "$2/walls.svg" 2>&1 |
+    grep -q "not that of springs"' sh "$ricochet" "$folder"
+
 # ------------------------------------------------------------------ own data
 "$ricochet" points "$folder/half.ricochet" --branch 3 --physical --csv >"$folder/own.csv" # has both columns, and others
 ok 'points of a branch as data in physical units' draw own fep "$folder/half.ricochet" --physical --branch 3 --data "$folder/own.csv" --marks none --labels none
