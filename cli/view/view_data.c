@@ -339,6 +339,7 @@ static json_t *describe_model(const ric_model *model)
     json_object_set_new(object, "dofs", json_integer(n));
     json_object_set_new(object, "modes", json_integer(ric_model_n_mode(model)));
     json_object_set_new(object, "length", cli_number(ric_model_length(model)));
+    json_object_set_new(object, "onset", cli_number(ric_model_onset(model, NULL)));
     json_object_set_new(object, "symmetric", json_boolean(ric_model_symmetric(model)));
     json_object_set_new(object, "frequencies",
                         frequencies && !ric_model_frequencies(model, frequencies) ? numbers(n, frequencies, 1)

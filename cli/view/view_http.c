@@ -32,6 +32,7 @@ enum {
     SWALLOW_MAX = 16 << 20, /* bytes of a request that is refused, which are read all the same: an answer to
                              * somebody who still sends is lost with the connection (RFC 9112, 9.6) */
     ARGUMENTS_MAX = 32,
+    CURVE_MOST = 32, /* orbits in one answer */
     IDLE_SECONDS = 30,      /* of an answer that nobody takes */
     COMPUTING_SECONDS = 20, /* for one answer */
     COMPUTING_MAX = 4,      /* computing at one time */
@@ -306,6 +307,21 @@ static answer get_orbit(struct MHD_Connection *connection, const view_data *data
     return from_status(status, rows);
 }
 
+/* Orbits between stored points, for a curve that is looked at closely. */
+static answer get_curve(struct MHD_Connection *connection, const view_data *data)
+{
+    int branch, count;
+    double from, to;
+    json_t *columns = NULL;
+    if (!read_integer(argument(connection, "branch"), 1 << 30, &branch) ||
+        !read_number(argument(connection, "from"), &from) || !read_number(argument(connection, "to"), &to) ||
+        !read_integer(argument(connection, "count"), CURVE_MOST, &count) || count < 1 || !(from <= to))
+        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
+                        "branch, from, to and count are needed, as numbers, the last one from 1 to 32"};
+    const ric_status status = view_curve(data->atlas, branch, from, to, count, &columns);
+    return from_status(status, columns);
+}
+
 static answer get_bases(struct MHD_Connection *connection, const view_data *data)
 {
     int largest = 0;
@@ -480,7 +496,7 @@ static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *co
     static const struct {
         const char *path;
         computed what;
-    } computing[] = {{"/api/orbit", get_orbit}, {"/api/bases", get_bases}, {"/api/cascades", get_cascades}};
+    } computing[] = {{"/api/orbit", get_orbit}, {"/api/curve", get_curve}, {"/api/bases", get_bases}, {"/api/cascades", get_cascades}};
     char tag[48];
     for (const view_file *file = view_page; file->path; file++)
         if (!strcmp(path, file->path)) return reply_file(connection, file);

@@ -235,6 +235,41 @@ ric_status view_orbits(const ric_atlas *atlas, int id, view_at at, double value,
     return status;
 }
 
+/* The orbit by the first way of `locate` alone, so that arclengths between two stored points keep their order. */
+static ric_status add_place(const ric_atlas *atlas, const ric_branch *b, double s, json_t *const columns[3])
+{
+    place where = {0};
+    ric_orbit **orbits = NULL;
+    int n = 0;
+    ric_status status = locate(atlas, b, s, &where);
+    if (status || where.at[0] == RIC_AT_POINT) return status;
+    status = ric_orbit_find(atlas, b->id, where.at[0], where.value[0], &n, &orbits);
+    const ric_orbit *best = status ? NULL : nearest(n, orbits, &where, s);
+    if (best) {
+        ric_point p;
+        ric_orbit_data(best, &p, NULL, NULL, NULL);
+        json_array_append_new(columns[0], cli_number(p.arclength));
+        json_array_append_new(columns[1], cli_number(p.energy));
+        json_array_append_new(columns[2], cli_number(p.frequency));
+    }
+    ric_orbits_free(n, orbits);
+    return status == RIC_E_NUMERIC ? RIC_OK : status;
+}
+
+ric_status view_curve(const ric_atlas *atlas, int id, double from, double to, int count, json_t **out)
+{
+    json_t *const columns[3] = {json_array(), json_array(), json_array()};
+    ric_branch branch;
+    ric_status status = ric_atlas_branch(atlas, id, &branch);
+    for (int i = 0; !status && i < count; i++)
+        status = add_place(atlas, &branch, from + (to - from) * i / (count > 1 ? count - 1 : 1), columns);
+    *out = json_pack("{s:o,s:o,s:o}", "arclength", columns[0], "energy", columns[1], "frequency", columns[2]);
+    if (!status) return RIC_OK;
+    json_decref(*out);
+    *out = NULL;
+    return status;
+}
+
 ric_status view_stored_orbit(const ric_atlas *atlas, int branch, int point, json_t **out)
 {
     ric_orbit **orbits = NULL;

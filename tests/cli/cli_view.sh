@@ -112,6 +112,12 @@ for branch in atlas["branches"]:
 P
 }
 ok 'an orbit between any two points' between
+ok 'orbits along a curve' gives 200 "${with_token[@]}" "$url/api/curve?branch=3&from=0.1&to=0.4&count=7"
+on_curve() { python3 -c "
+import json
+part = json.load(open('$folder/body'))
+assert len(part['energy']) == len(part['frequency']) == 7 and part['arclength'] == sorted(part['arclength']), part"; }
+ok 'as many as were asked for, in their order' on_curve
 ok 'bases' gives 200 "${with_token[@]}" "$url/api/bases"
 ok 'cascades' gives 200 "${with_token[@]}" "$url/api/cascades"
 
@@ -122,7 +128,7 @@ for host in evil.example "evil.example:$port" "127.0.0.1.evil.example:$port" "12
 done
 ok 'no Host at all' gives 421 --http1.0 -H 'Host:' "$url/"
 ok 'Host localhost' gives 200 -H "Host: localhost:$port" "$url/"
-for path in orbit?branch=3\&energy=1.5 bases cascades; do
+for path in orbit?branch=3\&energy=1.5 curve?branch=3\&from=0\&to=1\&count=3 bases cascades; do
     ok "no token: $path" gives 403 "$url/api/$path"
 done
 ok 'a wrong token' gives 403 -H "X-Ricochet-Token: ${token%?}x" "$url/api/bases"
@@ -140,6 +146,10 @@ done
 for query in '' branch=3 'branch=3&energy=nan' 'branch=3&energy=1e999' 'branch=3&energy=0x1p3' 'branch=3&energy=1&point=1' 'branch=-1&energy=1' 'branch=3.5&energy=1' "branch=3&energy=$(printf '9%.0s' {1..60})"; do
     ok "orbit?${query:0:40}" gives 400 "${with_token[@]}" "$url/api/orbit?$query"
 done
+for query in '' 'branch=3&from=0&to=1' 'branch=3&from=1&to=0&count=5' 'branch=3&from=0&to=nan&count=5' 'branch=3&from=0&to=1&count=33' 'branch=3&from=0&to=1&count=0'; do
+    ok "curve?$query" gives 400 "${with_token[@]}" "$url/api/curve?$query"
+done
+ok 'a curve of no branch' gives 404 "${with_token[@]}" "$url/api/curve?branch=999&from=0&to=1&count=5"
 ok 'a branch that is not there' gives 404 "${with_token[@]}" "$url/api/orbit?branch=999&energy=1"
 ok 'a point that is not there' gives 404 "${with_token[@]}" "$url/api/orbit?branch=3&point=99999"
 ok 'DELETE' gives 405 -X DELETE "$url/"

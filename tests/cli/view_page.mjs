@@ -176,6 +176,36 @@ async function zooming(page, shot) {
   await page.click("#home");
 }
 
+// Orbits between stored points lie on the lines that are drawn, however narrow the view: a chord would be off by many pixels.
+async function curves(page) {
+  const off = [];
+  for (const [label, part, zoom] of [["S2+[01]", 0.31, 1], ["A3[001]", 0.57, 2], ["A4[0001]", 0.43, 3], ["A2[01]", 0.77, 5], ["S2-[01]", 0.21, 7]])
+    off.push(await page.evaluate(async ([label, part, zoom]) => {
+      const headers = { "X-Ricochet-Token": sessionStorage.getItem("token") };
+      const ask = async (path) => (await fetch(path, { headers })).json();
+      const branch = (await ask("/api/atlas")).branches.find((b) => b.label === label);
+      const s = part * (branch.junction_arclengths.at(-1) ?? 0.5);
+      const along = (h) => ask(`/api/curve?branch=${branch.id}&from=${Math.max(0, s - h)}&to=${s + h}&count=15`);
+      const [{ energy: e, frequency: w }] = await ask(`/api/orbit?branch=${branch.id}&arclength=${s}`);
+      const width = 10 ** -zoom;
+      location.hash = `e=${e * (1 - width)},${e * (1 + width)}&w=${w * (1 - width)},${w * (1 + width)}`;
+      dispatchEvent(new PopStateEvent("popstate"));
+      for (let i = 0; i < 10; i++) { // at rest
+        await new Promise((done) => setTimeout(done, 40));
+        if (window.ricochet().refining) i = 0;
+      }
+      let [worst, n] = [0, 0];
+      for (const found of [await along(width), await along(width / 10)])
+        found.energy.forEach((energy, i) => {
+          if (Math.abs(energy / e - 1) > width || Math.abs(found.frequency[i] / w - 1) > width) return;
+          worst = Math.max(worst, window.ricochet().off(branch.id, energy, found.frequency[i]));
+          n++;
+        });
+      return { label, worst, n };
+    }, [label, part, zoom]));
+  ok("lines go through the orbits between stored points, to the pixel", off.every(({ worst, n }) => worst < 0.6 && n > 5), JSON.stringify(off));
+}
+
 async function growing(page, shot, atlas) {
   const over = rows("junctions", atlas).find((j) => j.departures.over_budget > 0);
   await page.click("[data-tab=grow]");
@@ -274,6 +304,7 @@ async function demo(browser) {
   ok("the token is not left in the address line", !page.url().includes("token"));
   await looking(page, shot, atlas);
   await orbits(page, shot, atlas);
+  await curves(page);
   await zooming(page, shot);
   await growing(page, shot, atlas);
   await keys(page, shot);

@@ -2,6 +2,7 @@
 import type { Colouring } from "./theme";
 import type { LabelChoice } from "./place";
 import type { Selected } from "./plot";
+import type { Scale } from "./units";
 
 export interface Address {
   window: { e0: number; e1: number; w0: number; w1: number } | null; // energies, also on a logarithmic axis
@@ -10,6 +11,8 @@ export interface Address {
   colouring: Colouring;
   labels: LabelChoice;
   marks: boolean;
+  scale: Scale;
+  hertz: boolean;
   selected: Selected | null;
   junction: number;
 }
@@ -34,6 +37,8 @@ export function readAddress(): Address {
     colouring: among("colour", ["symmetry", "stability", "word", "base"] as const),
     labels: among("labels", ["main", "all", "named", "none"] as const),
     marks: q.get("marks") !== "off",
+    scale: among("units", ["scaled", "physical", "relative"] as const),
+    hertz: q.get("hz") === "on",
     selected: branch > 0 ? { branch, k: Math.min(32, Math.max(1, Math.trunc(number("k", 1)))), arclength: number("s", 0) } : null,
     junction: Math.trunc(number("j", 0)),
   };
@@ -48,6 +53,8 @@ export function writeAddress(a: Address): string {
   if (a.colouring !== "symmetry") q.push(`colour=${a.colouring}`);
   if (a.labels !== "main") q.push(`labels=${a.labels}`);
   if (!a.marks) q.push("marks=off");
+  if (a.scale !== "scaled") q.push(`units=${a.scale}`);
+  if (a.hertz) q.push("hz=on");
   if (a.selected) q.push(`b=${a.selected.branch}`, ...(a.selected.k > 1 ? [`k=${a.selected.k}`] : []), `s=${a.selected.arclength}`);
   if (a.junction) q.push(`j=${a.junction}`);
   return "#" + q.join("&");

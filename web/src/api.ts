@@ -69,6 +69,7 @@ export interface Model {
   dofs: number;
   modes: number;
   length: number;
+  onset: number | null; // scaled energy of the first touch
   symmetric: boolean;
   frequencies: number[];
   locked: number[];
@@ -211,6 +212,15 @@ export const getOrbit = (branch: number, where: Where, signal?: AbortSignal): Pr
   if (saved) return Promise.resolve(savedOrbit(branch, value));
   return ask<Orbit[]>(`/api/orbit?branch=${branch}&${name}=${value}`, { signal });
 };
+
+export interface CurvePart {
+  arclength: number[];
+  energy: number[];
+  frequency: number[];
+}
+
+// Orbits between stored points, in the order of the branch.
+export const getCurve = (branch: number, from: number, to: number, count: number) => ask<CurvePart>(`/api/curve?branch=${branch}&from=${from}&to=${to}&count=${count}`);
 
 // Points of branches. An outline has some of them, and says at its end how many of each branch.
 export interface Source {

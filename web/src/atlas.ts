@@ -1,12 +1,14 @@
 // The atlas in the browser: knots of all branches in flat arrays, and for each branch a tree from which any view of it is drawn with as few
 // segments as the eye can tell, however many knots there are.
 import type { BranchRow, Description, JunctionRow, Source } from "./api";
+import { Between, findSlopes, storedPiece, valueAt, type Piece, type Place } from "./curve";
 
 export const JOINT = 3; // flag of a knot that is a junction; others carry 0 unstable, 1 stable, 2 undecided
 export const GAP = 4; // added to the flag of a point behind which a tongue was stepped over; the style of the piece that is not drawn
 const BLOCK = 8; // segments in a leaf
 const MIXED = 255;
 const NODE = 6; // numbers per node: box and the bounds of what a chord misses, in each direction
+const PIECES_KEPT = 40000;
 
 export interface Branch extends BranchRow {
   root: number; // first node, in the order of levels from the leaves up
@@ -27,12 +29,17 @@ export class Atlas {
   readonly description: Description;
   readonly total: number; // knots here
   readonly complete: boolean; // all that there are
-  private missX = 0; // what `miss` has found
+  private flags: Uint8Array;
+  private slopeE: Float64Array; // by arclength
+  private slopeW: Float64Array;
+  private kept = new Map<number, Piece[]>(); // curves that have been looked at, by the knot that they begin at
+  private missX = 0; // what `miss` and `bend` have found
   private missY = 0;
 
   constructor(
     { description, packed, outline }: Source,
     readonly log: { x: boolean; y: boolean },
+    readonly between = new Map<number, Between>(), // orbits that were asked for, by the knot before them
   ) {
     const n = outline ? (packed.byteLength - 4 * description.branches.length) / 25 : packed.byteLength / 25;
     const counts = outline ? new Uint32Array(packed.slice(25 * n)) : null;
@@ -42,7 +49,9 @@ export class Atlas {
     this.energy = new Float64Array(packed, 0, n);
     this.frequency = new Float64Array(packed, 8 * n, n);
     this.arclength = new Float64Array(packed, 16 * n, n);
-    const flags = new Uint8Array(packed, 24 * n, n);
+    const flags = (this.flags = new Uint8Array(packed, 24 * n, n));
+    this.slopeE = new Float64Array(n);
+    this.slopeW = new Float64Array(n);
     this.junctions = description.junctions;
     this.style = new Uint8Array(n);
     this.x = log.x ? this.energy.map((e) => Math.log10(Math.max(e, 1e-30))) : this.energy;
@@ -65,6 +74,7 @@ export class Atlas {
     this.uniform = new Uint8Array(nodes);
     for (const b of this.branches) {
       this.setStyles(b, flags);
+      findSlopes(this, flags, b.place, b.place + b.knots - 1, this.slopeE, this.slopeW);
       this.build(b);
     }
   }
@@ -109,6 +119,59 @@ export class Atlas {
     this.missY = Math.abs(py - t * dy);
   }
 
+  // How far the curve between knots i and i + 1 may lie from their chord.
+  private bend(i: number): void {
+    const third = (this.arclength[i + 1] - this.arclength[i]) / 3;
+    const most = (value: Float64Array, slope: Float64Array) => {
+      const chord = (value[i + 1] - value[i]) / 3;
+      const bend = Math.max(Math.abs(third * slope[i] - chord), Math.abs(third * slope[i + 1] - chord));
+      return Number.isNaN(bend) || this.style[i] === GAP ? 0 : bend;
+    };
+    const onAxis = (bend: number, least: number, logarithmic: boolean) => (logarithmic && bend > 0 ? (bend < least ? bend / (Math.LN10 * (least - bend)) : Infinity) : bend);
+    this.missX = onAxis(most(this.energy, this.slopeE), Math.min(this.energy[i], this.energy[i + 1]), this.log.x);
+    this.missY = onAxis(most(this.frequency, this.slopeW), Math.min(this.frequency[i], this.frequency[i + 1]), this.log.y);
+  }
+
+  // The curve from knot i of a branch to the next one, in pieces.
+  curve(b: Branch, i: number): Piece[] {
+    let pieces = this.kept.get(i);
+    if (pieces) return pieces;
+    if (this.kept.size >= PIECES_KEPT) this.kept.clear();
+    const finer = this.between.get(i)?.pieces;
+    pieces = finer?.length ? finer : [storedPiece(this, this.flags, b.place, b.place + b.knots - 1, i, this.slopeE, this.slopeW)];
+    this.kept.set(i, pieces);
+    return pieces;
+  }
+
+  // The stored points beside the piece that begins at knot i: [knot, knot].
+  stored(b: Branch, i: number): [number, number] {
+    let [p, q] = [i, i + 1];
+    while (p > b.place && this.flags[p] % GAP === JOINT) p--;
+    while (q < b.place + b.knots - 1 && this.flags[q] % GAP === JOINT) q++;
+    return [p, q];
+  }
+
+  /* A knot with the arclength that the server gives to orbits between two stored points, where energy or frequency, whichever differs more, changes evenly; the
+   * place of a junction on the branch is another one. */
+  private measured(b: Branch, i: number): Place {
+    const place = { s: this.arclength[i], e: this.energy[i], w: this.frequency[i] };
+    if (this.flags[i] % GAP !== JOINT) return place;
+    const [p, q] = this.stored(b, i);
+    const [e, w] = [this.energy, this.frequency];
+    const value = Math.abs(e[q] / e[p] - 1) > Math.abs(w[q] / w[p] - 1) ? e : w;
+    const part = (value[i] - value[p]) / (value[q] - value[p]);
+    return part > 0 && part < 1 ? { ...place, s: this.arclength[p] + part * (this.arclength[q] - this.arclength[p]) } : place;
+  }
+
+  // Orbits between knot i and the next one have come, at parts of the curve that were asked for.
+  addBetween(b: Branch, i: number, asked: [number, number], found: { arclength: number[]; energy: number[]; frequency: number[] }): void {
+    const list = this.between.get(i) ?? new Between();
+    list.asked.push(asked);
+    list.add([this.measured(b, i), this.measured(b, i + 1)], this.curve(b, i), found);
+    this.between.set(i, list);
+    this.kept.delete(i);
+  }
+
   private build(b: Branch): void {
     const { nodes, uniform, x, y, style } = this;
     const last = b.place + b.knots - 1;
@@ -116,7 +179,7 @@ export class Atlas {
       const from = b.place + k * BLOCK;
       const to = Math.min(last, from + BLOCK);
       const at = (b.root + k) * NODE;
-      let x0 = x[from], x1 = x0, y0 = y[from], y1 = y0, mx = 0, my = 0, same = style[from] === GAP ? MIXED : style[from]; // plain: this is done for every knot
+      let x0 = x[from], x1 = x0, y0 = y[from], y1 = y0, mx = 0, my = 0, bx = 0, by = 0, same = style[from] === GAP ? MIXED : style[from]; // plain: this is done for every knot
       for (let i = from + 1; i <= to; i++) {
         x0 = Math.min(x0, x[i]);
         x1 = Math.max(x1, x[i]);
@@ -127,13 +190,16 @@ export class Atlas {
         this.miss(from, to, i);
         mx = Math.max(mx, this.missX);
         my = Math.max(my, this.missY);
+        this.bend(i - 1);
+        bx = Math.max(bx, this.missX);
+        by = Math.max(by, this.missY);
       }
-      nodes[at] = x0;
-      nodes[at + 1] = x1;
-      nodes[at + 2] = y0;
-      nodes[at + 3] = y1;
-      nodes[at + 4] = mx;
-      nodes[at + 5] = my;
+      nodes[at] = x0 - 2 * bx;
+      nodes[at + 1] = x1 + 2 * bx;
+      nodes[at + 2] = y0 - 2 * by;
+      nodes[at + 3] = y1 + 2 * by;
+      nodes[at + 4] = mx + bx;
+      nodes[at + 5] = my + by;
       uniform[b.root + k] = same;
     }
     let below = b.root;
@@ -166,8 +232,9 @@ export class Atlas {
     return Math.min(b.place + k * BLOCK * 2 ** level, b.place + b.knots - 1);
   }
 
-  /* Walks the k-duplicate of a branch as pieces of one stability that a view shows: `piece(i, j, style)` for the chord from knot i to knot j. Boxes
-   * outside [x0, x1] x [y0, y1] are left out; a chord stands for its knots if it misses them by less than `tolerance` pixels. */
+  /* Walks the k-duplicate of a branch as pieces of one stability that a view shows: `piece(i, j, style, straight)` from knot i to knot j, for the chord or,
+   * where it is not straight, the curve. Boxes outside [x0, x1] x [y0, y1] are left out; a chord stands for the curve if it misses it by less than
+   * `tolerance` pixels. */
   walk(
     b: Branch,
     k: number,
@@ -175,7 +242,7 @@ export class Atlas {
     sx: number,
     sy: number,
     tolerance: number,
-    piece: (i: number, j: number, style: number) => void,
+    piece: (i: number, j: number, style: number, straight: boolean) => void,
   ): void {
     if (b.knots < 2) return;
     const { nodes, uniform, style } = this;
@@ -186,10 +253,10 @@ export class Atlas {
       if (nodes[at] > box.x1 || nodes[at + 1] < box.x0 || nodes[at + 2] > y1 || nodes[at + 3] < y0) return;
       const same = uniform[first + index];
       if (same !== MIXED && nodes[at + 4] * sx + nodes[at + 5] * missY < tolerance) {
-        piece(this.start(b, level, index), this.start(b, level, index + 1), same);
+        piece(this.start(b, level, index), this.start(b, level, index + 1), same, true);
       } else if (level === 0) {
         const to = this.start(b, 0, index + 1);
-        for (let i = this.start(b, 0, index); i < to; i++) if (style[i] !== GAP) piece(i, i + 1, style[i]);
+        for (let i = this.start(b, 0, index); i < to; i++) if (style[i] !== GAP) piece(i, i + 1, style[i], false);
       } else {
         const below = first - b.levels[level - 1];
         visit(level - 1, below, 2 * index);
@@ -200,7 +267,7 @@ export class Atlas {
     visit(top, b.root + b.levels.slice(0, top).reduce((a, c) => a + c, 0), 0);
   }
 
-  // Energy and frequency (of the branch itself) at an arclength, between knots, for drawing only.
+  // Energy and frequency (of the branch itself) at an arclength, on its curve, for drawing only.
   at(b: Branch, s: number): { energy: number; frequency: number; knot: number } {
     let i = b.place;
     let j = b.place + b.knots - 1;
@@ -211,11 +278,12 @@ export class Atlas {
     }
     const gap = this.arclength[j] - this.arclength[i];
     const t = gap > 0 ? Math.min(1, Math.max(0, (s - this.arclength[i]) / gap)) : 0;
-    return {
-      energy: this.energy[i] + t * (this.energy[j] - this.energy[i]),
-      frequency: this.frequency[i] + t * (this.frequency[j] - this.frequency[i]),
-      knot: i - b.place + t,
-    };
+    const knot = i - b.place + t;
+    if (j === i || t === 0 || t === 1) return { energy: this.energy[t < 1 ? i : j], frequency: this.frequency[t < 1 ? i : j], knot };
+    const pieces = this.curve(b, i);
+    const piece = pieces.find((p) => s <= p.s1) ?? pieces[pieces.length - 1];
+    const part = Math.min(1, Math.max(0, (s - piece.s0) / (piece.s1 - piece.s0)));
+    return { energy: valueAt(piece.e, part), frequency: valueAt(piece.w, part), knot };
   }
 
   // Arclength at a knot number with a fraction, counted from the start of the branch.

@@ -10,6 +10,7 @@ export interface Frame {
   height: number;
   palette: Palette;
   size: number; // of type
+  length: number; // unit of displacements
 }
 
 interface Axes {
@@ -73,12 +74,13 @@ export function drawHistory(f: Frame, orbit: Orbit, model: Model, now: number): 
   const { pen, palette: p, size } = f;
   const chosen = coordinates(orbit, model.dofs);
   const box: [number, number, number, number] = [46, 1.6 * size, f.width - 8, f.height - 2.6 * size];
-  const yr = range(chosen.map((i) => h.x[i]));
+  const d = f.length;
+  const yr = range(chosen.map((i) => h.x[i].map((x) => d * x)));
   const a = axes(f, box, [0, orbit.period], yr, "time t, s", "");
   for (const t of orbit.impact_times) pen.path([a.x(t), box[1], a.x(t), box[3]], { stroke: p.soft, width: 0.8, dash: [2, 3], alpha: 0.7 });
   chosen.forEach((i, c) => {
     const points: number[] = [];
-    for (let k = 0; k < h.t.length; k++) points.push(a.x(h.t[k]), a.y(h.x[i][k]));
+    for (let k = 0; k < h.t.length; k++) points.push(a.x(h.t[k]), a.y(d * h.x[i][k]));
     pen.path(points, { stroke: colourOf(p, c), width: 1.8, dash: c === 1 ? [7, 3] : c === 2 ? [9, 3, 2, 3] : undefined });
   });
   chosen.forEach((i, c) => pen.text(box[2] - 2 * size * (chosen.length - 1 - c), box[1] - 5, `x${lower(i + 1)}`, { size: size - 1, fill: colourOf(p, c), anchor: "end", bold: true }));
@@ -132,7 +134,7 @@ export function stateAt(orbit: Orbit, dofs: number, t: number): { x: number[]; v
 export function drawPhase(f: Frame, orbit: Orbit, model: Model, now: number): void {
   const h = orbit.history;
   if (!h) return;
-  const { pen, palette: p, size } = f;
+  const { pen, palette: p, size, length: d } = f;
   const chosen = coordinates(orbit, model.dofs);
   const columns = Math.min(2, chosen.length);
   const rows = Math.ceil(chosen.length / columns);
@@ -141,21 +143,21 @@ export function drawPhase(f: Frame, orbit: Orbit, model: Model, now: number): vo
   chosen.forEach((i, c) => {
     const [left, top] = [(c % columns) * w, Math.floor(c / columns) * height];
     const box: [number, number, number, number] = [left + 46, top + 1.6 * size, left + w - 8, top + height - 2.6 * size];
-    const a = axes(f, box, range([h.x[i]]), range([h.v[i]]), `x${lower(i + 1)}`, `v${lower(i + 1)}`);
+    const a = axes(f, box, range([h.x[i].map((x) => d * x)]), range([h.v[i].map((v) => d * v)]), `x${lower(i + 1)}`, `v${lower(i + 1)}`);
     const points: number[] = [];
     const jumps: number[] = [];
     for (let k = 0; k < h.t.length; k++) {
       if (k && h.t[k] === h.t[k - 1]) {
-        jumps.push(a.x(h.x[i][k - 1]), a.y(h.v[i][k - 1]), a.x(h.x[i][k]), a.y(h.v[i][k]), NaN, NaN);
+        jumps.push(a.x(d * h.x[i][k - 1]), a.y(d * h.v[i][k - 1]), a.x(d * h.x[i][k]), a.y(d * h.v[i][k]), NaN, NaN);
         points.push(NaN, NaN);
       }
-      points.push(a.x(h.x[i][k]), a.y(h.v[i][k]));
+      points.push(a.x(d * h.x[i][k]), a.y(d * h.v[i][k]));
     }
     const end = h.t.length - 1;
-    if (orbit.impact_times.length) jumps.push(a.x(h.x[i][end]), a.y(h.v[i][end]), a.x(h.x[i][0]), a.y(h.v[i][0]));
+    if (orbit.impact_times.length) jumps.push(a.x(d * h.x[i][end]), a.y(d * h.v[i][end]), a.x(d * h.x[i][0]), a.y(d * h.v[i][0]));
     pen.path(points, { stroke: colourOf(p, c), width: 1.6 });
     pen.path(jumps, { stroke: p.soft, width: 1, dash: [3, 3] });
-    pen.circle(a.x(state.x[i]), a.y(state.v[i]), 4, { fill: p.accent, stroke: p.paper, width: 1.5 });
+    pen.circle(a.x(d * state.x[i]), a.y(d * state.v[i]), 4, { fill: p.accent, stroke: p.paper, width: 1.5 });
   });
 }
 

@@ -2,6 +2,7 @@
 import { extend, getStatus, mayCompute, stopExtension, type Budgets, type Extension, type Region, type Status } from "./api";
 import { saved } from "./saved";
 import type { Atlas } from "./atlas";
+import type { Units } from "./units";
 import { button, el } from "./dom";
 
 export interface InView {
@@ -57,6 +58,7 @@ export class Grow {
 
   constructor(
     private atlas: () => Atlas,
+    private units: () => Units,
     private events: GrowEvents,
   ) {
     this.generation = atlas().description.generation;
@@ -104,6 +106,12 @@ export class Grow {
     return out;
   }
 
+  private window(r: Region): string {
+    const u = this.units();
+    const of = (p: Pair, unit: number) => span([unit * p[0], unit * p[1]]);
+    return `E ${of(r.energy, u.energy)}${u.energyNote}, ${u.frequencySign} ${of(r.frequency, u.frequency)} ${u.frequencyUnit}`;
+  }
+
   // A depth that reaches departures in view that are too deep now.
   private deeper(b: Budgets, v: InView): number {
     return Math.max(b.depth, Number.isFinite(v.depth) ? v.depth : 0) + 1;
@@ -115,7 +123,7 @@ export class Grow {
     const v = this.events.inView();
     const where = this.everywhere.checked ? null : this.region(v);
     const b = this.budgetsIn(where);
-    this.state.textContent = `Budgets ${where ? "in view" : "everywhere"}: depth ${b.depth || "unlimited"}, impacts ${b.impacts}, multiply ${b.multiply}; windows: energy ${budgets.energy.join(" to ")}, frequency ${budgets.frequency.join(" to ")} rad/s.` +
+    this.state.textContent = `Budgets ${where ? "in view" : "everywhere"}: depth ${b.depth || "unlimited"}, impacts ${b.impacts}, multiply ${b.multiply}; windows: ${this.window(budgets)}.` +
       (this.atlas().description.finished ? "" : " The last run was stopped before its end.");
     const over = Object.entries(v.over).map(([budget, n]) => `${n} ${REASONS[budget] ?? budget}`);
     this.seen.textContent = over.length ? `Departures in view that a budget has left out: ${over.join(", ")}; at ${v.junctions} junction${v.junctions > 1 ? "s" : ""}.` : "In view: no departure is over a budget.";
@@ -147,7 +155,7 @@ export class Grow {
     offers.push({ id: "multiply", text: `Multiply ${b.multiply} → ${q}`, why: v.duplicates > b.multiply ? `multiplications on the ${q}-duplicates that are shown` : "multiplications of the period, and duplicated grazings", what: { ...here, multiply: q } });
     const reached = this.region(v);
     if (!reached || beyond(v.region, reached))
-      offers.push({ id: "windows", text: "Beyond the windows", why: `follow branches into all of the view: energy ${span(v.region.energy)}, frequency ${span(v.region.frequency)}`, what: v.region, disabled: !mayCompute || (this.extension?.running ?? false) });
+      offers.push({ id: "windows", text: "Beyond the windows", why: `follow branches into all of the view: ${this.window(v.region)}`, what: v.region, disabled: !mayCompute || (this.extension?.running ?? false) });
     this.proposals.replaceChildren(...offers.map((offer) =>
       el("button", { type: "button", class: "way", disabled: offer.disabled ?? !possible, data: { offer: offer.id }, onclick: () => void this.begin({ ...offer.what, seconds: this.fields.seconds.valueAsNumber || 0 }) },
         el("span", { textContent: offer.text }), el("small", { textContent: offer.why }))));
@@ -158,7 +166,7 @@ export class Grow {
     const has = (r: Budgets) => (["depth", "impacts", "multiply"] as const).filter((key) => r[key] >= 0).map((key) => `${key} ${key === "depth" && !r[key] ? "unlimited" : r[key]}`).join(", ");
     this.regions.replaceChildren(...(regions.length ? [el("h3", { textContent: "Regions with larger budgets" })] : []), ...regions.map((r) =>
       el("button", { type: "button", class: "way", title: "Look there", onclick: () => this.events.look(r) },
-        el("span", { textContent: `E ${span(r.energy)}, ω ${span(r.frequency)}` }), el("small", { textContent: has(r) || "followed to here" }))));
+        el("span", { textContent: this.window(r) }), el("small", { textContent: has(r) || "followed to here" }))));
   }
 
   words(): string {

@@ -3,6 +3,7 @@ import type { JunctionRow } from "./api";
 import type { Atlas } from "./atlas";
 import { digits, el } from "./dom";
 import { branchRuns, junctionRuns, shortWord, toHtml } from "./labels";
+import type { Units } from "./units";
 
 const KINDS: Record<string, string> = {
   grazing: "Grazing: a gap just closes, and branches with more impacts begin",
@@ -31,10 +32,9 @@ export function placeOn(atlas: Atlas, branch: number, junction: number): number 
   return inner >= 0 ? b.junction_arclengths[inner] : atlas.arclength[b.place];
 }
 
-export function junctionPanel(atlas: Atlas, j: JunctionRow, full: boolean, physical: boolean, events: JunctionEvents): HTMLElement {
-  const d = physical ? atlas.description.model.length : 1;
+export function junctionPanel(atlas: Atlas, j: JunctionRow, full: boolean, u: Units, events: JunctionEvents): HTMLElement {
   const rows: [string, string, string][] = [
-    ["energy", `Energy E${physical ? "" : " (scaled)"}`, digits(d * d * j.energy, full)],
+    ["energy", `Energy E${u.energyNote}`, digits(u.energy * j.energy, full)],
     ["frequency", "Frequency ω", `${digits(j.frequency, full)} rad/s`],
     ["hertz", "", `${digits(j.frequency / (2 * Math.PI), full)} Hz`],
     ["word", "Word", j.word || "no impact"],

@@ -13,13 +13,15 @@ import { Plot, type Selected } from "./plot";
 import type { LabelChoice } from "./place";
 import { download, plotCsv, plotPng, plotSvg } from "./save";
 import { savedMotion, savedOrbit as orbitOf } from "./saved";
+import { Refiner } from "./refine";
 import { installSearch } from "./search";
+import { unitsOf, type Scale, type Units } from "./units";
 import { createPainter, palette, type Colouring, type Painter } from "./theme";
 import type { Window } from "./view";
 
 type Tab = "here" | "paths" | "grow" | "help";
 
-const settings = { full: false, physical: false, size: Number(localStorage.getItem("size")) || 14 };
+const settings = { full: false, hertz: false, scale: "scaled" as Scale, size: Number(localStorage.getItem("size")) || 14 };
 
 const LINES = Object.assign(document.createElement("span"), { className: "sub", textContent: "thick stable, dotted undecided, dashed duplicate", title: "thin lines are unstable" });
 
@@ -29,11 +31,14 @@ class Page {
   private orbit: OrbitPanel;
   private lists: Lists;
   private grow: Grow;
+  private refiner = new Refiner(() => this.atlas, () => this.plot.scene.doubts, () => this.plot.redraw());
   private dark = (localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light")) === "dark";
   private colouring: Colouring = "symmetry";
   private tab: Tab = "help";
   private restoring = false;
   private written = "";
+
+  private units = (): Units => unitsOf(this.source.description.model, settings.scale, settings.hertz);
 
   constructor(private source: Source) {
     const a = readAddress();
@@ -45,20 +50,26 @@ class Page {
       junction: (id) => this.goJunction(id),
       path: (ids, fit) => this.showPath(ids, fit),
     });
-    this.plot = new Plot($("plot"), this.atlas, this.painter(), palette(this.dark), options, {
+    this.plot = new Plot($("plot"), this.atlas, this.painter(), palette(this.dark), options, this.units, {
       pick: (hit) => this.select({ branch: hit.branch.id, k: hit.k, arclength: hit.arclength }, true),
       pickJunction: (mark) => this.selectJunction(mark.junction.id),
       moved: () => this.rested(),
       hover: (text) => this.status(text),
     });
     this.plot.size = settings.size;
-    this.orbit = new OrbitPanel(() => this.atlas, () => palette(this.dark), settings, {
+    this.orbit = new OrbitPanel(() => this.atlas, () => palette(this.dark), settings, this.units, {
       moved: (s) => this.slide(s),
+      found: (s, orbit) => {
+        const now = this.plot.selected;
+        if (!now || now.branch !== s.branch || now.arclength !== s.arclength) return;
+        now.at = { energy: orbit.energy, frequency: orbit.frequency };
+        this.plot.touch(false);
+      },
       junction: (id) => this.goJunction(id),
       branch: (id) => this.goBranch(id),
       status: (text) => this.status(text),
     });
-    this.grow = new Grow(() => this.atlas, {
+    this.grow = new Grow(() => this.atlas, this.units, {
       renewed: () => void this.renew(),
       progress: () => this.status(this.hovering),
       inView: () => this.inView(),
@@ -134,7 +145,7 @@ class Page {
     $<HTMLInputElement>("logx").checked = log.x;
     $<HTMLInputElement>("logy").checked = log.y;
     if (log.x === this.atlas.log.x && log.y === this.atlas.log.y) return;
-    this.atlas = new Atlas(this.source, log);
+    this.atlas = new Atlas(this.source, log, this.atlas.between);
     this.plot.setAtlas(this.atlas, this.painter());
   }
 
@@ -142,6 +153,20 @@ class Page {
     this.plot.options.duplicates = Math.min(32, Math.max(1, n || 1));
     $<HTMLInputElement>("duplicates").value = String(this.plot.options.duplicates);
     this.plot.touch();
+  }
+
+  private setUnits(scale: Scale, hertz: boolean): void {
+    settings.scale = $<HTMLSelectElement>("units").value = scale === "relative" && !this.source.description.model.onset ? "scaled" : scale;
+    settings.hertz = $<HTMLInputElement>("hertz").checked = hertz;
+    this.plot.touch(false);
+    this.retell();
+  }
+
+  // Numbers are said anew, in other units or with other digits.
+  private retell(): void {
+    this.orbit.refresh();
+    this.grow.show();
+    if (this.tab !== "help") this.showTab(this.tab);
   }
 
   private hovering = "";
@@ -160,7 +185,7 @@ class Page {
     return {
       window: { e0: v.toEnergy(v.window.x0), e1: v.toEnergy(v.window.x1), w0: v.toFrequency(v.window.y0), w1: v.toFrequency(v.window.y1) },
       log: v.log, duplicates: this.plot.options.duplicates, colouring: this.colouring, labels: this.plot.options.labels,
-      marks: this.plot.options.marks, selected: this.plot.selected, junction: this.plot.chosenJunction,
+      marks: this.plot.options.marks, scale: settings.scale, hertz: settings.hertz, selected: this.plot.selected, junction: this.plot.chosenJunction,
     };
   }
 
@@ -180,6 +205,7 @@ class Page {
     this.setDuplicates(a.duplicates);
     this.plot.options.marks = $<HTMLInputElement>("marks").checked = a.marks;
     this.plot.options.labels = $<HTMLSelectElement>("labels").value = a.labels;
+    this.setUnits(a.scale, a.hertz);
     void this.colour(a.colouring);
     const v = this.plot.view;
     this.plot.show(a.window ? { x0: v.toX(a.window.e0), x1: v.toX(a.window.e1), y0: v.toY(a.window.w0), y1: v.toY(a.window.w1) } : this.plot.home());
@@ -199,6 +225,7 @@ class Page {
     this.keep(far && old !== null);
     if (far) this.settled = { ...w };
     this.grow.rested();
+    void this.refiner.rested();
   }
 
   /* ------------------------------------------------------------ selection */
@@ -223,6 +250,7 @@ class Page {
     const s = this.plot.selected;
     if (!s) return;
     s.arclength = arclength;
+    delete s.at;
     if (!this.orbit.plays) void this.orbit.select(s);
     const at = this.atlas.at(this.atlas.branch(s.branch), arclength);
     if (!this.plot.shows(at.energy, at.frequency / s.k)) this.plot.centre(at.energy, at.frequency / s.k);
@@ -310,7 +338,7 @@ class Page {
   private here(): Node {
     if (this.plot.chosenJunction) {
       const j = this.atlas.junction(this.plot.chosenJunction);
-      return junctionPanel(this.atlas, j, settings.full, settings.physical, {
+      return junctionPanel(this.atlas, j, settings.full, this.units(), {
         follow: (branch, s) => this.follow(branch, s),
         hover: (branch) => {
           this.plot.path = branch ? [branch] : [];
@@ -434,15 +462,19 @@ class Page {
     };
     for (const id of ["logx", "logy"]) $(id).onchange = () => this.setAxes({ x: $<HTMLInputElement>("logx").checked, y: $<HTMLInputElement>("logy").checked });
     $<HTMLInputElement>("duplicates").oninput = (e) => this.setDuplicates((e.target as HTMLInputElement).valueAsNumber);
-    for (const key of ["full", "physical"] as const)
-      $<HTMLInputElement>(key).onchange = (e) => {
-        settings[key] = (e.target as HTMLInputElement).checked;
-        this.orbit.refresh();
-        if (this.tab === "here") this.showTab("here");
-      };
+    $<HTMLInputElement>("full").onchange = (e) => {
+      settings.full = (e.target as HTMLInputElement).checked;
+      this.retell();
+    };
+    const units = () => this.setUnits($<HTMLSelectElement>("units").value as Scale, $<HTMLInputElement>("hertz").checked);
+    $("units").onchange = $("hertz").onchange = () => {
+      units();
+      this.keep(false);
+    };
+    $<HTMLOptionElement>("relative").disabled = !this.source.description.model.onset;
     for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) b.onclick = () => this.showTab(b.dataset.tab as Tab);
     for (const b of document.querySelectorAll<HTMLElement>("[data-save]")) b.onclick = () => void this.save(b.dataset.save!);
-    installSearch($<HTMLInputElement>("search"), $("results"), () => this.atlas, (f) => {
+    installSearch($<HTMLInputElement>("search"), $("results"), () => this.atlas, this.units, (f) => {
       if (f.kind === "branch") this.goBranch(f.id);
       else this.goJunction(f.id);
       document.querySelector<HTMLElement>(".overlay")?.focus(); // keys go on from there
@@ -473,7 +505,7 @@ class Page {
     const name = this.source.description.title.replace(/[^\w]+/g, "-").toLowerCase() || "atlas";
     if (what === "svg") download(`${name}.svg`, plotSvg(this.plot), "image/svg+xml");
     else if (what === "png") download(`${name}.png`, await plotPng(this.plot), "image/png");
-    else if (what === "csv") download(`${name}.csv`, plotCsv(this.plot), "text/csv");
+    else if (what === "csv") download(`${name}.csv`, plotCsv(this.plot, this.units()), "text/csv");
     else {
       const text = what === "orbit-svg" ? this.orbit.svg() : this.orbit.historyCsv();
       if (text) download(`${name}-orbit.${what === "orbit-svg" ? "svg" : "csv"}`, text, what === "orbit-svg" ? "image/svg+xml" : "text/csv");
@@ -541,7 +573,8 @@ class Page {
     return {
       frames: this.plot.frames, renderer: this.plot.lines.name, points: this.atlas.total, segments: this.plot.scene.segments.n,
       toPage: (energy: number, frequency: number) => this.plot.toPage(energy, frequency), window: () => ({ ...this.plot.view.window }),
-      selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,
+      off: (branch: number, energy: number, frequency: number) => this.plot.scene.distance(branch, this.plot.view.px(this.plot.view.toX(energy)), this.plot.view.py(this.plot.view.toY(frequency))),
+      doubts: this.plot.scene.doubts.length, refining: this.refiner.running, selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,
       stored: (branch: number, s: number) => orbitOf(branch, s)[0], motion: savedMotion, // of a saved page
     };
   }

@@ -8,9 +8,11 @@ import { CanvasPen, SvgPen } from "./pen";
 import { saved } from "./saved";
 import type { Selected } from "./plot";
 import type { Palette } from "./theme";
+import type { Units } from "./units";
 
 export interface OrbitEvents {
   moved(arclength: number): void; // stepping or playing has gone on along the branch
+  found(where: Selected, orbit: Orbit): void;
   junction(id: number): void;
   branch(id: number): void;
   status(text: string): void;
@@ -46,7 +48,8 @@ export class OrbitPanel {
   constructor(
     private atlas: () => Atlas,
     private palette: () => Palette,
-    private settings: { full: boolean; physical: boolean; size: number },
+    private settings: { full: boolean; size: number },
+    private units: () => Units,
     private events: OrbitEvents,
   ) {
     const steps = el("div", { class: "steps" },
@@ -86,7 +89,10 @@ export class OrbitPanel {
       if (number < this.shown) return;
       this.shown = number;
       this.error.hidden = true;
-      if (found.length) this.put(found[0]);
+      if (found.length) {
+        this.put(found[0]);
+        this.events.found(s, found[0]);
+      }
       if (saved && found.length) {
         this.error.textContent = `A saved page: the stored point nearest to here, at arclength ${digits(found[0].arclength, false)}.${found[0].history ? "" : " The motion of springs is not kept in it."}`;
         this.error.hidden = false;
@@ -203,11 +209,11 @@ export class OrbitPanel {
 
   private showFacts(): void {
     const [o, s, b] = [this.orbit!, this.selected!, this.branch()!];
-    const { full, physical } = this.settings;
-    const d = physical ? this.atlas().description.model.length : 1;
-    const unit = physical ? "" : " (scaled)";
+    const { full } = this.settings;
+    const u = this.units();
+    const d = u.length;
     const rows: [string, string, string][] = [
-      ["energy", `Energy E${unit}`, digits(d * d * o.energy, full)],
+      ["energy", `Energy E${u.energyNote}`, digits(u.energy * o.energy, full)],
       ["frequency", "Frequency ω", `${digits(o.frequency / s.k, full)} rad/s`],
       ["hertz", "", `${digits(o.frequency / s.k / (2 * Math.PI), full)} Hz`],
       ["period", "Period T", `${digits(o.period * s.k, full)} s`],
@@ -217,7 +223,7 @@ export class OrbitPanel {
       ["trace", "Trace", o.trace === null ? "–" : digits(o.trace, full)],
       ["rotation", "Rotation number", digits(o.rotation, full)],
       ["multipliers", "Multipliers", multiplierText(o, full)],
-      ["amplitudes", `Amplitudes${unit}`, (o.amplitudes ?? []).map((a) => digits(d * a, full)).join("\n")],
+      ["amplitudes", `Amplitudes${u.lengthNote}`, (o.amplitudes ?? []).map((a) => digits(d * a, full)).join("\n")],
       ["reach", "Reach, approach", `${digits(o.reach, full)}, ${digits(o.approach === null ? null : d * o.approach, full)}`],
       ["arclength", "Arclength", digits(o.arclength, full)],
       ["residual", "Residual", o.residual.toExponential(1)],
@@ -232,9 +238,9 @@ export class OrbitPanel {
   private showImpacts(): void {
     const o = this.orbit!;
     const b = this.branch()!;
-    const { full, physical } = this.settings;
+    const { full } = this.settings;
     const { model } = this.atlas().description;
-    const d = physical ? model.length : 1;
+    const d = this.units().length;
     if (!o.impact_times.length) {
       this.impacts.replaceChildren(el("p", { class: "sub", textContent: b.linear ? "Without impacts: a linear normal mode." : "Without impacts." }));
       return;
@@ -282,7 +288,7 @@ export class OrbitPanel {
       const context = f.canvas.getContext("2d")!;
       context.setTransform(scale, 0, 0, scale, 0, 0);
       context.clearRect(0, 0, width, height);
-      f.draw({ pen: new CanvasPen(context), width, height, palette: this.palette(), size: this.settings.size }, this.orbit, this.clock * this.orbit.period);
+      f.draw({ pen: new CanvasPen(context), width, height, palette: this.palette(), size: this.settings.size, length: this.units().length }, this.orbit, this.clock * this.orbit.period);
     }
   }
 
@@ -294,7 +300,7 @@ export class OrbitPanel {
     let y = 0;
     for (const f of this.figures) {
       const height = f.height;
-      pen.clipped(0, y, width, height, () => f.draw({ pen, width, height, palette: this.palette(), size }, this.orbit!, this.clock * this.orbit!.period));
+      pen.clipped(0, y, width, height, () => f.draw({ pen, width, height, palette: this.palette(), size, length: this.units().length }, this.orbit!, this.clock * this.orbit!.period));
       y += height + 8;
     }
     return pen.finish(width, y, this.palette().paper);
@@ -304,8 +310,9 @@ export class OrbitPanel {
     const h = this.orbit?.history;
     if (!h) return null;
     const n = h.x.length;
-    const names = ["t", ...h.x.map((_, i) => `x${i + 1}`), ...h.v.map((_, i) => `v${i + 1}`)];
-    const lines = h.t.map((t, k) => [t, ...Array.from({ length: n }, (_, i) => h.x[i][k]), ...Array.from({ length: n }, (_, i) => h.v[i][k])].join(","));
+    const { length: d, lengthSuffix: unit } = this.units();
+    const names = ["t", ...h.x.map((_, i) => `x${i + 1}${unit}`), ...h.v.map((_, i) => `v${i + 1}${unit}`)];
+    const lines = h.t.map((t, k) => [t, ...Array.from({ length: n }, (_, i) => d * h.x[i][k]), ...Array.from({ length: n }, (_, i) => d * h.v[i][k])].join(","));
     return [names.join(","), ...lines].join("\n") + "\n";
   }
 }

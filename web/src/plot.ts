@@ -7,6 +7,7 @@ import { placeLabels, type Label, type LabelChoice } from "./place";
 import { CanvasPen, drawMark, drawRuns, type Pen, textWidth } from "./pen";
 import { Scene, type Hit, type Mark } from "./scene";
 import type { Painter, Palette } from "./theme";
+import type { Units } from "./units";
 import { axisTicks, View, type Window } from "./view";
 
 export interface PlotOptions {
@@ -20,6 +21,7 @@ export interface Selected {
   branch: number;
   k: number;
   arclength: number;
+  at?: { energy: number; frequency: number }; // of the orbit itself, as soon as it is here
 }
 
 export interface PlotEvents {
@@ -68,6 +70,7 @@ export class Plot {
     painter: Painter,
     public palette: Palette,
     public options: PlotOptions,
+    private units: () => Units,
     private events: PlotEvents,
   ) {
     this.view = new View({ x0: 0, x1: 1, y0: 0, y1: 1 }, atlas.log);
@@ -192,6 +195,12 @@ export class Plot {
       this.dirty = false;
       this.draw();
     });
+  }
+
+  // What is known of the curves has changed, the view has not.
+  redraw(): void {
+    this.scene.build(this.view, this.options.duplicates);
+    this.touch(false);
   }
 
   // From segments and marks of this very view: the frame that draws them may not have come yet.
@@ -321,8 +330,9 @@ export class Plot {
     const { view, palette: p, size } = this;
     const { x0, x1, y0, y1 } = view.window;
     const [l, t, r, b] = [this.pad.left, this.pad.top, this.pad.left + view.width, this.pad.top + view.height];
-    const xs = axisTicks(x0, x1, view.log.x, Math.max(2, view.width / (7 * size)), 10);
-    const ys = axisTicks(y0, y1, view.log.y, Math.max(2, view.height / (4.2 * size)), 6);
+    const units = this.units();
+    const xs = axisTicks(x0, x1, view.log.x, Math.max(2, view.width / (7 * size)), 10, units.energy);
+    const ys = axisTicks(y0, y1, view.log.y, Math.max(2, view.height / (4.2 * size)), 6, units.frequency);
     pen.path([l, t, r, t, r, b, l, b], { stroke: p.soft, width: 1 }, true);
     let last = -Infinity;
     for (const tick of xs.ticks) {
@@ -341,9 +351,8 @@ export class Plot {
       pen.text(l - 9, y + 0.35 * size, tick.text, { size: size - 1, fill: p.ink, anchor: "end" });
       numbered.push(y);
     }
-    const unit = xs.offset ? ` = ${xs.offset}` : "";
-    pen.text((l + r) / 2, h - 0.4 * size, `energy E, scaled by d²${unit}`, { size, fill: p.soft, anchor: "middle" });
-    pen.text(size + 1, (t + b) / 2, `frequency ω, rad/s${ys.offset ? ` = ${ys.offset}` : ""}`, { size, fill: p.soft, anchor: "middle", upright: true });
+    pen.text((l + r) / 2, h - 0.4 * size, `${units.energyTitle}${xs.offset ? ` = ${xs.offset}` : ""}`, { size, fill: p.soft, anchor: "middle" });
+    pen.text(size + 1, (t + b) / 2, `${units.frequencyTitle}${ys.offset ? ` = ${ys.offset}` : ""}`, { size, fill: p.soft, anchor: "middle", upright: true });
   }
 
   private paintInside(pen: Pen): void {
@@ -397,7 +406,7 @@ export class Plot {
     const s = this.selected;
     const b = s ? this.scene.atlas.branch(s.branch) : undefined;
     if (!s || !b) return;
-    const at = this.scene.atlas.at(b, s.arclength);
+    const at = s.at ?? this.scene.atlas.at(b, s.arclength);
     const [x, y] = [this.view.px(this.view.toX(at.energy)), this.view.py(this.view.toY(at.frequency / s.k))];
     pen.circle(x, y, 6.5, { fill: this.palette.accent, stroke: this.palette.paper, width: 2 });
   }
@@ -528,7 +537,8 @@ export class Plot {
     this.hoveredMark = mark;
     this.overlay.style.cursor = hit || mark ? "pointer" : "crosshair";
     if (inside) {
-      const place = `E ${this.view.toEnergy(this.view.atX(at.x)).toPrecision(6)}   ω ${this.view.toFrequency(this.view.atY(at.y)).toPrecision(6)} rad/s`;
+      const u = this.units();
+      const place = `E ${(u.energy * this.view.toEnergy(this.view.atX(at.x))).toPrecision(6)}   ${u.frequencySign} ${(u.frequency * this.view.toFrequency(this.view.atY(at.y))).toPrecision(6)} ${u.frequencyUnit}`;
       const what = mark ? `${mark.junction.name || mark.junction.label} (${mark.junction.kind})` : hit ? `branch ${hit.branch.id}: ${hit.branch.label}${hit.k > 1 ? `, ${hit.k} times` : ""}` : "";
       this.events.hover(what ? `${place}   ${what}` : place);
     } else this.events.hover("");

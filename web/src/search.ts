@@ -2,6 +2,7 @@
 import type { Atlas } from "./atlas";
 import { el } from "./dom";
 import { branchRuns, junctionRuns, toHtml } from "./labels";
+import type { Units } from "./units";
 
 export interface Found {
   kind: "branch" | "junction";
@@ -32,7 +33,7 @@ export function find(atlas: Atlas, text: string, most = 12): Found[] {
   return found.sort((a, b) => b.score - a.score).slice(0, most);
 }
 
-export function installSearch(input: HTMLInputElement, list: HTMLElement, atlas: () => Atlas, go: (found: Found) => void): void {
+export function installSearch(input: HTMLInputElement, list: HTMLElement, atlas: () => Atlas, units: () => Units, go: (found: Found) => void): void {
   let results: Found[] = [];
   let at = 0;
   const close = () => {
@@ -52,7 +53,8 @@ export function installSearch(input: HTMLInputElement, list: HTMLElement, atlas:
       const j = f.kind === "junction" ? atlas().junction(f.id) : null;
       const b = f.kind === "branch" ? atlas().branch(f.id) : null;
       const name = j ? toHtml(junctionRuns(j.name || j.label)) : toHtml(branchRuns(b!.label, b!.word));
-      const note = j ? `${j.kind}, E ${j.energy.toPrecision(5)}, ω ${j.frequency.toPrecision(5)}` : `branch ${b!.id}, E ${b!.energy_min.toPrecision(4)} to ${b!.energy_max.toPrecision(4)}`;
+      const u = units();
+      const note = j ? `${j.kind}, E ${(u.energy * j.energy).toPrecision(5)}, ${u.frequencySign} ${(u.frequency * j.frequency).toPrecision(5)}` : `branch ${b!.id}, E ${(u.energy * b!.energy_min).toPrecision(4)} to ${(u.energy * b!.energy_max).toPrecision(4)}`;
       const row = el("button", { type: "button", class: i === 0 ? "result on" : "result" }, el("span", {}, name), el("small", { textContent: note }));
       row.onpointerdown = (e) => {
         e.preventDefault();

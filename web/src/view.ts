@@ -123,8 +123,15 @@ function linearTicks(lo: number, hi: number, count: number, letters: number, pla
   return { ticks, offset: `${middle} + … · 10${superscript(power)}` };
 }
 
-// Numbers of ticks have at most so many letters.
-export function axisTicks(lo: number, hi: number, logarithmic: boolean, count: number, letters: number): Ticks {
+// Numbers of ticks have at most so many letters, and are those of the axis times a unit.
+export function axisTicks(lo: number, hi: number, logarithmic: boolean, count: number, letters: number, unit = 1): Ticks {
+  if (unit === 1) return ticksOf(lo, hi, logarithmic, count, letters);
+  const move = Math.log10(unit);
+  const { ticks, offset } = logarithmic ? ticksOf(lo + move, hi + move, true, count, letters) : ticksOf(lo * unit, hi * unit, false, count, letters);
+  return { ticks: ticks.map((t) => ({ ...t, at: logarithmic ? t.at - move : t.at / unit })), offset };
+}
+
+function ticksOf(lo: number, hi: number, logarithmic: boolean, count: number, letters: number): Ticks {
   if (!logarithmic) return linearTicks(lo, hi, count, letters, (v) => v);
   if (hi - lo < 0.9) return linearTicks(10 ** lo, 10 ** hi, count, letters, (v) => Math.log10(v));
   const ticks: Tick[] = [];

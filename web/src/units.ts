@@ -1,0 +1,40 @@
+/* Units of what is shown. Numbers arrive scaled: lengths by the clearance d of the first contact, energies by d^2, and in rad/s. A study names no units: its own
+ * are shown as numbers alone. */
+import type { Model } from "./api";
+
+export type Scale = "scaled" | "physical" | "relative";
+
+export interface Units {
+  scale: Scale;
+  length: number;
+  energy: number;
+  frequency: number;
+  energyTitle: string;
+  frequencyTitle: string;
+  energyNote: string; // behind the word energy
+  lengthNote: string; // behind the words of a length or speed
+  frequencySign: string;
+  frequencyUnit: string;
+  energyColumn: string; // in files
+  frequencyColumn: string;
+  lengthSuffix: string;
+}
+
+export function unitsOf(model: Model, scale: Scale, hertz: boolean): Units {
+  const d = scale === "physical" ? model.length : 1;
+  return {
+    scale,
+    length: d,
+    energy: scale === "relative" && model.onset ? 1 / model.onset : d * d,
+    frequency: hertz ? 0.5 / Math.PI : 1,
+    energyTitle: { scaled: "energy E, scaled by d²", physical: "energy E, in units of the study", relative: "energy E, over that of the first touch" }[scale],
+    energyNote: { scaled: " (scaled)", physical: "", relative: " (over first touch)" }[scale],
+    lengthNote: scale === "physical" ? "" : " (scaled)",
+    frequencyTitle: hertz ? "frequency f, Hz" : "frequency ω, rad/s",
+    frequencySign: hertz ? "f" : "ω",
+    frequencyUnit: hertz ? "Hz" : "rad/s",
+    energyColumn: { scaled: "energy", physical: "energy_physical", relative: "energy_relative" }[scale],
+    frequencyColumn: hertz ? "frequency_hz" : "frequency",
+    lengthSuffix: scale === "physical" ? "_physical" : "",
+  };
+}
