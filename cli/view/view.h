@@ -60,8 +60,8 @@ typedef enum { VIEW_AT_POINT, VIEW_AT_ENERGY, VIEW_AT_FREQUENCY, VIEW_AT_ARCLENG
 /* The orbits that fit, each with its history; *out is an array. */
 ric_status view_orbits(const ric_atlas *atlas, int branch, view_at at, double value, json_t **out);
 
-/* Orbits spread evenly over the arclengths `from` to `to`: {arclength: [], energy: [], frequency: []} without those that
- * are stored, and those that are not found. */
+/* Orbits spread evenly over the arclengths `from` to `to`: {arclength: [], energy: [], frequency: []} without those
+ * that are stored, and those that are not found. */
 ric_status view_curve(const ric_atlas *atlas, int branch, double from, double to, int count, json_t **out);
 
 /* The orbit of stored point `point`, without its history. */

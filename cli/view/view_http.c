@@ -32,7 +32,7 @@ enum {
     SWALLOW_MAX = 16 << 20, /* bytes of a request that is refused, which are read all the same: an answer to
                              * somebody who still sends is lost with the connection (RFC 9112, 9.6) */
     ARGUMENTS_MAX = 32,
-    CURVE_MOST = 32, /* orbits in one answer */
+    CURVE_MOST = 32,        /* orbits in one answer */
     IDLE_SECONDS = 30,      /* of an answer that nobody takes */
     COMPUTING_SECONDS = 20, /* for one answer */
     COMPUTING_MAX = 4,      /* computing at one time */
@@ -496,7 +496,10 @@ static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *co
     static const struct {
         const char *path;
         computed what;
-    } computing[] = {{"/api/orbit", get_orbit}, {"/api/curve", get_curve}, {"/api/bases", get_bases}, {"/api/cascades", get_cascades}};
+    } computing[] = {{"/api/orbit", get_orbit},
+                     {"/api/curve", get_curve},
+                     {"/api/bases", get_bases},
+                     {"/api/cascades", get_cascades}};
     char tag[48];
     for (const view_file *file = view_page; file->path; file++)
         if (!strcmp(path, file->path)) return reply_file(connection, file);

@@ -279,6 +279,81 @@ async function keys(page, shot) {
   await shot("keys");
 }
 
+// What axe-core (Deque) finds wrong for readers of screens, keyboards and weak eyes, in every panel and both themes.
+async function accessible(page) {
+  const axe = readFileSync("web/node_modules/axe-core/axe.min.js", "utf8");
+  await page.evaluate(axe);
+  const found = [];
+  const look = async (name) => {
+    const { violations, passes } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+    if (passes.length < 20) found.push(`${name}: only ${passes.length} rules were tried`);
+    for (const v of violations) found.push(`${name}: ${v.id} (${v.impact}) ${v.nodes.map((n) => n.target.join(" ")).slice(0, 3).join(", ")}`);
+  };
+  for (const theme of ["light", "dark"]) {
+    for (const tab of ["branches", "paths", "grow", "help", "here"]) {
+      await page.click(`[data-tab=${tab}]`);
+      await page.waitForTimeout(60);
+      await look(`${theme} ${tab}`);
+    }
+    await page.click("#theme");
+  }
+  ok("axe finds nothing to mend", found.length === 0, found.join("\n# "));
+}
+
+// The table of branches: sorted, filtered, and a way to each of them by keys alone.
+async function table(page, shot, atlas) {
+  const list = rows("branches", atlas);
+  await page.click("[data-tab=branches]");
+  const column = (i) => page.locator(`.branches tbody td:nth-child(${i})`).allInnerTexts();
+  await page.click('.branches th:nth-child(5) .sort');
+  const energies = (await column(5)).map(Number);
+  ok("branches are sorted by energy", energies.length === list.length && energies.every((e, i) => i === 0 || e >= energies[i - 1]), energies.join());
+  await page.click('.branches th:nth-child(3) .sort');
+  await page.click('.branches th:nth-child(3) .sort');
+  const impacts = (await column(3)).map(Number);
+  ok("and falling by impacts", impacts.every((n, i) => i === 0 || n <= impacts[i - 1]) && impacts[0] === Math.max(...list.map((b) => b.impacts)));
+  await page.selectOption(".filters select >> nth=0", { label: "symmetric" });
+  await page.fill(".filters input[type=number]", "4");
+  const wanted = list.filter((b) => b.symmetric && b.impacts > 0 && b.impacts <= 4).length;
+  ok("only symmetric ones with four impacts or fewer", wanted > 1 && (await column(1)).length === wanted);
+  await shot("table");
+  await page.selectOption(".filters select >> nth=0", "0");
+  await page.fill(".filters input[type=number]", "");
+  await page.click("#home");
+  await page.keyboard.press("Escape");
+  await page.locator(".overlay").focus();
+  const seen = [];
+  for (let i = 0; i < 3; i++) {
+    await page.keyboard.press("b");
+    await atRest(page);
+    seen.push(await page.evaluate(() => window.ricochet().selected()?.branch));
+  }
+  ok("b goes from branch to branch", new Set(seen).size === 3 && !seen.includes(undefined), seen.join());
+  await orbitShown(page, seen[2]);
+}
+
+// The same numbers in the units of the study and in Hz, everywhere.
+async function units(page, shot, atlas) {
+  const d = 1; // of this study
+  const energy = Number(await value(page, "energy"));
+  const frequency = parseFloat(await value(page, "frequency"));
+  await page.selectOption("#units", "relative");
+  const onset = rows("branches", atlas)[2];
+  ok("energy over that of the first touch", near(Number(await value(page, "energy")) / energy, onset.relative_energy_max / onset.energy_max, 1e-7));
+  await page.selectOption("#units", "physical");
+  await page.check("#hertz");
+  ok("energy in units of the study", near(Number(await value(page, "energy")), d * d * energy, 1e-7));
+  await shot("units");
+  await page.click("#saving summary");
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("[data-save=csv]")]);
+  const lines = readFileSync(await download.path(), "utf8").split("\n").map((line) => line.split(","));
+  const points = rows("points", atlas, "--branch", lines[1][0]);
+  ok("files have them, and say so", lines[0].slice(4, 6).join() === "energy_physical,frequency_hz" && points.some((p) => near(p.frequency / 2 / Math.PI, Number(lines[1][5]), 1e-14)));
+  ok("the address too", page.url().includes("units=physical") && page.url().includes("hz=on") && frequency > 0);
+  await page.selectOption("#units", "scaled");
+  await page.uncheck("#hertz");
+}
+
 async function saving(page) {
   for (const [what, ending, test] of [
     ["svg", ".svg", (text) => text.startsWith("<svg") && text.includes("frequency ω") && (text.match(/<path/g) ?? []).length > 20],
@@ -305,6 +380,9 @@ async function demo(browser) {
   await looking(page, shot, atlas);
   await orbits(page, shot, atlas);
   await curves(page);
+  await table(page, shot, atlas);
+  await units(page, shot, atlas);
+  await accessible(page);
   await zooming(page, shot);
   await growing(page, shot, atlas);
   await keys(page, shot);
@@ -312,7 +390,7 @@ async function demo(browser) {
   await page.click("#theme");
   await page.selectOption("#colouring", "base");
   await page.click("[data-tab=paths]");
-  await page.waitForSelector(".cascade, .lists h3", { timeout: GUARD });
+  await page.waitForSelector(".cascade, .lists h2", { timeout: GUARD });
   await shot("dark-paths");
   await page.locator(".lists .way").nth(1).click();
   await shot("base");

@@ -24,6 +24,9 @@ export interface BranchRow {
   junction_arclengths: number[];
   junction_levels: number[]; // on which duplicate each of these is drawn
   linear: boolean;
+  linked: boolean; // a chain of junctions leads to a linear mode
+  proved: number; // points with a proof that is kept
+  key: string;
   depth: number;
   mode: number | null;
   place: number; // of its first knot in the packed points

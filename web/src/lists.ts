@@ -1,9 +1,8 @@
 // Paths to walk: fractal bases, cascades, and all branches.
 import { getBases, getCascades, mayCompute, type BaseRow, type CascadeRow } from "./api";
 import type { Atlas } from "./atlas";
-import { digits, el } from "./dom";
+import { el } from "./dom";
 import { branchRuns, junctionRuns, toHtml } from "./labels";
-import { saved } from "./saved";
 
 export interface ListEvents {
   branch(id: number): void;
@@ -37,10 +36,10 @@ export class Lists {
       await this.loadBases();
       this.cascades ??= mayCompute ? await getCascades() : [];
     } catch (e) {
-      this.root.replaceChildren(el("p", { class: "error", textContent: (e as Error).message }), ...(saved ? this.branchList() : []));
+      this.root.replaceChildren(el("p", { class: "error", textContent: (e as Error).message }));
       return;
     }
-    this.root.replaceChildren(...this.baseList(), ...this.cascadeList(), ...this.branchList());
+    this.root.replaceChildren(...this.baseList(), ...this.cascadeList());
   }
 
   private baseList(): HTMLElement[] {
@@ -55,7 +54,7 @@ export class Lists {
       if (row.number > 5) small.append(", …");
       return el("button", { type: "button", class: "way", title: "Show the branches of this base", onclick: () => this.events.path(row.branches, true) }, el("span", {}, label), small);
     });
-    return [el("h3", { textContent: "Fractal bases" }), list.length ? el("div", { class: "ways" }, ...list) : el("p", { class: "sub", textContent: "None." })];
+    return [el("h2", { textContent: "Fractal bases" }), list.length ? el("div", { class: "ways" }, ...list) : el("p", { class: "sub", textContent: "None." })];
   }
 
   private cascadeList(): HTMLElement[] {
@@ -75,17 +74,6 @@ export class Lists {
     });
     const none = el("p", { class: "sub", textContent: "None of two or more multiplications in this atlas; a larger budget for multiplications may find some." });
     const more = paths.size > 200 ? el("p", { class: "sub", textContent: `${paths.size - 200} more; ricochet cascade lists all.` }) : null;
-    return [el("h3", { textContent: "Cascades" }), ...(list.length ? list : [none]), ...(more ? [more] : [])];
-  }
-
-  private branchList(): HTMLElement[] {
-    const body = el("tbody");
-    for (const b of this.atlas().branches.slice(0, 1000))
-      body.append(el("tr", { onclick: () => this.events.branch(b.id), tabIndex: 0, onkeydown: (e) => e.key === "Enter" && this.events.branch(b.id) },
-        el("td", { textContent: String(b.id) }), el("td", {}, toHtml(branchRuns(b.label, b.word))), el("td", { textContent: String(b.impacts) }),
-        el("td", { textContent: digits(Number(b.energy_min.toPrecision(5)), false) }), el("td", { textContent: digits(Number(b.frequency_min.toPrecision(5)), false) })));
-    const head = el("tr", {}, ...["", "branch", "N", "E from", "ω from"].map((text) => el("th", { textContent: text })));
-    const more = this.atlas().branches.length > 1000 ? [el("p", { class: "sub", textContent: "The first thousand; search finds the others." })] : [];
-    return [el("h3", { textContent: "Branches" }), el("table", { class: "branches" }, el("thead", {}, head), body), ...more];
+    return [el("h2", { textContent: "Cascades" }), ...(list.length ? list : [none]), ...(more ? [more] : [])];
   }
 }

@@ -8,6 +8,7 @@ import { junctionPanel, placeOn } from "./junctionpanel";
 import { CanvasPen } from "./pen";
 import { junctionRuns, toHtml } from "./labels";
 import { Lists } from "./lists";
+import { BranchTable } from "./table";
 import { OrbitPanel } from "./orbitpanel";
 import { Plot, type Selected } from "./plot";
 import type { LabelChoice } from "./place";
@@ -19,7 +20,8 @@ import { unitsOf, type Scale, type Units } from "./units";
 import { createPainter, palette, type Colouring, type Painter } from "./theme";
 import type { Window } from "./view";
 
-type Tab = "here" | "paths" | "grow" | "help";
+type Tab = "here" | "branches" | "paths" | "grow" | "help";
+const TABS: Tab[] = ["here", "branches", "paths", "grow", "help"];
 
 const settings = { full: false, hertz: false, scale: "scaled" as Scale, size: Number(localStorage.getItem("size")) || 14 };
 
@@ -30,6 +32,7 @@ class Page {
   private plot: Plot;
   private orbit: OrbitPanel;
   private lists: Lists;
+  private table: BranchTable;
   private grow: Grow;
   private refiner = new Refiner(() => this.atlas, () => this.plot.scene.doubts, () => this.plot.redraw());
   private dark = (localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light")) === "dark";
@@ -49,6 +52,11 @@ class Page {
       branch: (id) => this.goBranch(id),
       junction: (id) => this.goJunction(id),
       path: (ids, fit) => this.showPath(ids, fit),
+    });
+    this.table = new BranchTable(() => this.atlas, this.units, {
+      branch: (id) => this.goBranch(id),
+      inView: (b) => this.plot.scene.tracks.some((t) => t.branch.id === b.id),
+      shown: () => this.plot.selected?.branch ?? 0,
     });
     this.plot = new Plot($("plot"), this.atlas, this.painter(), palette(this.dark), options, this.units, {
       pick: (hit) => this.select({ branch: hit.branch.id, k: hit.k, arclength: hit.arclength }, true),
@@ -169,6 +177,11 @@ class Page {
     if (this.tab !== "help") this.showTab(this.tab);
   }
 
+  // A view of nothing says so.
+  private showNothing(): void {
+    $("nothing").hidden = this.plot.scene.segments.n > 0 || this.plot.scene.marks.length > 0;
+  }
+
   private hovering = "";
   private status(text: string): void {
     this.hovering = text;
@@ -225,6 +238,8 @@ class Page {
     this.keep(far && old !== null);
     if (far) this.settled = { ...w };
     this.grow.rested();
+    this.table.refresh();
+    this.showNothing();
     void this.refiner.rested();
   }
 
@@ -263,6 +278,7 @@ class Page {
     if (!j) return;
     this.orbit.play(false);
     this.plot.chosenJunction = id;
+    this.plot.selected = null;
     this.plot.path = [];
     this.showTab("here");
     this.plot.touch(false);
@@ -310,11 +326,27 @@ class Page {
   private nextJunction(by: 1 | -1): void {
     const s = this.plot.selected;
     const b = s ? this.atlas.branch(s.branch) : undefined;
-    if (!s || !b) return;
+    if (!s || !b) return this.nextMark(by);
     const list = [...(b.from ? [b.from] : []), ...b.junctions, ...(b.to ? [b.to] : [])].map((id) => ({ id, at: placeOn(this.atlas, b.id, id) }));
     const tiny = 1e-9 * (1 + Math.abs(s.arclength));
     const next = by > 0 ? list.find((j) => j.at > s.arclength + tiny) : list.reverse().find((j) => j.at < s.arclength - tiny);
     if (next) this.slide(next.at);
+  }
+
+  // Without a branch: the marks in view, from left to right.
+  private nextMark(by: 1 | -1): void {
+    const marks = this.plot.scene.marks.filter((m) => m.k === 1).sort((p, q) => p.x - q.x || p.y - q.y);
+    const at = marks.findIndex((m) => m.junction.id === this.plot.chosenJunction);
+    const next = marks[at < 0 ? (by > 0 ? 0 : marks.length - 1) : (at + by + marks.length) % marks.length];
+    if (next) this.selectJunction(next.junction.id);
+  }
+
+  // The branches in view, one after the other, each in the middle of what is seen of it.
+  private nextBranch(by: 1 | -1): void {
+    const seen = this.plot.scene.tracks.filter((t) => t.k === 1).map((t) => t.branch).sort((p, q) => p.id - q.id);
+    const at = seen.findIndex((b) => b.id === this.plot.selected?.branch);
+    const next = seen[at < 0 ? (by > 0 ? 0 : seen.length - 1) : (at + by + seen.length) % seen.length];
+    if (next) this.select({ branch: next.id, k: 1, arclength: this.plot.middleOf(next) }, true);
   }
 
   /* ----------------------------------------------------------------- side */
@@ -323,12 +355,19 @@ class Page {
     this.tab = tab;
     this.plot.regions = tab === "grow" ? this.atlas.description.regions : [];
     this.plot.touch(false);
-    for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) b.setAttribute("aria-selected", String(b.dataset.tab === tab));
+    for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) {
+      b.setAttribute("aria-selected", String(b.dataset.tab === tab));
+      b.tabIndex = b.dataset.tab === tab ? 0 : -1;
+    }
     const content = $("content");
+    content.setAttribute("aria-label", tab);
     if (tab === "help") content.replaceChildren($<HTMLTemplateElement>("helptext").content.cloneNode(true));
     else if (tab === "grow") {
       content.replaceChildren(this.grow.root);
       this.grow.show();
+    } else if (tab === "branches") {
+      content.replaceChildren(this.table.root);
+      this.table.show();
     } else if (tab === "paths") {
       content.replaceChildren(this.lists.root);
       void this.lists.show();
@@ -472,7 +511,18 @@ class Page {
       this.keep(false);
     };
     $<HTMLOptionElement>("relative").disabled = !this.source.description.model.onset;
-    for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) b.onclick = () => this.showTab(b.dataset.tab as Tab);
+    for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) {
+      b.onclick = () => this.showTab(b.dataset.tab as Tab);
+      b.onkeydown = (e) => {
+        const by = e.key === "ArrowRight" ? 1 : e.key === "ArrowLeft" ? -1 : 0;
+        if (!by) return;
+        e.preventDefault();
+        e.stopPropagation();
+        const next = TABS[(TABS.indexOf(this.tab) + by + TABS.length) % TABS.length];
+        this.showTab(next);
+        document.querySelector<HTMLElement>(`[data-tab=${next}]`)!.focus();
+      };
+    }
     for (const b of document.querySelectorAll<HTMLElement>("[data-save]")) b.onclick = () => void this.save(b.dataset.save!);
     installSearch($<HTMLInputElement>("search"), $("results"), () => this.atlas, this.units, (f) => {
       if (f.kind === "branch") this.goBranch(f.id);
@@ -487,17 +537,22 @@ class Page {
     });
     $("divider").onpointerdown = (e) => {
       $("divider").setPointerCapture(e.pointerId);
-      $("divider").onpointermove = (m) => ($("side").style.width = `${innerWidth - m.clientX - 3}px`);
+      $("divider").onpointermove = (m) => this.setSide(innerWidth - m.clientX - 3);
       $("divider").onpointerup = () => ($("divider").onpointermove = null);
     };
     $("divider").onkeydown = (e) => {
       const by = e.key === "ArrowLeft" ? 24 : e.key === "ArrowRight" ? -24 : 0;
       if (!by) return;
-      $("side").style.width = `${$("side").clientWidth + by}px`;
+      this.setSide($("side").clientWidth + by);
       e.preventDefault();
       e.stopPropagation();
     };
     if (!mayCompute) this.status("opened without its token: nothing can be computed");
+  }
+
+  private setSide(width: number): void {
+    $("side").style.width = `${width}px`;
+    $("divider").setAttribute("aria-valuenow", String(Math.round((100 * $("side").clientWidth) / innerWidth)));
   }
 
   private async save(what: string): Promise<void> {
@@ -547,7 +602,7 @@ class Page {
       h: () => plot.show(plot.home()), l: () => this.setAxes({ x: !this.atlas.log.x, y: this.atlas.log.y }), w: () => this.setAxes({ x: this.atlas.log.x, y: !this.atlas.log.y }), d: () => this.toggleTheme(),
       c: () => void this.colour((["symmetry", "stability", "word", "base"] as const)[(["symmetry", "stability", "word", "base"].indexOf(this.colouring) + 1) % 4]),
       m: () => $("marks").click(), "]": () => this.setDuplicates(plot.options.duplicates + 1), "[": () => this.setDuplicates(plot.options.duplicates - 1),
-      n: () => this.nextJunction(1), p: () => this.nextJunction(-1), "?": () => this.showTab("help"), "/": () => $("search").focus(),
+      n: () => this.nextJunction(1), p: () => this.nextJunction(-1), b: () => this.nextBranch(1), B: () => this.nextBranch(-1), "?": () => this.showTab("help"), "/": () => $("search").focus(),
       ",": () => along && this.orbit.step(-0.1), ".": () => along && this.orbit.step(0.1), f: () => this.focus(),
       " ": () => along && this.orbit.play(!this.orbit.plays),
       Escape: () => {

@@ -41,7 +41,7 @@ export class OrbitPanel {
   private head = el("header");
   private error = el("p", { class: "error", hidden: true });
   private impacts = el("div");
-  private slider = el("input", { type: "range", min: "0", max: "1", step: "any", title: "Place along the branch" });
+  private slider = el("input", { type: "range", min: "0", max: "1", step: "any", title: "Place along the branch", ariaLabel: "Place along the branch" });
   private playButton = button("▶ Play along", "Follow the branch (space)", () => this.play(!this.playing), "play");
   private stillButton = button("❚❚", "Stop or start the motion", () => this.still());
 
@@ -254,7 +254,7 @@ export class OrbitPanel {
     o.impact_times.slice(0, 400).forEach((t, k) =>
       body.append(el("tr", {}, ...[String(k), digits(t, full), face(o.impact_faces[k]), digits(o.impact_speeds[k], full), digits(o.impulses[k], full)].map((text, i) =>
         el("td", { textContent: i > 2 && d !== 1 ? digits(d * (i === 3 ? o.impact_speeds[k] : o.impulses[k]), full) : text })))));
-    const head = el("tr", {}, ...["", "time, s", "face", "speed", "impulse"].map((text) => el("th", { textContent: text })));
+    const head = el("tr", {}, ...["impact", "time, s", "face", "speed", "impulse"].map((text) => el("th", { textContent: text })));
     this.impacts.replaceChildren(el("h3", { textContent: "Impacts" }), el("div", { class: "wide-table" }, el("table", { class: full ? "impacts full" : "impacts" }, el("thead", {}, head), body)));
   }
 

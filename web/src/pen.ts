@@ -86,8 +86,10 @@ export class CanvasPen implements Pen {
       c.lineJoin = "round";
       c.strokeText(text, 0, 0);
     }
-    c.fillStyle = look.fill;
-    c.fillText(text, 0, 0);
+    if (look.fill !== "none") {
+      c.fillStyle = look.fill;
+      c.fillText(text, 0, 0);
+    }
     c.restore();
   }
 
@@ -190,7 +192,9 @@ export function textWidth(text: string, size: number): number {
 }
 
 export function drawRuns(pen: Pen, runs: Run[], at: number[], x: number, y: number, size: number, fill: string, halo: string): void {
-  runs.forEach((r, i) => pen.text(x + at[i], y + runRise(r, size), r.text, { size: runSize(r, size), fill, halo }));
+  // all borders lie below all letters: an index stands close to what is raised over it
+  for (const border of [true, false])
+    runs.forEach((r, i) => pen.text(x + at[i], y + runRise(r, size), r.text, { size: runSize(r, size), fill: border ? "none" : fill, halo: border ? halo : undefined }));
 }
 
 // Marks as the drawn pictures have them: circle grazing, square branch point, triangle extremum, diamond corner, star multiplication, cross asked for.

@@ -1,6 +1,6 @@
 // The frequency-energy plot: lines below, axes, marks and labels above, pointer and wheel on top.
 import type { Region } from "./api";
-import type { Atlas } from "./atlas";
+import type { Atlas, Branch } from "./atlas";
 import { junctionRuns, measure } from "./labels";
 import { createLines, type LineRenderer, Segments, type Style } from "./lines";
 import { placeLabels, type Label, type LabelChoice } from "./place";
@@ -81,7 +81,7 @@ export class Plot {
     this.overlay.className = "overlay";
     this.overlay.tabIndex = 0;
     this.overlay.setAttribute("role", "img");
-    this.overlay.setAttribute("aria-label", "Frequency-energy plot; plus and minus zoom, arrows move, n and p go from junction to junction");
+    this.overlay.setAttribute("aria-label", "Frequency-energy plot; plus and minus zoom, arrows move, b goes from branch to branch, n and p from junction to junction; the tab Branches has its numbers as a table");
     this.mini.className = "minimap";
     this.mini.title = "The whole atlas; click or drag to go there";
     host.append(this.gl, this.overlay, this.mini);
@@ -124,6 +124,18 @@ export class Plot {
     const [hx, hy] = [(part * (x1 - x0)) / 2, (part * (y1 - y0)) / 2];
     const [x, y] = [this.view.toX(energy), this.view.toY(frequency)];
     this.show({ x0: x - hx, x1: x + hx, y0: y - hy, y1: y + hy });
+  }
+
+  // The arclength in the middle of what is seen of a branch.
+  middleOf(b: Branch): number {
+    const { atlas } = this.scene;
+    let [first, last] = [NaN, 0];
+    for (let i = b.place; i < b.place + b.knots; i++) {
+      if (!this.shows(atlas.energy[i], atlas.frequency[i])) continue;
+      if (Number.isNaN(first)) first = atlas.arclength[i];
+      last = atlas.arclength[i];
+    }
+    return Number.isNaN(first) ? atlas.arclength[b.place + b.knots - 1] / 2 : (first + last) / 2;
   }
 
   shows(energy: number, frequency: number): boolean {
@@ -303,6 +315,7 @@ export class Plot {
   // What is seen, on any pen: the picture to save.
   render(pen: Pen): { width: number; height: number } {
     const [w, h] = [this.host.clientWidth, this.host.clientHeight];
+    this.hovered = this.hoveredMark = null; // the pointer is no part of the picture
     pen.clipped(this.pad.left, this.pad.top, this.view.width, this.view.height, () => pen.segments(this.withHighlights(), [...this.scene.painter.styles, ...this.highlightStyles()]));
     this.paint(pen, w, h);
     this.paintLegend(pen);

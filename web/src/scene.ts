@@ -168,7 +168,9 @@ export class Scene {
       const [x, y] = [v.px(v.toX(junction.energy)), v.py(v.toY(frequency))];
       if (x >= 0 && x <= v.width && y >= 0 && y <= v.height) marks.push({ junction, k, x, y, small });
     };
-    for (const j of this.atlas.junctions) if (j.kind !== "start") add(j, j.frequency, 1, false);
+    // a multiplication lies where its duplicate or a branch with its period is drawn
+    const drawn = (j: JunctionRow) => j.multiple <= duplicates || j.branches.some((id) => this.atlas.branch(id)?.from === j.id || this.atlas.branch(id)?.to === j.id);
+    for (const j of this.atlas.junctions) if (j.kind !== "start" && drawn(j)) add(j, j.frequency, 1, false);
     for (let k = 2; k <= duplicates; k++)
       for (const b of this.atlas.branches)
         for (let i = 0; i < b.junctions.length; i++) {
