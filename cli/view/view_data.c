@@ -13,7 +13,8 @@
 /* JOINT: the flag of a knot that is a junction, or a point on one; others have their ric_stability. GAP is added to
  * that of a point behind which a tongue was stepped over. */
 enum { JOINT = 3, GAP = 4 };
-enum { OUTLINE = 40000 }; /* knots of a first picture, about: a megabyte */
+enum { DRAWN_MOST = 20000 }; /* nodes of a drawing, and lines */
+enum { OUTLINE = 40000 };    /* knots of a first picture, about: a megabyte */
 
 struct view_shelf {
     char *path;
@@ -355,6 +356,25 @@ static json_t *describe_model(const ric_model *model)
     return object;
 }
 
+/* Nodes and lines of the drawing in the study; null if there is none, or more than a page draws in motion. */
+static json_t *drawing(const ric_study *study)
+{
+    const int n_node = ric_study_n_node(study), n_line = ric_study_n_line(study);
+    if (n_node == 0 || n_node > DRAWN_MOST || n_line > DRAWN_MOST) return json_null();
+    json_t *nodes = json_array(), *lines = json_array();
+    for (int i = 0; i < n_node; i++) {
+        ric_drawing_node node;
+        if (!ric_study_node(study, i, &node))
+            json_array_append_new(nodes, json_pack("{s:[f,f,f],s:[i,i,i]}", "at", node.at[0], node.at[1], node.at[2],
+                                                   "moves", node.moves[0], node.moves[1], node.moves[2]));
+    }
+    for (int i = 0; i < n_line; i++) {
+        int ends[2];
+        if (!ric_study_line(study, i, ends)) json_array_append_new(lines, json_pack("[i,i]", ends[0], ends[1]));
+    }
+    return json_pack("{s:o,s:o}", "nodes", nodes, "lines", lines);
+}
+
 static json_t *budgets(int depth, int impacts, int multiply, const double *energy, const double *frequency)
 {
     return json_pack("{s:i,s:i,s:i,s:[f,f],s:[f,f]}", "depth", depth, "impacts", impacts, "multiply", multiply,
@@ -397,6 +417,7 @@ json_t *view_describe(const view_data *data)
     json_object_set_new(object, "title", json_string(ric_study_title(study)));
     json_object_set_new(object, "finished", json_boolean(ric_atlas_finished(data->atlas)));
     json_object_set_new(object, "model", describe_model(ric_atlas_model(data->atlas)));
+    json_object_set_new(object, "drawing", drawing(study));
     json_object_set_new(object, "budgets", describe_budgets(ric_study_options(study)));
     json_object_set_new(object, "regions", describe_regions(ric_study_options(study)));
     json_object_set(object, "branches", data->rows);

@@ -199,6 +199,17 @@ static const ric_orbit *nearest(int n, ric_orbit *const *orbits, const place *wh
     return best;
 }
 
+/* Whether a proof of the stored point is kept: in the last row. */
+static void add_proof(const ric_atlas *atlas, int branch, int point, json_t *rows)
+{
+    const size_t n = json_array_size(rows);
+    ric_proof proof;
+    if (n > 0)
+        json_object_set_new(json_array_get(rows, n - 1), "proved",
+                            json_boolean(ric_proof_kept(atlas, branch, point, &proof, NULL) &&
+                                         proof.state == RIC_PROOF_DONE));
+}
+
 static ric_status orbit_at_arclength(const ric_atlas *atlas, const ric_branch *b, double s, json_t *rows)
 {
     place where = {0};
@@ -209,6 +220,7 @@ static ric_status orbit_at_arclength(const ric_atlas *atlas, const ric_branch *b
         const ric_status found = ric_orbit_find(atlas, b->id, where.at[k], where.value[k], &n, &orbits);
         const ric_orbit *best = found ? NULL : nearest(n, orbits, &where, s);
         if (best) status = add_orbit(atlas, best, true, rows);
+        if (best && !status && where.at[k] == RIC_AT_POINT) add_proof(atlas, b->id, (int)where.value[k], rows);
         ric_orbits_free(n, orbits);
         if (best || (found && found != RIC_E_NUMERIC)) return best ? status : found;
     }
@@ -226,6 +238,7 @@ ric_status view_orbits(const ric_atlas *atlas, int id, view_at at, double value,
     if (!status && at == VIEW_AT_ARCLENGTH) status = orbit_at_arclength(atlas, &branch, value, rows);
     else if (!status) status = ric_orbit_find(atlas, id, kinds[at], value, &n, &orbits);
     for (int i = 0; !status && i < n; i++) status = add_orbit(atlas, orbits[i], true, rows);
+    if (!status && at == VIEW_AT_POINT) add_proof(atlas, id, (int)value, rows);
     ric_orbits_free(n, orbits);
     if (status) {
         json_decref(rows);

@@ -354,6 +354,41 @@ async function units(page, shot, atlas) {
   await page.uncheck("#hertz");
 }
 
+// A motion that is pinned stays beside the next one; the motion as an animated picture.
+async function comparing(page, shot, atlas) {
+  const [first, second] = ["S2+[01]", "S2-[01]"].map((label) => rows("branches", atlas).find((b) => b.label === label).id);
+  const go = async (id, s) => {
+    await page.evaluate(([b, at]) => {
+      location.hash = `b=${b}&s=${at}`;
+      dispatchEvent(new PopStateEvent("popstate"));
+    }, [id, s]);
+    await orbitShown(page, id);
+  };
+  await go(first, 0.8);
+  const energy = await value(page, "energy");
+  await page.locator(".overlay").focus();
+  await page.keyboard.press("k");
+  await go(second, 0.9);
+  ok("a pinned motion stays beside the next one", (await page.locator("#content dd.beside").first().innerText()) === energy && (await value(page, "energy")) !== energy);
+  await shot("compared");
+  await page.click("#saving summary");
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("[data-save=motion]")]);
+  const bytes = readFileSync(await download.path());
+  const chunks = {};
+  for (let at = 8; at < bytes.length; at += 12 + bytes.readUInt32BE(at)) {
+    const type = bytes.toString("latin1", at + 4, at + 8);
+    chunks[type] = (chunks[type] ?? 0) + 1;
+  }
+  ok("the motion is saved as an animated PNG", chunks.acTL === 1 && chunks.fcTL === 50 && chunks.fdAT >= 49 && chunks.IEND === 1, JSON.stringify(chunks));
+  await page.locator(".overlay").focus();
+  await page.keyboard.press("k");
+  ok("and is let go", (await page.locator("#content dd.beside").count()) === 0);
+  const proved = rows("branches", atlas).find((b) => b.proved > 0);
+  if (!proved) return console.log("# without FLINT: no proofs on the page");
+  await go(proved.id, rows("points", atlas, "--branch", String(proved.id))[proved.points >> 1].arclength);
+  ok("a stored point says that it is proved", (await value(page, "proved")).startsWith("exactly one") && (await page.locator("#content .sub").first().innerText()).includes(`${proved.proved} of ${proved.points} points proved`));
+}
+
 async function saving(page) {
   for (const [what, ending, test] of [
     ["svg", ".svg", (text) => text.startsWith("<svg") && text.includes("frequency ω") && (text.match(/<path/g) ?? []).length > 20],
@@ -374,6 +409,11 @@ async function saving(page) {
 async function demo(browser) {
   const atlas = `${folder}/demo.ricochet`;
   run("run", "examples/elementary/study.yaml", "-o", atlas);
+  try {
+    run("prove", atlas, "--branch", "4");
+  } catch {
+    // built without it, or the ends of the branch are not proved
+  }
   const server = await serve(atlas);
   const { context, page, errors, shot } = await open(browser, server.url, "demo");
   ok("the token is not left in the address line", !page.url().includes("token"));
@@ -382,6 +422,7 @@ async function demo(browser) {
   await curves(page);
   await table(page, shot, atlas);
   await units(page, shot, atlas);
+  await comparing(page, shot, atlas);
   await accessible(page);
   await zooming(page, shot);
   await growing(page, shot, atlas);

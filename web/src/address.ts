@@ -34,7 +34,7 @@ export function readAddress(): Address {
     window: e && w ? { e0: e[0], e1: e[1], w0: w[0], w1: w[1] } : null,
     log: { x: q.get("energy") !== "linear", y: q.get("frequency") !== "linear" },
     duplicates: Math.min(32, Math.max(1, Math.trunc(number("dup", 1)))),
-    colouring: among("colour", ["symmetry", "stability", "word", "base"] as const),
+    colouring: among("colour", ["symmetry", "stability", "word", "base", "proof"] as const),
     labels: among("labels", ["main", "all", "named", "none"] as const),
     marks: q.get("marks") !== "off",
     scale: among("units", ["scaled", "physical", "relative"] as const),

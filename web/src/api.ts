@@ -83,6 +83,11 @@ export interface Model {
   faces: { contact: number; side: number }[];
 }
 
+export interface Drawing {
+  nodes: { at: [number, number, number]; moves: [number, number, number] }[]; // displacements from 1; 0: none
+  lines: [number, number][];
+}
+
 export interface Budgets {
   depth: number;
   impacts: number;
@@ -97,6 +102,7 @@ export interface Description {
   title: string;
   finished: boolean;
   model: Model;
+  drawing: Drawing | null;
   budgets: Budgets;
   regions: Budgets[]; // where larger ones hold; -1: as elsewhere
   branches: BranchRow[];
@@ -121,6 +127,7 @@ export interface Orbit {
   reach: number | null;
   approach: number | null;
   residual: number;
+  proved?: boolean; // of a stored point: a proof of it is kept
   impact_times: number[];
   impact_faces: number[];
   history: { t: number[]; x: number[][]; v: number[][] } | null;

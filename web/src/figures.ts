@@ -11,6 +11,8 @@ export interface Frame {
   palette: Palette;
   size: number; // of type
   length: number; // unit of displacements
+  coordinates: number[]; // that are drawn, from 0
+  other: Orbit | null; // to compare with
 }
 
 interface Axes {
@@ -60,7 +62,7 @@ function axes(f: Frame, box: [number, number, number, number], xr: [number, numb
 export const colourOf = (p: Palette, i: number) => p.kinds[i % p.kinds.length];
 const lower = (i: number) => String(i).replace(/\d/g, (c) => "₀₁₂₃₄₅₆₇₈₉"[Number(c)]);
 
-// At most four coordinates are drawn; they are chosen by amplitude when there are more.
+// At most four coordinates are drawn unless they are chosen: those with the largest amplitudes.
 export function coordinates(orbit: Orbit, dofs: number): number[] {
   const all = Array.from({ length: dofs }, (_, i) => i);
   if (dofs <= 4) return all;
@@ -68,22 +70,27 @@ export function coordinates(orbit: Orbit, dofs: number): number[] {
   return all.sort((a, b) => (size[b] ?? 0) - (size[a] ?? 0)).slice(0, 4).sort((a, b) => a - b);
 }
 
-export function drawHistory(f: Frame, orbit: Orbit, model: Model, now: number): void {
-  const h = orbit.history;
-  if (!h) return;
-  const { pen, palette: p, size } = f;
-  const chosen = coordinates(orbit, model.dofs);
+// Time and values of an orbit as a line: of the other one thin and dotted, below.
+function drawLine(f: Frame, points: number[], colour: string, other: boolean, dash?: number[]): void {
+  f.pen.path(points, other ? { stroke: colour, width: 1.3, dash: [1.5, 2.5] } : { stroke: colour, width: 1.8, dash });
+}
+
+const both = (f: Frame, orbit: Orbit): Orbit[] => (f.other?.history ? [f.other, orbit] : [orbit]);
+
+export function drawHistory(f: Frame, orbit: Orbit, now: number): void {
+  if (!orbit.history) return;
+  const { pen, palette: p, size, length: d, coordinates: chosen } = f;
   const box: [number, number, number, number] = [46, 1.6 * size, f.width - 8, f.height - 2.6 * size];
-  const d = f.length;
-  const yr = range(chosen.map((i) => h.x[i].map((x) => d * x)));
-  const a = axes(f, box, [0, orbit.period], yr, "time t, s", "");
+  const orbits = both(f, orbit);
+  const yr = range(orbits.flatMap((o) => chosen.map((i) => o.history!.x[i].map((x) => d * x))));
+  const a = axes(f, box, [0, Math.max(...orbits.map((o) => o.period))], yr, "time t, s", "");
   for (const t of orbit.impact_times) pen.path([a.x(t), box[1], a.x(t), box[3]], { stroke: p.soft, width: 0.8, dash: [2, 3], alpha: 0.7 });
-  chosen.forEach((i, c) => {
-    const points: number[] = [];
-    for (let k = 0; k < h.t.length; k++) points.push(a.x(h.t[k]), a.y(d * h.x[i][k]));
-    pen.path(points, { stroke: colourOf(p, c), width: 1.8, dash: c === 1 ? [7, 3] : c === 2 ? [9, 3, 2, 3] : undefined });
-  });
-  chosen.forEach((i, c) => pen.text(box[2] - 2 * size * (chosen.length - 1 - c), box[1] - 5, `x${lower(i + 1)}`, { size: size - 1, fill: colourOf(p, c), anchor: "end", bold: true }));
+  for (const o of orbits)
+    chosen.forEach((i, c) => {
+      const h = o.history!;
+      drawLine(f, h.t.flatMap((t, k) => [a.x(t), a.y(d * h.x[i][k])]), colourOf(p, c), o !== orbit, c === 1 ? [7, 3] : c === 2 ? [9, 3, 2, 3] : undefined);
+    });
+  chosen.forEach((i, c) => pen.text(box[2] - 2.3 * size * (chosen.length - 1 - c), box[1] - 5, `x${lower(i + 1)}`, { size: size - 1, fill: colourOf(p, c), anchor: "end", bold: true }));
   pen.path([a.x(now), box[1], a.x(now), box[3]], { stroke: p.accent, width: 1.5 });
 }
 
@@ -95,18 +102,15 @@ export function drawGaps(f: Frame, orbit: Orbit, model: Model, now: number): voi
   const box: [number, number, number, number] = [46, 8, f.width - 8, f.height - 2.6 * size];
   const list = model.contacts.filter((c) => c.clearance !== null).slice(0, 4);
   if (!list.length) return pen.text(f.width / 2, f.height / 2, "no stops: springs of a power law", { size, fill: p.soft, anchor: "middle" });
-  const curves = list.map((c) => h.t.map((_, k) => gap(c.normal, h.x, k) / c.clearance!));
-  const [lo, hi] = range([...curves, [-1.05, 1.05]]);
-  const a = axes(f, box, [0, orbit.period], [lo, hi], "time t, s", "");
+  const orbits = both(f, orbit);
+  const curves = orbits.map((o) => list.map((c) => o.history!.t.map((_, k) => gap(c.normal, o.history!.x, k) / c.clearance!)));
+  const [lo, hi] = range([...curves.flat(), [-1.05, 1.05]]);
+  const a = axes(f, box, [0, Math.max(...orbits.map((o) => o.period))], [lo, hi], "time t, s", "");
   for (const stop of [1, -1]) {
     const there = list.some((c) => c.sides === "both" || c.sides === (stop > 0 ? "upper" : "lower"));
     if (there) pen.path([box[0], a.y(stop), box[2], a.y(stop)], { stroke: p.soft, width: 1.2, dash: [10, 4] });
   }
-  curves.forEach((curve, c) => {
-    const points: number[] = [];
-    for (let k = 0; k < curve.length; k++) points.push(a.x(h.t[k]), a.y(curve[k]));
-    pen.path(points, { stroke: colourOf(p, c + 2), width: 1.8 });
-  });
+  orbits.forEach((o, n) => curves[n].forEach((curve, c) => drawLine(f, curve.flatMap((g, k) => [a.x(o.history!.t[k]), a.y(g)]), colourOf(p, c + 2), o !== orbit)));
   orbit.impact_times.forEach((t, k) => {
     const face = model.faces[orbit.impact_faces[k]];
     if (face) pen.circle(a.x(t), a.y(face.side), 3.2, { fill: p.paper, stroke: p.ink, width: 1.2 });
@@ -131,32 +135,40 @@ export function stateAt(orbit: Orbit, dofs: number, t: number): { x: number[]; v
   return { x: h.x.map(mix), v: h.v.map(mix) };
 }
 
+// Displacement and velocity as a line with its jumps apart.
+function phaseLines(o: Orbit, i: number, a: Axes, d: number): { points: number[]; jumps: number[] } {
+  const h = o.history!;
+  const [points, jumps]: number[][] = [[], []];
+  const at = (k: number) => [a.x(d * h.x[i][k]), a.y(d * h.v[i][k])];
+  for (let k = 0; k < h.t.length; k++) {
+    if (k && h.t[k] === h.t[k - 1]) {
+      jumps.push(...at(k - 1), ...at(k), NaN, NaN);
+      points.push(NaN, NaN);
+    }
+    points.push(...at(k));
+  }
+  if (o.impact_times.length) jumps.push(...at(h.t.length - 1), ...at(0));
+  return { points, jumps };
+}
+
 export function drawPhase(f: Frame, orbit: Orbit, model: Model, now: number): void {
-  const h = orbit.history;
-  if (!h) return;
-  const { pen, palette: p, size, length: d } = f;
-  const chosen = coordinates(orbit, model.dofs);
+  if (!orbit.history) return;
+  const { pen, palette: p, size, length: d, coordinates: chosen } = f;
   const columns = Math.min(2, chosen.length);
   const rows = Math.ceil(chosen.length / columns);
   const [w, height] = [f.width / columns, f.height / rows];
   const state = stateAt(orbit, model.dofs, now);
+  const orbits = both(f, orbit);
   chosen.forEach((i, c) => {
     const [left, top] = [(c % columns) * w, Math.floor(c / columns) * height];
     const box: [number, number, number, number] = [left + 46, top + 1.6 * size, left + w - 8, top + height - 2.6 * size];
-    const a = axes(f, box, range([h.x[i].map((x) => d * x)]), range([h.v[i].map((v) => d * v)]), `x${lower(i + 1)}`, `v${lower(i + 1)}`);
-    const points: number[] = [];
-    const jumps: number[] = [];
-    for (let k = 0; k < h.t.length; k++) {
-      if (k && h.t[k] === h.t[k - 1]) {
-        jumps.push(a.x(d * h.x[i][k - 1]), a.y(d * h.v[i][k - 1]), a.x(d * h.x[i][k]), a.y(d * h.v[i][k]), NaN, NaN);
-        points.push(NaN, NaN);
-      }
-      points.push(a.x(d * h.x[i][k]), a.y(d * h.v[i][k]));
+    const all = (key: "x" | "v") => range(orbits.map((o) => o.history![key][i].map((value) => d * value)));
+    const a = axes(f, box, all("x"), all("v"), `x${lower(i + 1)}`, `v${lower(i + 1)}`);
+    for (const o of orbits) {
+      const { points, jumps } = phaseLines(o, i, a, d);
+      drawLine(f, points, colourOf(p, c), o !== orbit);
+      if (o === orbit) pen.path(jumps, { stroke: p.soft, width: 1, dash: [3, 3] });
     }
-    const end = h.t.length - 1;
-    if (orbit.impact_times.length) jumps.push(a.x(d * h.x[i][end]), a.y(d * h.v[i][end]), a.x(d * h.x[i][0]), a.y(d * h.v[i][0]));
-    pen.path(points, { stroke: colourOf(p, c), width: 1.6 });
-    pen.path(jumps, { stroke: p.soft, width: 1, dash: [3, 3] });
     pen.circle(a.x(d * state.x[i]), a.y(d * state.v[i]), 4, { fill: p.accent, stroke: p.paper, width: 1.5 });
   });
 }
@@ -170,6 +182,13 @@ export function drawCircle(f: Frame, orbit: Orbit): void {
   pen.circle(cx, cy, r, { stroke: p.soft, width: 1.2 });
   for (const [text, x, y] of [["1", cx + r + 4, cy + size], ["−1", cx - r - 18, cy + size], ["i", cx + 5, cy - r - 4]] as const)
     pen.text(x, y, text, { size: size - 3, fill: p.soft });
+  for (const [re, im] of f.other?.multipliers ?? []) {
+    const far = Math.hypot(re ?? NaN, im ?? NaN);
+    if (!Number.isFinite(far)) continue;
+    const shown = far > 1.25 ? (r * 1.12) / far : r;
+    const [x, y] = [cx + re! * shown, cy - im! * shown];
+    pen.path([x - 5, y - 5, x + 5, y - 5, x + 5, y + 5, x - 5, y + 5], { stroke: p.soft, width: 1.4 }, true);
+  }
   list.forEach(([re, im], i) => {
     const far = Math.hypot(re, im);
     const outside = far > 1.25;

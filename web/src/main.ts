@@ -20,6 +20,7 @@ import { unitsOf, type Scale, type Units } from "./units";
 import { createPainter, palette, type Colouring, type Painter } from "./theme";
 import type { Window } from "./view";
 
+const COLOURS: Colouring[] = ["symmetry", "stability", "word", "base"];
 type Tab = "here" | "branches" | "paths" | "grow" | "help";
 const TABS: Tab[] = ["here", "branches", "paths", "grow", "help"];
 
@@ -66,6 +67,10 @@ class Page {
     });
     this.plot.size = settings.size;
     this.orbit = new OrbitPanel(() => this.atlas, () => palette(this.dark), settings, this.units, {
+      pinned: () => {
+        this.plot.pinned = this.orbit.pinned?.where ?? null;
+        this.plot.touch(false);
+      },
       moved: (s) => this.slide(s),
       found: (s, orbit) => {
         const now = this.plot.selected;
@@ -88,7 +93,8 @@ class Page {
     this.showTab(a.junction || a.selected ? "here" : "help");
     document.title = `${source.description.title} – ricochet`;
     $("title").textContent = source.description.title;
-    $("title").title = `${this.atlas.branches.length} branches, ${this.atlas.junctions.length} junctions, ${source.description.branches.reduce((sum, b) => sum + b.points, 0)} points; ricochet ${source.description.version}`;
+    const proved = this.atlas.branches.reduce((sum, b) => sum + b.proved, 0);
+    $("title").title = `${proved ? `${proved} points proved, ${this.atlas.branches.filter((b) => b.proved === b.points).length} branches with all of their points; ` : ""}${this.atlas.branches.length} branches, ${this.atlas.junctions.length} junctions, ${source.description.branches.reduce((sum, b) => sum + b.points, 0)} points; ricochet ${source.description.version}`;
   }
 
   /* ---------------------------------------------------------------- looks */
@@ -444,6 +450,7 @@ class Page {
       this.status((e as Error).message);
       return;
     }
+    this.orbit.unpin();
     this.atlas = new Atlas(this.source, this.plot.view.log);
     this.lists.forget();
     if (this.colouring === "base") await this.lists.loadBases().catch(() => []);
@@ -561,7 +568,12 @@ class Page {
     if (what === "svg") download(`${name}.svg`, plotSvg(this.plot), "image/svg+xml");
     else if (what === "png") download(`${name}.png`, await plotPng(this.plot), "image/png");
     else if (what === "csv") download(`${name}.csv`, plotCsv(this.plot, this.units()), "text/csv");
-    else {
+    else if (what === "motion") {
+      this.status("drawing the motion …");
+      const motion = await this.orbit.motion();
+      this.status(motion ? "" : "No motion is chosen: click a line first.");
+      if (motion) download(`${name}-motion.png`, motion, "image/png");
+    } else {
       const text = what === "orbit-svg" ? this.orbit.svg() : this.orbit.historyCsv();
       if (text) download(`${name}-orbit.${what === "orbit-svg" ? "svg" : "csv"}`, text, what === "orbit-svg" ? "image/svg+xml" : "text/csv");
       else this.status("No orbit is chosen: click a line first.");
@@ -600,9 +612,9 @@ class Page {
       ArrowLeft: () => (along ? this.orbit.step(-step) : move(60, 0)), ArrowRight: () => (along ? this.orbit.step(step) : move(-60, 0)),
       ArrowUp: () => move(0, 60), ArrowDown: () => move(0, -60), "+": () => zoom(0.7), "=": () => zoom(0.7), "-": () => zoom(1 / 0.7),
       h: () => plot.show(plot.home()), l: () => this.setAxes({ x: !this.atlas.log.x, y: this.atlas.log.y }), w: () => this.setAxes({ x: this.atlas.log.x, y: !this.atlas.log.y }), d: () => this.toggleTheme(),
-      c: () => void this.colour((["symmetry", "stability", "word", "base"] as const)[(["symmetry", "stability", "word", "base"].indexOf(this.colouring) + 1) % 4]),
+      c: () => void this.colour(COLOURS[(COLOURS.indexOf(this.colouring) + 1) % COLOURS.length]),
       m: () => $("marks").click(), "]": () => this.setDuplicates(plot.options.duplicates + 1), "[": () => this.setDuplicates(plot.options.duplicates - 1),
-      n: () => this.nextJunction(1), p: () => this.nextJunction(-1), b: () => this.nextBranch(1), B: () => this.nextBranch(-1), "?": () => this.showTab("help"), "/": () => $("search").focus(),
+      n: () => this.nextJunction(1), p: () => this.nextJunction(-1), k: () => along && this.orbit.pin(), b: () => this.nextBranch(1), B: () => this.nextBranch(-1), "?": () => this.showTab("help"), "/": () => $("search").focus(),
       ",": () => along && this.orbit.step(-0.1), ".": () => along && this.orbit.step(0.1), f: () => this.focus(),
       " ": () => along && this.orbit.play(!this.orbit.plays),
       Escape: () => {

@@ -2,21 +2,28 @@
 import { getOrbit, mayCompute, type Orbit } from "./api";
 import type { Atlas, Branch } from "./atlas";
 import { button, digits, el } from "./dom";
-import { drawCircle, drawGaps, drawHistory, drawMasses, drawPhase, type Frame } from "./figures";
+import { animatedPng } from "./apng";
+import { coordinates, drawCircle, drawGaps, drawHistory, drawMasses, drawPhase, type Frame } from "./figures";
 import { branchRuns, junctionRuns, toHtml } from "./labels";
 import { CanvasPen, SvgPen } from "./pen";
 import { saved } from "./saved";
+import { drawStructure } from "./structure";
 import type { Selected } from "./plot";
 import type { Palette } from "./theme";
 import type { Units } from "./units";
 
 export interface OrbitEvents {
+  pinned(): void; // or no more
   moved(arclength: number): void; // stepping or playing has gone on along the branch
   found(where: Selected, orbit: Orbit): void;
   junction(id: number): void;
   branch(id: number): void;
   status(text: string): void;
 }
+
+const FRAMES = 50; // of a saved motion
+
+type Row = [key: string, name: string, value: string];
 
 interface Figure {
   canvas: HTMLCanvasElement;
@@ -37,6 +44,11 @@ export class OrbitPanel {
   private moving = true;
   private playing = 0;
   private facts = el("div", { class: "facts" });
+  pinned: { orbit: Orbit; where: Selected } | null = null; // to compare with
+  private pinButton = button("Pin", "Keep this motion to compare others with it (k)", () => this.pin());
+  private pinNote = el("p", { class: "sub", hidden: true });
+  private chosen = el("input", { type: "text", title: "Which displacements are drawn, such as 1, 3, 5; none: those with the largest amplitudes", ariaLabel: "Displacements that are drawn", placeholder: "largest" });
+  private scaleNote = el("small");
   private more = el("div", { class: "facts" });
   private head = el("header");
   private error = el("p", { class: "error", hidden: true });
@@ -53,10 +65,18 @@ export class OrbitPanel {
     private events: OrbitEvents,
   ) {
     const steps = el("div", { class: "steps" },
-      button("◀", "One stored point back (left arrow)", () => this.step(-1)), this.playButton, button("▶", "One stored point on (right arrow)", () => this.step(1)), this.slider);
+      button("◀", "One stored point back (left arrow)", () => this.step(-1)), this.playButton, button("▶", "One stored point on (right arrow)", () => this.step(1)), this.slider, this.pinButton);
+    this.chosen.oninput = () => this.drawAll();
+    const { drawing } = this.atlas().description;
+    const motion: Figure["draw"] = (f, o, t) => {
+      if (!drawing) return drawMasses(f, o, this.atlas().description.model, t);
+      const times = drawStructure(f, o, this.atlas().description.model, drawing, t);
+      this.scaleNote.textContent = ` displacements × ${Number(times.toPrecision(2))}`;
+    };
     this.slider.oninput = () => this.go(this.slider.valueAsNumber);
-    this.root.append(this.head, steps, this.error, this.figure("The masses", 112, (f, o, t) => drawMasses(f, o, this.atlas().description.model, t), this.stillButton),
-      this.facts, this.figure("Displacements", 190, (f, o, t) => drawHistory(f, o, this.atlas().description.model, t)),
+    const many = this.atlas().description.model.dofs > 2;
+    this.root.append(this.head, steps, this.error, this.pinNote, this.figure(drawing ? "The structure" : "The masses", drawing ? 190 : 112, motion, el("span", {}, this.scaleNote, " ", this.stillButton)),
+      this.facts, this.figure("Displacements", 190, (f, o, t) => drawHistory(f, o, t), many ? el("label", { class: "chosen" }, "x ", this.chosen) : undefined),
       this.figure("Gaps between the stops at ±1, impacts", 150, (f, o, t) => drawGaps(f, o, this.atlas().description.model, t)),
       this.figure("Phase portraits", 210, (f, o, t) => drawPhase(f, o, this.atlas().description.model, t)),
       this.figure("Multipliers on the unit circle", 190, (f, o) => drawCircle(f, o)), this.more, this.impacts);
@@ -116,6 +136,7 @@ export class OrbitPanel {
 
   private put(orbit: Orbit): void {
     this.orbit = orbit;
+    this.showPin();
     this.root.classList.remove("empty");
     this.showHead();
     this.showFacts();
@@ -130,6 +151,35 @@ export class OrbitPanel {
 
   private branch(): Branch | undefined {
     return this.selected ? this.atlas().branch(this.selected.branch) : undefined;
+  }
+
+  /* -------------------------------------------------------------- comparing */
+
+  // The motion that is shown stays beside those that are chosen later; once more lets it go.
+  pin(): void {
+    this.pinned = this.pinned ? null : this.orbit && this.selected ? { orbit: this.orbit, where: { ...this.selected, at: { energy: this.orbit.energy, frequency: this.orbit.frequency } } } : null;
+    this.refresh();
+    this.showPin();
+    this.events.pinned();
+  }
+
+  // Its branch may be gone from an atlas that has changed.
+  unpin(): void {
+    if (this.pinned) this.pin();
+  }
+
+  private showPin(): void {
+    this.pinButton.textContent = this.pinned ? "Unpin" : "Pin";
+    this.pinNote.hidden = !this.pinned;
+    const b = this.pinned ? this.atlas().branch(this.pinned.where.branch) : undefined;
+    if (!this.pinned || !b) return;
+    this.pinNote.replaceChildren("compared with ", toHtml(branchRuns(b.label, b.word, this.pinned.where.k)), `, branch ${b.id} at E ${digits(this.units().energy * this.pinned.orbit.energy, false)}: dotted, squares, second numbers`);
+  }
+
+  private get drawn(): number[] {
+    const { dofs } = this.atlas().description.model;
+    const wanted = [...new Set((this.chosen.value.match(/\d+/g) ?? []).map(Number))].filter((i) => i >= 1 && i <= dofs).slice(0, 8);
+    return wanted.length ? wanted.map((i) => i - 1) : coordinates(this.orbit!, dofs);
   }
 
   /* --------------------------------------------------------------- stepping */
@@ -204,15 +254,26 @@ export class OrbitPanel {
     };
     this.head.replaceChildren(
       el("h2", {}, toHtml(branchRuns(b.label, b.word, s.k)), chip),
-      el("p", { class: "sub" }, `branch ${b.id}`, s.k > 1 ? `, gone through ${s.k} times` : "", `; from `, link(b.from, "its start"), " to ", link(b.to, b.stop), b.tongues ? `; ${b.tongues}` : ""));
+      el("p", { class: "sub" }, `branch ${b.id}`, s.k > 1 ? `, gone through ${s.k} times` : "", `; from `, link(b.from, "its start"), " to ", link(b.to, b.stop), b.tongues ? `; ${b.tongues}${this.units().energy === 1 ? "" : " (scaled)"}` : "", b.proved ? `; ${b.proved} of ${b.points} points proved` : ""));
   }
 
   private showFacts(): void {
-    const [o, s, b] = [this.orbit!, this.selected!, this.branch()!];
+    const pinned = this.pinned;
+    const beside = pinned ? new Map(this.rowsOf(pinned.orbit, pinned.where).map(([key, , value]) => [key, value])) : null;
+    const rows = this.rowsOf(this.orbit!, this.selected!);
+    const cells = ([key, name, value]: Row) => [el("dt", { textContent: name }), el("dd", { textContent: value, data: { key } }), ...(beside ? [el("dd", { class: "beside", textContent: beside.get(key) ?? "" })] : [])];
+    const list = (part: Row[]) => el("dl", { class: beside ? "two" : "" }, ...part.flatMap(cells));
+    const first = rows.findIndex(([key]) => key === "trace");
+    this.facts.replaceChildren(list(rows.slice(0, first)));
+    this.more.replaceChildren(list(rows.slice(first)));
+  }
+
+  private rowsOf(o: Orbit, s: Selected): Row[] {
+    const b = this.atlas().branch(s.branch);
     const { full } = this.settings;
     const u = this.units();
     const d = u.length;
-    const rows: [string, string, string][] = [
+    const rows: Row[] = [
       ["energy", `Energy E${u.energyNote}`, digits(u.energy * o.energy, full)],
       ["frequency", "Frequency ω", `${digits(o.frequency / s.k, full)} rad/s`],
       ["hertz", "", `${digits(o.frequency / s.k / (2 * Math.PI), full)} Hz`],
@@ -226,13 +287,11 @@ export class OrbitPanel {
       ["amplitudes", `Amplitudes${u.lengthNote}`, (o.amplitudes ?? []).map((a) => digits(d * a, full)).join("\n")],
       ["reach", "Reach, approach", `${digits(o.reach, full)}, ${digits(o.approach === null ? null : d * o.approach, full)}`],
       ["arclength", "Arclength", digits(o.arclength, full)],
+      ...(!b.proved ? [] : [["proved", "Proof", o.proved === undefined ? "of stored points only" : o.proved ? "exactly one orbit, kept in the atlas" : "none is kept"] as Row]),
       ["residual", "Residual", o.residual.toExponential(1)],
     ];
     if (s.k > 1) rows.splice(4, 0, ["original", "of the original", `ω ${digits(o.frequency, full)} rad/s, T ${digits(o.period, full)} s`]);
-    const list = (part: typeof rows) => el("dl", {}, ...part.flatMap(([key, name, value]) => [el("dt", { textContent: name }), el("dd", { textContent: value, data: { key } })]));
-    const first = rows.findIndex(([key]) => key === "trace");
-    this.facts.replaceChildren(list(rows.slice(0, first)));
-    this.more.replaceChildren(list(rows.slice(first)));
+    return rows;
   }
 
   private showImpacts(): void {
@@ -255,7 +314,7 @@ export class OrbitPanel {
       body.append(el("tr", {}, ...[String(k), digits(t, full), face(o.impact_faces[k]), digits(o.impact_speeds[k], full), digits(o.impulses[k], full)].map((text, i) =>
         el("td", { textContent: i > 2 && d !== 1 ? digits(d * (i === 3 ? o.impact_speeds[k] : o.impulses[k]), full) : text })))));
     const head = el("tr", {}, ...["impact", "time, s", "face", "speed", "impulse"].map((text) => el("th", { textContent: text })));
-    this.impacts.replaceChildren(el("h3", { textContent: "Impacts" }), el("div", { class: "wide-table" }, el("table", { class: full ? "impacts full" : "impacts" }, el("thead", {}, head), body)));
+    this.impacts.replaceChildren(el("h3", { textContent: "Impacts" }), el("div", { class: "wide-table", tabIndex: 0, role: "group", ariaLabel: "Impacts" }, el("table", { class: full ? "impacts full" : "impacts" }, el("thead", {}, head), body)));
   }
 
   /* --------------------------------------------------------------- pictures */
@@ -264,8 +323,7 @@ export class OrbitPanel {
     const passed = Math.min(100, t - this.last);
     this.last = t;
     if (this.orbit && this.moving && this.root.isConnected && this.root.offsetParent) {
-      const seconds = Math.min(12, Math.max(2.5, this.orbit.period)); // one period on the screen
-      this.clock = (this.clock + passed / 1000 / seconds) % 1;
+      this.clock = (this.clock + passed / 1000 / onScreen(this.orbit.period)) % 1;
       this.drawAll();
     }
     requestAnimationFrame((next) => this.tick(next));
@@ -288,7 +346,7 @@ export class OrbitPanel {
       const context = f.canvas.getContext("2d")!;
       context.setTransform(scale, 0, 0, scale, 0, 0);
       context.clearRect(0, 0, width, height);
-      f.draw({ pen: new CanvasPen(context), width, height, palette: this.palette(), size: this.settings.size, length: this.units().length }, this.orbit, this.clock * this.orbit.period);
+      f.draw({ pen: new CanvasPen(context), width, height, palette: this.palette(), size: this.settings.size, length: this.units().length, coordinates: this.drawn, other: this.pinned?.orbit ?? null }, this.orbit, this.clock * this.orbit.period);
     }
   }
 
@@ -300,10 +358,37 @@ export class OrbitPanel {
     let y = 0;
     for (const f of this.figures) {
       const height = f.height;
-      pen.clipped(0, y, width, height, () => f.draw({ pen, width, height, palette: this.palette(), size, length: this.units().length }, this.orbit!, this.clock * this.orbit!.period));
+      pen.clipped(0, y, width, height, () => f.draw({ pen, width, height, palette: this.palette(), size, length: this.units().length, coordinates: this.drawn, other: this.pinned?.orbit ?? null }, this.orbit!, this.clock * this.orbit!.period));
       y += height + 8;
     }
     return pen.finish(width, y, this.palette().paper);
+  }
+
+  // One period of motion and displacements as an animated PNG, as long as on the screen.
+  async motion(): Promise<Blob | null> {
+    const orbit = this.orbit;
+    if (!orbit?.history) return null;
+    const [width, size, scale] = [560, 14, 1.5];
+    const figures = this.figures.slice(0, 2);
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [scale * width, scale * figures.reduce((sum, f) => sum + f.height + 8, 0)];
+    const context = canvas.getContext("2d")!;
+    const frames: Uint8Array[] = [];
+    for (let i = 0; i < FRAMES; i++) {
+      context.setTransform(scale, 0, 0, scale, 0, 0);
+      context.fillStyle = this.palette().paper;
+      context.fillRect(0, 0, width, canvas.height);
+      const pen = new CanvasPen(context);
+      let y = 0;
+      for (const f of figures) {
+        pen.clipped(0, y, width, f.height, () => f.draw({ pen, width, height: f.height, palette: this.palette(), size, length: this.units().length, coordinates: this.drawn, other: this.pinned?.orbit ?? null }, orbit, (i / FRAMES) * orbit.period));
+        y += f.height + 8;
+      }
+      const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
+      if (!blob) return null;
+      frames.push(new Uint8Array(await blob.arrayBuffer()));
+    }
+    return animatedPng(frames, (1000 * onScreen(orbit.period)) / FRAMES);
   }
 
   historyCsv(): string | null {
@@ -316,6 +401,8 @@ export class OrbitPanel {
     return [names.join(","), ...lines].join("\n") + "\n";
   }
 }
+
+const onScreen = (period: number) => Math.min(12, Math.max(2.5, period)); // seconds of one period
 
 // A pair of conjugates on one line.
 function multiplierText(o: Orbit, full: boolean): string {

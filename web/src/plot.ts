@@ -43,6 +43,7 @@ export class Plot {
   view: View;
   scene: Scene;
   selected: Selected | null = null;
+  pinned: Selected | null = null; // what it is compared with
   chosenJunction = 0;
   path: number[] = []; // branches of a cascade or a base
   fresh = new Set<number>(); // branches that have just appeared
@@ -416,6 +417,11 @@ export class Plot {
   }
 
   private paintSelected(pen: Pen): void {
+    if (this.pinned?.at) {
+      const { energy, frequency } = this.pinned.at;
+      const [x, y] = [this.view.px(this.view.toX(energy)), this.view.py(this.view.toY(frequency / this.pinned.k))];
+      pen.path([x - 6, y - 6, x + 6, y - 6, x + 6, y + 6, x - 6, y + 6], { fill: this.palette.paper, stroke: this.palette.accent, width: 2 }, true);
+    }
     const s = this.selected;
     const b = s ? this.scene.atlas.branch(s.branch) : undefined;
     if (!s || !b) return;

@@ -29,6 +29,7 @@ export interface Hit {
 }
 
 const TOLERANCE = 0.35; // pixels that a chord may miss the orbits by
+const CROWD = 150; // marks in view, beyond which they leave more of the lines to be seen
 const FLAT = 0.12; // pixels that a chord may miss a curve by
 const HALVINGS = 48; // down to a few neighbouring doubles
 const DOUBTFUL = 0.5; // pixels that a curve may be off by before orbits on it are asked for
@@ -180,8 +181,9 @@ export class Scene {
         }
     marks.sort((a, b) => rank(b) - rank(a));
     const taken = new Set<number>();
+    const apart = marks.length > CROWD ? 14 : 5;
     this.marks = marks.filter((m) => {
-      const cell = Math.round(m.x / 5) * 4096 + Math.round(m.y / 5);
+      const cell = Math.round(m.x / apart) * 4096 + Math.round(m.y / apart);
       return !taken.has(cell) && taken.add(cell);
     });
   }

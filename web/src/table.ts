@@ -75,7 +75,7 @@ export class BranchTable {
       return el("th", { scope: "col" }, el("button", { type: "button", class: "sort", textContent: title, title: `Sort by ${c.name(u)}`, ariaLabel: `Sort by ${c.name(u)}`, onclick: () => this.sort(i) }));
     });
     const table = el("table", { class: "branches" }, el("thead", {}, el("tr", {}, ...this.heads)), this.body);
-    this.root.replaceChildren(...[...this.root.children].slice(0, 3), el("div", { class: "wide-table" }, table), this.more);
+    this.root.replaceChildren(...[...this.root.children].slice(0, 3), el("div", { class: "wide-table", tabIndex: 0, role: "group", ariaLabel: "Branches" }, table), this.more);
     this.fill();
   }
 

@@ -4,7 +4,7 @@ import type { Atlas, Branch } from "./atlas";
 import type { BaseRow } from "./api";
 import type { Style } from "./lines";
 
-export type Colouring = "symmetry" | "stability" | "word" | "base";
+export type Colouring = "symmetry" | "stability" | "word" | "base" | "proof";
 
 export interface Palette {
   ink: string;
@@ -86,6 +86,10 @@ export function createPainter(atlas: Atlas, colouring: Colouring, bases: BaseRow
     colours = [p.linear, ...Array.from({ length: 12 }, (_, i) => p.kinds[i % p.kinds.length])];
     names = ["in no base shown", ...(bases ?? []).slice(0, 12).map((row) => row.base)];
     classOf = (b) => found.get(b.id) ?? 0;
+  } else if (colouring === "proof") {
+    colours = [p.linear, p.undecided, p.stable];
+    names = ["no point proved", "some points proved", "all points proved"];
+    classOf = (b) => (!b.proved ? 0 : b.proved < b.points ? 1 : 2);
   } else {
     colours = [p.linear, p.asymmetric, p.symmetric];
     names = ["linear", "asymmetric", "symmetric"];
