@@ -170,9 +170,11 @@ static const cli_item items[] = {
              "it. The first word says which picture."},
     {.name = "fep",
      .picture = true,
-     .text = "frequency-energy plot: symmetric branches dark, asymmetric ones orange, linear modes grey; stable "
-             "thick, unstable thin, undecided dotted; natural frequencies and frequencies with a contact locked as "
-             "reference lines"},
+     .text =
+         "frequency-energy plot: symmetric branches dark, asymmetric ones orange, linear modes grey; stable "
+         "thick, unstable thin, undecided dotted; islands, which no chain of junctions joins to a linear mode, on a "
+         "band, points with a proof ringed; natural frequencies and frequencies with a contact locked as "
+         "reference lines"},
     {.name = "--linear",
      .text = "linear energy axis; without this and --log the axis is what shows the branches most evenly, and its "
              "title says so"},
@@ -204,6 +206,7 @@ static const cli_item items[] = {
     {.name = "--duplicates",
      .value = "K",
      .text = "dashed: the branches gone through k = 2..K times, at frequency / k, with the multiplications on them"},
+    {.name = "--arrows", .text = "with --duplicates: from each multiplication to the duplicates that inherit it"},
     {.name = "--duplicate", .value = "K:SEGMENT", .text = "the K-duplicate of this one"},
     {.name = "--data",
      .value = "FILE.csv",
@@ -232,6 +235,10 @@ static const cli_item items[] = {
     {.name = "--columns", .value = "N", .text = "rows side by side"},
     {.name = "--gap", .text = "with the gap of the first contact, and where it closes"},
     {.name = "--same-axes", .text = "the same scales in all"},
+    {.name = "--overlay",
+     .text =
+         "over one another instead, up to six: over time in periods, each in the phase in which it is most like the "
+         "first; with --gap also the gap"},
     {.name = "--coordinates", .value = "LIST", .text = "which coordinates to show"},
     {.name = "curves",
      .picture = true,
@@ -239,10 +246,17 @@ static const cli_item items[] = {
              "x1.. v1.. tau1.."},
     {.name = "--x", .value = "NAME", .words = QUANTITIES, .text = "what goes to the right"},
     {.name = "--y", .value = "NAME", .words = QUANTITIES, .text = "what goes upwards"},
+    {.name = "--z",
+     .value = "NAME",
+     .words = QUANTITIES,
+     .text = "a third one: the curves in space, seen from the front"},
+    {.name = "--view",
+     .value = "A,B",
+     .text = "with --z: the eye is turned by A degrees about the upright axis, and up by B; 32,22 unless given"},
     {.name = "--branch", .value = "ID", .text = "only this branch; may be repeated"},
     CLI_ITEM_AT,
     {.name = "--log", .value = "AXES", .words = "x y xy", .text = "logarithmic axes: x, y or xy"},
-    {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
+    {.name = "--window", .value = "A:B,C:D", .text = "what the axes show; with --z A:B,C:D,E:F"},
     {.name = "floquet",
      .picture = true,
      .text = "multipliers along a branch: the trace (2 and -2 dashed) and rotation number of two masses, moduli "
@@ -270,9 +284,13 @@ static const cli_item items[] = {
     {.name = "sheet",
      .picture = true,
      .text = "a gap along a part of a branch, motions one behind the other, over time in periods"},
-    {.name = "--segment", .value = "SEGMENT", .text = "the part; may be repeated"},
+    {.name = "--segment", .value = "[NAME: ]SEGMENT", .text = "the part; may be repeated"},
     {.name = "--orbits", .value = "N", .text = "how many motions, 25 unless given"},
     {.name = "--contact", .value = "I", .text = "whose gap, 1 unless given"},
+    {.name = "--space",
+     .value = "A,B,C",
+     .text = "instead the motions in three coordinates of the phase space, such as x1,x2,v2, shaded by energy"},
+    {.name = "--view", .value = "A,B", .text = "of these: the angles of the eye, as for curves"},
     {.name = "strobe",
      .picture = true,
      .text = "a displacement, zero at the start, at instants of K periods, along segments one after the other"},
@@ -331,21 +349,22 @@ const cli_command cli_plot = {
     .usage = "ricochet plot fep ATLAS... [--linear | --log] [--energy A:B] [--frequency A:B]\n"
              "           [--log-frequency | --linear-frequency]\n"
              "           [--break F] [--zoom A:B,C:D]... [--labels WHAT] [--marks WHAT] [--label NAME]...\n"
-             "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K] [--branch SEGMENT]...\n"
+             "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K [--arrows]]\n"
+             "           [--branch SEGMENT]...\n"
              "           [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT] [--data FILE.csv] -o FILE\n"
              "ricochet plot orbit ATLAS (--branch ID | --at E,OMEGA)\n"
              "           (--point I | --energy E | --frequency F) [--which K] [--coordinates LIST] -o FILE\n"
              "ricochet plot orbit ATLAS --junction ID [--coordinates LIST] -o FILE\n"
              "ricochet plot orbits ATLAS --orbit ORBIT... [ATLAS --orbit ORBIT...]... [--histories]\n"
-             "           [--columns N] [--same-axes] [--gap] [--coordinates LIST] -o FILE\n"
-             "ricochet plot curves ATLAS --x NAME --y NAME [--branch ID | --at E,OMEGA]...\n"
+             "           [--columns N] [--same-axes] [--overlay] [--gap] [--coordinates LIST] -o FILE\n"
+             "ricochet plot curves ATLAS --x NAME --y NAME [--z NAME [--view A,B]] [--branch ID | --at E,OMEGA]...\n"
              "           [--log AXES] [--window A:B,C:D] -o FILE\n"
              "ricochet plot floquet ATLAS (--branch ID | --at E,OMEGA) [--x NAME] -o FILE\n"
              "ricochet plot cascade ATLAS (--branch ID | --at E,OMEGA) (--multiply LIST | --doublings N)\n"
              "           [--dof I] [--shapes] -o FILE\n"
              "ricochet plot cascade ATLAS (--branch ID | --at E,OMEGA) --circle [--duplicate K] -o FILE\n"
              "ricochet plot sheet ATLAS --segment SEGMENT... [ATLAS --segment SEGMENT...]... [--orbits N]\n"
-             "           [--contact I] -o FILE\n"
+             "           [--contact I | --space A,B,C [--view A,B]] -o FILE\n"
              "ricochet plot strobe ATLAS --segment [K:]SEGMENT... [--samples N] [--dof I] [--orbits N]\n"
              "           [--stretch] -o FILE\n"
              "ricochet plot section STUDY|ATLAS --energy E [--starts N] [--impacts M]\n"

@@ -29,6 +29,7 @@ typedef enum {
     PLOT_GRID,
     PLOT_NATURAL,
     PLOT_LOCKED,
+    PLOT_ISLAND, /* under a branch that no chain of junctions joins to a linear mode */
     PLOT_GHOST,
     PLOT_DUPLICATE,                                   /* + 3 times 0..8, + 0..2: as those from PLOT_LINEAR on */
     PLOT_LINEAR = PLOT_DUPLICATE + 3 * PLOT_N_BRANCH, /* + 0..2 */
@@ -37,7 +38,8 @@ typedef enum {
     PLOT_ATLAS = PLOT_SYMMETRIC + 3, /* + 3 times 0..5, + 0..2: one of several atlases */
     PLOT_SHADE = PLOT_ATLAS + 18,    /* + 0: grey; + 1..15: dots shaded by a number, dark to light */
     PLOT_ZOOM = PLOT_SHADE + 16,
-    PLOT_SHEET, /* + 0, 1: inside, edge */
+    PLOT_SHADOW, /* on the floor of three axes */
+    PLOT_SHEET,  /* + 0, 1: inside, edge */
     PLOT_JUMP = PLOT_SHEET + 2,
     PLOT_STOP,                       /* of all gaps of a panel; + 1..4: of one of them */
     PLOT_SERIES = PLOT_STOP + 5,     /* + 0..3 */
@@ -45,7 +47,9 @@ typedef enum {
     PLOT_GAP = PLOT_PORTRAIT + 4,
     PLOT_OVERLAY, /* + 0..5: curves over one another, told apart by colour and by dashes */
     PLOT_BEAM = PLOT_OVERLAY + 6,
-    PLOT_PART, /* of a schematic */
+    PLOT_PART,  /* of a schematic */
+    PLOT_PROOF, /* + 0, 1: a ring, its inside */
+    PLOT_ARROW = PLOT_PROOF + 2,
     PLOT_DATA, /* of one's own */
     PLOT_FRAME,
     PLOT_LEADER,
@@ -150,6 +154,27 @@ bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b);
 /* Widens [lo, hi] by `part` of its length (of its logarithm), or to something visible when it is a point. */
 void plot_range_widen(bool logarithmic, double part, double *lo, double *hi);
 
+/* About `count` of these fit a span: 1, 2 or 5 times a power of ten. */
+double plot_nice_step(double span, double count);
+/* The page itself: data are pixels. */
+plot_panel plot_pixels(const plot_page *page);
+
+/* ------------------------------------------------- three axes (plot_space.c) */
+
+typedef struct {
+    plot_box box; /* pixels */
+    double lo[3], hi[3], unit[3];
+    double around, above; /* degrees: how far the eye is turned about the upright axis, and up */
+} plot_space;
+/* --view AROUND,ABOVE; `text` may be NULL. */
+bool plot_parse_view(const char *text, plot_space *out);
+
+plot_point plot_space_at(const plot_space *space, const double point[3]);
+bool plot_space_inside(const plot_space *space, const double point[3]);
+void plot_space_frame(plot_page *page, const plot_space *space, const char *const titles[3]);
+/* points [3 n]; broken where it leaves the box. */
+void plot_space_curve(plot_page *page, const plot_space *space, plot_stroke stroke, int n, const double *points);
+
 /* ------------------------------------------------------- legend, labels (plot_labels.c) */
 
 /* One sample per entry, centred in rows below `top`; returns the height used. Draws nothing if page is NULL. */
@@ -200,7 +225,9 @@ typedef struct {
     double length, energy, frequency;
 } plot_units;
 plot_units plot_units_of(const plot_options *options, const ric_model *model);
-const char *plot_energy_title(const plot_options *options);
+/* E, or H where contacts give way and hold energy themselves; the title of an axis of one or more atlases. */
+const char *plot_energy_letter(const ric_model *model);
+void plot_energy_title(const plot_options *options, int n, ric_atlas *const *atlases, size_t size, char *out);
 const char *plot_frequency_title(const plot_options *options);
 /* E = .., ω = .. */
 void plot_place_text(const plot_options *options, const ric_model *model, double energy, double frequency, size_t size,
@@ -321,6 +348,10 @@ enum { PLOT_MAX_EVENT_ENTRY = 3 };
 int plot_event_entries(unsigned seen, plot_legend_entry *out);
 /* Displacement at time t, modulo the period. */
 double plot_motion_at(const plot_motion *motion, double t, int coordinate);
+/* Gap coordinate in clearances at time t; and the time where it becomes positive after its longest negative stretch,
+ * by which motions are laid over one another. */
+double plot_motion_gap_at(const plot_motion *motion, int contact, double t);
+double plot_motion_start(const plot_motion *motion, int contact);
 /* One reading against another; times are shown `later`. */
 void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *motion,
                       plot_reading x, plot_reading y, int what, double later);

@@ -81,7 +81,7 @@ static void add_tick(tick_list *list, double value, const char *text)
 }
 
 /* 1, 2 or 5 times a power of ten, so that about `count` steps fit. */
-static double nice_step(double span, double count)
+double plot_nice_step(double span, double count)
 {
     const double raw = span / fmax(1, count), power = pow(10, floor(log10(raw))), lead = raw / power;
     return power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
@@ -90,8 +90,8 @@ static double nice_step(double span, double count)
 /* A step that shows three labels or more: one alone says nothing of the scale. */
 static double telling_step(double low, double high, double count)
 {
-    double step = nice_step(high - low, count);
-    for (int i = 0; i < 2 && floor(high / step) - ceil(low / step) < 2; i++) step = nice_step(step / 2, 1);
+    double step = plot_nice_step(high - low, count);
+    for (int i = 0; i < 2 && floor(high / step) - ceil(low / step) < 2; i++) step = plot_nice_step(step / 2, 1);
     return step;
 }
 

@@ -213,9 +213,9 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
         snprintf(text, sizeof text, "v_{%d}", p->dof + 1);
         plot_panel_frame(p->page, &right, last ? name : NULL, text);
         if (smooth(p) && s.multiple > 1)
-            snprintf(text, sizeof text, "p/q = %d/%d,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.energy,
+            snprintf(text, sizeof text, "p/q = %d/%d,  H = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.energy,
                      s.frequency);
-        else if (smooth(p)) snprintf(text, sizeof text, "end,  E = %.8g,  ω = %.8g", s.energy, s.frequency);
+        else if (smooth(p)) snprintf(text, sizeof text, "end,  H = %.8g,  ω = %.8g", s.energy, s.frequency);
         else if (s.multiple > 1)
             snprintf(text, sizeof text, "p/q = %d/%d,  %d impacts,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1],
                      s.impacts, s.energy, s.frequency);

@@ -81,7 +81,8 @@ static void set_unit(quantity *q, const plot_options *common, const ric_atlas *a
               : q->kind == FREQUENCY                                               ? unit.frequency
               : q->kind == DISPLACEMENT || q->kind == SPEED || q->kind == APPROACH ? unit.length
                                                                                    : 1;
-    if (q->kind == ENERGY) snprintf(q->title, sizeof q->title, "%s", plot_energy_title(common));
+    if (q->kind == ENERGY)
+        plot_energy_title(common, 1, (ric_atlas *const[]){(ric_atlas *)atlas}, sizeof q->title, q->title);
     if (q->kind == FREQUENCY) snprintf(q->title, sizeof q->title, "%s", plot_frequency_title(common));
 }
 
@@ -150,14 +151,15 @@ static plot_point track_at(const plot_track *t, double arclength)
 typedef struct {
     const plot_options *common;
     ric_atlas *atlas;
-    quantity x, y;
-    bool log_x, log_y;
-    int n_branch, *branches; /* ids */
-    plot_track *tracks;
+    quantity x, y, z;
+    bool log_x, log_y, spatial;  /* the last: z, too */
+    int n_branch, *branches;     /* ids */
+    plot_track *tracks, *depths; /* (x, y), and (z, z) of the same knots */
     plot_page *page;
     plot_panel panel;
+    plot_space space;
     bool has_window;
-    double window[4]; /* x from, to, y from, to */
+    double window[6]; /* x from, to, y from, to, z from, to */
     bool family[3];
     unsigned stability;
     bool kinds[RIC_KIND_USER + 1];
@@ -204,6 +206,75 @@ static plot_axis axis_of(const quantity *q, bool logarithmic, const double range
                        q->unit};
 }
 
+/* Range of z on what the windows of x and y leave. */
+static bool depth_range(curves *c, const double x[2], const double y[2], double z[2])
+{
+    z[0] = INFINITY;
+    z[1] = -INFINITY;
+    for (int i = 0; i < c->n_branch; i++)
+        for (int k = 0; k < c->tracks[i].n; k++) {
+            const plot_point p = c->tracks[i].knots[k].at;
+            const double depth = c->depths[i].knots[k].at.x;
+            if (!(p.x >= x[0] && p.x <= x[1] && p.y >= y[0] && p.y <= y[1]) || !isfinite(depth)) continue;
+            z[0] = fmin(z[0], depth);
+            z[1] = fmax(z[1], depth);
+        }
+    for (int i = 0; i < 2 && c->has_window; i++) z[i] = c->window[4 + i] / c->z.unit;
+    if (z[1] >= z[0] && !c->has_window) plot_range_widen(false, 0.05, &z[0], &z[1]);
+    return z[1] > z[0];
+}
+
+/* What the curves would throw on the floor, if light came from above. */
+static void draw_shadows(const curves *c)
+{
+    for (int i = 0; i < c->n_branch; i++) {
+        const plot_track *t = &c->tracks[i];
+        double *floor = malloc(3 * ((size_t)t->n + 1) * sizeof *floor);
+        for (int k = 0; floor && k < t->n; k++) {
+            const double z = c->depths[i].knots[k].at.x;
+            const bool seen = z >= c->space.lo[2] && z <= c->space.hi[2];
+            floor[3 * k] = t->knots[k].at.x;
+            floor[3 * k + 1] = t->knots[k].at.y;
+            floor[3 * k + 2] = seen ? c->space.lo[2] : NAN;
+        }
+        if (floor) plot_space_curve(c->page, &c->space, PLOT_SHADOW, t->n, floor);
+        free(floor);
+    }
+}
+
+/* From here on tracks are what is seen on the page, in pixels: the view is linear, so that they stay smooth. */
+static void project(curves *c)
+{
+    for (int i = 0; i < c->n_branch; i++)
+        for (int k = 0; k < c->tracks[i].n; k++) {
+            plot_knot *knot = &c->tracks[i].knots[k];
+            const double p[3] = {knot->at.x, knot->at.y, c->depths[i].knots[k].at.x};
+            const bool inside = plot_space_inside(&c->space, p);
+            knot->at = plot_space_at(&c->space, p);
+            if (inside) continue;
+            knot->gap = true;
+            if (k > 0) c->tracks[i].knots[k - 1].gap = true;
+        }
+}
+
+static bool look_from_front(curves *c, const double x[2], const double y[2])
+{
+    double z[2];
+    if (!depth_range(c, x, y, z)) return false;
+    const double width = plot_page_width(c->page), height = plot_page_height(c->page);
+    const plot_space view = c->space;
+    c->space = (plot_space){{96, 112, width - 60, height - plot_page_head(c->common, NULL)},
+                            {x[0], y[0], z[0]},
+                            {x[1], y[1], z[1]},
+                            {c->x.unit, c->y.unit, c->z.unit},
+                            view.around,
+                            view.above};
+    c->panel = plot_pixels(c->page);
+    draw_shadows(c);
+    project(c);
+    return true;
+}
+
 static void mark_junction(curves *c, int id, plot_point data)
 {
     ric_junction junction;
@@ -227,6 +298,14 @@ static void mark_junction(curves *c, int id, plot_point data)
     plot_text_label(named ? junction.name : junction.label, sizeof tag->text, tag->text);
 }
 
+/* Whether a place lies beyond the box of three axes. */
+static bool beyond(const curves *c, const plot_track *t, double arclength)
+{
+    int i = 0;
+    while (i < t->n - 1 && t->knots[i + 1].arclength <= arclength) i++;
+    return c->spatial && t->knots[i].gap;
+}
+
 static ric_status draw_curves(curves *c)
 {
     for (int i = 0; i < c->n_branch; i++) {
@@ -234,7 +313,9 @@ static ric_status draw_curves(curves *c)
         const ric_status status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
         if (status != RIC_OK) return status;
         const plot_stroke family = plot_branch_family(ric_atlas_model(c->atlas), &branch);
-        if (smooth(&c->x) && smooth(&c->y) && !plot_track_smooth(&c->panel, &c->tracks[i])) return RIC_E_NOMEM;
+        if (smooth(&c->x) && smooth(&c->y) && (!c->spatial || smooth(&c->z)) &&
+            !plot_track_smooth(&c->panel, &c->tracks[i]))
+            return RIC_E_NOMEM;
         const unsigned seen = plot_track_draw(c->page, &c->panel, family, &c->tracks[i]);
         c->stability |= seen;
         c->family[(family - PLOT_LINEAR) / 3] |= seen != 0;
@@ -243,10 +324,11 @@ static ric_status draw_curves(curves *c)
         ric_branch branch;
         const plot_track *t = &c->tracks[i];
         if (ric_atlas_branch(c->atlas, c->branches[i], &branch) != RIC_OK || t->n == 0) continue;
-        mark_junction(c, branch.from, t->knots[0].at);
-        mark_junction(c, branch.to, t->knots[t->n - 1].at);
+        if (!beyond(c, t, t->knots[0].arclength)) mark_junction(c, branch.from, t->knots[0].at);
+        if (!beyond(c, t, t->knots[t->n - 1].arclength)) mark_junction(c, branch.to, t->knots[t->n - 1].at);
         for (int k = 0; k < branch.n_junction; k++)
-            mark_junction(c, branch.junctions[k], track_at(t, branch.junction_at[k]));
+            if (!beyond(c, t, branch.junction_at[k]))
+                mark_junction(c, branch.junctions[k], track_at(t, branch.junction_at[k]));
     }
     return RIC_OK;
 }
@@ -263,18 +345,25 @@ static int draw_curve_page(curves *c)
     }
     c->page = plot_page_create(width, height);
     if (!c->page) return cli_report(RIC_E_NOMEM);
-    c->panel = (plot_panel){axis_of(&c->x, c->log_x, x, 78, width - 18),
-                            axis_of(&c->y, c->log_y, y, 92, height - plot_page_head(c->common, NULL))};
+    if (c->spatial && !look_from_front(c, x, y)) {
+        cli_say("ricochet: nothing to draw: no point of these branches lies in the window\n");
+        return CLI_FAILED;
+    }
+    if (!c->spatial)
+        c->panel = (plot_panel){axis_of(&c->x, c->log_x, x, 78, width - 18),
+                                axis_of(&c->y, c->log_y, y, 92, height - plot_page_head(c->common, NULL))};
     const ric_status status = draw_curves(c);
     if (status != RIC_OK) return cli_report(status);
-    plot_panel_frame(c->page, &c->panel, c->x.title, c->y.title);
+    const char *const titles[3] = {c->x.title, c->y.title, c->z.title};
+    if (c->spatial) plot_space_frame(c->page, &c->space, titles);
+    else plot_panel_frame(c->page, &c->panel, c->x.title, c->y.title);
     const int missing = plot_place_tags(c->page, plot_panel_box(&c->panel), c->n_tag, c->tags, type);
     if (missing)
         fprintf(stderr, "ricochet: %d label%s left out for want of room; --branch or --size make more\n", missing,
                 missing == 1 ? "" : "s");
     plot_page_title(c->page, c->common, NULL);
     const int n = plot_legend_entries(c->family, c->stability, c->kinds, entries);
-    plot_legend(c->page, n, entries, 12, width - 12, c->panel.y.from - 46);
+    plot_legend(c->page, n, entries, 12, width - 12, (c->spatial ? 0 : c->panel.y.from) - 46 + 92 * c->spatial);
     return plot_page_write(c->page, c->common);
 }
 
@@ -303,21 +392,37 @@ static ric_status load_tracks(curves *c)
         for (; c->n_branch < total; c->n_branch++) c->branches[c->n_branch] = c->n_branch + 1;
     }
     c->tracks = calloc((size_t)c->n_branch + 1, sizeof *c->tracks);
-    ric_status status = c->tracks ? RIC_OK : RIC_E_NOMEM;
+    c->depths = calloc((size_t)c->n_branch + 1, sizeof *c->depths);
+    ric_status status = c->tracks && c->depths ? RIC_OK : RIC_E_NOMEM;
     for (int i = 0; status == RIC_OK && i < c->n_branch; i++) {
         ric_branch branch;
         status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
         if (status == RIC_OK) status = load_track(c->atlas, &branch, &c->x, &c->y, &c->tracks[i]);
+        if (status == RIC_OK && c->spatial) status = load_track(c->atlas, &branch, &c->z, &c->z, &c->depths[i]);
     }
     return status;
+}
+
+/* A:B,C:D,E:F */
+static bool take_space(const char *text, double window[6])
+{
+    char first[200];
+    const char *last = strrchr(text, ',');
+    if (!last || (size_t)(last - text) >= sizeof first || !memchr(text, ',', (size_t)(last - text))) {
+        cli_wrong("--window %s: of three axes a window is X0:X1,Y0:Y1,Z0:Z1", text);
+        return false;
+    }
+    snprintf(first, sizeof first, "%.*s", (int)(last - text), text);
+    return plot_parse_window(first, "--window", window) && plot_parse_range(last + 1, "--window", window + 4);
 }
 
 int plot_curves(int argc, char **argv, const plot_options *common)
 {
     curves c = {.common = common};
-    const char *x = NULL, *y = NULL, *logs = NULL, *window = NULL;
+    const char *x = NULL, *y = NULL, *z = NULL, *view = NULL, *logs = NULL, *window = NULL;
     int code = take_branches(&argc, argv, &c.n_branch, &c.branches);
     if (code != CLI_DONE || !cli_take_value(&argc, argv, "--x", &x) || !cli_take_value(&argc, argv, "--y", &y) ||
+        !cli_take_value(&argc, argv, "--z", &z) || !cli_take_value(&argc, argv, "--view", &view) ||
         !cli_take_value(&argc, argv, "--log", &logs) || !cli_take_value(&argc, argv, "--window", &window) ||
         !cli_operands(&cli_plot, argc, argv, 1)) {
         code = code != CLI_DONE ? code : CLI_WRONG;
@@ -332,7 +437,20 @@ int plot_curves(int argc, char **argv, const plot_options *common)
         goto out;
     }
     c.has_window = window;
-    if (window && !plot_parse_window(window, "--window", c.window)) {
+    c.spatial = z;
+    if (view && !z) {
+        code = cli_wrong("--view %s: goes with --z", view);
+        goto out;
+    }
+    if (!plot_parse_view(view, &c.space)) {
+        code = CLI_WRONG;
+        goto out;
+    }
+    if (z && logs) {
+        code = cli_wrong("--log %s: three axes are linear", logs);
+        goto out;
+    }
+    if (window && !(z ? take_space(window, c.window) : plot_parse_window(window, "--window", c.window))) {
         code = CLI_WRONG;
         goto out;
     }
@@ -348,16 +466,20 @@ int plot_curves(int argc, char **argv, const plot_options *common)
         goto out;
     }
     const int n_dof = ric_model_n_dof(ric_atlas_model(c.atlas));
-    if (!find_quantity(x, "--x", n_dof, &c.x) || !find_quantity(y, "--y", n_dof, &c.y)) {
+    if (!find_quantity(x, "--x", n_dof, &c.x) || !find_quantity(y, "--y", n_dof, &c.y) ||
+        (z && !find_quantity(z, "--z", n_dof, &c.z))) {
         code = CLI_WRONG;
         goto out;
     }
     set_unit(&c.x, common, c.atlas);
     set_unit(&c.y, common, c.atlas);
+    set_unit(&c.z, common, c.atlas);
     status = load_tracks(&c);
     code = status == RIC_OK ? draw_curve_page(&c) : cli_report(status);
 out:
     for (int i = 0; c.tracks && i < c.n_branch; i++) plot_track_free(&c.tracks[i]);
+    for (int i = 0; c.depths && i < c.n_branch; i++) plot_track_free(&c.depths[i]);
+    free(c.depths);
     plot_page_free(c.page);
     ric_atlas_free(c.atlas);
     free(c.tracks);

@@ -83,6 +83,7 @@ static int parse_options(int *argc, char **argv, fep_options *o)
     o->linear_frequency = cli_take_flag(argc, argv, "--linear-frequency");
     o->ghosts = cli_take_flag(argc, argv, "--ghosts");
     o->symmetric = cli_take_flag(argc, argv, "--symmetric");
+    o->arrows = cli_take_flag(argc, argv, "--arrows");
     o->log_frequency = cli_take_flag(argc, argv, "--log-frequency");
     if (!cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency) ||
         !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels) ||
@@ -118,6 +119,8 @@ static int parse_options(int *argc, char **argv, fep_options *o)
         if (!strcmp(marks ? marks : "main", which[i])) o->marks = (fep_marks)i;
     if (o->marks == (fep_marks)-1) return cli_wrong("--marks %s: there are main, all and none", marks);
     const int code = take_asked(*argc, argv, o);
+    if (code == CLI_DONE && o->arrows && o->duplicates < 2)
+        return cli_wrong("--arrows: between duplicates; goes with --duplicates K");
     if (code == CLI_DONE && o->n_label && !labels) o->labels = LABELS_ASKED;
     return code;
 }
@@ -356,6 +359,9 @@ static int legend_entries(fep *f, plot_legend_entry *out)
     }
     n += dashed_entries(f, dashed, out + n);
     if (f->ghost) out[n++] = (plot_legend_entry){"ghost: no motion", PLOT_GHOST, -1};
+    if (f->island) out[n++] = (plot_legend_entry){"island: linked to no linear mode", PLOT_ISLAND, -1};
+    if (f->arrow) out[n++] = (plot_legend_entry){"inherited", PLOT_ARROW, -1};
+    if (f->proved) out[n++] = (plot_legend_entry){"proved", PLOT_PROOF, -1};
     if (f->natural) out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
     if (f->locked) out[n++] = (plot_legend_entry){"contact locked", PLOT_LOCKED, -1};
     if (f->n_data) out[n++] = (plot_legend_entry){f->data_name, PLOT_DATA, -1};
@@ -435,10 +441,13 @@ static void frame(const fep *f)
     const fep_options *o = f->options;
     const plot_axis *x = &f->panel->x, *y = &f->panel->y;
     const bool room = y->to - y->from > 300;
-    char energy[80], frequency[80], knee[40] = "";
+    char energy[80], letters[60], frequency[80], knee[40] = "";
+    ric_atlas *atlases[FEP_MAX_ATLAS];
+    for (int i = 0; i < f->n_source; i++) atlases[i] = f->sources[i].atlas;
+    plot_energy_title(o->common, f->n_source, atlases, sizeof letters, letters);
     if (y->scale == PLOT_SCALE_BROKEN && room)
         snprintf(knee, sizeof knee, ", logarithmic above %.4g", y->knee * y->unit);
-    snprintf(energy, sizeof energy, "%s%s", plot_energy_title(o->common),
+    snprintf(energy, sizeof energy, "%s%s", letters,
              x->scale == PLOT_SCALE_LOG && !o->log_energy ? ", logarithmic" : "");
     snprintf(frequency, sizeof frequency, "%s%s%s", plot_frequency_title(o->common), knee,
              y->scale == PLOT_SCALE_LOG && !o->log_frequency ? ", logarithmic" : "");

@@ -23,6 +23,7 @@ typedef struct {
 typedef struct {
     const plot_options *common;
     bool linear, log_energy, log_frequency, linear_frequency; /* none: the program chooses */
+    bool arrows;                                              /* from multiplications to those that inherit them */
     bool symmetric, has_energy, has_frequency, has_break, ghosts;
     double energy[2], frequency[2], knee;
     long duplicates; /* drawn up to this k; 1: none */
@@ -65,7 +66,7 @@ typedef struct {
     plot_page *page;
     plot_panel panels[FEP_MAX_PANEL], *panel;                  /* `panel`: the one that is being drawn */
     bool family[3], kinds[RIC_KIND_USER + 1], natural, locked; /* drawn, for the legend */
-    bool ghost, duplicate[3], marked;
+    bool ghost, duplicate[3], marked, island, proved, arrow;
     int n_data, data_room;
     plot_point *data; /* of one's own, in stored units */
     char data_name[300];

@@ -247,12 +247,53 @@ static ric_status make_track(const fep *f, const fep_source *s, const ric_branch
     return status == RIC_OK && !plot_track_smooth(f->panel, t) ? RIC_E_NOMEM : status;
 }
 
+/* A band under what no chain of junctions joins to a linear mode. */
+static void shade_island(fep *f, const ric_branch *branch, const plot_track *t)
+{
+    plot_point *line = branch->linked ? NULL : malloc(((size_t)t->n + 1) * sizeof *line);
+    int n = 0;
+    for (int i = 0; line && i < t->n; i++) {
+        line[n++] = t->knots[i].at;
+        f->island |= plot_panel_inside(f->panel, t->knots[i].at);
+        if (!t->knots[i].gap && i + 1 < t->n) continue;
+        plot_panel_curve(f->page, f->panel, PLOT_ISLAND, n, line);
+        n = 0;
+    }
+    free(line);
+}
+
+/* A ring at each point with a proof, and none on another. */
+static ric_status mark_proofs(fep *f, const fep_source *s, const ric_branch *branch, const fep_part *part)
+{
+    plot_point last = {-INFINITY, -INFINITY};
+    ric_status status = RIC_OK;
+    for (int i = 0; branch->n_proved && status == RIC_OK && i < branch->n_point; i++) {
+        ric_proof proof;
+        ric_point p;
+        const char *certificate;
+        status = ric_atlas_point(s->atlas, branch->id, i, &p, NULL, NULL);
+        const plot_point data = {p.energy, p.frequency};
+        if (status != RIC_OK || p.arclength < part->lo || p.arclength > part->hi ||
+            !plot_panel_inside(f->panel, data) || !ric_proof_kept(s->atlas, branch->id, i, &proof, &certificate) ||
+            proof.state != RIC_PROOF_DONE)
+            continue;
+        const plot_point at = plot_panel_at(f->panel, data);
+        if (hypot(at.x - last.x, at.y - last.y) < 7) continue;
+        for (int ring = 0; ring < 2; ring++)
+            plot_page_line(f->page, PLOT_PROOF + (plot_stroke)ring, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
+        f->proved = true;
+        last = at;
+    }
+    return status;
+}
+
 static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch, const fep_part *part)
 {
     plot_track t = {0};
     ric_status status = make_track(f, s, branch, part, &t);
     if (status == RIC_OK) {
         const plot_stroke family = plot_branch_family(s->model, branch);
+        shade_island(f, branch, &t);
         const unsigned seen = plot_track_draw(f->page, f->panel,
                                               f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->index : family, &t);
         f->family[(family - PLOT_LINEAR) / 3] |= seen != 0;
@@ -260,12 +301,38 @@ static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch,
         s->drawn |= seen != 0;
         tag_branch(f, s, branch, 1, &t);
         status = tag_tongues(f, s, branch, part);
+        if (status == RIC_OK) status = mark_proofs(f, s, branch, part);
     }
     plot_track_free(&t);
     return status;
 }
 
 /* --------------------------------------------------------------- duplicates */
+
+/* From the duplicate before that has this multiplication: j/k = p/q is first met by the q-duplicate, then by each of
+ * its multiples. */
+static void draw_arrow(fep *f, const fep_source *s, const fep_part *part, const ric_duplicate_point *point)
+{
+    ric_junction junction;
+    if (ric_atlas_junction(s->atlas, point->junction, &junction) != RIC_OK || junction.multiple < 2) return;
+    const int before = part->k - junction.multiple;
+    if (before < junction.multiple) return;
+    plot_point a = plot_panel_at(f->panel, (plot_point){point->energy, point->frequency * part->k / before}),
+               b = plot_panel_at(f->panel, (plot_point){point->energy, point->frequency});
+    const plot_box box = plot_panel_box(f->panel);
+    const double length = hypot(b.x - a.x, b.y - a.y), room = 5, head = 5;
+    const bool whole = a.y < box.top + 0.5;
+    if (!(length > 3 * room) || !plot_clip_segment(&box, &a, &b)) return;
+    const double ux = (b.x - a.x) / hypot(b.x - a.x, b.y - a.y), uy = (b.y - a.y) / hypot(b.x - a.x, b.y - a.y);
+    const plot_point tip = {b.x - room * ux, b.y - room * uy}, foot = {tip.x - head * ux, tip.y - head * uy};
+    if (whole) a = (plot_point){a.x + room * ux, a.y + room * uy};
+    plot_page_line(f->page, PLOT_ARROW, 2, (plot_point[]){a, tip});
+    plot_page_line(f->page, PLOT_ARROW, 3,
+                   (plot_point[]){{foot.x - 0.5 * head * uy, foot.y + 0.5 * head * ux},
+                                  tip,
+                                  {foot.x + 0.5 * head * uy, foot.y - 0.5 * head * ux}});
+    f->arrow = true;
+}
 
 /* Small marks where the k-duplicate has multiplications that a duplicate before it has, too; its own are junctions as
  * all others. */
@@ -281,6 +348,7 @@ static ric_status mark_inherited(fep *f, const fep_source *s, const ric_branch *
             arclength > part->hi)
             continue;
         plot_page_mark(f->page, plot_junction_mark(RIC_KIND_MULTIPLICATION), plot_panel_at(f->panel, at), 2.4);
+        if (f->options->arrows) draw_arrow(f, s, part, &points[i]);
         f->kinds[RIC_KIND_MULTIPLICATION] = true;
     }
     free(points);
@@ -294,6 +362,7 @@ static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch
     if (status == RIC_OK) {
         const plot_stroke own = plot_branch_family(s->model, branch),
                           family = f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->index : own;
+        shade_island(f, branch, &t);
         const unsigned seen = plot_track_draw(f->page, f->panel, family + PLOT_DASHED, &t);
         f->duplicate[(own - PLOT_LINEAR) / 3] |= seen != 0;
         s->dashed |= seen;

@@ -35,6 +35,18 @@ int plot_legend_entries(const bool family[3], unsigned stability, const bool *ki
     return n;
 }
 
+/* A piece of a line; proofs are rings, and bands end with their round ends. */
+static void draw_sample(plot_page *page, int stroke, double from, double to, double y)
+{
+    const double middle = (from + to) / 2, end = stroke == PLOT_ISLAND ? 5 : 0;
+    if (stroke != PLOT_PROOF) {
+        plot_page_line(page, (plot_stroke)stroke, 2, (plot_point[]){{from + end, y}, {to - end, y}});
+        return;
+    }
+    for (int ring = 0; ring < 2; ring++)
+        plot_page_line(page, PLOT_PROOF + (plot_stroke)ring, 2, (plot_point[]){{middle, y}, {middle + 0.02, y}});
+}
+
 double plot_legend(plot_page *page, int n, const plot_legend_entry *entries, double left, double right, double top)
 {
     const double sample = 26, gap = 18, line = 1.55 * type;
@@ -52,8 +64,7 @@ double plot_legend(plot_page *page, int n, const plot_legend_entry *entries, dou
         double x = (left + right - width) / 2;
         const double y = top - height + line / 2;
         for (int i = first; page && i < next; i++) {
-            if (entries[i].stroke >= 0)
-                plot_page_line(page, (plot_stroke)entries[i].stroke, 2, (plot_point[]){{x, y}, {x + sample, y}});
+            if (entries[i].stroke >= 0) draw_sample(page, entries[i].stroke, x, x + sample, y);
             if (entries[i].mark >= 0)
                 plot_page_mark(page, (plot_mark)entries[i].mark, (plot_point){x + sample / 2, y}, 4.5);
             plot_page_text(page, (plot_point){x + sample + 5, y}, PLOT_LEFT, type - 1, "#222222", false,

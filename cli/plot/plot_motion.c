@@ -487,3 +487,26 @@ double plot_motion_at(const plot_motion *o, double t, int coordinate)
     return x0 * (1 + 2 * s) * (1 - s) * (1 - s) + h * v0 * s * (1 - s) * (1 - s) + x1 * s * s * (3 - 2 * s) -
            h * v1 * s * s * (1 - s);
 }
+
+double plot_motion_gap_at(const plot_motion *m, int contact, double t)
+{
+    double x[m->n];
+    for (int i = 0; i < m->n; i++) x[i] = plot_motion_at(m, t, i);
+    return plot_motion_gap(m, contact, x);
+}
+
+double plot_motion_start(const plot_motion *m, int contact)
+{
+    enum { SAMPLES = 500 };
+    double best = 0, length = -1, since = NAN, before = plot_motion_gap_at(m, contact, 0);
+    for (int i = 1; i <= 2 * SAMPLES; i++) { /* two periods, so that every stretch is seen whole */
+        const double t = m->period * i / SAMPLES, gap = plot_motion_gap_at(m, contact, t);
+        if (before > 0 && gap <= 0) since = t;
+        if (before <= 0 && gap > 0 && t - since > length) {
+            length = t - since;
+            best = t - m->period / SAMPLES * gap / (gap - before);
+        }
+        before = gap;
+    }
+    return best;
+}

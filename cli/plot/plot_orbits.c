@@ -7,33 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plot.h"
+#include "plot_orbits.h"
 
-enum { MAX_ORBIT = 40, MAX_SHOWN = 4 };
 static const double type = 12, small = 11;
-
-typedef struct {
-    plot_choice choice;
-    const char *text; /* as it was asked for */
-    int atlas;
-} panel;
-
-typedef struct {
-    const plot_options *common;
-    plot_atlases from;
-    int n;
-    panel panels[MAX_ORBIT];
-    bool histories; /* no phase portraits */
-    bool gap;       /* that of the first contact in the histories */
-    bool same;      /* the same axes in all rows */
-    long columns;
-    int n_shown, shown[MAX_SHOWN];
-    plot_page *page;
-} figure;
 
 /* ------------------------------------------------------------------ request */
 
-static bool take_coordinates(figure *f, const char *text)
+static bool take_coordinates(orbits_figure *f, const char *text)
 {
     const int n_dof = ric_model_n_dof(ric_atlas_model(f->from.atlas[0]));
     f->n_shown = 0;
@@ -42,8 +22,8 @@ static bool take_coordinates(figure *f, const char *text)
         long index;
         const size_t n = strcspn(c, ",");
         snprintf(item, sizeof item, "%.*s", (int)(n < 20 ? n : 20), c);
-        if (f->n_shown == MAX_SHOWN) {
-            cli_wrong("--coordinates %s: at most %d fit", text, MAX_SHOWN);
+        if (f->n_shown == ORBITS_SHOWN) {
+            cli_wrong("--coordinates %s: at most %d fit", text, ORBITS_SHOWN);
             return false;
         }
         if (!cli_parse_integer(item, "--coordinates", 1, n_dof, &index)) return false;
@@ -51,14 +31,16 @@ static bool take_coordinates(figure *f, const char *text)
         c += n;
     }
     for (int i = 0; !text && i < n_dof && i < 2; i++) f->shown[f->n_shown++] = i;
+    if (!text && n_dof > f->n_shown)
+        cli_say("ricochet: %d of %d coordinates are shown; --coordinates I,J chooses which\n", f->n_shown, n_dof);
     return f->n_shown > 0 || (cli_wrong("--coordinates %s: which?", text), false);
 }
 
-static int take_orbits(int argc, char **argv, figure *f)
+static int take_orbits(int argc, char **argv, orbits_figure *f)
 {
-    plot_listed values[MAX_ORBIT];
-    const int code = plot_take_listed(argc, argv, "--orbit", &f->from, MAX_ORBIT, &f->n, values);
-    for (int i = 0; i < f->n; i++) f->panels[i] = (panel){.text = values[i].text, .atlas = values[i].atlas};
+    plot_listed values[ORBITS_MAX];
+    const int code = plot_take_listed(argc, argv, "--orbit", &f->from, ORBITS_MAX, &f->n, values);
+    for (int i = 0; i < f->n; i++) f->panels[i] = (orbits_panel){.text = values[i].text, .atlas = values[i].atlas};
     if (code != CLI_DONE) return code;
     if (f->n == 0)
         return cli_wrong("plot orbits: --orbit SPEC is missing: a junction, or BRANCH@PLACE; see ricochet plot --help");
@@ -69,7 +51,7 @@ static int take_orbits(int argc, char **argv, figure *f)
     return CLI_DONE;
 }
 
-static int load(figure *f)
+static int load(orbits_figure *f)
 {
     const int read = plot_atlases_read(&f->from);
     if (read != CLI_DONE) return read;
@@ -78,7 +60,7 @@ static int load(figure *f)
         if (ric_model_n_dof(ric_atlas_model(f->from.atlas[i])) != ric_model_n_dof(ric_atlas_model(f->from.atlas[0])))
             return cli_wrong("plot orbits: the models have different numbers of coordinates");
     for (int i = 0; i < f->n; i++) {
-        panel *p = &f->panels[i];
+        orbits_panel *p = &f->panels[i];
         const int code = plot_choose(f->from.atlas[p->atlas < 0 ? 0 : p->atlas], p->text, "--orbit", &p->choice);
         if (code != CLI_DONE) return code;
         const ric_status status = plot_motion_make(&p->choice.motion);
@@ -95,7 +77,7 @@ static plot_axis axis_over(double lo, double hi, double from, double to)
 }
 
 /* Ranges of displacements and speeds: of one panel, or of all. */
-static void ranges(const figure *f, int only, int coordinate, double x[2], double v[2])
+static void ranges(const orbits_figure *f, int only, int coordinate, double x[2], double v[2])
 {
     x[0] = v[0] = INFINITY;
     x[1] = v[1] = -INFINITY;
@@ -113,7 +95,7 @@ static void ranges(const figure *f, int only, int coordinate, double x[2], doubl
 
 /* Letters of the faces above the history, as long as each finds room; lines down to the curves tie impacts of both
  * together. */
-static void draw_events(figure *f, const panel *p, const plot_panel *at)
+static void draw_events(orbits_figure *f, const orbits_panel *p, const plot_panel *at)
 {
     const plot_motion *m = &p->choice.motion;
     const plot_box box = plot_panel_box(at);
@@ -153,17 +135,18 @@ static void add_piece(caption *c, double width, const char *piece)
     else snprintf(c->lines[c->n++], sizeof c->lines[0], "%.399s", piece);
 }
 
-static caption make_caption(const figure *f, int i, double width)
+static caption make_caption(const orbits_figure *f, int i, double width)
 {
     static const char *const stability[] = {"unstable", "stable", "stability undecided"};
-    const panel *p = &f->panels[i];
+    const orbits_panel *p = &f->panels[i];
     const plot_units unit = plot_units_of(f->common, p->choice.motion.model);
     caption c = {0};
     char name[200], piece[240];
     plot_text_label(p->choice.name, sizeof name, name);
     snprintf(piece, sizeof piece, "(%c)  %s:", 'a' + i % 26, name);
     add_piece(&c, width, piece);
-    snprintf(piece, sizeof piece, "E = %.6g,", p->choice.energy * unit.energy);
+    snprintf(piece, sizeof piece, "%s = %.6g,", plot_energy_letter(p->choice.motion.model),
+             p->choice.energy * unit.energy);
     add_piece(&c, width, piece);
     snprintf(piece, sizeof piece, "%s = %.6g %s", f->common->hertz ? "f" : "ω", p->choice.frequency * unit.frequency,
              f->common->hertz ? "Hz" : "rad/s");
@@ -182,7 +165,7 @@ static double caption_height(int lines)
 }
 
 /* The gap of a contact in units of length, with lines where the contact closes. */
-static void draw_gap(figure *f, const plot_motion *m, const plot_panel *at, int periods)
+static void draw_gap(orbits_figure *f, const plot_motion *m, const plot_panel *at, int periods)
 {
     for (int side = -1; side <= 1; side += 2) {
         const double y = side * plot_motion_clearance(m, 0);
@@ -193,9 +176,9 @@ static void draw_gap(figure *f, const plot_motion *m, const plot_panel *at, int 
         plot_motion_draw(f->page, at, PLOT_GAP, m, plot_read_time, plot_read_distance, 0, period * m->period);
 }
 
-static void draw_history(figure *f, int i, plot_box box, bool title)
+static void draw_history(orbits_figure *f, int i, plot_box box, bool title)
 {
-    const panel *p = &f->panels[i];
+    const orbits_panel *p = &f->panels[i];
     const plot_motion *m = &p->choice.motion;
     double x[2], v[2];
     ranges(f, i, -1, x, v);
@@ -215,7 +198,7 @@ static void draw_history(figure *f, int i, plot_box box, bool title)
                        "#000000", false, c.lines[k]);
 }
 
-static void draw_portrait(figure *f, int i, int coordinate, plot_box box, bool title)
+static void draw_portrait(orbits_figure *f, int i, int coordinate, plot_box box, bool title)
 {
     double x[2], v[2];
     char across[24], up[24];
@@ -242,7 +225,7 @@ typedef struct {
 enum { LEFT = 56, RIGHT = 12, FOOT = 24, TITLE = 22, LEGEND = 26 };
 
 /* Portraits are square; the history has what is left of the row. */
-static grid make_grid(const figure *f)
+static grid make_grid(const orbits_figure *f)
 {
     const int columns = (int)f->columns;
     const double width = plot_layout_width(f->common, PLOT_WIDTH), top = plot_page_head(f->common, NULL) + LEGEND;
@@ -264,7 +247,7 @@ static grid make_grid(const figure *f)
     return g;
 }
 
-static void draw_cell(figure *f, const grid *g, int i, double left, double top)
+static void draw_cell(orbits_figure *f, const grid *g, int i, double left, double top)
 {
     const int columns = (int)f->columns;
     const double bottom = top - g->height + g->foot, upper = top - g->head,
@@ -277,10 +260,10 @@ static void draw_cell(figure *f, const grid *g, int i, double left, double top)
     }
 }
 
-static void draw_legends(figure *f, double top)
+static void draw_legends(orbits_figure *f, double top)
 {
-    plot_legend_entry entries[MAX_SHOWN + 2 + PLOT_MAX_EVENT_ENTRY];
-    char names[MAX_SHOWN][24];
+    plot_legend_entry entries[ORBITS_SHOWN + 2 + PLOT_MAX_EVENT_ENTRY];
+    char names[ORBITS_SHOWN][24];
     const double width = plot_page_width(f->page);
     int n = 0;
     unsigned seen = 0;
@@ -299,7 +282,7 @@ static void draw_legends(figure *f, double top)
     plot_legend(f->page, n_mark, entries + n, split, width - 12, top);
 }
 
-static int draw(figure *f)
+static int draw(orbits_figure *f)
 {
     const int columns = (int)f->columns;
     const grid g = make_grid(f);
@@ -315,18 +298,22 @@ static int draw(figure *f)
 
 int plot_orbits(int argc, char **argv, const plot_options *common)
 {
-    figure f = {.common = common, .columns = 1};
+    orbits_figure f = {.common = common, .columns = 1};
     const char *coordinates, *columns;
     f.histories = cli_take_flag(&argc, argv, "--histories");
     f.same = cli_take_flag(&argc, argv, "--same-axes");
     f.gap = cli_take_flag(&argc, argv, "--gap");
+    f.overlay = cli_take_flag(&argc, argv, "--overlay");
     if (!cli_take_value(&argc, argv, "--coordinates", &coordinates) ||
         !cli_take_value(&argc, argv, "--columns", &columns) ||
         (columns && !cli_parse_integer(columns, "--columns", 1, 6, &f.columns)))
         return CLI_WRONG;
+    if (f.overlay && (columns || f.same))
+        return cli_wrong("--overlay: all orbits share their axes; --columns and --same-axes go without it");
     int code = take_orbits(argc, argv, &f);
     if (code == CLI_DONE) code = load(&f);
-    if (code == CLI_DONE) code = take_coordinates(&f, coordinates) ? draw(&f) : CLI_WRONG;
+    if (code == CLI_DONE)
+        code = !take_coordinates(&f, coordinates) ? CLI_WRONG : f.overlay ? orbits_overlay(&f) : draw(&f);
     plot_page_free(f.page);
     for (int i = 0; i < f.n; i++) plot_motion_free(&f.panels[i].choice.motion);
     plot_atlases_free(&f.from);

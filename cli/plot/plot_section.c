@@ -179,7 +179,7 @@ static void draw_legend(picture *p)
 static void draw_title(picture *p)
 {
     char text[40];
-    snprintf(text, sizeof text, "E = %.9g", p->request.energy);
+    snprintf(text, sizeof text, "%s = %.9g", plot_energy_letter(p->from.model), p->request.energy);
     plot_page_title(p->page, p->common, text);
 }
 

@@ -7,38 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plot.h"
+#include "plot_sheet.h"
 
-enum { MAX_PART = 12, SAMPLES = 500, MAX_STROBE = 240, MAX_START = 64 };
+enum { SAMPLES = 500, MAX_STROBE = 240, MAX_START = 64 };
 static const double type = 12, pi = 3.14159265358979323846, touch = 1e-9;
-
-typedef struct {
-    const char *text;
-    int atlas, k; /* gone through k times */
-    plot_segment segment;
-    int n, branch;
-    plot_motion *motions; /* [n], along the segment */
-} part;
-
-typedef struct {
-    const plot_options *common;
-    plot_atlases from;
-    int n;
-    part parts[MAX_PART];
-    long orbits, contact, dof, samples;
-    bool stretch; /* every segment has the same width */
-    plot_page *page;
-} sheet;
 
 /* ------------------------------------------------------------------- orbits */
 
 /* --segment [K:]SEGMENT */
 static int take_parts(int argc, char **argv, sheet *s)
 {
-    plot_listed values[MAX_PART];
-    const int code = plot_take_listed(argc, argv, "--segment", &s->from, MAX_PART, &s->n, values);
+    plot_listed values[SHEET_PARTS];
+    const int code = plot_take_listed(argc, argv, "--segment", &s->from, SHEET_PARTS, &s->n, values);
     for (int i = 0; i < s->n; i++)
-        s->parts[i] = (part){.text = values[i].text, .atlas = values[i].atlas > 0 ? values[i].atlas : 0, .k = 1};
+        s->parts[i] = (sheet_part){.text = values[i].text, .atlas = values[i].atlas > 0 ? values[i].atlas : 0, .k = 1};
     if (code != CLI_DONE) return code;
     return s->n ? CLI_DONE : cli_wrong("--segment 'BRANCH|P1 P2' is missing; see ricochet plot --help");
 }
@@ -102,26 +84,29 @@ out:
     return code;
 }
 
-static int load_part(const sheet *s, part *p)
+static int load_part(const sheet *s, sheet_part *p)
 {
     const ric_atlas *atlas = s->from.atlas[p->atlas];
-    const char *colon = strchr(p->text, ':');
+    const char *named = strstr(p->text, ": "), *text = named ? named + 2 : p->text, *colon = strchr(text, ':');
     char first[16];
     long k = 1;
     ric_branch b;
-    if (colon && (size_t)(colon - p->text) < sizeof first) {
-        snprintf(first, sizeof first, "%.*s", (int)(colon - p->text), p->text);
+    if (colon && (size_t)(colon - text) < sizeof first) {
+        snprintf(first, sizeof first, "%.*s", (int)(colon - text), text);
         if (!cli_parse_integer(first, "--segment", 1, 1000, &k)) return CLI_WRONG;
     }
     p->k = (int)k;
-    if (!plot_find_segment(atlas, colon ? colon + 1 : p->text, "--segment", &p->segment)) return CLI_WRONG;
+    if (!plot_find_segment(atlas, colon ? colon + 1 : text, "--segment", &p->segment)) return CLI_WRONG;
     const ric_status status = ric_atlas_branch(atlas, p->segment.branch, &b);
     if (status != RIC_OK) return cli_report(status);
     p->motions = calloc((size_t)s->orbits, sizeof *p->motions);
-    int code = p->motions ? CLI_DONE : cli_report(RIC_E_NOMEM);
+    p->energies = calloc((size_t)s->orbits, sizeof *p->energies);
+    int code = p->motions && p->energies ? CLI_DONE : cli_report(RIC_E_NOMEM);
     for (int i = 0; code == CLI_DONE && i < s->orbits; i++) {
         const double way = (double)i / (double)(s->orbits - 1);
-        code = orbit_near(atlas, &b, p->segment.s[0] + way * (p->segment.s[1] - p->segment.s[0]), &p->motions[p->n++]);
+        const double at = p->segment.s[0] + way * (p->segment.s[1] - p->segment.s[0]);
+        p->energies[p->n] = energy_at(atlas, &b, at);
+        code = orbit_near(atlas, &b, at, &p->motions[p->n++]);
     }
     return code;
 }
@@ -138,6 +123,7 @@ static void release(sheet *s)
     for (int i = 0; i < s->n; i++) {
         for (int k = 0; k < s->parts[i].n; k++) plot_motion_free(&s->parts[i].motions[k]);
         free(s->parts[i].motions);
+        free(s->parts[i].energies);
     }
     plot_atlases_free(&s->from);
     plot_page_free(s->page);
@@ -145,37 +131,13 @@ static void release(sheet *s)
 
 /* -------------------------------------------------------------------- sheet */
 
-/* Gap over clearance at time t. */
-static double gap_at(const plot_motion *m, int contact, double t)
-{
-    double x[m->n];
-    for (int i = 0; i < m->n; i++) x[i] = plot_motion_at(m, t, i);
-    return plot_motion_gap(m, contact, x);
-}
-
-/* Time zero of all sheets alike: where the gap becomes positive after its longest negative stretch. */
-static double start_of(const plot_motion *m, int contact)
-{
-    double best = 0, length = -1, since = NAN, before = gap_at(m, contact, 0);
-    for (int i = 1; i <= 2 * SAMPLES; i++) { /* two periods, so that every stretch is seen whole */
-        const double t = m->period * i / SAMPLES, gap = gap_at(m, contact, t);
-        if (before > 0 && gap <= 0) since = t;
-        if (before <= 0 && gap > 0 && t - since > length) {
-            length = t - since;
-            best = t - m->period / SAMPLES * gap / (gap - before);
-        }
-        before = gap;
-    }
-    return best;
-}
-
 typedef struct {
     plot_box box;
     double depth_x, depth_y; /* shift of the rearmost curve, pixels */
     double lo, hi;           /* gap */
-} view;
+} slant;
 
-static plot_point project(const view *v, double time, double depth, double gap)
+static plot_point project(const slant *v, double time, double depth, double gap)
 {
     return (plot_point){v->box.left + time * (v->box.right - v->box.left - v->depth_x) + depth * v->depth_x,
                         v->box.bottom + depth * v->depth_y +
@@ -205,7 +167,7 @@ static void draw_hidden(plot_page *page, plot_stroke stroke, int n, const plot_p
         }
 }
 
-static void draw_box(plot_page *page, const view *v, const part *p, double lo, double hi)
+static void draw_box(plot_page *page, const slant *v, const sheet_part *p, double lo, double hi)
 {
     const plot_point front = project(v, 0, 0, v->lo), right = project(v, 1, 0, v->lo), back = project(v, 1, 1, v->lo),
                      top = project(v, 0, 0, v->hi);
@@ -237,17 +199,30 @@ static void draw_box(plot_page *page, const view *v, const part *p, double lo, d
     (void)p;
 }
 
-static int draw_sheet(sheet *s, const part *p, plot_box box, double *high, double *low)
+void sheet_title(const sheet *s, int i, size_t size, char *out)
+{
+    const sheet_part *p = &s->parts[i];
+    char name[200] = "";
+    ric_branch b;
+    const char *colon = strstr(p->text, ": ");
+    if (colon) {
+        char text[100];
+        snprintf(text, sizeof text, "%.*s", (int)(colon - p->text < 99 ? colon - p->text : 99), p->text);
+        plot_text_label(text, sizeof name, name);
+    } else if (ric_atlas_branch(s->from.atlas[p->atlas], p->segment.branch, &b) == RIC_OK) {
+        plot_branch_title(&b, 1, sizeof name, name);
+    }
+    if (s->n > 1) snprintf(out, size, "(%c)  %s", 'a' + i % 26, name);
+    else snprintf(out, size, "%s", name);
+}
+
+static int draw_sheet(sheet *s, const sheet_part *p, plot_box box, double *high, double *low)
 {
     const int width = (int)plot_page_width(s->page);
-    view v = {box, 0.26 * (box.right - box.left), 0.42 * (box.top - box.bottom), -1, 1};
+    slant v = {box, 0.26 * (box.right - box.left), 0.42 * (box.top - box.bottom), -1, 1};
     plot_point *curve = malloc((SAMPLES + 1) * sizeof *curve);
-    ric_branch b;
-    char name[200], title[400];
-    if (!curve || ric_atlas_branch(s->from.atlas[p->atlas], p->segment.branch, &b) != RIC_OK) {
-        free(curve);
-        return cli_report(RIC_E_NOMEM);
-    }
+    char title[400];
+    if (!curve) return cli_report(RIC_E_NOMEM);
     for (int k = 0; k < p->n; k++) plot_motion_range(&p->motions[k], plot_read_gap, (int)s->contact - 1, &v.lo, &v.hi);
     for (int i = 0; i < width; i++) {
         high[i] = -INFINITY;
@@ -255,18 +230,16 @@ static int draw_sheet(sheet *s, const part *p, plot_box box, double *high, doubl
     }
     for (int i = 0; i < p->n; i++) {
         const plot_motion *m = &p->motions[i];
-        const double start = start_of(m, (int)s->contact - 1);
+        const double start = plot_motion_start(m, (int)s->contact - 1);
         for (int k = 0; k <= SAMPLES; k++)
             curve[k] = project(&v, (double)k / SAMPLES, p->n > 1 ? (double)i / (p->n - 1) : 0,
-                               gap_at(m, (int)s->contact - 1, start + m->period * k / SAMPLES));
+                               plot_motion_gap_at(m, (int)s->contact - 1, start + m->period * k / SAMPLES));
         const bool edge = i == 0 || i == p->n - 1;
         draw_hidden(s->page, edge ? PLOT_SHEET + 1 : PLOT_SHEET, SAMPLES + 1, curve, high, low);
     }
     free(curve);
     draw_box(s->page, &v, p, 2 * pi / p->motions[0].period, 2 * pi / p->motions[p->n - 1].period);
-    plot_branch_title(&b, 1, sizeof name, name);
-    plot_text_escape(ric_study_title(ric_atlas_study(s->from.atlas[p->atlas])), 200, title);
-    snprintf(title + strlen(title), sizeof title - strlen(title), ",  %s", name);
+    sheet_title(s, (int)(p - s->parts), sizeof title, title);
     plot_page_text(s->page, (plot_point){(box.left + box.right) / 2, box.top + 12}, PLOT_CENTRE, type, "#000000", false,
                    title);
     return CLI_DONE;
@@ -275,8 +248,8 @@ static int draw_sheet(sheet *s, const part *p, plot_box box, double *high, doubl
 static int draw_sheets(sheet *s)
 {
     const int columns = s->n > 1 ? 2 : 1, rows = (s->n + columns - 1) / columns;
-    const double width = plot_layout_width(s->common, columns * 600),
-                 height = plot_layout_height(s->common, 40 + 420 * rows);
+    const double width = plot_layout_width(s->common, PLOT_WIDTH),
+                 height = plot_layout_height(s->common, 40 + 320 * rows);
     double *high = malloc((size_t)width * sizeof *high), *low = malloc((size_t)width * sizeof *low);
     int code = high && low && (s->page = plot_page_create(width, height)) ? CLI_DONE : cli_report(RIC_E_NOMEM);
     const double w = width / columns, h = (height - 40) / rows;
@@ -305,14 +278,17 @@ static bool common_contact(const sheet *s)
 int plot_sheet(int argc, char **argv, const plot_options *common)
 {
     sheet s = {.common = common, .orbits = 25, .contact = 1};
-    const char *orbits, *contact;
+    const char *orbits, *contact, *view;
     if (!cli_take_value(&argc, argv, "--orbits", &orbits) || !cli_take_value(&argc, argv, "--contact", &contact) ||
-        (orbits && !cli_parse_integer(orbits, "--orbits", 2, 400, &s.orbits)) ||
+        !cli_take_value(&argc, argv, "--space", &s.space) || !cli_take_value(&argc, argv, "--view", &view) ||
+        !plot_parse_view(view, &s.view) || (orbits && !cli_parse_integer(orbits, "--orbits", 2, 400, &s.orbits)) ||
         (contact && !cli_parse_integer(contact, "--contact", 1, 1000, &s.contact)))
         return CLI_WRONG;
+    if (view && !s.space) return cli_wrong("--view %s: goes with --space", view);
     int code = take_parts(argc, argv, &s);
     if (code == CLI_DONE) code = load(&s);
-    if (code == CLI_DONE) code = common_contact(&s) ? draw_sheets(&s) : CLI_WRONG;
+    if (code == CLI_DONE && s.space) code = sheet_manifolds(&s);
+    else if (code == CLI_DONE) code = common_contact(&s) ? draw_sheets(&s) : CLI_WRONG;
     release(&s);
     return code;
 }
@@ -345,7 +321,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void strobe_at(const sheet *s, const part *p, const plot_motion *m, double start, double *x)
+static void strobe_at(const sheet *s, const sheet_part *p, const plot_motion *m, double start, double *x)
 {
     for (int k = 0; k < s->samples; k++)
         x[k] = plot_motion_at(m, start + p->k * m->period * k / (double)s->samples, (int)s->dof - 1);
@@ -374,7 +350,7 @@ static double distance(const sheet *s, const double *a, const double *b, bool se
 
 /* Samples of the orbits of a segment that begin at one crossing of the first orbit and go on with the nearest in phase.
  * Returns how far they go, the way from the segment before included: far where the crossing vanishes. */
-static double follow(const sheet *s, const part *p, column *columns, int first, const double *last)
+static double follow(const sheet *s, const sheet_part *p, column *columns, int first, const double *last)
 {
     double way = 0, phase = columns[0].starts[first] / p->motions[0].period;
     strobe_at(s, p, &p->motions[0], columns[0].starts[first], columns[0].x);
@@ -394,7 +370,7 @@ static double follow(const sheet *s, const part *p, column *columns, int first, 
 
 /* Of several crossings of a multiplied orbit each gives other samples, and on the way crossings vanish: the one is
  * taken that goes least. */
-static int fill_segment(const sheet *s, const part *p, column *columns, const double *last)
+static int fill_segment(const sheet *s, const sheet_part *p, column *columns, const double *last)
 {
     int chosen = -1;
     double best = INFINITY;
@@ -419,7 +395,7 @@ static int make_columns(const sheet *s, column *columns)
     double way = 0;
     const double *last = NULL;
     for (int i = 0; i < s->n; columns += s->parts[i++].n) {
-        const part *p = &s->parts[i];
+        const sheet_part *p = &s->parts[i];
         const int code = fill_segment(s, p, columns, last);
         if (code != CLI_DONE) return code;
         for (int k = 0; k < p->n; k++) {
@@ -436,7 +412,7 @@ static int draw_columns(sheet *s, int n, const column *columns)
 {
     double lo = INFINITY, hi = -INFINITY;
     char text[64];
-    plot_tag tags[MAX_PART];
+    plot_tag tags[SHEET_PARTS];
     plot_point *line = malloc(((size_t)s->orbits + 1) * sizeof *line);
     if (!line ||
         !(s->page = plot_page_create(plot_layout_width(s->common, PLOT_WIDTH), plot_layout_height(s->common, 500)))) {

@@ -9,9 +9,28 @@ plot_units plot_units_of(const plot_options *options, const ric_model *model)
     return (plot_units){.length = d, .energy = d * d, .frequency = options->hertz ? 1 / turn : 1};
 }
 
-const char *plot_energy_title(const plot_options *options)
+/* E_s of the article is the energy of the masses and springs, H_s adds that of contacts that give way (eq. 11). */
+static bool gives_way(const ric_model *model)
 {
-    return options->physical ? "energy E, in units of the study" : "scaled energy E";
+    for (int i = 0; i < ric_model_n_contact(model); i++) {
+        ric_contact c;
+        if (ric_model_contact(model, i, &c) == RIC_OK && c.law != RIC_LAW_RIGID) return true;
+    }
+    return false;
+}
+
+const char *plot_energy_letter(const ric_model *model)
+{
+    return gives_way(model) ? "H" : "E";
+}
+
+void plot_energy_title(const plot_options *options, int n, ric_atlas *const *atlases, size_t size, char *out)
+{
+    bool some[2] = {false};
+    for (int i = 0; i < n; i++) some[gives_way(ric_atlas_model(atlases[i]))] = true;
+    const char *letters = some[0] && some[1] ? "E, H" : some[1] ? "H" : "E";
+    if (options->physical) snprintf(out, size, "energy %s, in units of the study", letters);
+    else snprintf(out, size, "scaled energy %s", letters);
 }
 
 const char *plot_frequency_title(const plot_options *options)
@@ -23,8 +42,8 @@ void plot_place_text(const plot_options *options, const ric_model *model, double
                      char *out)
 {
     const plot_units unit = plot_units_of(options, model);
-    snprintf(out, size, "E = %.6g,  %s = %.6g %s", energy * unit.energy, options->hertz ? "f" : "ω",
-             frequency * unit.frequency, options->hertz ? "Hz" : "rad/s");
+    snprintf(out, size, "%s = %.6g,  %s = %.6g %s", plot_energy_letter(model), energy * unit.energy,
+             options->hertz ? "f" : "ω", frequency * unit.frequency, options->hertz ? "Hz" : "rad/s");
 }
 
 bool plot_same_length(const plot_options *options, int n, ric_atlas *const *atlases)

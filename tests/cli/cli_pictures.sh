@@ -237,6 +237,72 @@ thick, thin = (p.lines.get("symmetric, %s, duplicate" % word) for word in ("stab
 check(thick and thin and p.has("duplicate, symmetric"), p.lines.keys())
 END
 
+# ------------------------------------------------ islands, proofs, arrows
+cat >"$folder/island.yaml" <<'END'
+model:
+  mass: [[2, 0], [0, 1]]
+  stiffness: [[9, -1], [-1, 1]]
+  contacts:
+    - {normal: [-1, 1], clearance: 1.0, sides: both, law: rigid}
+explore: {energy: [0, 20], frequency: [0.9, 4], impacts: 5, multiply: 1, depth: 2}
+END
+atlas island "$folder/island.yaml"
+draw land fep "$folder/island.ricochet"
+"$ricochet" hunt "$folder/island.ricochet" --energy 5 --impacts 3 --add >"$folder/log" 2>&1
+atlas island "$folder/island.yaml"
+ok 'an atlas with an island, and with proofs of a branch' sh -c '"$1" prove "$2/island.ricochet" --branch 3 >"$2/log" 2>&1; test $? != 2' \
+    sh "$ricochet" "$folder"
+draw sea fep "$folder/island.ricochet"
+ok 'has a band under the island, and under nothing else' sees sea <<END
+q = Picture("$folder/land.svg")
+band = [line for line in p.lines["island"] if len(line) > 2]
+low = min(y for line in band for x, y in line)
+own = [line for name in p.lines if name == "asymmetric, unstable" for line in p.lines[name] if len(line) > 2]
+check("island" not in q.lines and len(band) == len(own) and p.has("island: linked to no linear mode"), len(band), len(own))
+END
+if "$ricochet" --version | grep -q FLINT || grep -q ' points proved' "$folder/log"; then
+    ok 'and rings at points with a proof' sees sea <<'END'
+check(len(p.lines.get("proved", [])) > 20 and p.has("proved"), len(p.lines.get("proved", [])))
+END
+fi
+ok 'duplicates with what they inherit' draw arrows fep "$folder/two.ricochet" --branch 'S2-[01]' --duplicates 6 --arrows --log-frequency \
+    --energy 1.7:20 --frequency 0.2:10
+ok 'have upright arrows from the 3-duplicate to the 6-duplicate' sees arrows <<'END'
+shafts = [line for line in p.lines["inherited"] if len(line) == 2 and line[0][0] == line[1][0]]
+check(shafts and all(line[1][1] > line[0][1] for line in shafts) and p.has("inherited"), p.lines["inherited"])
+END
+ok 'arrows go with duplicates' refuses fep "$folder/two.ricochet" --arrows
+
+# ------------------------------------------------------- space and overlays
+ok 'a curve in space' draw space curves "$folder/two.ricochet" --x energy --y x1 --z x1 --branch 3
+ok 'lies over its shadow, and rises with it' sees space <<'END'
+curve = [q for name in p.lines if name.startswith("symmetric, ") for line in p.lines[name] if len(line) > 2 for q in line]
+shade = [q for line in p.lines["shadow"] for q in line]
+under = [min(shade, key=lambda s: abs(s[0] - q[0])) for q in curve]
+check(len(curve) > 20 and all(s[1] > q[1] - 0.5 for q, s in zip(curve, under)), len(curve))
+END
+ok 'a window of three axes has three ranges' refuses curves "$folder/two.ricochet" --x energy --y x1 --z v1 --window 1:2,0:1
+ok 'a view is two angles' refuses curves "$folder/two.ricochet" --x energy --y x1 --z v1 --view 10
+ok 'a part of a branch in the phase space' draw surface sheet "$folder/two.ricochet" --segment 'up: S2+[01]' --space x1,x2,v2 --orbits 9
+ok 'is shaded by energy from end to end' sees surface <<'END'
+check({"shade 1", "shade 15"} <= set(p.lines) and p.has("up") and p.has("v_2"), p.lines.keys())
+END
+ok 'coordinates that are not there' refuses sheet "$folder/two.ricochet" --segment 3 --space x1,x2,v3
+ok 'orbits over one another' draw over orbits "$folder/two.ricochet" --orbit 'S2+[01]@E=1' --orbit 'two: S2+[01]@E=4' --overlay --gap
+ok 'begin in phase: both gaps are 1 at a quarter of the period' sees over <<'END'
+frame = [line for line in p.lines["axes"] if len(line) > 3]
+gap = max((f for f in frame if f[0][0] < 100), key=lambda f: f[0][1])
+left, right, top = gap[0][0], gap[1][0], gap[2][1]
+tips = [min((q for line in p.lines[name] for q in line if left <= q[0] <= right and top <= q[1] <= gap[0][1]), key=lambda q: q[1])
+        for name in ("first of several", "second of several")]
+check(all(abs((x - left) / (right - left) - 0.25) < 0.01 for x, y in tips) and len(p.lines["stop"]) >= 2, tips)
+END
+atlas cubic examples/power-3/study.yaml
+draw springs fep "$folder/cubic.ricochet" --labels none
+ok 'the energy of springs is H' sees springs <<'END'
+check(any(t[2].startswith("scaled energy H") for t in p.texts), p.texts)
+END
+
 # ----------------------------------------------------------- laws and models
 # The force at s = 1.2 clearances, read off the picture, is that of the study: 10^4 (s - 1) and s^3.
 ok 'the laws of a spring beyond a gap, of a power and of a stop' draw law law examples/bilinear/study.yaml --key soft examples/power-3/study.yaml \
