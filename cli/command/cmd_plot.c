@@ -192,9 +192,11 @@ static const cli_item items[] = {
              "and main ones"},
     {.name = "--marks",
      .value = "WHAT",
-     .words = "main all none",
+     .words = "main all asked none",
      .text = "main: marks of junctions as long as they leave the curve visible, and no extrema of the period; the "
-             "legend counts the others; all; none"},
+             "legend counts the others; all; asked: those with --label or --mark; none: only these and those with a "
+             "name in the study"},
+    {.name = "--frame", .value = "[NAME: ]A:B,C:D", .text = "a dashed frame around these energies and frequencies"},
     {.name = "--label", .value = "NAME", .text = "only this junction or branch has a label; may be repeated"},
     {.name = "--mark", .value = "ORBIT", .text = "a dot, or the mark of a junction, with a name of its own"},
     {.name = "--ghosts",
@@ -215,7 +217,7 @@ static const cli_item items[] = {
     {.name = "--key",
      .value = "TEXT",
      .text = "several atlases are drawn over one another, each in its colour: what the legend calls it, else the "
-             "title of its study"},
+             "title of its study; those with the same key share a colour"},
     {.name = "orbit",
      .picture = true,
      .text = "displacements and gaps over one period with impacts and touches, and phase portraits"},
@@ -347,18 +349,18 @@ const cli_command cli_plot = {
     .name = "plot",
     .summary = "draw an atlas, an orbit or curves as SVG, PDF or PNG",
     .usage = "ricochet plot fep ATLAS... [--linear | --log] [--energy A:B] [--frequency A:B]\n"
-             "           [--log-frequency | --linear-frequency]\n"
-             "           [--break F] [--zoom A:B,C:D]... [--labels WHAT] [--marks WHAT] [--label NAME]...\n"
+             "           [--log-frequency | --linear-frequency] [--break F] [--zoom A:B,C:D]...\n"
+             "           [--frame A:B,C:D]... [--labels WHAT] [--marks WHAT] [--label NAME]...\n"
              "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K [--arrows]]\n"
-             "           [--branch SEGMENT]...\n"
-             "           [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT] [--data FILE.csv] -o FILE\n"
+             "           [--branch SEGMENT]... [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT]\n"
+             "           [--data FILE.csv] -o FILE\n"
              "ricochet plot orbit ATLAS (--branch ID | --at E,OMEGA)\n"
              "           (--point I | --energy E | --frequency F) [--which K] [--coordinates LIST] -o FILE\n"
              "ricochet plot orbit ATLAS --junction ID [--coordinates LIST] -o FILE\n"
              "ricochet plot orbits ATLAS --orbit ORBIT... [ATLAS --orbit ORBIT...]... [--histories]\n"
              "           [--columns N] [--same-axes] [--overlay] [--gap] [--coordinates LIST] -o FILE\n"
-             "ricochet plot curves ATLAS --x NAME --y NAME [--z NAME [--view A,B]] [--branch ID | --at E,OMEGA]...\n"
-             "           [--log AXES] [--window A:B,C:D] -o FILE\n"
+             "ricochet plot curves ATLAS --x NAME --y NAME [--z NAME [--view A,B]]\n"
+             "           [--branch ID | --at E,OMEGA]... [--log AXES] [--window A:B,C:D] -o FILE\n"
              "ricochet plot floquet ATLAS (--branch ID | --at E,OMEGA) [--x NAME] -o FILE\n"
              "ricochet plot cascade ATLAS (--branch ID | --at E,OMEGA) (--multiply LIST | --doublings N)\n"
              "           [--dof I] [--shapes] -o FILE\n"

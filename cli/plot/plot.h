@@ -29,9 +29,9 @@ typedef enum {
     PLOT_GRID,
     PLOT_NATURAL,
     PLOT_LOCKED,
-    PLOT_ISLAND, /* under a branch that no chain of junctions joins to a linear mode */
-    PLOT_GHOST,
-    PLOT_DUPLICATE,                                   /* + 3 times 0..8, + 0..2: as those from PLOT_LINEAR on */
+    PLOT_ISLAND,                     /* under a branch that no chain of junctions joins to a linear mode */
+    PLOT_GHOST,                      /* + 0, 1: an original, a duplicate */
+    PLOT_DUPLICATE = PLOT_GHOST + 2, /* + 3 times 0..8, + 0..2: as those from PLOT_LINEAR on */
     PLOT_LINEAR = PLOT_DUPLICATE + 3 * PLOT_N_BRANCH, /* + 0..2 */
     PLOT_ASYMMETRIC = PLOT_LINEAR + 3,
     PLOT_SYMMETRIC = PLOT_ASYMMETRIC + 3,

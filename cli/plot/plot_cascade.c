@@ -274,22 +274,41 @@ static void draw_dot(picture *p, const plot_panel *panel, plot_stroke stroke, pl
     if (plot_panel_inside(panel, data)) plot_page_line(p->page, stroke, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
 }
 
-/* The circle itself and the roots of unity p/K outside it. */
+/* The circle itself and the roots of unity p/K outside it, where the K-duplicate has its multiplications. */
 static void draw_roots(picture *p, const plot_panel *circle, const plot_panel *angles)
 {
     plot_point arc[ARC + 1];
-    char text[32];
+    char text[48];
     for (int i = 0; i <= ARC; i++) arc[i] = (plot_point){cos(2 * pi * i / ARC), sin(2 * pi * i / ARC)};
     plot_panel_curve(p->page, circle, PLOT_GRID, ARC + 1, arc);
     for (int k = 1; k < p->duplicate; k++) {
         const double gamma = (double)k / (double)p->duplicate;
-        const plot_point at = {cos(2 * pi * gamma), sin(2 * pi * gamma)}, tip = {1.14 * at.x, 1.14 * at.y};
+        const plot_point at = {cos(2 * pi * gamma), sin(2 * pi * gamma)}, tip = {1.25 * at.x, 1.25 * at.y};
         const plot_point line[2] = {{angles->x.lo, gamma}, {angles->x.hi, gamma}};
         plot_page_mark(p->page, PLOT_STAR, plot_panel_at(circle, at), 4);
         snprintf(text, sizeof text, "%d/%ld", k, p->duplicate);
         plot_page_text(p->page, plot_panel_at(circle, tip), PLOT_CENTRE, type, "#000000", false, text);
         plot_panel_curve(p->page, angles, PLOT_GRID, 2, line);
     }
+}
+
+/* Where the pair goes as the arclength grows: an arrow beside the circle, at the angle that it has half way. */
+static void draw_direction(picture *p, const plot_panel *circle, double before, double after, plot_stroke stroke,
+                           double radius)
+{
+    const double turn = remainder(after - before, 1), step = turn > 0 ? 1 : -1, middle = before + turn / 2;
+    plot_point arrow[12];
+    if (turn == 0) return;
+    for (int i = 0; i < 9; i++) {
+        const double angle = 2 * pi * (middle + step * (i - 4) * 0.012);
+        arrow[i] = plot_panel_at(circle, (plot_point){radius * cos(angle), radius * sin(angle)});
+    }
+    const plot_point tip = arrow[8], way = {tip.x - arrow[6].x, tip.y - arrow[6].y};
+    const double length = hypot(way.x, way.y), ux = way.x / length, uy = way.y / length, head = 6;
+    arrow[9] = (plot_point){tip.x - head * ux - 0.5 * head * uy, tip.y - head * uy + 0.5 * head * ux};
+    arrow[10] = tip;
+    arrow[11] = (plot_point){tip.x - head * ux + 0.5 * head * uy, tip.y - head * uy - 0.5 * head * ux};
+    plot_page_line(p->page, stroke, 12, arrow);
 }
 
 static int draw_circle(picture *p)
@@ -313,20 +332,27 @@ static int draw_circle(picture *p)
         return CLI_FAILED;
     }
     plot_range_widen(false, 0.03, &x[0], &x[1]);
-    const plot_panel circle = {{.from = 66, .to = 66 + side, .lo = -1.3, .hi = 1.3},
-                               {.from = 60, .to = 60 + side, .lo = -1.3, .hi = 1.3}};
+    const plot_panel circle = {{.from = 66, .to = 66 + side, .lo = -1.4, .hi = 1.4},
+                               {.from = 60, .to = 60 + side, .lo = -1.4, .hi = 1.4}};
     const plot_panel angles = {{.from = 66 + side + 90, .to = plot_page_width(p->page) - 20, .lo = x[0], .hi = x[1]},
                                {.from = 60, .to = 60 + side, .lo = 0, .hi = 1}};
     draw_roots(p, &circle, &angles);
+    static const double radius[2] = {1, 0.93}; /* both are on the circle: the second is drawn inside, to be seen */
+    double first = NAN, last = NAN;
     for (int i = 0; i < p->branch.n_point; i++) {
         ric_point point;
         if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL) || !isfinite(point.rotation)) continue;
         const double turn[2] = {point.rotation, 1 - point.rotation};
         for (int k = 0; k < 2; k++) {
-            draw_dot(p, &circle, thick[k], (plot_point){cos(2 * pi * turn[k]), sin(2 * pi * turn[k])});
+            draw_dot(p, &circle, thick[k],
+                     (plot_point){radius[k] * cos(2 * pi * turn[k]), radius[k] * sin(2 * pi * turn[k])});
             draw_dot(p, &angles, thick[k], (plot_point){point.arclength, turn[k]});
         }
+        if (isnan(first)) first = point.rotation;
+        last = point.rotation;
     }
+    draw_direction(p, &circle, first, first + 0.5 * (last - first), thin[0], 1.1);
+    draw_direction(p, &circle, -first, -first - 0.5 * (last - first), thin[1], 0.83);
     const plot_legend_entry pair[2] = {{"exp(2πiγ)", (int)thick[0], -1},
                                        {"exp(\xe2\x88\x92"
                                         "2πiγ)",

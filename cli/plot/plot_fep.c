@@ -34,6 +34,19 @@ static int take_zooms(int *argc, char **argv, fep_options *o)
     }
 }
 
+/* --frame 'NAME: E0:E1,F0:F1' */
+static int take_frames(int *argc, char **argv, fep_options *o)
+{
+    for (const char *text = "";;) {
+        if (!cli_take_value(argc, argv, "--frame", &text)) return CLI_WRONG;
+        if (!text) return CLI_DONE;
+        if (o->n_frame == FEP_MAX_PANEL) return cli_wrong("--frame: at most %d fit", FEP_MAX_PANEL);
+        const char *named = strstr(text, ": ");
+        if (!plot_parse_window(named ? named + 2 : text, "--frame", o->frame[o->n_frame])) return CLI_WRONG;
+        o->frame_name[o->n_frame++] = named ? text : NULL;
+    }
+}
+
 static bool asks(const char *word, const char *name, const char **value)
 {
     const size_t n = strlen(name);
@@ -88,7 +101,8 @@ static int parse_options(int *argc, char **argv, fep_options *o)
     if (!cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency) ||
         !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels) ||
         !cli_take_value(argc, argv, "--marks", &marks) || !cli_take_value(argc, argv, "--data", &o->data) ||
-        !cli_take_value(argc, argv, "--duplicates", &duplicates) || take_zooms(argc, argv, o) != CLI_DONE)
+        !cli_take_value(argc, argv, "--duplicates", &duplicates) || take_zooms(argc, argv, o) != CLI_DONE ||
+        take_frames(argc, argv, o) != CLI_DONE)
         return CLI_WRONG;
     o->duplicates = 1;
     if ((energy && !plot_parse_range(energy, "--energy", o->energy)) ||
@@ -113,11 +127,11 @@ static int parse_options(int *argc, char **argv, fep_options *o)
         if (!strcmp(labels, choices[i])) o->labels = (fep_labels)i;
     if (labels && o->labels == LABELS_MAIN)
         return cli_wrong("--labels %s: there are all, named and none; --label NAME asks for one", labels);
-    static const char *const which[] = {"main", "all", "none"};
+    static const char *const which[] = {"main", "all", "asked", "none"};
     o->marks = (fep_marks)-1;
     for (int i = MARKS_MAIN; i <= MARKS_NONE; i++)
         if (!strcmp(marks ? marks : "main", which[i])) o->marks = (fep_marks)i;
-    if (o->marks == (fep_marks)-1) return cli_wrong("--marks %s: there are main, all and none", marks);
+    if (o->marks == (fep_marks)-1) return cli_wrong("--marks %s: there are main, all, asked and none", marks);
     const int code = take_asked(*argc, argv, o);
     if (code == CLI_DONE && o->arrows && o->duplicates < 2)
         return cli_wrong("--arrows: between duplicates; goes with --duplicates K");
@@ -255,6 +269,10 @@ static void scale_windows(fep *f)
     for (int i = 0; i < 2; i++) {
         o->energy[i] /= unit.energy;
         o->frequency[i] /= unit.frequency;
+        for (int k = 0; k < o->n_frame; k++) {
+            o->frame[k][i] /= unit.energy;
+            o->frame[k][2 + i] /= unit.frequency;
+        }
         for (int k = 0; k < o->n_zoom; k++) {
             o->zoom[k][i] /= unit.energy;
             o->zoom[k][2 + i] /= unit.frequency;
@@ -340,6 +358,14 @@ static int dashed_entries(const fep *f, unsigned dashed, plot_legend_entry *out)
     return n;
 }
 
+/* Whether something is drawn in the colour of source i, which is the first to have it. */
+static bool drawn_in(const fep *f, int i)
+{
+    bool drawn = false;
+    for (int k = i; k < f->n_source; k++) drawn |= f->sources[k].tint == i && f->sources[k].drawn;
+    return drawn;
+}
+
 static int legend_entries(fep *f, plot_legend_entry *out)
 {
     unsigned stability = 0, dashed = 0;
@@ -350,7 +376,7 @@ static int legend_entries(fep *f, plot_legend_entry *out)
     }
     if (f->n_source > 1) {
         for (int i = 0; i < f->n_source; i++)
-            if (f->sources[i].drawn)
+            if (drawn_in(f, i))
                 out[n++] = (plot_legend_entry){f->sources[i].key, PLOT_ATLAS + 3 * i + RIC_STABLE_YES, -1};
         if ((stability | dashed) & 1u << RIC_STABLE_NO)
             out[n++] = (plot_legend_entry){"thin: unstable", PLOT_ATLAS + RIC_STABLE_NO, -1};
@@ -401,24 +427,47 @@ static double usual_height(int n)
     return of_panels[n - 1];
 }
 
-/* The window of a zoom in the first panel, with its letter. */
-static void draw_window(fep *f, int i)
+/* A window in a panel, with what it is called. */
+static void draw_window(fep *f, const double window[4], const char *name)
 {
-    const plot_panel *zoom = &f->panels[i];
-    const plot_box box = plot_panel_box(&f->panels[0]);
-    plot_point a = plot_panel_at(&f->panels[0], (plot_point){zoom->x.lo, zoom->y.lo}),
-               b = plot_panel_at(&f->panels[0], (plot_point){zoom->x.hi, zoom->y.hi});
+    const plot_box box = plot_panel_box(f->panel);
+    plot_point a = plot_panel_at(f->panel, (plot_point){window[0], window[2]}),
+               b = plot_panel_at(f->panel, (plot_point){window[1], window[3]});
     a = (plot_point){fmax(a.x, box.left), fmax(a.y, box.bottom)};
     b = (plot_point){fmin(b.x, box.right), fmin(b.y, box.top)};
     if (a.x >= b.x || a.y >= b.y) return;
     plot_page_line(f->page, PLOT_ZOOM, 5, (plot_point[]){{a.x, a.y}, {b.x, a.y}, {b.x, b.y}, {a.x, b.y}, {a.x, a.y}});
-    plot_tag *tag = fep_new_tag(f);
-    if (!tag) return;
-    tag->at = (plot_point){b.x, b.y};
-    tag->clear = 1;
-    tag->weight = 3000;
-    tag->colour = plot_stroke_colour(PLOT_ZOOM);
-    snprintf(tag->text, sizeof tag->text, "(%c)", 'a' + i);
+    const plot_point corners[] = {b, {a.x, b.y}, {b.x, a.y}, a};
+    const int group = ++f->n_group;
+    for (int i = 0; *name && i < 4; i++) {
+        plot_tag *tag = fep_new_tag(f);
+        if (!tag) return;
+        tag->at = corners[i];
+        tag->clear = 1;
+        tag->group = group;
+        tag->weight = 3000 - i;
+        tag->colour = plot_stroke_colour(PLOT_ZOOM);
+        plot_text_escape(name, sizeof tag->text, tag->text);
+    }
+}
+
+/* Those of the other panels, and those that were asked for. */
+static void draw_windows(fep *f)
+{
+    const fep_options *o = f->options;
+    for (int k = 1; k < f->n_panel; k++) {
+        const plot_panel *zoom = &f->panels[k];
+        const double window[4] = {zoom->x.lo, zoom->x.hi, zoom->y.lo, zoom->y.hi};
+        char letter[8];
+        snprintf(letter, sizeof letter, "(%c)", 'a' + k);
+        draw_window(f, window, letter);
+    }
+    for (int k = 0; k < o->n_frame; k++) {
+        char name[64] = "";
+        const char *text = o->frame_name[k];
+        if (text) snprintf(name, sizeof name, "%.*s", (int)(strstr(text, ": ") - text), text);
+        draw_window(f, o->frame[k], name);
+    }
 }
 
 static int draw_panel(fep *f, int i)
@@ -428,7 +477,7 @@ static int draw_panel(fep *f, int i)
     for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_branches(f, &f->sources[k]);
     for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_ghosts(f, &f->sources[k]);
     for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_junctions(f, &f->sources[k]);
-    for (int k = 1; i == 0 && k < f->n_panel; k++) draw_window(f, k);
+    if (i == 0) draw_windows(f);
     fep_draw_data(f);
     int code = status == RIC_OK ? CLI_DONE : cli_report(status);
     for (int k = 0; code == CLI_DONE && k < f->n_source; k++) code = fep_draw_marks(f, &f->sources[k]);
@@ -538,6 +587,8 @@ static void set_key(fep *f, fep_source *s)
         if (f->options->asked[i].what == ASK_KEY && f->options->asked[i].atlas == s->index)
             key = f->options->asked[i].text;
     plot_text_escape(key, sizeof s->key, s->key);
+    for (s->tint = 0; s->tint < s->index && strcmp(f->sources[s->tint].key, s->key); s->tint++) {
+    }
 }
 
 static int open_sources(fep *f)

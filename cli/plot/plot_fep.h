@@ -8,7 +8,7 @@ enum { FEP_MAX_ATLAS = 6, FEP_MAX_PANEL = 6, FEP_MAX_ASKED = 256 };
 
 typedef enum { LABELS_MAIN, LABELS_ALL, LABELS_NAMED, LABELS_NONE, LABELS_ASKED } fep_labels;
 
-typedef enum { MARKS_MAIN, MARKS_ALL, MARKS_NONE } fep_marks;
+typedef enum { MARKS_MAIN, MARKS_ALL, MARKS_ASKED, MARKS_NONE } fep_marks;
 
 /* Options that may be repeated; with several atlases they belong to the one named last before them. */
 typedef enum { ASK_BRANCH, ASK_DUPLICATE, ASK_BASE, ASK_LABEL, ASK_MARK, ASK_KEY, ASK_N } fep_question;
@@ -30,7 +30,10 @@ typedef struct {
     fep_labels labels;
     fep_marks marks;
     int n_zoom;
-    double zoom[FEP_MAX_PANEL][4];     /* energies, frequencies */
+    double zoom[FEP_MAX_PANEL][4]; /* energies, frequencies */
+    int n_frame;
+    double frame[FEP_MAX_PANEL][4]; /* windows of other pictures, with their names */
+    const char *frame_name[FEP_MAX_PANEL];
     int n_asked, n_duplicate, n_label; /* how many of them name duplicates, labels */
     fep_asked asked[FEP_MAX_ASKED];
     const char *data; /* a file, or NULL */
@@ -46,6 +49,7 @@ typedef struct {
 
 typedef struct {
     int index; /* among the atlases, from 0 */
+    int tint;  /* which colour: that of the first one with the same key */
     ric_atlas *atlas;
     const ric_model *model;
     int n_part, room;

@@ -169,7 +169,7 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
             const double part = (next / PLACES * length - done) / step;
             plot_tag tag = {.at = {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}, .clear = 3, .group = group};
             tag.weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
-            tag.colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->index)
+            tag.colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint)
                          : plot_branch_family(s->model, branch) == PLOT_LINEAR
                              ? "#6a6a6a"
                              : plot_stroke_colour(plot_branch_family(s->model, branch));
@@ -295,7 +295,7 @@ static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch,
         const plot_stroke family = plot_branch_family(s->model, branch);
         shade_island(f, branch, &t);
         const unsigned seen = plot_track_draw(f->page, f->panel,
-                                              f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->index : family, &t);
+                                              f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->tint : family, &t);
         f->family[(family - PLOT_LINEAR) / 3] |= seen != 0;
         s->stability |= seen;
         s->drawn |= seen != 0;
@@ -361,7 +361,7 @@ static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch
     ric_status status = make_track(f, s, branch, part, &t);
     if (status == RIC_OK) {
         const plot_stroke own = plot_branch_family(s->model, branch),
-                          family = f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->index : own;
+                          family = f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->tint : own;
         shade_island(f, branch, &t);
         const unsigned seen = plot_track_draw(f->page, f->panel, family + PLOT_DASHED, &t);
         f->duplicate[(own - PLOT_LINEAR) / 3] |= seen != 0;
@@ -474,7 +474,7 @@ static ric_status draw_ghost(fep *f, const ric_ghost *ghost, int k)
         curve[i] = (plot_point){p.energy, ric_point_admissible(&p) ? NAN : p.frequency / k};
         f->ghost |= i > 0 && plot_panel_inside(f->panel, curve[i]);
     }
-    if (status == RIC_OK) plot_panel_curve(f->page, f->panel, PLOT_GHOST, data.n_point, curve);
+    if (status == RIC_OK) plot_panel_curve(f->page, f->panel, PLOT_GHOST + (k > 1), data.n_point, curve);
     if (status == RIC_OK && k > 1) mark_ghost(f, ghost, k);
     free(curve);
     return status;

@@ -111,12 +111,12 @@ static int thin_spots(fep *f, int n, spot *spots)
     int drawn = 0;
     for (int i = n - 1; i >= 0; i--) {
         int near = 0;
-        bool fits = f->options->marks != MARKS_NONE;
+        bool fits = f->options->marks < MARKS_ASKED;
         for (int k = n - 1; k > i && fits && f->options->marks == MARKS_MAIN; k--)
             if (spots[k].drawn && hypot(spots[i].at.x - spots[k].at.x, spots[i].at.y - spots[k].at.y) < NEAR &&
                 share_branch(&spots[i], &spots[k]))
                 fits = ++near < MOST;
-        spots[i].drawn = fits || spots[i].named || spots[i].asked;
+        spots[i].drawn = fits || (spots[i].named && f->options->marks != MARKS_ASKED) || spots[i].asked;
         drawn += spots[i].drawn;
     }
     if (f->panel == f->panels && f->options->marks == MARKS_MAIN) f->unmarked += n - drawn;
@@ -139,7 +139,7 @@ static void draw_spots(fep *f, const fep_source *s, int n, spot *spots)
         tag->at = spots[i].at;
         tag->clear = radius;
         tag->weight = 100 + spots[i].weight;
-        tag->colour = "#000000";
+        tag->colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint) : "#000000";
         plot_text_label(junction.name && *junction.name ? junction.name : junction.label, sizeof tag->text, tag->text);
     }
 }
@@ -306,7 +306,7 @@ int fep_draw_marks(fep *f, fep_source *s)
         tag->at = at;
         tag->clear = 3.8;
         tag->weight = 2000 - i;
-        tag->colour = "#000000";
+        tag->colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint) : "#000000";
         plot_text_label(choice.name, sizeof tag->text, tag->text);
     }
     return CLI_DONE;

@@ -217,6 +217,28 @@ static void draw_event_lines(const orbit *o, const plot_panel *panel)
     }
 }
 
+/* The instants of touches, t_1 and so on, above the history, if they find room. */
+static void name_touches(const orbit *o, const plot_panel *panel)
+{
+    const plot_box box = plot_panel_box(panel);
+    double last = -1;
+    for (int number = 1;; number++) { /* in their order, which is not that of the contacts */
+        const plot_event *next = NULL;
+        for (int i = 0; i < o->motion.n_event; i++) {
+            const plot_event *e = &o->motion.events[i];
+            if (e->touch && e->time > last && (!next || e->time < next->time)) next = e;
+        }
+        if (!next) return;
+        const double x = plot_axis_at(&panel->x, last = next->time);
+        char text[24];
+        snprintf(text, sizeof text, "t_{%d}", number);
+        plot_page_line(o->page, PLOT_JUMP, 2, (plot_point[]){{x, box.bottom}, {x, box.top}});
+        const plot_point at = {x, box.top + 9};
+        if (plot_page_free_box(o->page, plot_text_box(at, PLOT_CENTRE, type - 1, false, text)))
+            plot_page_text(o->page, at, PLOT_CENTRE, type - 1, "#000000", false, text);
+    }
+}
+
 static void draw_displacements(orbit *o, plot_box box, bool numbers)
 {
     plot_legend_entry entries[MAX_SHOWN];
@@ -227,6 +249,7 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
     plot_panel panel = {time_axis(o, box.left, box.right), axis_over(lo, hi, box.bottom, box.top)};
     panel.y.unit = o->unit.length;
     draw_event_lines(o, &panel);
+    name_touches(o, &panel);
     for (int i = 0; i < o->n_shown; i++) {
         plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, &o->motion, plot_read_time, plot_read_x,
                          o->shown[i], 0);
@@ -235,7 +258,7 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
     }
     plot_panel_frame(o->page, &panel, numbers ? "" : NULL,
                      o->common->physical ? "displacement" : "scaled displacement");
-    plot_legend(o->page, o->n_shown, entries, box.left, box.right, box.top + 22);
+    plot_legend(o->page, o->n_shown, entries, box.left, box.right, box.top + 34);
 }
 
 /* The name of a contact, or its number, between two words. */
@@ -371,8 +394,9 @@ static void mark_row(const orbit *o, const plot_panel *panel, int coordinate, in
                    3);
 }
 
-static void draw_portrait(orbit *o, int coordinate, plot_box box)
+static void draw_portrait(orbit *o, int i, plot_box box)
 {
+    const int coordinate = o->shown[i];
     double x[2] = {INFINITY, -INFINITY}, v[2] = {INFINITY, -INFINITY};
     char across[24], up[24];
     plot_motion_range(&o->motion, plot_read_x, coordinate, &x[0], &x[1]);
@@ -381,12 +405,13 @@ static void draw_portrait(orbit *o, int coordinate, plot_box box)
     plot_range_widen(false, 0.07, &v[0], &v[1]);
     plot_panel panel = {axis_over(x[0], x[1], box.left, box.right), axis_over(v[0], v[1], box.bottom, box.top)};
     panel.x.unit = panel.y.unit = o->unit.length;
-    plot_motion_draw(o->page, &panel, PLOT_SERIES, &o->motion, plot_read_x, plot_read_v, coordinate, 0);
+    plot_motion_draw(o->page, &panel, PLOT_PORTRAIT + (plot_stroke)i, &o->motion, plot_read_x, plot_read_v, coordinate,
+                     0);
     snprintf(across, sizeof across, "x_{%d}", coordinate + 1);
     snprintf(up, sizeof up, "v_{%d}", coordinate + 1);
     plot_panel_frame(o->page, &panel, across, up);
-    for (int i = 0; i < o->motion.n_event; i++) {
-        const plot_event *e = &o->motion.events[i];
+    for (int k = 0; k < o->motion.n_event; k++) {
+        const plot_event *e = &o->motion.events[k];
         mark_row(o, &panel, coordinate, e->sample, plot_event_mark(e));
         if (!e->touch && e->sample > 0 && e->sample + 1 < o->motion.first[o->motion.n_piece]) /* the other side */
             mark_row(o, &panel, coordinate, e->sample - 1, plot_event_mark(e));
@@ -399,7 +424,7 @@ static void draw_portraits(orbit *o, plot_box area)
     const double width = (area.right - area.left) / columns, height = (area.top - area.bottom) / lines;
     for (int i = 0; i < o->n_shown; i++) {
         const double left = area.left + width * (i % columns), top = area.top - height * (i / columns);
-        draw_portrait(o, o->shown[i], (plot_box){left + 70, top - height + 46, left + width - 8, top - 6});
+        draw_portrait(o, i, (plot_box){left + 70, top - height + 46, left + width - 8, top - 6});
     }
 }
 
@@ -408,7 +433,7 @@ static int draw(orbit *o)
     const double width = plot_layout_width(o->common, PLOT_WIDTH), height = plot_layout_height(o->common, 560);
     o->page = plot_page_create(width, height);
     if (!o->page) return cli_report(RIC_E_NOMEM);
-    const double split = width * (o->n_shown > 2 ? 0.52 : 0.62), foot = 64, head = 58,
+    const double split = width * (o->n_shown > 2 ? 0.52 : 0.62), foot = 64, head = 66,
                  middle = foot + (height - foot - head) * 0.52;
     draw_displacements(o, (plot_box){64, middle + 30, split - 8, height - head}, false);
     draw_gaps(o, (plot_box){64, foot, split - 8, middle - 4});

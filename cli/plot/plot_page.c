@@ -43,6 +43,7 @@ static const stroke_style strokes[PLOT_N_STROKE] = {
     [PLOT_LOCKED] = {"#808080", "frequency with a contact locked", 0.8, {5, 4}},
     [PLOT_ISLAND] = {"#dccff0", "island", 9, {0}},
     [PLOT_GHOST] = {"#e3122d", "ghost", 1, {0}},
+    [PLOT_GHOST + 1] = {"#e3122d", "ghost of a duplicate", 1, {6, 3.5}},
     [PLOT_SHADE] = {"#b0b0b0", "without a shade", 1.5, {0}},
     [PLOT_SHADE + 1] = {"#0d0887", "shade 1", 1.5, {0}},
     [PLOT_SHADE + 2] = {"#2a0693", "shade 2", 1.5, {0}},
