@@ -579,15 +579,24 @@ static int draw_page(fep *f)
     return status == RIC_OK ? draw(f) : cli_report(status);
 }
 
-/* The key of an atlas: --key, else the title of its study. */
-static void set_key(fep *f, fep_source *s)
+/* What --key calls an atlas, NULL if nothing does. */
+static const char *key_of(const fep *f, int source)
 {
-    const char *key = ric_study_title(ric_atlas_study(s->atlas));
+    const char *key = NULL;
     for (int i = 0; i < f->options->n_asked; i++)
-        if (f->options->asked[i].what == ASK_KEY && f->options->asked[i].atlas == s->index)
+        if (f->options->asked[i].what == ASK_KEY && f->options->asked[i].atlas == source)
             key = f->options->asked[i].text;
-    plot_text_escape(key, sizeof s->key, s->key);
-    for (s->tint = 0; s->tint < s->index && strcmp(f->sources[s->tint].key, s->key); s->tint++) {
+    return key;
+}
+
+/* Its key, else the title of its study; and its colour, which those share that were given the same key. */
+static void set_key(const fep *f, fep_source *s)
+{
+    const char *key = key_of(f, s->index);
+    plot_text_escape(key ? key : ric_study_title(ric_atlas_study(s->atlas)), sizeof s->key, s->key);
+    for (s->tint = 0; s->tint < s->index; s->tint++) {
+        const char *other = key_of(f, s->tint);
+        if (key && other && !strcmp(key, other)) return;
     }
 }
 

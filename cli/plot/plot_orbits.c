@@ -222,7 +222,7 @@ typedef struct {
     double portrait;      /* width of one, with its numbers; 0: none */
 } grid;
 
-enum { LEFT = 56, RIGHT = 12, FOOT = 24, TITLE = 22, LEGEND = 26 };
+enum { LEFT = 60, RIGHT = 12, FOOT = 24, TITLE = 22, LEGEND = 26 };
 
 /* Portraits are square; the history has what is left of the row. */
 static grid make_grid(const orbits_figure *f)

@@ -147,7 +147,7 @@ ok 'an orbit with round portraits' draw round orbit "$folder/mixed.ricochet" --b
 ok 'has no corner in them that is seen' sees round <<'END'
 from math import atan2, pi, remainder
 # the loop of the second mass: one closed line in the lower right panel
-loop = max((line for line in p.lines["first"] if min(q[0] for q in line) > 0.66 * p.width and min(q[1] for q in line) > 0.5 * p.height), key=len)
+loop = max((line for line in p.lines["portrait of the second"] if min(q[0] for q in line) > 0.66 * p.width and min(q[1] for q in line) > 0.5 * p.height), key=len)
 turns = [abs(remainder(atan2(c[1] - b[1], c[0] - b[0]) - atan2(b[1] - a[1], b[0] - a[0]), 2 * pi)) for a, b, c in zip(loop, loop[1:], loop[2:])]
 check(max(turns) < 0.06, len(loop), max(turns))
 END
@@ -226,6 +226,14 @@ ok 'are told apart by a colour-blind reader, and in grey print' sees six <<'END'
 far, grey = apart([colour for name, colour in p.colours.items() if name.startswith("atlas") and name.endswith(", stable")])
 print(p.colours, far, grey)
 check(len(far) == 4 and min(far.values()) > 25 and grey > 8)
+END
+ok 'two atlases with the same key' draw same fep "$folder/two.ricochet" --branch 1 --key one "$folder/two.ricochet" --branch 3 --key one
+ok 'share a colour' sees same <<'END'
+check("atlas 2, stable" not in p.lines and [t[2] for t in p.texts].count("one") == 1, p.lines.keys())
+END
+ok 'a frame, and marks that are asked for' draw framed fep "$folder/two.ricochet" --marks asked --label C1_32 --frame 'here: 1:4,1:1.5'
+ok 'are all that is drawn' sees framed <<'END'
+check(p.has("here") and "window of a zoom" in p.lines and not p.has("grazing") and p.has("branch point"), p.texts)
 END
 ok 'so are the kinds of branches' sees plain <<'END'
 far, grey = apart([p.colours[kind + ", stable"] for kind in ("symmetric", "asymmetric", "linear")])
