@@ -564,6 +564,96 @@ typedef struct {
 ric_status ric_force_solve(const ric_force *force, const ric_orbit *orbit, int harmonic, double level, double phase,
                            ric_forced *out, double *state, double *flights, double *multipliers);
 
+/* ---------------------------------------------------------------- response */
+
+/* Curves of exact forced orbits along the frequency of the force, its level or the restitution (docs/forcing.md). */
+typedef enum { RIC_RESPONSE_OMEGA, RIC_RESPONSE_LEVEL, RIC_RESPONSE_RESTITUTION } ric_response_along;
+typedef enum {
+    RIC_RESPONSE_FOLD,           /* the curve turns back */
+    RIC_RESPONSE_BRANCH_POINT,   /* another curve crosses, as that of the orbits that lose a symmetry */
+    RIC_RESPONSE_DOUBLING,       /* one of twice the period leaves */
+    RIC_RESPONSE_NEIMARK_SACKER, /* a pair of multipliers leaves the unit circle: motions of two frequencies */
+    RIC_RESPONSE_GRAZING,        /* a face is touched, or met without speed: curves of other words begin */
+} ric_response_kind;
+typedef enum {
+    RIC_RESPONSE_GRAZES, /* ends at a grazing */
+    RIC_RESPONSE_WINDOW,
+    RIC_RESPONSE_BUDGET,
+    RIC_RESPONSE_CLOSED, /* comes back to its start: a detached resonance */
+    RIC_RESPONSE_JOINS,  /* begins at an event of another curve */
+    RIC_RESPONSE_FAILED,
+} ric_response_stop;
+
+typedef struct {
+    ric_shaking shaking;
+    ric_response_along along;
+    double window[2]; /* of what varies: rad/s, physical amplitude, or restitution */
+    double omega;     /* rad/s, where it does not vary */
+    int n_level;
+    const double *levels; /* where they do not vary: curves for each */
+    int n_harmonic;
+    const int *harmonics;
+    int branch;           /* only beside this branch of the atlas; 0: all, and the linear motion */
+    int impacts, periods; /* largest numbers of a word, and of periods of the force of an orbit */
+    int points, curves;   /* most of a curve, and of all */
+    double step;          /* longest, relative to the orbit */
+} ric_response_options;
+
+/* What a response takes where nothing is said. */
+void ric_response_defaults(ric_response_options *out);
+/* Curves of the forced structure, into a file of their own; with the same call on the same file it goes on where it
+ * stopped. RIC_E_CONFLICT: the file is of another call. stop may be NULL. */
+ric_status ric_response_run(const ric_atlas *atlas, const ric_response_options *options, const char *path,
+                            bool (*stop)(void *user), void *user);
+
+typedef struct ric_response ric_response;
+
+/* Whether a file says that it is a response. */
+bool ric_response_is(const char *path);
+ric_status ric_response_read(const char *path, ric_response **out);
+void ric_response_free(ric_response *response);
+const ric_model *ric_response_model(const ric_response *response);
+const ric_response_options *ric_response_asked(const ric_response *response);
+/* Whether all that was asked for has been done. */
+bool ric_response_finished(const ric_response *response);
+
+typedef struct {
+    double arclength;
+    double omega, level, restitution; /* rad/s, physical */
+    double period, phase;             /* s; of the force at the state, rad */
+    double residual, largest;         /* relative; modulus of the largest multiplier */
+    double reach, approach; /* largest gap over its clearance inside flights, NaN below a half; least scaled speed at an
+                             * event, per second, NaN without events */
+    ric_stability stable;
+    const double *state, *flights, *multipliers; /* [2 n_dof] scaled, right after the first event, at phase 0 without
+                                                  * events; [letters], or the period; [4 n_dof] */
+    const double *peak, *rms;                    /* [n_dof] of x, scaled */
+} ric_response_point;
+
+typedef struct {
+    int id, n_point;
+    int letters, impacts;
+    const int *word; /* [letters], as of an orbit */
+    int harmonic;    /* periods of the force */
+    double level;    /* of all points where it does not vary, physical; else NaN */
+    int branch;      /* of the atlas, 0: none */
+    int from, to;    /* events at its ends, 0: none */
+    ric_response_stop begin, end;
+} ric_response_curve;
+
+typedef struct {
+    int id, curve;
+    ric_response_kind kind;
+    ric_response_point at;
+} ric_response_event;
+
+int ric_response_n_curve(const ric_response *response);
+int ric_response_n_event(const ric_response *response);
+/* By ids from 1, points from 0. */
+ric_status ric_response_curve_at(const ric_response *response, int id, ric_response_curve *out);
+ric_status ric_response_point_at(const ric_response *response, int curve, int i, ric_response_point *out);
+ric_status ric_response_event_at(const ric_response *response, int id, ric_response_event *out);
+
 /* ------------------------------------------------------- ghosts on request */
 
 /* Beyond a grazing or a corner where a branch ends its equations still have solutions, which are no motions: a gap is

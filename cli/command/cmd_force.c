@@ -5,19 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/cli.h"
-#include "study/matrix_market.h"
+#include "common/shaking.h"
 
 static const double same_phase = 1e-7; /* rad: of orbits that are solved to 1e-11 */
 
-enum { NUMBERS_MOST = 1000, HARMONICS_MOST = 64 };
-
 typedef struct {
     const char *path;
-    double force[NUMBERS_MOST], ratios[NUMBERS_MOST], *matrix;
-    int n_force, n_ratio, n_matrix;
-    double restitution, level;
-    int harmonics[HARMONICS_MOST], n_harmonic;
+    cli_shaking shaking;
+    double level;
     int branch; /* 0: all */
     int n_energy;
     double energy[2]; /* one, or a window */
@@ -136,11 +131,12 @@ static ric_status add_orbit(const request *ask, const ric_force *force, const ri
 {
     ric_prediction p;
     ric_status status = RIC_OK;
-    for (int i = 0; i < ask->n_harmonic && !status; i++) {
-        status = ric_force_predict(force, b->id, orbit, ask->harmonics[i], ask->level, &p);
-        if (!status && ask->exact) status = b->letters || !ric_model_n_face(ric_force_model(force))
-                                              ? solve_both(ask, force, b, orbit, &p, rows)
-                                              : RIC_OK;
+    for (int i = 0; i < ask->shaking.n_harmonic && !status; i++) {
+        status = ric_force_predict(force, b->id, orbit, ask->shaking.harmonics[i], ask->level, &p);
+        if (!status && ask->exact)
+            status = b->letters || !ric_model_n_face(ric_force_model(force))
+                         ? solve_both(ask, force, b, orbit, &p, rows)
+                         : RIC_OK;
         else if (!status) json_array_append_new(rows, prediction_row(b, &p));
     }
     return status;
@@ -214,13 +210,7 @@ static int report_none(const request *ask, const ric_atlas *atlas)
 
 static int answer(const request *ask)
 {
-    const ric_shaking shaking = {.n_force = ask->n_force,
-                                 .force = ask->force,
-                                 .n_ratio = ask->n_ratio,
-                                 .ratios = ask->n_ratio ? ask->ratios : NULL,
-                                 .n_matrix = ask->n_matrix,
-                                 .matrix = ask->matrix,
-                                 .restitution = ask->restitution};
+    const ric_shaking shaking = cli_shaking_of(&ask->shaking);
     ric_atlas *atlas = NULL;
     ric_force *force = NULL;
     json_t *rows = json_array();
@@ -238,53 +228,10 @@ static int answer(const request *ask)
     return code;
 }
 
-/* "1,0,2": *n numbers in out [most]. */
-static bool parse_list(const char *text, const char *what, int most, int *n, double *out)
-{
-    char item[64];
-    for (*n = 0; *n < most; text++) {
-        const size_t length = strcspn(text, ",");
-        snprintf(item, sizeof item, "%.*s", length < sizeof item ? (int)length : (int)sizeof item - 1, text);
-        if (!cli_parse_number(item, what, &out[*n])) return false;
-        ++*n;
-        text += length;
-        if (!*text) return true;
-    }
-    cli_wrong("%s has more than %d numbers", what, most);
-    return false;
-}
-
-static bool parse_harmonics(const char *text, request *ask)
-{
-    double values[HARMONICS_MOST];
-    ask->n_harmonic = ask->harmonics[0] = 1;
-    if (!text) return true;
-    if (!parse_list(text, "--harmonic", HARMONICS_MOST, &ask->n_harmonic, values)) return false;
-    for (int i = 0; i < ask->n_harmonic; i++) {
-        if (!(values[i] >= 1 && values[i] <= 10000 && values[i] == floor(values[i]))) {
-            cli_wrong("--harmonic %s: harmonics of the orbit are whole numbers from 1 to 10000", text);
-            return false;
-        }
-        ask->harmonics[i] = (int)values[i];
-    }
-    return true;
-}
-
-/* Ratios, or what else stands there is a file with a matrix. *code: that of a file that cannot be read. */
-static bool parse_damping(const char *text, request *ask, int *code)
-{
-    if (!text) return true;
-    if (strspn(text, "0123456789.,+-eE") == strlen(text))
-        return parse_list(text, "--damping", NUMBERS_MOST, &ask->n_ratio, ask->ratios);
-    ric_status status = ric_matrix_market_read(text, &ask->n_matrix, &ask->matrix, NULL);
-    if (status) *code = cli_report(status);
-    return !status;
-}
-
 static bool parse_energy(const char *text, request *ask)
 {
     if (!text) return true;
-    if (!parse_list(text, "--energy", 2, &ask->n_energy, ask->energy)) return false;
+    if (!cli_parse_list(text, "--energy", 2, &ask->n_energy, ask->energy)) return false;
     if (ask->energy[0] > 0 && (ask->n_energy == 1 || ask->energy[1] > ask->energy[0])) return true;
     cli_wrong("--energy %s: give a scaled energy above 0, or a window such as 0.5,2", text);
     return false;
@@ -301,28 +248,22 @@ static bool parse_level(const char *text, request *ask)
 
 static int take_request(int *argc, char **argv, request *ask)
 {
-    const char *force, *damping, *restitution, *harmonic, *branch, *energy, *level;
+    const char *branch, *energy, *level;
     long id = 0;
     int code = CLI_WRONG;
     ask->exact = cli_take_flag(argc, argv, "--exact");
-    if (!cli_take_format(argc, argv, &ask->format) || !cli_take_value(argc, argv, "--force", &force) ||
-        !cli_take_value(argc, argv, "--damping", &damping) ||
-        !cli_take_value(argc, argv, "--restitution", &restitution) ||
-        !cli_take_value(argc, argv, "--harmonic", &harmonic) || !cli_take_value(argc, argv, "--branch", &branch) ||
-        !cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--level", &level) ||
-        !cli_operands(&cli_force, *argc, argv, 1))
+    if (!cli_take_format(argc, argv, &ask->format) || !cli_take_shaking(argc, argv, &ask->shaking, &code) ||
+        !cli_take_value(argc, argv, "--branch", &branch) || !cli_take_value(argc, argv, "--energy", &energy) ||
+        !cli_take_value(argc, argv, "--level", &level) || !cli_operands(&cli_force, *argc, argv, 1))
         return code;
     ask->path = argv[1];
-    ask->restitution = 1;
     if (ask->exact && !level) return cli_wrong("force: --exact needs --level L, the amplitude of the force");
-    if (!force)
+    if (!ask->shaking.n_force)
         return cli_wrong("force: --force is missing; give the vector f of the force, one number per displacement, for "
                          "example --force 1,0");
-    if (!parse_list(force, "--force", NUMBERS_MOST, &ask->n_force, ask->force) || !parse_harmonics(harmonic, ask) ||
-        (restitution && !cli_parse_number(restitution, "--restitution", &ask->restitution)) ||
-        (branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &id)) || !parse_energy(energy, ask) ||
-        !parse_level(level, ask) || !parse_damping(damping, ask, &code))
-        return code;
+    if ((branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &id)) || !parse_energy(energy, ask) ||
+        !parse_level(level, ask))
+        return CLI_WRONG;
     ask->branch = (int)id;
     return CLI_DONE;
 }
@@ -333,7 +274,7 @@ static int run(int argc, char **argv)
     if (!ask) return cli_report(RIC_E_NOMEM);
     int code = take_request(&argc, argv, ask);
     if (code == CLI_DONE) code = answer(ask);
-    free(ask->matrix);
+    cli_shaking_free(&ask->shaking);
     free(ask);
     return code;
 }
@@ -343,16 +284,7 @@ static const cli_item items[] = {
          "What small damping and a harmonic force f cos(Omega t + phase), Omega = m omega, make of the orbits of an "
          "atlas, to first order: the least amplitude that keeps the motion up, and the two phases at which it does. "
          "One row for each stored orbit and harmonic. The atlas itself stays that of the structure without both."},
-    {.name = "--force", .value = "F1,F2,..", .text = "the vector f, one number per displacement, physical"},
-    {.name = "--damping",
-     .value = "ZETA|FILE",
-     .text =
-         "modal damping ratios, one for all modes or one for each, Z1,Z2,..; or a Matrix Market file with the damping "
-         "matrix C, physical"},
-    {.name = "--restitution",
-     .value = "E",
-     .text = "of all rigid stops, above 0; 1, which loses nothing, unless given"},
-    {.name = "--harmonic", .value = "M", .text = "harmonics m of the orbit, M or M1,M2,..; 1 unless given"},
+    CLI_ITEMS_SHAKING,
     {.name = "--branch", .value = "ID", .text = "only this branch"},
     CLI_ITEM_AT,
     {.name = "--energy",

@@ -55,7 +55,7 @@ typedef struct {
 /* One per cmd_*.c, listed in main.c. */
 extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
     cli_verify, cli_prove, cli_simulate, cli_plot, cli_bases, cli_cascade, cli_report_atlas, cli_hunt, cli_view,
-    cli_export, cli_section_command, cli_force, cli_help;
+    cli_export, cli_section_command, cli_force, cli_response, cli_help;
 
 /* All commands, up to NULL, and the options of the program itself (main.c). */
 extern const cli_command *const cli_commands[];

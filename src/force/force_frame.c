@@ -13,10 +13,10 @@
 
 #include "base/room.h"
 
-#define RESONANT 1e-9 /* relative: the force has the frequency of a mode that is not damped */
-#define CRITICAL 1e-7 /* relative: roots of a mode that are one to half of all digits */
+#define RESONANT 1e-9  /* relative: the force has the frequency of a mode that is not damped */
+#define CRITICAL 1e-7  /* relative: roots of a mode that are one to half of all digits */
 #define SINGULAR 1e-14 /* relative: a stiffness that rounding makes of none */
-#define DEFECTIVE 1e9 /* condition of the complex modes from on which less than seven digits of a flight are left */
+#define DEFECTIVE 1e9  /* condition of the complex modes from on which less than seven digits of a flight are left */
 
 typedef double _Complex cplx;
 
@@ -354,16 +354,14 @@ static double bend_of(const ric_force_reading *r)
     const int n = m->n;
     double sum = cabs(r->steady) * r->omega * r->omega;
     for (int i = 0; f->plain && i < n; i++) {
-        const double omega = m->omega[i], loss = m->C[i * n + i],
-                     energy = hypot(omega * r->y[i], r->y[n + i]);
+        const double omega = m->omega[i], loss = m->C[i * n + i], energy = hypot(omega * r->y[i], r->y[n + i]);
         sum += fabs(r->weight[i]) * (omega + loss) * energy;
         sum += fabs(r->weight[n + i]) * ((omega + loss) * (omega + loss) + omega * omega) * energy;
     }
     for (int i = 0; !f->plain && i < 2 * n; i++) {
         const double square = f->alpha[i] * f->alpha[i] + f->beta[i] * f->beta[i];
         if (f->beta[i] == 0) sum += square * fabs(r->weight[i] * r->y[i]);
-        if (f->beta[i] > 0)
-            sum += square * hypot(r->weight[i], r->weight[i + 1]) * hypot(r->y[i], r->y[i + 1]);
+        if (f->beta[i] > 0) sum += square * hypot(r->weight[i], r->weight[i + 1]) * hypot(r->y[i], r->y[i + 1]);
     }
     return sum;
 }

@@ -49,8 +49,7 @@ static void take_numbers(const ric_force *f, ric_force_medium *m)
     for (int i = 0; i < model->n_contact * n; i++) m->normal[i] = model->normal[i] / m->unit;
     for (int i = 0; i < model->n_face; i++)
         m->gap[i] = model->contact[model->face[i].contact].clearance / ric_model_length(model);
-    for (int i = 0; i < model->n_contact; i++)
-        m->spring[i] = stiffness_of(model, i) * m->unit * m->unit / (t * t);
+    for (int i = 0; i < model->n_contact; i++) m->spring[i] = stiffness_of(model, i) * m->unit * m->unit / (t * t);
 }
 
 ric_status ric_force_medium_create(const ric_force *f, ric_force_medium **out)

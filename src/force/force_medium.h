@@ -19,11 +19,11 @@ typedef struct {
 typedef struct ric_force_frame {
     struct ric_force_frame *next;
     uint64_t closed;
-    bool plain;           /* y = z: damping couples no modes, and no spring is closed */
-    double *alpha, *beta; /* [2n] not plain: eigenvalues alpha + i beta, pairs in a row, beta > 0 first */
-    double *V, *W;        /* [2n * 2n] and its inverse; not plain */
-    double *rest;         /* [2n] equilibrium */
-    double omega;         /* of the force, for which holds: */
+    bool plain;                      /* y = z: damping couples no modes, and no spring is closed */
+    double *alpha, *beta;            /* [2n] not plain: eigenvalues alpha + i beta, pairs in a row, beta > 0 first */
+    double *V, *W;                   /* [2n * 2n] and its inverse; not plain */
+    double *rest;                    /* [2n] equilibrium */
+    double omega;                    /* of the force, for which holds: */
     double _Complex *answer, *slope; /* [2n] steady answer to level 1, Re(answer e^{i theta}), and its derivative by
                                       * omega */
 } ric_force_frame;
@@ -32,7 +32,7 @@ typedef struct {
     const ric_force *force; /* borrowed */
     const ric_model *model;
     int n;
-    bool smooth; /* power law: no events */
+    bool smooth;       /* power law: no events */
     double time, unit; /* omega_ref; of displacements */
     double *omega, *C, *push;
     double *normal; /* [n_contact * n] */

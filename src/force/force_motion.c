@@ -7,10 +7,10 @@
 
 #include "base/room.h"
 
-#define TOUCHES 1e-10 /* relative to a clearance: a maximum this near to its face is not known to be below it */
-#define STANDS 1e-10  /* scaled speed at an event that is none */
+#define TOUCHES 1e-10  /* relative to a clearance: a maximum this near to its face is not known to be below it */
+#define STANDS 1e-10   /* scaled speed at an event that is none */
 #define UNDECIDED 1e-9 /* multipliers nearer to the circle than this decide nothing, however well they are known */
-#define FLAT 1e-14    /* relative: a maximum that is found cannot be passed by more */
+#define FLAT 1e-14     /* relative: a maximum that is found cannot be passed by more */
 
 enum { DEEPEST = 52, PARTS = 64 };
 

@@ -82,7 +82,7 @@ ric_force_orbit *ric_force_orbit_copy(const ric_force_orbit *from)
 
 double *ric_force_orbit_parameter(ric_force_orbit *o, ric_force_along along)
 {
-    return along == RIC_ALONG_OMEGA ? &o->drive.omega
+    return along == RIC_ALONG_OMEGA   ? &o->drive.omega
            : along == RIC_ALONG_LEVEL ? &o->drive.level
                                       : &o->drive.restitution;
 }
@@ -98,8 +98,8 @@ ric_status ric_force_orbit_spread(ric_force_orbit *o)
     for (int k = 0; k + 1 < o->N; k++) {
         const double *u = ric_force_orbit_node(o, k);
         double *next = ric_force_orbit_node(o, k + 1);
-        ric_status status =
-            ric_force_frame_fly(o->medium, o->closed[k], &o->drive, u[2 * n + 1], u[2 * n], u, next, NULL);
+        ric_status status = ric_force_frame_fly(o->medium, o->closed[k], &o->drive, u[2 * n + 1], u[2 * n], u, next,
+                                                NULL);
         if (status) return status;
         if (o->events) ric_force_medium_strike(o->medium, o->drive.restitution, o->face[k + 1], 1, next + n);
         next[2 * n] = u[2 * n] + o->drive.omega * u[2 * n + 1];
@@ -121,7 +121,9 @@ static bool fill(ric_force_orbit *o, int k, ric_force_along along, double scale,
     if (ric_force_frame_fly(medium, o->closed[k], &o->drive, tau, u[size], u, z, D)) return false;
     ric_force_medium_rate(medium, o->closed[k], &o->drive, u[size] + o->drive.omega * tau, z, rate);
     for (int i = 0; i < size; i++)
-        force[i] = along == RIC_ALONG_RESTITUTION ? 0 : D[i * ld + size + (along == RIC_ALONG_OMEGA ? RIC_BY_OMEGA : RIC_BY_LEVEL)];
+        force[i] = along == RIC_ALONG_RESTITUTION
+                       ? 0
+                       : D[i * ld + size + (along == RIC_ALONG_OMEGA ? RIC_BY_OMEGA : RIC_BY_LEVEL)];
     memset(rows, 0, (size_t)m * w * sizeof *rows);
     double *gap = rows + (size_t)(m - 1) * w, *phase = gap - w;
     if (face >= 0) {
@@ -322,7 +324,8 @@ static double longest(size_t n, const double *x)
     return most;
 }
 
-/* A step after which the residual is larger is halved: beside a turning point the first one leads to the other orbit. */
+/* A step after which the residual is larger is halved: beside a turning point the first one leads to the other orbit.
+ */
 bool ric_force_orbit_solve(ric_force_orbit *o, ric_force_along along, double scale, const double *row, double aim,
                            int *steps)
 {
@@ -377,7 +380,9 @@ bool ric_force_orbit_aside(ric_force_orbit *o, ric_force_along along, double sca
     memcpy(A + m * size, tangent, (size_t)size * sizeof *A);
     if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, A, size, values, U, size, Vt, size, super)))
         return false;
-    memcpy(out, Vt + m * size, (size_t)size * sizeof *out);
+    memcpy(out, Vt + m * size, (size_t)m * sizeof *out);
+    out[(size_t)o->N * (size_t)m] = Vt[m * size + m];
+    back(o, false, out);
     *second = values[m] / values[0];
     return true;
 }

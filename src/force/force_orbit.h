@@ -66,7 +66,8 @@ bool ric_force_orbit_solve(ric_force_orbit *o, ric_force_along along, double sca
 /* Direction [N m + 1] of the curve at a solved orbit, its part [m + 1] on (first unknowns, parameter / scale) of length
  * one, with a positive product with row [m + 1]. */
 bool ric_force_orbit_tangent(ric_force_orbit *o, ric_force_along along, double scale, const double *row, double *out);
-/* The other direction [m + 1] in the kernel, where there are two: perpendicular to `tangent` [m + 1]. *second: the
+/* The other direction [N m + 1] in the kernel, where there are two: perpendicular to `tangent` [m + 1], and of length
+ * one on the first unknowns and the parameter. *second: the
  * smallest singular value but one, relative, 0 at a crossing. */
 bool ric_force_orbit_aside(ric_force_orbit *o, ric_force_along along, double scale, const double *tangent, double *out,
                            double *second);

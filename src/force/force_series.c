@@ -31,8 +31,8 @@ typedef struct {
     const ric_force_medium *m;
     const ric_force_drive *d;
     int n, columns;
-    double *q, *p;         /* [n * TERMS] */
-    double *Q, *P;         /* [columns * n * TERMS] */
+    double *q, *p;           /* [n * TERMS] */
+    double *Q, *P;           /* [columns * n * TERMS] */
     double *c, *sine, *late; /* [TERMS] cos, sin of theta0 + omega t; t sin */
     contact *contacts;
 } series;
@@ -58,8 +58,7 @@ static void powers_at(series *s, int k)
         c->s[k] = 0;
         for (int i = 0; i < n; i++) c->s[k] += normal[i] * s->q[i * TERMS + k];
         c->powers[k] = c->s[k];
-        for (int e = 1; e < c->exponent; e++)
-            c->powers[e * TERMS + k] = product(k, c->powers + (e - 1) * TERMS, c->s);
+        for (int e = 1; e < c->exponent; e++) c->powers[e * TERMS + k] = product(k, c->powers + (e - 1) * TERMS, c->s);
     }
 }
 
@@ -149,7 +148,8 @@ static double step(series *s, double theta, double begin, double most)
         h = length(n, s->Q + at, length(n, s->P + at, h));
     }
     for (int i = 0; i < (s->columns + 1) * n; i++) {
-        double *q = i < n ? s->q + i * TERMS : s->Q + (i - n) * TERMS, *p = i < n ? s->p + i * TERMS : s->P + (i - n) * TERMS;
+        double *q = i < n ? s->q + i * TERMS : s->Q + (i - n) * TERMS,
+               *p = i < n ? s->p + i * TERMS : s->P + (i - n) * TERMS;
         const double q1 = sum_at(q, h), p1 = sum_at(p, h);
         q[0] = q1;
         p[0] = p1;
@@ -199,7 +199,8 @@ ric_status ric_force_series_fly(ric_force_medium *m, const ric_force_drive *d, d
     while (!status && done < tau) {
         const double h = step(&s, theta + d->omega * done, done, tau - done);
         if (!(h > 0) || !isfinite(s.q[0]) || ++steps > STEPS_MOST)
-            status = ric_fail(RIC_E_NUMERIC, "the forced motion cannot be followed beyond %.6g of a flight", done / tau);
+            status = ric_fail(RIC_E_NUMERIC, "the forced motion cannot be followed beyond %.6g of a flight",
+                              done / tau);
         done = h >= tau - done ? tau : done + h;
     }
     for (int i = 0; i < n && !status; i++) {

@@ -46,8 +46,7 @@ ric_status ric_force_solve(const ric_force *f, const ric_orbit *orbit, int harmo
     if (!status) {
         memcpy(start, o->u, sizeof start);
         out->omega = o->drive.omega * medium->time;
-        if (ric_force_start_settle(o))
-            status = answer(o, start, out, state, flights, multipliers);
+        if (ric_force_start_settle(o)) status = answer(o, start, out, state, flights, multipliers);
         out->residual = o->residual;
     }
     if (!status) status = ric_trust(RIC_OK);

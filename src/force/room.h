@@ -2,4 +2,6 @@
 #ifndef RIC_FORCE_ROOM_H
 #define RIC_FORCE_ROOM_H
 
+#include "force_start.h"
+
 #endif

@@ -28,9 +28,9 @@ static const char *const three_masses =
     "2]]\n  contacts:\n    - {normal: [0, 0, 1], clearance: 0.4, sides: upper, law: rigid}\n" WINDOW;
 static const char *const one_mass = "title: t\nmodel:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts:\n"
                                     "    - {normal: [1], clearance: 1, sides: both, law: rigid}\n" WINDOW;
-static const char *const cubic =
-    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-    "    - {normal: [-1, 1], law: power, exponent: 3, stiffness: 2}\n" WINDOW;
+static const char
+    *const cubic = "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+                   "    - {normal: [-1, 1], law: power, exponent: 3, stiffness: 2}\n" WINDOW;
 static const char
     *const spring = "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
                     "    - {normal: [-1, 1], clearance: 0.5, sides: both, law: bilinear, stiffness: 30}\n" WINDOW;
@@ -62,8 +62,7 @@ static void damping_of(const ric_model *model, double zeta, double couple, doubl
         for (int b = 0; b < n; b++) {
             C[a * n + b] = a == 0 && b == 0 ? couple : 0;
             for (int i = 0; i < n; i++)
-                C[a * n + b] +=
-                    M[a * n + a] * Phi[a * n + i] * 2 * zeta * omega[i] * Phi[b * n + i] * M[b * n + b];
+                C[a * n + b] += M[a * n + a] * Phi[a * n + i] * 2 * zeta * omega[i] * Phi[b * n + i] * M[b * n + b];
         }
 }
 
@@ -318,8 +317,7 @@ static void test_simulated(void **state)
                  {one_mass, "S2(1)[01]", 3, 0.01, 0.98, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ric_atlas *atlas = explore_text(cases[i].study);
-        subject s =
-            coupled(atlas, cases[i].label, cases[i].energy, cases[i].zeta, cases[i].couple, cases[i].e, 1.3);
+        subject s = coupled(atlas, cases[i].label, cases[i].energy, cases[i].zeta, cases[i].couple, cases[i].e, 1.3);
         for (int k = 0; k < 2; k++) {
             const forced x = solved(&s, k);
             is_motion(&s, &x);
@@ -397,8 +395,11 @@ static void test_order(void **state)
     static const struct {
         const char *study, *label;
         double energy;
-    } cases[] = {{two_masses, "S2+[01]", 1},        {two_masses, "S2-[01]", 3.2}, {three_masses, "A1(1)[0]", 2.2},
-                 {spring, "S2+", 1.5},              {cubic, "S+", 1}};
+    } cases[] = {{two_masses, "S2+[01]", 1},
+                 {two_masses, "S2-[01]", 3.2},
+                 {three_masses, "A1(1)[0]", 2.2},
+                 {spring, "S2+", 1.5},
+                 {cubic, "S+", 1}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ric_atlas *atlas = explore_text(cases[i].study);
         double last[2] = {NAN, NAN};

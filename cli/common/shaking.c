@@ -1,0 +1,83 @@
+/* What shakes a structure, as it is named on the command line. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "shaking.h"
+#include "study/matrix_market.h"
+
+/* "1,0,2": *n numbers in out [most]. */
+bool cli_parse_list(const char *text, const char *what, int most, int *n, double *out)
+{
+    char item[64];
+    for (*n = 0; *n < most; text++) {
+        const size_t length = strcspn(text, ",");
+        snprintf(item, sizeof item, "%.*s", length < sizeof item ? (int)length : (int)sizeof item - 1, text);
+        if (!cli_parse_number(item, what, &out[*n])) return false;
+        ++*n;
+        text += length;
+        if (!*text) return true;
+    }
+    cli_wrong("%s has more than %d numbers", what, most);
+    return false;
+}
+
+static bool parse_harmonics(const char *text, cli_shaking *ask)
+{
+    double values[CLI_HARMONICS_MOST];
+    ask->n_harmonic = ask->harmonics[0] = 1;
+    if (!text) return true;
+    if (!cli_parse_list(text, "--harmonic", CLI_HARMONICS_MOST, &ask->n_harmonic, values)) return false;
+    for (int i = 0; i < ask->n_harmonic; i++) {
+        if (!(values[i] >= 1 && values[i] <= 10000 && values[i] == floor(values[i]))) {
+            cli_wrong("--harmonic %s: harmonics of the orbit are whole numbers from 1 to 10000", text);
+            return false;
+        }
+        ask->harmonics[i] = (int)values[i];
+    }
+    return true;
+}
+
+/* Ratios, or what else stands there is a file with a matrix. *code: that of a file that cannot be read. */
+static bool parse_damping(const char *text, cli_shaking *ask, int *code)
+{
+    if (!text) return true;
+    if (strspn(text, "0123456789.,+-eE") == strlen(text))
+        return cli_parse_list(text, "--damping", CLI_NUMBERS_MOST, &ask->n_ratio, ask->ratios);
+    ric_status status = ric_matrix_market_read(text, &ask->n_matrix, &ask->matrix, NULL);
+    if (status) *code = cli_report(status);
+    return !status;
+}
+
+/* *code: the exit code where it is not that of a wrong call. */
+bool cli_take_shaking(int *argc, char **argv, cli_shaking *out, int *code)
+{
+    const char *force, *damping, *restitution, *harmonic;
+    *code = CLI_WRONG;
+    out->restitution = 1;
+    return cli_take_value(argc, argv, "--force", &force) && cli_take_value(argc, argv, "--damping", &damping) &&
+           cli_take_value(argc, argv, "--restitution", &restitution) &&
+           cli_take_value(argc, argv, "--harmonic", &harmonic) &&
+           (!force || cli_parse_list(force, "--force", CLI_NUMBERS_MOST, &out->n_force, out->force)) &&
+           parse_harmonics(harmonic, out) &&
+           (!restitution || cli_parse_list(restitution, "--restitution", 2, &out->n_restitution, out->restitutions)) &&
+           ((out->restitution = out->n_restitution ? out->restitutions[out->n_restitution - 1] : 1), true) &&
+           parse_damping(damping, out, code);
+}
+
+ric_shaking cli_shaking_of(const cli_shaking *s)
+{
+    return (ric_shaking){.n_force = s->n_force,
+                         .force = s->force,
+                         .n_ratio = s->n_ratio,
+                         .ratios = s->n_ratio ? s->ratios : NULL,
+                         .n_matrix = s->n_matrix,
+                         .matrix = s->matrix,
+                         .restitution = s->restitution};
+}
+
+void cli_shaking_free(cli_shaking *s)
+{
+    free(s->matrix);
+}

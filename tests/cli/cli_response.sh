@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# Curves of exact forced orbits from outside: numbers in closed form, the same in two ways, what is refused.
+set -u
+. tests/support/tap.sh
+
+atlas="$folder/e.ricochet"
+ok "an atlas" "$ricochet" run examples/elementary/study.yaml -o "$atlas" --quiet
+before=$(cksum "$atlas")
+curves() { "$ricochet" response "$atlas" --force 1,0 --damping 0.01 --omega 0.3,3.2 "$@"; }
+# ends CODE WORDS ARGUMENT...: the exit code, and the message
+ends() {
+    local code=$1 words=$2 got=0
+    shift 2
+    "$ricochet" response "$@" >"$folder/out" 2>"$folder/err" || got=$?
+    [ "$got" = "$code" ] && grep -q -e "$words" "$folder/err"
+}
+rows() { python3 - "$folder" <<END
+import cmath, json, math, sys
+def read(name): return json.load(open(sys.argv[1] + "/" + name))
+$1
+END
+}
+
+ok "a response" curves --level 0.2 -o "$folder/a" --json
+"$ricochet" response "$folder/a" --json >"$folder/curves"
+"$ricochet" response "$folder/a" --events --json >"$folder/events"
+"$ricochet" response "$folder/a" --points --json >"$folder/points"
+ok "the linear motion grazes where its closed form does" rows '
+def gap(W, zeta=0.01, F=0.2):
+    # modes of M = diag(2, 1), K = [[9, -1], [-1, 1]]
+    a, b = 2.0, -(9 + 2.0)
+    out = 0
+    for lam in ((11 - math.sqrt(121 - 64)) / 4, (11 + math.sqrt(121 - 64)) / 4):
+        x = (1.0, 9 - 2 * lam)
+        norm = 2 * x[0] ** 2 + x[1] ** 2
+        out += (x[1] - x[0]) * F * x[0] / norm / (lam - W * W + 2j * zeta * math.sqrt(lam) * W)
+    return abs(out) - 1
+def root(a, b):
+    for _ in range(200):
+        c = (a + b) / 2
+        if (gap(a) > 0) == (gap(c) > 0): a = c
+        else: b = c
+    return a
+grid = [0.3 + 2.9 * i / 4000 for i in range(4001)]
+roots = [root(a, b) for a, b in zip(grid, grid[1:]) if (gap(a) > 0) != (gap(b) > 0)]
+found = sorted(e["omega"] for e in read("events") if e["kind"] == "grazing")
+assert len(roots) == 4 and len(found) == 4, (roots, found)
+assert all(abs(a / b - 1) < 1e-11 for a, b in zip(roots, found)), (roots, found)'
+ok "every end is a window, or an event that both curves name" rows '
+curves = read("curves")
+at = [c[k] for c in curves for k in ("from", "to") if c[k]]
+grazing = [e["id"] for e in read("events") if e["kind"] == "grazing"]
+assert all(at.count(i) == 2 for i in grazing), at
+assert any(c["ends"] == "closed" for c in curves)'
+ok "curves are solved to rounding" rows 'assert all(p["residual"] < 1e-12 for p in read("points"))'
+"$ricochet" force "$atlas" --force 1,0 --damping 0.01 --branch 3 --energy 1 --level 0.2 --exact --json >"$folder/exact"
+ok "what force finds lies on a curve" rows '
+for x in read("exact"):
+    def apart(p): return abs(p["omega"] - x["omega"]) + max(abs(a - b) for a, b in zip(p["state"], x["state"]))
+    assert min(apart(p) for p in read("points")) < 0.1'
+ok "another step" curves --level 0.2 --step 0.02 -o "$folder/b"
+"$ricochet" response "$folder/b" --events --json >"$folder/others"
+ok "gives the same events" rows '
+def of(name): return sorted((e["kind"], e["omega"]) for e in read(name) if e["kind"] in ("grazing", "fold") and not 1.38 < e["omega"] < 1.39)
+assert len(of("events")) == len(of("others")) and all(a[0] == b[0] and abs(a[1] / b[1] - 1) < 1e-10 for a, b in zip(of("events"), of("others")))'
+before_a=$(cksum "$folder/a")
+ok "the same call once more" curves --level 0.2 -o "$folder/a"
+ok "changes nothing" test "$before_a" = "$(cksum "$folder/a")"
+ok "stopped after two tasks, the file goes on" bash -c "cp '$folder/a' '$folder/c' &&
+    python3 -c \"
+import sqlite3
+c = sqlite3.connect('$folder/c')
+keys = sorted(k for k, in c.execute('SELECT key FROM task') if k.startswith('event'))
+c.execute(\\\"DELETE FROM task WHERE key LIKE 'event%'\\\")
+c.execute('DELETE FROM curve WHERE begins = 4')
+c.execute('DELETE FROM point WHERE curve NOT IN (SELECT id FROM curve)')
+c.execute('DELETE FROM event WHERE curve NOT IN (SELECT id FROM curve)')
+c.execute(\\\"DELETE FROM meta WHERE key = 'finished'\\\")
+c.commit()\""
+ok "and says that it is not finished" bash -c "'$ricochet' response '$folder/c' 2>&1 | grep -q 'not finished'"
+ok "to the end" curves --level 0.2 -o "$folder/c"
+"$ricochet" response "$folder/a" --points --csv >"$folder/points.a"
+"$ricochet" response "$folder/c" --points --csv >"$folder/points.c"
+ok "as if it had not been stopped" cmp "$folder/points.a" "$folder/points.c"
+ok "along the level" "$ricochet" response "$atlas" --force 1,0 --damping 0.01 --along level --level 0.01,0.3 --omega 1.3 -o "$folder/level"
+ok "along the restitution" "$ricochet" response "$atlas" --force 1,0 --damping 0.01 --along restitution --restitution 0.8,1 --omega 1.3 --level 0.3 -o "$folder/e"
+ok "another force, the same file" ends 1 "name another file" "$atlas" --force 1,1 --damping 0.01 --omega 0.3,3.2 --level 0.2 -o "$folder/a"
+ok "a file that is an atlas" ends 1 "not a response" "$atlas" --force 1,1 --damping 0.01 --omega 0.3,3.2 --level 0.2 -o "$atlas"
+ok "no file" ends 2 "-o FILE is missing" "$atlas" --force 1,0 --damping 0.01 --omega 1,2 --level 0.2
+ok "a negative damping" ends 2 negative "$atlas" --force 1,0 --damping -0.01 --omega 1,2 --level 0.2 -o "$folder/n"
+ok "a force of the wrong length" ends 2 "3 numbers" "$atlas" --force 1,0,0 --damping 0.01 --omega 1,2 --level 0.2 -o "$folder/n"
+ok "restitution 0" ends 2 "restitution 0" "$atlas" --force 1,0 --restitution 0 --omega 1,2 --level 0.2 -o "$folder/n"
+ok "a window the wrong way round" ends 2 "two numbers" "$atlas" --force 1,0 --damping 0.01 --omega 2,1 --level 0.2 -o "$folder/n"
+ok "no level" ends 2 "level" "$atlas" --force 1,0 --damping 0.01 --omega 1,2 -o "$folder/n"
+ok "nothing is written by what is refused" test ! -e "$folder/n"
+ok "a window with no orbit" ends 1 "no forced orbit" "$atlas" --force 1,0 --damping 0.01 --omega 1,1.1 --level 0.0001 --branch 3 -o "$folder/none"
+head -c 9000 "$folder/a" >"$folder/broken"
+ok "a file that was cut" ends 1 "not a response" "$folder/broken"
+ok "the atlas is what it was" test "$before" = "$(cksum "$atlas")"
+finish
