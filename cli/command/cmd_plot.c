@@ -126,10 +126,10 @@ static const struct {
     {"fep", plot_fep, false, true},      {"orbit", plot_orbit, true, true},     {"orbits", plot_orbits, false, true},
     {"curves", plot_curves, true, true}, {"floquet", plot_floquet, true, true}, {"cascade", plot_cascade, true, false},
     {"sheet", plot_sheet, false, false}, {"strobe", plot_strobe, false, false}, {"section", plot_section, true, false},
-    {"law", plot_law, false, false},     {"model", plot_model, false, false},
+    {"law", plot_law, false, false},     {"model", plot_model, false, false},   {"response", plot_response, true, true},
 };
 
-#define PICTURES "fep, orbit, orbits, curves, floquet, cascade, sheet, strobe, section, law and model"
+#define PICTURES "fep, orbit, orbits, curves, floquet, cascade, sheet, strobe, section, law, model and response"
 
 static int run(int argc, char **argv)
 {
@@ -322,6 +322,15 @@ static const cli_item items[] = {
      .picture = true,
      .text = "studies or atlases: nodes and lines where the study has a `drawing`, else masses, springs and "
              "contacts in a row"},
+    {.name = "response",
+     .picture = true,
+     .text = "a file of `ricochet response`: the amplitude of exact forced motions over what varies, unstable ones "
+             "lighter, with their events"},
+    {.name = "--output", .value = "X", .text = "the displacement, x1, x2, ..; the last one unless given"},
+    {.name = "--rms", .text = "the root of its mean square instead of its peak"},
+    {.name = "--level", .value = "L", .text = "only the curves of this level"},
+    {.name = "--log", .text = "a logarithmic axis upwards"},
+    {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
     {.name = "all", .picture = true, .text = "every picture"},
     {.name = "-o", .value = "FILE", .text = "the file to write, its ending .svg, .pdf, .png or .gp"},
     {.name = "--title", .value = "TEXT", .text = "a title above the picture, which has none unless asked for"},

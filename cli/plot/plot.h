@@ -405,6 +405,7 @@ int plot_sheet(int argc, char **argv, const plot_options *options);
 int plot_strobe(int argc, char **argv, const plot_options *options);
 int plot_section(int argc, char **argv, const plot_options *options);
 int plot_curves(int argc, char **argv, const plot_options *options);
+int plot_response(int argc, char **argv, const plot_options *options);
 int plot_floquet(int argc, char **argv, const plot_options *options);
 int plot_cascade(int argc, char **argv, const plot_options *options);
 int plot_law(int argc, char **argv, const plot_options *options);

@@ -96,5 +96,8 @@ ok "nothing is written by what is refused" test ! -e "$folder/n"
 ok "a window with no orbit" ends 1 "no forced orbit" "$atlas" --force 1,0 --damping 0.01 --omega 1,1.1 --level 0.0001 --branch 3 -o "$folder/none"
 head -c 9000 "$folder/a" >"$folder/broken"
 ok "a file that was cut" ends 1 "not a response" "$folder/broken"
+ok "a picture" "$ricochet" plot response "$folder/a" --output x2 -o "$folder/a.svg"
+ok "says what it shows" bash -c "grep -q grazing '$folder/a.svg' && grep -q 'with impacts, stable' '$folder/a.svg'"
+ok "no displacement" bash -c "! '$ricochet' plot response '$folder/a' --output x3 -o '$folder/b.svg' 2>/dev/null && ! test -e '$folder/b.svg'"
 ok "the atlas is what it was" test "$before" = "$(cksum "$atlas")"
 finish
