@@ -924,6 +924,8 @@ ric_status ric_section_impact(const ric_section *section, int start, long impact
 /* Coordinates of a state on a face, [2 (modes - 1)]: displacements, then momenta along it, in a ball of radius 1 whose
  * volume the map preserves. */
 ric_status ric_section_place(const ric_section *section, int face, const double *x, const double *v, double *place);
+/* The state at a place right after the impact, x and v [n_dof each]. RIC_E_RANGE: no motion of the energy is there. */
+ric_status ric_section_state(const ric_section *section, int face, const double *place, double *x, double *v);
 /* The face that x -> -x makes of a face; -1: none. */
 int ric_section_image(const ric_section *section, int face);
 

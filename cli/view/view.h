@@ -1,5 +1,6 @@
 /* ricochet view: what its files know of each other, in the order of calls. The atlas in memory (view_data.c), answers
- * made from it (view_orbit.c), its extension (view_grow.c), HTTP (view_http.c), the command (cmd_view.c). */
+ * made from it (view_orbit.c, view_section.c, view_force.c), its extension (view_grow.c), HTTP (view_http.c), the
+ * command (cmd_view.c). */
 #ifndef VIEW_H
 #define VIEW_H
 
@@ -67,6 +68,34 @@ ric_status view_curve(const ric_atlas *atlas, int branch, double from, double to
 /* The orbit of stored point `point`, without its history. */
 ric_status view_stored_orbit(const ric_atlas *atlas, int branch, int point, json_t **out);
 
+/* ------------------------------------------------------------ section (view_section.c) */
+
+typedef struct {
+    double energy; /* scaled */
+    int starts, impacts;
+    bool orbits;     /* those of the atlas, too */
+    bool from_place; /* instead of the starts one motion from here: */
+    int face;
+    double place[2]; /* first displacement and first momentum; the others are 0 */
+} view_section_request;
+
+/* {energy, modes, starts: [{lyapunov, lyapunov_error, rotation, why, faces: [], places: []}], orbits: [the same with
+ * branch and stable]}: places are pairs, of faces that x -> -x exchanges on the first one. */
+ric_status view_section(const ric_atlas *atlas, const view_section_request *request, json_t **out);
+
+/* ------------------------------------------------------------ force (view_force.c) */
+
+enum { VIEW_FORCE_NUMBERS = 1000 }; /* displacements, modes */
+
+typedef struct {
+    int branch, harmonic, n_force, n_ratio;
+    double force[VIEW_FORCE_NUMBERS], ratios[VIEW_FORCE_NUMBERS], restitution;
+} view_force_request;
+
+/* What `ricochet force` says of stored points of a branch, at most VIEW_FORCE_POINTS of them, as columns. */
+enum { VIEW_FORCE_POINTS = 160 };
+ric_status view_force(const ric_atlas *atlas, const view_force_request *request, json_t **out);
+
 /* ------------------------------------------------------------ saved page (view_save.c) */
 
 /* Writes the page with its atlas. *written: false if the file took less than all of it. */
@@ -117,6 +146,22 @@ void view_lines_close(view_lines *lines, view_line *line);
 void view_line_waits(view_lines *lines, view_line *line, bool waits);
 /* Hangs up on those that take too long; to be called now and then. */
 void view_lines_tidy(view_lines *lines);
+
+/* ------------------------------------------------------------ routes (view_routes.c) */
+
+/* What a route has come to. */
+typedef struct {
+    unsigned status;   /* of HTTP */
+    json_t *json;      /* taken over */
+    const char *error; /* instead: a message */
+} view_answer;
+
+struct MHD_Connection;
+typedef view_answer view_route(struct MHD_Connection *connection, const view_data *data);
+/* What computes the answer of a path; NULL: nothing does. */
+view_route *view_route_of(const char *path);
+/* The answer of a call: the JSON, or what went wrong. */
+view_answer view_answer_of(ric_status status, json_t *json);
 
 /* ------------------------------------------------------------ HTTP (view_http.c) */
 

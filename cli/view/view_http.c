@@ -32,7 +32,6 @@ enum {
     SWALLOW_MAX = 16 << 20, /* bytes of a request that is refused, which are read all the same: an answer to
                              * somebody who still sends is lost with the connection (RFC 9112, 9.6) */
     ARGUMENTS_MAX = 32,
-    CURVE_MOST = 32,        /* orbits in one answer */
     IDLE_SECONDS = 30,      /* of an answer that nobody takes */
     COMPUTING_SECONDS = 20, /* for one answer */
     COMPUTING_MAX = 4,      /* computing at one time */
@@ -68,13 +67,6 @@ typedef struct {
     const char *why;
     char body[BODY_MAX + 1];
 } request;
-
-/* What a route has come to. */
-typedef struct {
-    unsigned status;
-    json_t *json;      /* taken over */
-    const char *error; /* instead: a message */
-} answer;
 
 /* ------------------------------------------------------------------- limits */
 
@@ -236,120 +228,9 @@ static enum MHD_Result reply_file(struct MHD_Connection *connection, const view_
     return queue(connection, MHD_HTTP_OK, response);
 }
 
-/* ------------------------------------------------------------------ numbers */
-
-static const char *argument(struct MHD_Connection *connection, const char *name)
-{
-    return MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, name);
-}
-
-/* Decimal, finite, the whole text; no message on stderr as the command line has it. */
-static bool read_number(const char *text, double *out)
-{
-    char *end = NULL;
-    if (!text || strlen(text) > 40 || text[strspn(text, "0123456789+-.eE")]) return false;
-    *out = strtod(text, &end);
-    return end != text && !*end && *out - *out == 0;
-}
-
-static bool read_integer(const char *text, int most, int *out)
-{
-    double value;
-    if (!read_number(text, &value) || !(value >= 0 && value <= most) || value != (double)(int)value) return false;
-    *out = (int)value;
-    return true;
-}
-
 /* ------------------------------------------------------------------- routes */
 
-static unsigned http_status(ric_status status)
-{
-    switch (status) {
-    case RIC_OK: return MHD_HTTP_OK;
-    case RIC_E_INPUT: return MHD_HTTP_BAD_REQUEST;
-    case RIC_E_MISSING:
-    case RIC_E_RANGE: return MHD_HTTP_NOT_FOUND;
-    case RIC_E_NUMERIC: return MHD_HTTP_UNPROCESSABLE_CONTENT;
-    case RIC_E_BUSY: return MHD_HTTP_CONFLICT;
-    case RIC_E_INTERRUPTED: return MHD_HTTP_SERVICE_UNAVAILABLE;
-    default: return MHD_HTTP_INTERNAL_SERVER_ERROR;
-    }
-}
-
 static const char too_large[] = "a request has at most 4096 bytes";
-
-static answer from_status(ric_status status, json_t *json)
-{
-    if (status) return (answer){http_status(status), NULL, ric_detail()[0] ? ric_detail() : ric_status_text(status)};
-    return (answer){MHD_HTTP_OK, json, NULL};
-}
-
-static answer get_orbit(struct MHD_Connection *connection, const view_data *data)
-{
-    static const char *const names[] = {"point", "energy", "frequency", "arclength"};
-    int branch, n = 0;
-    double value = 0;
-    view_at at = VIEW_AT_POINT;
-    json_t *rows = NULL;
-    for (int i = 0; i < 4; i++)
-        if (argument(connection, names[i])) {
-            n++;
-            at = (view_at)i;
-        }
-    int point;
-    if (!read_integer(argument(connection, "branch"), 1 << 30, &branch) || n != 1 ||
-        !read_number(argument(connection, names[at]), &value) ||
-        (at == VIEW_AT_POINT && !read_integer(argument(connection, names[at]), 1 << 30, &point)))
-        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
-                        "branch and one of point, energy, frequency and arclength are needed, as numbers, the first "
-                        "two as whole ones"};
-    const ric_status status = view_orbits(data->atlas, branch, at, value, &rows);
-    return from_status(status, rows);
-}
-
-/* Orbits between stored points, for a curve that is looked at closely. */
-static answer get_curve(struct MHD_Connection *connection, const view_data *data)
-{
-    int branch, count;
-    double from, to;
-    json_t *columns = NULL;
-    if (!read_integer(argument(connection, "branch"), 1 << 30, &branch) ||
-        !read_number(argument(connection, "from"), &from) || !read_number(argument(connection, "to"), &to) ||
-        !read_integer(argument(connection, "count"), CURVE_MOST, &count) || count < 1 || !(from <= to))
-        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
-                        "branch, from, to and count are needed, as numbers, the last one from 1 to 32"};
-    const ric_status status = view_curve(data->atlas, branch, from, to, count, &columns);
-    return from_status(status, columns);
-}
-
-static answer get_bases(struct MHD_Connection *connection, const view_data *data)
-{
-    int largest = 0;
-    ric_bases *bases = NULL;
-    json_t *rows = json_array();
-    const char *text = argument(connection, "duplicates");
-    if (text && !read_integer(text, 64, &largest)) {
-        json_decref(rows);
-        return (answer){MHD_HTTP_BAD_REQUEST, NULL, "duplicates is a number from 1 to 64"};
-    }
-    ric_status status = ric_bases_find(data->atlas, largest, &bases);
-    for (int i = 0; !status && i < ric_bases_n(bases); i++) {
-        ric_base base;
-        if (!(status = ric_bases_get(bases, i, &base)))
-            json_array_append_new(rows, cli_base_row(data->atlas, &base, 1));
-    }
-    ric_bases_free(bases);
-    return from_status(status, rows);
-}
-
-static answer get_cascades(struct MHD_Connection *connection, const view_data *data)
-{
-    const cli_cascade_request all = {0};
-    json_t *rows = json_array();
-    (void)connection;
-    cli_cascade_rows(data->atlas, &all, 1, rows);
-    return (answer){MHD_HTTP_OK, rows, NULL};
-}
 
 /* A budget as a whole number, 0 where it stays as it is. */
 static bool read_budget(const json_t *object, const char *key, int *out)
@@ -385,27 +266,28 @@ static void window(const json_t *object, const char *key, double out[2])
     }
 }
 
-static answer post_extend(view_server *server, const request *r)
+static view_answer post_extend(view_server *server, const request *r)
 {
     json_t *object = json_loadb(r->body, r->n, JSON_REJECT_DUPLICATES, NULL);
     view_budgets wanted = {0};
     if (!json_is_object(object) || !read_budgets(object, &wanted)) {
         json_decref(object);
-        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
-                        "the body must be an object with some of depth, impacts, multiply, seconds (whole numbers from "
-                        "0), energy, frequency"};
+        return (view_answer){
+            MHD_HTTP_BAD_REQUEST, NULL,
+            "the body must be an object with some of depth, impacts, multiply, seconds (whole numbers from "
+            "0), energy, frequency"};
     }
     window(object, "energy", wanted.energy);
     window(object, "frequency", wanted.frequency);
     json_decref(object);
     const ric_status status = view_grower_start(server->grower, &wanted);
-    if (status == RIC_E_BUSY) return (answer){MHD_HTTP_CONFLICT, NULL, "an extension is running; stop it first"};
+    if (status == RIC_E_BUSY) return (view_answer){MHD_HTTP_CONFLICT, NULL, "an extension is running; stop it first"};
     if (status == RIC_E_INPUT)
-        return (answer){MHD_HTTP_BAD_REQUEST, NULL,
-                        wanted.somewhere
-                            ? "a region is energy: [lower, upper] and frequency: [lower, upper], in numbers"
-                            : "a budget would shrink, which would take branches out of the atlas"};
-    return from_status(status, status ? NULL : view_grower_status(server->grower));
+        return (view_answer){MHD_HTTP_BAD_REQUEST, NULL,
+                             wanted.somewhere
+                                 ? "a region is energy: [lower, upper] and frequency: [lower, upper], in numbers"
+                                 : "a budget would shrink, which would take branches out of the atlas"};
+    return view_answer_of(status, status ? NULL : view_grower_status(server->grower));
 }
 
 static json_t *server_status(view_server *server, const view_data *data)
@@ -467,9 +349,7 @@ static bool exhausted(void *user)
     return p->server->ending || now.tv_sec - p->since.tv_sec > COMPUTING_SECONDS;
 }
 
-typedef answer (*computed)(struct MHD_Connection *connection, const view_data *data);
-
-static enum MHD_Result compute(view_server *server, struct MHD_Connection *connection, computed what,
+static enum MHD_Result compute(view_server *server, struct MHD_Connection *connection, view_route *what,
                                const view_data *data)
 {
     if (!brings_token(server, connection)) return refuse(connection, MHD_HTTP_FORBIDDEN, no_token);
@@ -479,13 +359,13 @@ static enum MHD_Result compute(view_server *server, struct MHD_Connection *conne
     clock_gettime(CLOCK_MONOTONIC, &p.since);
     ric_halt_ask(exhausted, &p);
     ric_memory_clear(); /* of the request before */
-    answer a = what(connection, data);
+    view_answer a = what(connection, data);
     const bool halted = ric_halted();
     ric_halt_ask(NULL, NULL);
     end_computing(server);
     if (halted) {
         json_decref(a.json);
-        a = (answer){MHD_HTTP_SERVICE_UNAVAILABLE, NULL, "this took too long, and was broken off"};
+        a = (view_answer){MHD_HTTP_SERVICE_UNAVAILABLE, NULL, "this took too long, and was broken off"};
     }
     return a.error ? refuse(connection, a.status, a.error) : reply_json(connection, a.status, a.json, NULL);
 }
@@ -493,18 +373,11 @@ static enum MHD_Result compute(view_server *server, struct MHD_Connection *conne
 static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *connection, const char *path,
                                   const view_data *data)
 {
-    static const struct {
-        const char *path;
-        computed what;
-    } computing[] = {{"/api/orbit", get_orbit},
-                     {"/api/curve", get_curve},
-                     {"/api/bases", get_bases},
-                     {"/api/cascades", get_cascades}};
+    view_route *route = view_route_of(path);
     char tag[48];
     for (const view_file *file = view_page; file->path; file++)
         if (!strcmp(path, file->path)) return reply_file(connection, file);
-    for (size_t i = 0; i < sizeof computing / sizeof *computing; i++)
-        if (!strcmp(path, computing[i].path)) return compute(server, connection, computing[i].what, data);
+    if (route) return compute(server, connection, route, data);
     if (!strcmp(path, "/api/status")) return reply_json(connection, MHD_HTTP_OK, server_status(server, data), NULL);
     snprintf(tag, sizeof tag, "\"%s-%u\"", server->mark, data->generation);
     const bool atlas = !strcmp(path, "/api/atlas"), points = !strcmp(path, "/api/points"),
@@ -526,7 +399,7 @@ static enum MHD_Result answer_post(view_server *server, struct MHD_Connection *c
         view_grower_stop(server->grower);
         return reply_json(connection, MHD_HTTP_OK, view_grower_status(server->grower), NULL);
     }
-    const answer a = post_extend(server, r);
+    const view_answer a = post_extend(server, r);
     return a.error ? refuse(connection, a.status, a.error) : reply_json(connection, a.status, a.json, NULL);
 }
 

@@ -404,6 +404,16 @@ ric_status ric_section_place(const ric_section *s, int face, const double *x, co
     return RIC_OK;
 }
 
+ric_status ric_section_state(const ric_section *s, int face, const double *place, double *x, double *v)
+{
+    double w[2 * s->m->n];
+    uint64_t closed;
+    if (face < 0 || face >= s->surface->n_face || !ric_section_surface_at(s->surface, face, place, w, &closed))
+        return ric_fail(RIC_E_RANGE, "no motion of this energy is at this place of face %d", face);
+    ric_model_to_state(s->m, w, x, v);
+    return RIC_OK;
+}
+
 int ric_section_image(const ric_section *s, int face)
 {
     return face >= 0 && face < s->surface->n_face ? s->surface->face[face].image : -1;

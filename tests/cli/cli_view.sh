@@ -118,6 +118,8 @@ import json
 part = json.load(open('$folder/body'))
 assert len(part['energy']) == len(part['frequency']) == 7 and part['arclength'] == sorted(part['arclength']), part"; }
 ok 'as many as were asked for, in their order' on_curve
+ok 'a section' gives 200 "${with_token[@]}" "$url/api/section?energy=5&starts=3&impacts=20&orbits=1"
+ok 'thresholds' gives 200 "${with_token[@]}" "$url/api/force?branch=3&harmonic=1&restitution=0.99&force=1,0&damping=0.001"
 ok 'bases' gives 200 "${with_token[@]}" "$url/api/bases"
 ok 'cascades' gives 200 "${with_token[@]}" "$url/api/cascades"
 
@@ -128,7 +130,7 @@ for host in evil.example "evil.example:$port" "127.0.0.1.evil.example:$port" "12
 done
 ok 'no Host at all' gives 421 --http1.0 -H 'Host:' "$url/"
 ok 'Host localhost' gives 200 -H "Host: localhost:$port" "$url/"
-for path in orbit?branch=3\&energy=1.5 curve?branch=3\&from=0\&to=1\&count=3 bases cascades; do
+for path in orbit?branch=3\&energy=1.5 curve?branch=3\&from=0\&to=1\&count=3 section?energy=5\&starts=1\&impacts=9 force?branch=3\&harmonic=1\&restitution=1\&force=1,0\&damping=0 bases cascades; do
     ok "no token: $path" gives 403 "$url/api/$path"
 done
 ok 'a wrong token' gives 403 -H "X-Ricochet-Token: ${token%?}x" "$url/api/bases"
@@ -149,6 +151,17 @@ done
 for query in '' 'branch=3&from=0&to=1' 'branch=3&from=1&to=0&count=5' 'branch=3&from=0&to=nan&count=5' 'branch=3&from=0&to=1&count=33' 'branch=3&from=0&to=1&count=0'; do
     ok "curve?$query" gives 400 "${with_token[@]}" "$url/api/curve?$query"
 done
+for query in '' 'energy=5' 'energy=-5&starts=1&impacts=9' 'energy=5&starts=300&impacts=300' 'energy=5&starts=0&impacts=9' 'energy=5&starts=1&impacts=1' \
+    'energy=5&starts=1&impacts=9&face=0' 'energy=5&starts=1&impacts=9&face=0&u=nan&v=0' 'energy=5&starts=30001&impacts=2' 'energy=1e-9&starts=1&impacts=9'; do
+    ok "section?$query" gives 400 "${with_token[@]}" "$url/api/section?$query"
+done
+ok 'a place outside the section' gives 404 "${with_token[@]}" "$url/api/section?energy=5&starts=1&impacts=9&face=0&u=0.9&v=0.9"
+for face in 2 99; do ok "a face $face that is not there" gives 404 "${with_token[@]}" "$url/api/section?energy=5&starts=1&impacts=9&face=$face&u=0&v=0"; done
+for query in '' 'branch=3&harmonic=0&restitution=1&force=1,0&damping=0.1' 'branch=3&harmonic=1&restitution=1&force=1&damping=0.1' 'branch=3&harmonic=1&restitution=2&force=1,0&damping=0.1' \
+    'branch=3&harmonic=1&restitution=1&force=1,,0&damping=0.1' 'branch=3&harmonic=1&restitution=1&force=1,0&damping=-1' "branch=3&harmonic=1&restitution=1&force=$(printf '1,%.0s' {1..1200})1&damping=0"; do
+    ok "force?${query:0:70}" gives 400 "${with_token[@]}" "$url/api/force?$query"
+done
+ok 'the force on no branch' gives 404 "${with_token[@]}" "$url/api/force?branch=999&harmonic=1&restitution=1&force=1,0&damping=0.1"
 ok 'a curve of no branch' gives 404 "${with_token[@]}" "$url/api/curve?branch=999&from=0&to=1&count=5"
 ok 'a branch that is not there' gives 404 "${with_token[@]}" "$url/api/orbit?branch=999&energy=1"
 ok 'a point that is not there' gives 404 "${with_token[@]}" "$url/api/orbit?branch=3&point=99999"

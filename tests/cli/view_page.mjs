@@ -290,7 +290,7 @@ async function accessible(page) {
     for (const v of violations) found.push(`${name}: ${v.id} (${v.impact}) ${v.nodes.map((n) => n.target.join(" ")).slice(0, 3).join(", ")}`);
   };
   for (const theme of ["light", "dark"]) {
-    for (const tab of ["branches", "paths", "grow", "help", "here"]) {
+    for (const tab of ["branches", "paths", "section", "force", "grow", "help", "here"]) {
       await page.click(`[data-tab=${tab}]`);
       await page.waitForTimeout(60);
       await look(`${theme} ${tab}`);
@@ -389,6 +389,64 @@ async function comparing(page, shot, atlas) {
   ok("a stored point says that it is proved", (await value(page, "proved")).startsWith("exactly one") && (await page.locator("#content .sub").first().innerText()).includes(`${proved.proved} of ${proved.points} points proved`));
 }
 
+// The section at the energy of the chosen motion: its orbits return to where they are marked, clicks choose and follow.
+async function sections(page, shot, atlas) {
+  const branch = rows("branches", atlas).find((b) => b.label === "A3[001]");
+  await page.evaluate((b) => {
+    location.hash = `b=${b}&s=0.6`;
+    dispatchEvent(new PopStateEvent("popstate"));
+  }, branch.id);
+  await orbitShown(page, branch.id);
+  await page.click("[data-tab=section]");
+  await page.waitForFunction(() => window.ricochet().section.starts > 0, null, { timeout: GUARD });
+  const energy = await page.evaluate(() => window.ricochet().orbit().energy);
+  const seen = await page.evaluate(() => window.ricochet().section);
+  const own = seen.orbits.find((o) => o.branch === branch.id);
+  ok("the section has the energy of the motion, and its orbit", seen.energy === energy && own?.faces.length === 3, JSON.stringify(own));
+  const off = await page.evaluate(async ([e, list]) => {
+    let worst = 0;
+    for (const o of list) {
+      const n = o.faces.length;
+      const answer = await fetch(`/api/section?energy=${e}&starts=1&impacts=${n + 1}&face=${o.faces[0]}&u=${o.places[0]}&v=${o.places[1]}`, { headers: { "X-Ricochet-Token": sessionStorage.getItem("token") } });
+      const { starts } = await answer.json();
+      const back = starts[0].places.slice(-2);
+      worst = Math.max(worst, Math.hypot(back[0] - o.places[0], back[1] - o.places[1]));
+    }
+    return worst;
+  }, [seen.energy, seen.orbits]);
+  ok("every orbit of the atlas returns to its place", seen.orbits.length > 2 && off < 1e-7, String(off));
+  const at = await page.evaluate((o) => window.ricochet().section.toPage(o.places[0], o.places[1]), own);
+  await page.mouse.click(at.x, at.y);
+  ok("a click on an orbit marks its impacts", (await page.evaluate(() => window.ricochet().section.chosen?.branch)) === branch.id);
+  const beside = await page.evaluate(() => window.ricochet().section.toPage(-0.2, 0.62));
+  await page.mouse.click(beside.x, beside.y);
+  await page.waitForFunction(() => window.ricochet().section.followed === 1, null, { timeout: GUARD });
+  ok("a click beside them follows a motion", await page.evaluate(() => window.ricochet().section.chosen.faces.length === 2000));
+  await shot("section");
+}
+
+// Thresholds of a harmonic force as `ricochet force` has them, and what resonates at a level.
+async function forcing(page, shot, atlas) {
+  await page.click("[data-tab=force]");
+  await page.click(".force .primary");
+  await page.waitForFunction(() => window.ricochet().force.branches > 12 && !window.ricochet().force.busy, null, { timeout: GUARD });
+  const { id } = rows("branches", atlas).find((b) => b.label === "S2+[01]");
+  const told = rows("force", atlas, "--force", "1,0", "--damping", "0.001", "--branch", String(id));
+  const shown = await page.evaluate((b) => window.ricochet().force.row(b), id);
+  ok("thresholds are those of the command line", told.length === shown.threshold.length && told.every((row, i) => row.threshold === shown.threshold[i] && row.omega === shown.omega[i]));
+  const level = await page.evaluate(() => {
+    const slider = document.querySelector(".level input");
+    slider.value = "0.25";
+    slider.dispatchEvent(new Event("input"));
+    return window.ricochet().force.level;
+  });
+  const parts = await page.evaluate((b) => window.ricochet().force.parts(b), id);
+  const points = rows("points", atlas, "--branch", String(id)).filter((p) => p.energy > 0);
+  const inside = (s) => parts.some((part) => s >= part.from - 1e-12 && s <= part.to + 1e-12);
+  ok("what is below the level is lit, and nothing else", parts.length > 5 && points.every((p, i) => inside(p.arclength) === told[i].threshold <= level), `${level}`);
+  await shot("force");
+}
+
 async function saving(page) {
   for (const [what, ending, test] of [
     ["svg", ".svg", (text) => text.startsWith("<svg") && text.includes("frequency ω") && (text.match(/<path/g) ?? []).length > 20],
@@ -423,6 +481,8 @@ async function demo(browser) {
   await table(page, shot, atlas);
   await units(page, shot, atlas);
   await comparing(page, shot, atlas);
+  await sections(page, shot, atlas);
+  await forcing(page, shot, atlas);
   await accessible(page);
   await zooming(page, shot);
   await growing(page, shot, atlas);

@@ -338,12 +338,23 @@ static void starts_fill_the_section(void **state)
         assert_int_equal(ric_section_impact(section, i, 0, NULL, &face, x, v), RIC_OK);
         assert_int_equal(face, 0);
         assert_int_equal(ric_section_place(section, face, x, v, b), RIC_OK);
+        double again[4], there[2];
+        assert_int_equal(ric_section_state(section, face, b, again, again + 2), RIC_OK);
+        assert_int_equal(ric_section_place(section, face, again, again + 2, there), RIC_OK);
+        for (int k = 0; k < 2; k++) {
+            assert_true(fabs(again[k] - x[k]) < 1e-12 && fabs(again[2 + k] - v[k]) < 1e-12);
+            assert_true(fabs(there[k] - b[k]) < 1e-12);
+        }
         double square = b[0] * b[0] + b[1] * b[1];
         assert_true(square < 1);
         held[(int)(square * RINGS)][(int)((atan2(b[1], b[0]) / (2 * PI) + 0.5) * SECTORS) % SECTORS]++;
     }
     for (int r = 0; r < RINGS; r++)
         for (int s = 0; s < SECTORS; s++) assert_in_range(held[r][s], 15, 35);
+    const double outside[2] = {0.8, 0.7};
+    double nowhere[4];
+    assert_int_equal(ric_section_state(section, 0, outside, nowhere, nowhere + 2), RIC_E_RANGE);
+    assert_int_equal(ric_section_state(section, 99, outside, nowhere, nowhere + 2), RIC_E_RANGE);
     ric_section_free(section);
     ric_study_free(study);
 }

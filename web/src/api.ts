@@ -189,14 +189,11 @@ const token = saved ? "" : takeToken();
 export const mayCompute = saved || token !== "";
 
 async function failure(response: Response): Promise<Error> {
-  try {
-    return new Error(((await response.json()) as { error: string }).error);
-  } catch {
-    return new Error(`the server answered ${response.status}`);
-  }
+  const text = await response.json().then((answer) => (answer as { error: string }).error, () => `the server answered ${response.status}`);
+  return Object.assign(new Error(text), { status: response.status });
 }
 
-async function ask<T>(path: string, options: RequestInit = {}): Promise<T> {
+async function request<T>(path: string, options: RequestInit = {}): Promise<T> {
   const response = await fetch(path, { ...options, headers: { "X-Ricochet-Token": token }, credentials: "omit" });
   if (!response.ok) throw await failure(response);
   return (await response.json()) as T;
@@ -204,23 +201,23 @@ async function ask<T>(path: string, options: RequestInit = {}): Promise<T> {
 
 const notSaved = (what: string) => Promise.reject(new Error(`A saved page has no ${what}: ricochet view ATLAS shows them.`));
 
-export const getStatus = () => ask<Status>("/api/status");
-export const getBases = (): Promise<BaseRow[]> => saved ? notSaved("fractal bases") : ask<BaseRow[]>("/api/bases");
-export const getCascades = (): Promise<CascadeRow[]> => saved ? notSaved("cascades") : ask<CascadeRow[]>("/api/cascades");
-export const stopExtension = () => ask<Extension>("/api/stop", { method: "POST", body: "{}" });
+export const getStatus = () => request<Status>("/api/status");
+export const getBases = (): Promise<BaseRow[]> => saved ? notSaved("fractal bases") : request<BaseRow[]>("/api/bases");
+export const getCascades = (): Promise<CascadeRow[]> => saved ? notSaved("cascades") : request<CascadeRow[]>("/api/cascades");
+export const stopExtension = () => request<Extension>("/api/stop", { method: "POST", body: "{}" });
 export interface Region {
   energy: [number, number];
   frequency: [number, number];
 }
 export const extend = (budgets: { depth?: number; impacts?: number; multiply?: number; seconds?: number } & Partial<Region>) =>
-  ask<Extension>("/api/extend", { method: "POST", body: JSON.stringify(budgets) });
+  request<Extension>("/api/extend", { method: "POST", body: JSON.stringify(budgets) });
 
 export type Where = { point: number } | { energy: number } | { frequency: number } | { arclength: number };
 
 export const getOrbit = (branch: number, where: Where, signal?: AbortSignal): Promise<Orbit[]> => {
   const [name, value] = Object.entries(where)[0] as [string, number];
   if (saved) return Promise.resolve(savedOrbit(branch, value));
-  return ask<Orbit[]>(`/api/orbit?branch=${branch}&${name}=${value}`, { signal });
+  return request<Orbit[]>(`/api/orbit?branch=${branch}&${name}=${value}`, { signal });
 };
 
 export interface CurvePart {
@@ -230,7 +227,43 @@ export interface CurvePart {
 }
 
 // Orbits between stored points, in the order of the branch.
-export const getCurve = (branch: number, from: number, to: number, count: number) => ask<CurvePart>(`/api/curve?branch=${branch}&from=${from}&to=${to}&count=${count}`);
+export const getCurve = (branch: number, from: number, to: number, count: number) => request<CurvePart>(`/api/curve?branch=${branch}&from=${from}&to=${to}&count=${count}`);
+
+// A motion on a section: pairs of displacement and momentum at its impacts.
+export interface SectionStart {
+  branch?: number; // of an orbit of the atlas
+  stable?: number;
+  lyapunov: number | null; // per second
+  lyapunov_error: number | null;
+  rotation: number | null;
+  why: string;
+  faces: number[];
+  places: number[];
+}
+
+export interface SectionAnswer {
+  energy: number;
+  modes: number;
+  starts: SectionStart[];
+  orbits: SectionStart[];
+}
+
+export const getSection = (ask: { energy: number; starts: number; impacts: number; orbits?: boolean; from?: { face: number; u: number; v: number } }) =>
+  request<SectionAnswer>(`/api/section?energy=${ask.energy}&starts=${ask.starts}&impacts=${ask.impacts}${ask.orbits ? "&orbits=1" : ""}${ask.from ? `&face=${ask.from.face}&u=${ask.from.u}&v=${ask.from.v}` : ""}`);
+
+// Thresholds along a branch; null: no work is done.
+export interface ForceRow {
+  arclength: number[];
+  energy: number[];
+  omega: number[];
+  threshold: (number | null)[];
+  stable: number[];
+  why: string[]; // what forbids to trust it; ""
+  amplitudes: number[][];
+}
+
+export const getForce = (branch: number, of: { force: number[]; damping: number[]; restitution: number; harmonic: number }) =>
+  request<ForceRow>(`/api/force?branch=${branch}&harmonic=${of.harmonic}&restitution=${of.restitution}&force=${of.force.join(",")}&damping=${of.damping.join(",")}`);
 
 // Points of branches. An outline has some of them, and says at its end how many of each branch.
 export interface Source {
@@ -249,7 +282,7 @@ async function getPacked(path: string): Promise<{ packed: ArrayBuffer; generatio
 export async function getAtlas(): Promise<Source> {
   if (saved) return savedSource();
   for (;;) {
-    const [description, { packed, generation }] = await Promise.all([ask<Description>("/api/atlas"), getPacked("/api/outline")]);
+    const [description, { packed, generation }] = await Promise.all([request<Description>("/api/atlas"), getPacked("/api/outline")]);
     if (generation === description.generation) return { description, packed, outline: true };
   }
 }

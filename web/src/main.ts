@@ -8,6 +8,8 @@ import { junctionPanel, placeOn } from "./junctionpanel";
 import { CanvasPen } from "./pen";
 import { junctionRuns, toHtml } from "./labels";
 import { Lists } from "./lists";
+import { ForcePanel } from "./forcepanel";
+import { SectionPanel } from "./sectionpanel";
 import { BranchTable } from "./table";
 import { OrbitPanel } from "./orbitpanel";
 import { Plot, type Selected } from "./plot";
@@ -21,8 +23,8 @@ import { createPainter, palette, type Colouring, type Painter } from "./theme";
 import type { Window } from "./view";
 
 const COLOURS: Colouring[] = ["symmetry", "stability", "word", "base"];
-type Tab = "here" | "branches" | "paths" | "grow" | "help";
-const TABS: Tab[] = ["here", "branches", "paths", "grow", "help"];
+type Tab = "here" | "branches" | "paths" | "section" | "force" | "grow" | "help";
+const TABS: Tab[] = ["here", "branches", "paths", "section", "force", "grow", "help"];
 
 const settings = { full: false, hertz: false, scale: "scaled" as Scale, size: Number(localStorage.getItem("size")) || 14 };
 
@@ -34,6 +36,8 @@ class Page {
   private orbit: OrbitPanel;
   private lists: Lists;
   private table: BranchTable;
+  private section: SectionPanel;
+  private force: ForcePanel;
   private grow: Grow;
   private refiner = new Refiner(() => this.atlas, () => this.plot.scene.doubts, () => this.plot.redraw());
   private dark = (localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light")) === "dark";
@@ -59,8 +63,23 @@ class Page {
       inView: (b) => this.plot.scene.tracks.some((t) => t.branch.id === b.id),
       shown: () => this.plot.selected?.branch ?? 0,
     });
+    this.section = new SectionPanel(() => this.atlas, () => palette(this.dark), this.units, () => settings.size, {
+      energy: () => this.chosenEnergy(),
+      orbit: (branch, energy) => this.selectAt(branch, energy),
+    });
+    this.force = new ForcePanel(() => this.atlas, () => palette(this.dark), this.units, () => settings.size, {
+      lit: (parts) => {
+        this.plot.lit = parts;
+        this.plot.touch(false);
+      },
+      go: (branch, arclength) => this.select({ branch, k: 1, arclength }, true, false),
+      order: (ids) => {
+        const seen = new Set(this.plot.scene.tracks.map((t) => t.branch.id));
+        return [...ids].sort((a, b) => Number(seen.has(b)) - Number(seen.has(a)) || a - b);
+      },
+    });
     this.plot = new Plot($("plot"), this.atlas, this.painter(), palette(this.dark), options, this.units, {
-      pick: (hit) => this.select({ branch: hit.branch.id, k: hit.k, arclength: hit.arclength }, true),
+      pick: (hit) => this.select({ branch: hit.branch.id, k: hit.k, arclength: hit.arclength }, true, this.tab !== "section" && this.tab !== "force"),
       pickJunction: (mark) => this.selectJunction(mark.junction.id),
       moved: () => this.rested(),
       hover: (text) => this.status(text),
@@ -76,6 +95,7 @@ class Page {
         const now = this.plot.selected;
         if (!now || now.branch !== s.branch || now.arclength !== s.arclength) return;
         now.at = { energy: orbit.energy, frequency: orbit.frequency };
+        if (this.tab === "section" && !this.orbit.plays) this.section.show();
         this.plot.touch(false);
       },
       junction: (id) => this.goJunction(id),
@@ -117,6 +137,7 @@ class Page {
       return span;
     });
     $("legend").replaceChildren(...swatches, ...(painter.oneColour ? [LINES] : []));
+    if (this.tab === "section" || this.tab === "force") this.showTab(this.tab);
     this.orbit.refresh();
   }
 
@@ -251,7 +272,28 @@ class Page {
 
   /* ------------------------------------------------------------ selection */
 
-  private select(s: Selected, step: boolean): void {
+  // Of the motion or the junction that is chosen.
+  private chosenEnergy(): number | null {
+    if (this.plot.chosenJunction) return this.atlas.junction(this.plot.chosenJunction).energy;
+    const s = this.plot.selected;
+    return s ? (s.at ?? this.atlas.at(this.atlas.branch(s.branch), s.arclength)).energy : null;
+  }
+
+  // The place of a branch that has an energy, on the way from its start.
+  private selectAt(id: number, energy: number): void {
+    const b = this.atlas.branch(id);
+    for (let i = b.place; b && i + 1 < b.place + b.knots; i++) {
+      const [e0, e1, s0, s1] = [this.atlas.energy[i], this.atlas.energy[i + 1], this.atlas.arclength[i], this.atlas.arclength[i + 1]];
+      if ((e0 - energy) * (e1 - energy) > 0) continue;
+      const arclength = e1 === e0 ? s0 : s0 + ((energy - e0) / (e1 - e0)) * (s1 - s0);
+      this.select({ branch: id, k: 1, arclength }, true, false);
+      const at = this.atlas.at(b, arclength);
+      if (!this.plot.shows(at.energy, at.frequency)) this.plot.centre(at.energy, at.frequency);
+      return;
+    }
+  }
+
+  private select(s: Selected, step: boolean, show = true): void {
     const b = this.atlas.branch(s.branch);
     if (!b) return;
     const end = this.atlas.arclength[b.place + b.knots - 1];
@@ -261,7 +303,7 @@ class Page {
     this.plot.path = [];
     this.orbit.play(false);
     void this.orbit.select(inside);
-    this.showTab("here");
+    if (show) this.showTab("here");
     this.plot.touch(false);
     this.keep(step);
   }
@@ -371,6 +413,12 @@ class Page {
     else if (tab === "grow") {
       content.replaceChildren(this.grow.root);
       this.grow.show();
+    } else if (tab === "section") {
+      content.replaceChildren(this.section.root);
+      this.section.show();
+    } else if (tab === "force") {
+      content.replaceChildren(this.force.root);
+      this.force.show();
     } else if (tab === "branches") {
       content.replaceChildren(this.table.root);
       this.table.show();
@@ -451,6 +499,9 @@ class Page {
       return;
     }
     this.orbit.unpin();
+    this.section.forget();
+    this.force.forget();
+    this.plot.lit = [];
     this.atlas = new Atlas(this.source, this.plot.view.log);
     this.lists.forget();
     if (this.colouring === "base") await this.lists.loadBases().catch(() => []);
@@ -568,7 +619,11 @@ class Page {
     if (what === "svg") download(`${name}.svg`, plotSvg(this.plot), "image/svg+xml");
     else if (what === "png") download(`${name}.png`, await plotPng(this.plot), "image/png");
     else if (what === "csv") download(`${name}.csv`, plotCsv(this.plot, this.units()), "text/csv");
-    else if (what === "motion") {
+    else if (what === "section") {
+      const text = this.section.svg();
+      if (text) download(`${name}-section.svg`, text, "image/svg+xml");
+      else this.status("No section is shown: see the tab Section.");
+    } else if (what === "motion") {
       this.status("drawing the motion …");
       const motion = await this.orbit.motion();
       this.status(motion ? "" : "No motion is chosen: click a line first.");
@@ -641,7 +696,7 @@ class Page {
       frames: this.plot.frames, renderer: this.plot.lines.name, points: this.atlas.total, segments: this.plot.scene.segments.n,
       toPage: (energy: number, frequency: number) => this.plot.toPage(energy, frequency), window: () => ({ ...this.plot.view.window }),
       off: (branch: number, energy: number, frequency: number) => this.plot.scene.distance(branch, this.plot.view.px(this.plot.view.toX(energy)), this.plot.view.py(this.plot.view.toY(frequency))),
-      doubts: this.plot.scene.doubts.length, refining: this.refiner.running, selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,
+      doubts: this.plot.scene.doubts.length, refining: this.refiner.running, section: this.section.probe(), force: this.force.probe(), lit: this.plot.lit.length, selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,
       stored: (branch: number, s: number) => orbitOf(branch, s)[0], motion: savedMotion, // of a saved page
     };
   }

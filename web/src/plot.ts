@@ -1,6 +1,7 @@
 // The frequency-energy plot: lines below, axes, marks and labels above, pointer and wheel on top.
 import type { Region } from "./api";
 import type { Atlas, Branch } from "./atlas";
+import type { Lit } from "./forcepanel";
 import { junctionRuns, measure } from "./labels";
 import { createLines, type LineRenderer, Segments, type Style } from "./lines";
 import { placeLabels, type Label, type LabelChoice } from "./place";
@@ -31,6 +32,7 @@ export interface PlotEvents {
   hover(text: string): void;
 }
 
+const LIT_STEPS = 6;
 const REST = 90; // ms without motion, after which labels are placed anew
 
 // Where a leader from its mark meets a label.
@@ -46,6 +48,7 @@ export class Plot {
   pinned: Selected | null = null; // what it is compared with
   chosenJunction = 0;
   path: number[] = []; // branches of a cascade or a base
+  lit: Lit[] = []; // what resonates at a level of the force
   fresh = new Set<number>(); // branches that have just appeared
   frames: number[] = []; // ms of work per frame, for whoever measures
   readonly lines: LineRenderer;
@@ -373,6 +376,7 @@ export class Plot {
     const { view, scene, palette: p, options } = this;
     if (options.reference) this.paintReference(pen);
     this.paintRegions(pen);
+    this.paintLit(pen);
     const placed = this.labels.map((label) => ({ label, dx: view.px(label.anchor.x) - label.px, dy: view.py(label.anchor.y) - label.py }));
     for (const { label, dx, dy } of placed)
       if (label.leader)
@@ -403,6 +407,21 @@ export class Plot {
       });
     draw(model.frequencies, [12, 4, 1, 4]);
     draw(model.locked, [5, 4]);
+  }
+
+  // Along the curve, in steps that follow it; stable parts wide, those that are not to be trusted broken.
+  private paintLit(pen: Pen): void {
+    const { view, scene, palette: p } = this;
+    for (const { branch, from, to, trusted, stable } of this.lit) {
+      const b = scene.atlas.branch(branch);
+      if (!b) continue;
+      const points: number[] = [];
+      for (let i = 0; i <= LIT_STEPS; i++) {
+        const { energy, frequency } = scene.atlas.at(b, from + (i / LIT_STEPS) * (to - from));
+        points.push(view.px(view.toX(energy)), view.py(view.toY(frequency)));
+      }
+      pen.path(points, { stroke: p.lit, width: stable ? 9 : 6, alpha: 0.5, dash: trusted ? undefined : [3, 4] });
+    }
   }
 
   // Where larger budgets hold, while the living atlas is looked at.
