@@ -120,6 +120,9 @@ void view_grower_free(view_grower *grower);
 /* RIC_E_BUSY while one is running, RIC_E_INPUT when a budget would shrink, or when the region is none. */
 ric_status view_grower_start(view_grower *grower, const view_budgets *budgets);
 void view_grower_stop(view_grower *grower);
+/* Makes the atlas again what it was before the last extension. RIC_E_MISSING: there was none since the server began, or
+ * somebody else has changed the atlas since. */
+ric_status view_grower_undo(view_grower *grower);
 /* The same, and nothing is begun or written any more: the server ends. */
 void view_grower_leave(view_grower *grower);
 bool view_grower_busy(view_grower *grower);

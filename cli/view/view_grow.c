@@ -16,6 +16,13 @@
 
 #define SHARE 1.25 /* an extension lasts at least so many times as long as it takes to come to something new */
 
+enum { UNDO_MOST = 16 };
+
+/* The texts of the study before and after an extension. */
+typedef struct {
+    char *before, *after;
+} step;
+
 struct view_grower {
     view_shelf *shelf;
     int workers;
@@ -23,7 +30,10 @@ struct view_grower {
     pthread_mutex_t lock;
     bool begun, running, stop; /* a thread was started and not joined; it works; it is asked to stop */
     bool leaving;              /* the server ends */
-    const ric_atlas *before;   /* of the running thread: what is extended, and whether it was left as it is */
+    bool undoing;              /* the running thread goes back */
+    step undo[UNDO_MOST];      /* the extensions that can be taken back, the last one at the end */
+    int n_undo;
+    const ric_atlas *before; /* of the running thread: what is extended, and whether it was left as it is */
     bool kept;
     double news; /* seconds until the extension came to something that was not done before; 0: not yet */
     double seconds;
@@ -59,11 +69,19 @@ void view_grower_leave(view_grower *g)
     pthread_mutex_unlock(&g->lock);
 }
 
+static void drop_step(view_grower *g, int i)
+{
+    free(g->undo[i].before);
+    free(g->undo[i].after);
+    memmove(g->undo + i, g->undo + i + 1, (size_t)(--g->n_undo - i) * sizeof *g->undo);
+}
+
 void view_grower_free(view_grower *g)
 {
     if (!g) return;
     view_grower_leave(g);
     if (g->begun) pthread_join(g->thread, NULL);
+    while (g->n_undo > 0) drop_step(g, 0);
     pthread_mutex_destroy(&g->lock);
     free(g);
 }
@@ -91,10 +109,11 @@ static bool report(const ric_progress *now, void *user)
     return stop;
 }
 
-/* The study that the atlas holds. */
+/* The study that the atlas holds; to go back, the one that it held before. */
 static ric_status study_of(view_grower *g, const view_data *data, ric_study **out)
 {
-    return ric_study_parse(ric_study_text(ric_atlas_study(data->atlas)), view_shelf_path(g->shelf), ".", out);
+    const char *text = g->undoing ? g->undo[g->n_undo - 1].before : ric_study_text(ric_atlas_study(data->atlas));
+    return ric_study_parse(text, view_shelf_path(g->shelf), ".", out);
 }
 
 static ric_status raise_budget(ric_study *study, const char *key, int value)
@@ -131,7 +150,7 @@ static bool worth(void *user, const ric_atlas *unfinished)
     pthread_mutex_lock(&g->lock);
     const bool leaving = g->leaving;
     pthread_mutex_unlock(&g->lock);
-    g->kept = leaving || !ric_atlas_contains(unfinished, g->before);
+    g->kept = leaving || g->undoing || !ric_atlas_contains(unfinished, g->before);
     return !g->kept;
 }
 
@@ -140,6 +159,29 @@ static ric_status explore(view_grower *g, const ric_study *study)
     const ric_run_options options = {.workers = g->workers, .progress = report, .user = g};
     const ric_explore_more more = {.worth = worth, .user = g};
     return ric_explore_with(study, view_shelf_path(g->shelf), &options, &more, NULL);
+}
+
+static const char *text_of(const view_data *data)
+{
+    return ric_study_text(ric_atlas_study(data->atlas));
+}
+
+/* Remembers the study that the atlas had; when an extension is undone, forgets it. */
+static void remember(view_grower *g, const char *before)
+{
+    view_data *data = view_data_take(g->shelf);
+    step now = {strdup(before), strdup(text_of(data))};
+    view_data_release(g->shelf, data);
+    pthread_mutex_lock(&g->lock);
+    if (g->undoing && g->n_undo > 0) drop_step(g, g->n_undo - 1);
+    if (g->undoing || !now.before || !now.after || !strcmp(now.before, now.after)) {
+        free(now.before);
+        free(now.after);
+    } else {
+        if (g->n_undo == UNDO_MOST) drop_step(g, 0);
+        g->undo[g->n_undo++] = now;
+    }
+    pthread_mutex_unlock(&g->lock);
 }
 
 static void finish(view_grower *g, ric_status status, int n_before, bool kept)
@@ -158,6 +200,7 @@ static void finish(view_grower *g, ric_status status, int n_before, bool kept)
             snprintf(message, sizeof message,
                      "stopped early: the atlas is as before, and the work that was finished is kept in it for the next "
                      "time");
+        else if (g->undoing) snprintf(message, sizeof message, "undone: %d branches less", -n);
         else snprintf(message, sizeof message, "%s%d new branch%s", status ? "stopped: " : "", n, n == 1 ? "" : "es");
         view_data_release(g->shelf, data);
     }
@@ -181,10 +224,11 @@ static void *work(void *user)
                             ? ric_fail(RIC_E_IO, "%s: the file is gone, and there is nothing to extend",
                                        view_shelf_path(g->shelf))
                             : study_of(g, data, &larger);
-    if (!status) status = raise_budgets(larger, &g->budgets);
+    if (!status && !g->undoing) status = raise_budgets(larger, &g->budgets);
     if (!status) status = explore(g, larger);
-    view_data_release(g->shelf, data);
     finish(g, status, n_before, g->kept);
+    if ((!status || status == RIC_E_INTERRUPTED) && !g->kept && !g->failed) remember(g, text_of(data));
+    view_data_release(g->shelf, data);
     ric_study_free(larger);
     return NULL;
 }
@@ -214,35 +258,53 @@ static ric_status check(view_grower *g, const view_budgets *b)
     return depth || shrinks(b->impacts, o.impacts) || shrinks(b->multiply, o.multiply) ? RIC_E_INPUT : RIC_OK;
 }
 
-ric_status view_grower_start(view_grower *g, const view_budgets *budgets)
+static ric_status begin(view_grower *g, const view_budgets *budgets, bool undoing)
 {
-    ric_status status = check(g, budgets);
-    if (status) return status;
+    ric_status status = RIC_E_BUSY;
     pthread_mutex_lock(&g->lock);
-    if (g->running || g->leaving) {
-        pthread_mutex_unlock(&g->lock);
-        return RIC_E_BUSY;
+    if (!g->running && !g->leaving) {
+        if (g->begun) pthread_join(g->thread, NULL);
+        g->budgets = *budgets;
+        g->undoing = undoing;
+        g->stop = g->failed = false;
+        g->news = 0;
+        g->progress = (ric_progress){0};
+        g->message[0] = '\0';
+        g->running = g->begun = !pthread_create(&g->thread, NULL, work, g);
+        status = g->running ? RIC_OK : RIC_E_NOMEM;
     }
-    if (g->begun) pthread_join(g->thread, NULL);
-    g->budgets = *budgets;
-    g->stop = g->failed = false;
-    g->news = 0;
-    g->progress = (ric_progress){0};
-    g->message[0] = '\0';
-    g->running = g->begun = !pthread_create(&g->thread, NULL, work, g);
-    status = g->running ? RIC_OK : RIC_E_NOMEM;
     pthread_mutex_unlock(&g->lock);
     return status;
+}
+
+ric_status view_grower_start(view_grower *g, const view_budgets *budgets)
+{
+    const ric_status status = check(g, budgets);
+    return status ? status : begin(g, budgets, false);
+}
+
+ric_status view_grower_undo(view_grower *g)
+{
+    const view_budgets none = {0};
+    view_data *data = view_data_take(g->shelf);
+    pthread_mutex_lock(&g->lock);
+    const bool busy = g->running || g->leaving;
+    while (!busy && g->n_undo > 0 && strcmp(g->undo[g->n_undo - 1].after, text_of(data)) != 0)
+        drop_step(g, g->n_undo - 1); /* somebody else has gone on from there */
+    const bool possible = g->n_undo > 0;
+    pthread_mutex_unlock(&g->lock);
+    view_data_release(g->shelf, data);
+    return busy ? RIC_E_BUSY : possible ? begin(g, &none, true) : RIC_E_MISSING;
 }
 
 json_t *view_grower_status(view_grower *g)
 {
     pthread_mutex_lock(&g->lock);
     const ric_progress *p = &g->progress;
-    json_t *object = json_pack("{s:b,s:b,s:b,s:s,s:i,s:i,s:i,s:i,s:i,s:f}", "running", g->running, "stopping",
-                               g->stop && g->running, "failed", g->failed, "message", g->message, "branches",
-                               p->branches, "junctions", p->junctions, "open", p->open, "labels", p->labels, "depth",
-                               p->depth, "seconds", p->seconds);
+    json_t *object = json_pack("{s:b,s:i,s:b,s:b,s:s,s:i,s:i,s:i,s:i,s:i,s:f}", "running", g->running, "undo",
+                               g->n_undo, "stopping", g->stop && g->running, "failed", g->failed, "message", g->message,
+                               "branches", p->branches, "junctions", p->junctions, "open", p->open, "labels", p->labels,
+                               "depth", p->depth, "seconds", p->seconds);
     pthread_mutex_unlock(&g->lock);
     return object;
 }

@@ -290,6 +290,17 @@ static view_answer post_extend(view_server *server, const request *r)
     return view_answer_of(status, status ? NULL : view_grower_status(server->grower));
 }
 
+static view_answer post_undo(view_server *server)
+{
+    const ric_status status = view_grower_undo(server->grower);
+    if (status == RIC_E_BUSY) return (view_answer){MHD_HTTP_CONFLICT, NULL, "an extension is running; stop it first"};
+    if (status == RIC_E_MISSING)
+        return (view_answer){MHD_HTTP_CONFLICT, NULL,
+                             "there is no extension to undo: none since the server began, or another run has changed "
+                             "the atlas"};
+    return view_answer_of(status, status ? NULL : view_grower_status(server->grower));
+}
+
 static json_t *server_status(view_server *server, const view_data *data)
 {
     return json_pack("{s:i,s:o}", "generation", (int)data->generation, "extension", view_grower_status(server->grower));
@@ -391,15 +402,15 @@ static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *co
 static enum MHD_Result answer_post(view_server *server, struct MHD_Connection *connection, const char *path,
                                    const request *r)
 {
-    const bool extend = !strcmp(path, "/api/extend");
-    if (!extend && strcmp(path, "/api/stop") != 0)
+    const bool extend = !strcmp(path, "/api/extend"), undo = !strcmp(path, "/api/undo");
+    if (!extend && !undo && strcmp(path, "/api/stop") != 0)
         return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
     if (!brings_token(server, connection)) return refuse(connection, MHD_HTTP_FORBIDDEN, no_token);
-    if (!extend) {
+    if (!extend && !undo) {
         view_grower_stop(server->grower);
         return reply_json(connection, MHD_HTTP_OK, view_grower_status(server->grower), NULL);
     }
-    const view_answer a = post_extend(server, r);
+    const view_answer a = undo ? post_undo(server) : post_extend(server, r);
     return a.error ? refuse(connection, a.status, a.error) : reply_json(connection, a.status, a.json, NULL);
 }
 

@@ -227,6 +227,13 @@ async function growing(page, shot, atlas) {
   await page.click("[data-offer=multiply]");
   await page.waitForFunction((n) => window.ricochet().branches > n, points, { timeout: GUARD });
   await page.waitForFunction(() => !document.querySelector(".progress.busy"), null, { timeout: GUARD });
+  const grown = rows("branches", atlas).length;
+  await page.click("text=Undo the last growth");
+  await page.waitForFunction((n) => window.ricochet().branches < n, grown, { timeout: GUARD });
+  ok("a growth is undone", rows("branches", atlas).length === points && (await page.evaluate(() => window.ricochet().branches)) === points);
+  await page.waitForFunction(() => !document.querySelector(".progress.busy"), null, { timeout: GUARD });
+  await page.click("[data-offer=multiply]");
+  await page.waitForFunction((n) => window.ricochet().branches === n, grown, { timeout: GUARD });
   ok("the regions that were asked for are listed", (await page.locator(".grow .ways").last().locator(".way").count()) > 0);
   await shot("grown");
   const found = rows("junctions", atlas).find((j) => j.kind === "multiplication" && near(j.energy, C6_33.energy, 1e-8) && near(j.frequency, C6_33.frequency, 1e-8));

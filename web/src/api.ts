@@ -157,6 +157,7 @@ export interface CascadeRow {
 
 export interface Extension {
   running: boolean;
+  undo: number; // extensions that can be taken back
   stopping: boolean;
   failed: boolean;
   message: string;
@@ -205,6 +206,7 @@ export const getStatus = () => request<Status>("/api/status");
 export const getBases = (): Promise<BaseRow[]> => saved ? notSaved("fractal bases") : request<BaseRow[]>("/api/bases");
 export const getCascades = (): Promise<CascadeRow[]> => saved ? notSaved("cascades") : request<CascadeRow[]>("/api/cascades");
 export const stopExtension = () => request<Extension>("/api/stop", { method: "POST", body: "{}" });
+export const undoExtension = () => request<Extension>("/api/undo", { method: "POST", body: "{}" });
 export interface Region {
   energy: [number, number];
   frequency: [number, number];

@@ -1,5 +1,5 @@
 // The living atlas: further departures where a budget has left a region empty.
-import { extend, getStatus, mayCompute, stopExtension, type Budgets, type Extension, type Region, type Status } from "./api";
+import { extend, getStatus, mayCompute, stopExtension, undoExtension, type Budgets, type Extension, type Region, type Status } from "./api";
 import { saved } from "./saved";
 import type { Atlas } from "./atlas";
 import type { Units } from "./units";
@@ -46,6 +46,7 @@ export class Grow {
   private fields: Record<"depth" | "impacts" | "multiply" | "seconds", HTMLInputElement>;
   private go = button("Compute further departures", "Extends the atlas with these budgets", () => void this.start(), "wide primary");
   private stop = button("Stop", "Stops; what was finished is kept", () => void this.halt(), "wide");
+  private undo = button("Undo the last growth", "Makes the atlas what it was before", () => void this.begin(null), "wide");
   private automatic = el("input", { type: "checkbox", id: "automatic" });
   private everywhere = el("input", { type: "checkbox", id: "everywhere" });
   private regions = el("div", { class: "ways" });
@@ -74,7 +75,7 @@ export class Grow {
       el("p", { class: "sub", textContent: "Where a budget has ended the search, larger ones go on: from the junctions in view, unless you ask for everywhere. New branches appear here and are saved into the atlas, and the larger budgets into its study." }),
       this.state, this.seen, this.proposals,
       el("div", { class: "budgets" }, label("Depth", this.fields.depth), label("Impacts", this.fields.impacts), label("Multiply", this.fields.multiply), label("Seconds", this.fields.seconds)),
-      el("label", { class: "check" }, this.everywhere, " everywhere, not only in view"), this.go, this.stop, this.progress,
+      el("label", { class: "check" }, this.everywhere, " everywhere, not only in view"), this.go, this.stop, this.undo, this.progress,
       el("label", { class: "check" }, this.automatic, ` also while I zoom in: one departure deeper, ${AUTOMATIC_SECONDS} s at most`), this.regions);
     if (saved) {
       this.root.replaceChildren(el("h2", { textContent: "Living atlas" }), el("p", { textContent: "This page was saved. It shows the stored points of its atlas; it cannot extend it, nor compute orbits between stored points: ricochet view ATLAS does." }));
@@ -140,6 +141,7 @@ export class Grow {
     this.showRegions();
     this.go.disabled = !possible;
     this.stop.hidden = !busy;
+    this.undo.hidden = busy || !this.extension?.undo;
     this.progress.classList.toggle("busy", busy);
     this.progress.classList.toggle("failed", this.extension?.failed ?? false);
     this.progress.textContent = this.words();
@@ -185,11 +187,12 @@ export class Grow {
     return this.begin({ ...where, depth: n(this.fields.depth), impacts: n(this.fields.impacts), multiply: n(this.fields.multiply), seconds: n(this.fields.seconds) });
   }
 
-  async begin(budgets: Parameters<typeof extend>[0]): Promise<void> {
+  // Null: back to before the last one.
+  async begin(budgets: Parameters<typeof extend>[0] | null): Promise<void> {
     try {
-      this.take(await extend(budgets));
+      this.take(await (budgets ? extend(budgets) : undoExtension()));
     } catch (e) {
-      this.extension = { running: false, stopping: false, failed: true, message: (e as Error).message, branches: 0, junctions: 0, open: 0, labels: 0, depth: 0, seconds: 0 };
+      this.extension = { running: false, undo: 0, stopping: false, failed: true, message: (e as Error).message, branches: 0, junctions: 0, open: 0, labels: 0, depth: 0, seconds: 0 };
       this.show();
     }
     this.schedule(150);
@@ -220,7 +223,7 @@ export class Grow {
     try {
       status = await getStatus();
     } catch {
-      this.events.progress({ running: false, stopping: false, failed: true, message: "The server does not answer; has ricochet view ended?", branches: 0, junctions: 0, open: 0, labels: 0, depth: 0, seconds: 0 });
+      this.events.progress({ running: false, undo: 0, stopping: false, failed: true, message: "The server does not answer; has ricochet view ended?", branches: 0, junctions: 0, open: 0, labels: 0, depth: 0, seconds: 0 });
     }
     if (status) {
       this.take(status.extension);
