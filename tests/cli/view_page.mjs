@@ -471,6 +471,22 @@ async function saving(page) {
   }
 }
 
+// On a phone: one row of buttons, nothing to scroll sideways, every target large enough for a finger.
+async function phone(browser, url) {
+  const context = await browser.newContext({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, colorScheme: "dark" });
+  const page = await context.newPage();
+  page.setDefaultTimeout(GUARD);
+  await page.goto(url);
+  await page.waitForFunction(() => window.ricochet?.().frames.length > 0, null, { timeout: GUARD });
+  const small = await page.evaluate(() => [...document.querySelectorAll("#bar button, #side nav button, #side footer select")].filter((b) => b.offsetParent && b.getBoundingClientRect().height < 38).map((b) => b.outerHTML.slice(0, 60)));
+  const [wide, bar] = await page.evaluate(() => [document.documentElement.scrollWidth, document.querySelector("#bar").clientHeight]);
+  ok("on a phone it fits, and fingers find their targets", wide <= 390 && bar < 60 && small.length === 0, `${wide} ${bar} ${small.join(" ")}`);
+  await page.tap("#more");
+  ok("and all of its settings", await page.isVisible("#colouring"));
+  if (shots) await page.screenshot({ path: `${shots}/phone.png` });
+  await context.close();
+}
+
 async function demo(browser) {
   const atlas = `${folder}/demo.ricochet`;
   run("run", "examples/elementary/study.yaml", "-o", atlas);
@@ -514,6 +530,7 @@ async function demo(browser) {
   console.log(`# loaded in ${loads.map((t) => t.toFixed(0)).join(", ")} ms`);
   ok("no errors on the page", errors.length === 0, errors.join("; "));
   await context.close();
+  await phone(browser, server.url);
   await server.stop();
 }
 

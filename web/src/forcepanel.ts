@@ -45,6 +45,7 @@ export class ForcePanel {
   private go = button("Compute thresholds", "Along every branch", () => void this.compute(), "primary");
   private note = el("p", { class: "sub", role: "status" });
   private canvas = el("canvas", { class: "figure response" });
+  private answers = el("div", { hidden: true });
   private turns = el("div", { class: "ways" });
   private least = 0;
   private most = 0;
@@ -65,7 +66,8 @@ export class ForcePanel {
       el("p", { class: "sub", textContent: "A structure that is damped a little and shaken by L f cos(Ωt + φ) moves nearly as an orbit of the atlas does, where the force makes up for the losses: from a threshold of L on, told here to first order." }),
       el("div", { class: "budgets wide-first" }, el("label", {}, "f", this.force), el("label", {}, "damping ζ", this.damping), el("label", {}, "restitution", this.restitution), el("label", {}, "harmonic", this.harmonic)),
       el("div", { class: "steps" }, this.go), this.note,
-      el("label", { class: "level" }, el("span", {}, "Level L ", this.levelText), this.level),
+      this.answers);
+    this.answers.append(el("label", { class: "level" }, el("span", {}, "Level L ", this.levelText), this.level),
       el("figure", {}, el("figcaption", {}, "Response", el("label", { class: "chosen" }, "amplitude of x ", this.output)), this.canvas), this.turns);
     if (saved) this.root.replaceChildren(el("h2", { textContent: "Force" }), el("p", { textContent: "A saved page computes no thresholds: ricochet view ATLAS does." }));
     this.level.oninput = () => this.light();
@@ -82,6 +84,7 @@ export class ForcePanel {
     this.asked++;
     this.rows.clear();
     this.level.disabled = true;
+    this.answers.hidden = true;
     this.turns.replaceChildren();
   }
 
@@ -127,7 +130,7 @@ export class ForcePanel {
 
   private range(): void {
     const all = [...this.rows.values()].flatMap((r) => r.threshold).filter((f): f is number => f !== null && f > 0);
-    this.level.disabled = !all.length;
+    this.level.disabled = this.answers.hidden = !all.length;
     [this.least, this.most] = all.length ? [0.9 * Math.min(...all), 1.1 * Math.max(...all)] : [0, 0];
     this.most = Math.min(this.most, 1e4 * this.least);
     this.light();

@@ -400,6 +400,7 @@ class Page {
   /* ----------------------------------------------------------------- side */
 
   private showTab(tab: Tab): void {
+    if (tab !== this.tab) $("content").scrollTop = 0;
     this.tab = tab;
     this.plot.regions = tab === "grow" ? this.atlas.description.regions : [];
     this.plot.touch(false);
@@ -545,6 +546,7 @@ class Page {
     $("back").onclick = () => history.back();
     $("forward").onclick = () => history.forward();
     $("home").onclick = () => plot.show(plot.home());
+    $("more").onclick = () => $("more").setAttribute("aria-expanded", String($("bar").classList.toggle("open")));
     $("theme").onclick = () => this.toggleTheme();
     $("smaller").onclick = () => this.resizeType(-2);
     $("larger").onclick = () => this.resizeType(2);
