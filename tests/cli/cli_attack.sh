@@ -7,17 +7,19 @@ if ! tools/attack/attack --help >/dev/null 2>&1; then
     echo "1..0 # SKIP no Python with NumPy and mpmath"
     exit 77
 fi
-ok "the judge sees planted faults" env ATTACK_PART=planted tools/attack/attack "$ricochet"
-# Kind, first seed, how many, points besides the ends of branches.
+# Where whole branches are taken away, the short form does so with one.
+ok "the judge sees planted faults" env ATTACK_PART=planted tools/attack/attack "$ricochet" $(some_of 1 "")
+# Kind, first seed, how many, points besides the ends of branches. Power laws take twenty times as long as stops.
+power=$(some_of 5 11) clusters=$(some_of 2 4)
 while read -r kind seed count points; do
     ok "$count structures, $kind, from seed $seed on" \
         tools/attack/attack --program "$ricochet" -n "$count" --seed "$seed" --kind "$kind" --small --points "$points"
-done <<'END'
+done <<END
 rigid 1 15 30
 bilinear 1 15 30
 mixed 1 17 30
-power 1 11 10
-power 34 4 10
+power 1 $power 10
+power 34 $clusters 10
 END
 # Seed, points: orbits that repeat themselves but for a difference that some of their events do not have; clusters of near
 # frequencies, of which all multipliers want many digits; orbits that are all but their own images, and go on otherwise, or for another time.
@@ -30,8 +32,8 @@ done <<'END'
 801281 40
 850969 200
 END
-# Orbits of two energies that are on no branch, by brute force: rigid, mixed, bilinear with two modes, rigid with three.
-for seed in 130004 130022 130017 130012; do
+# Orbits of two energies that are on no branch, by brute force: mixed; rigid, bilinear with two modes, rigid with three.
+for seed in 130022 $(some_of '' '130004 130017 130012'); do
     ok "no orbit of structure $seed is lost" \
         tools/attack/attack --program "$ricochet" -n 1 --seed "$seed" --small --points 1 --brute
 done

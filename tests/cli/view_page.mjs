@@ -12,6 +12,7 @@ const C1_32 = { energy: 1.901327637945699, frequency: 1.3820239896966182 };
 const C6_33 = { energy: 2.25568932141, frequency: 1.80003134035 }; // the doubling of S2-, where the loop of Fig. 17 begins
 const GUARD = 600000; // ms, for what hangs; a busy machine may be slow
 const TIMED = process.env.RICOCHET_TEST_TIME === "1"; // `make time`: what is promised about time is no test of the suite
+const LONG = TIMED || (process.env.RICOCHET_TEST_LONG ?? "0") !== "0"; // `make long`
 let number = 0;
 let failed = 0;
 
@@ -567,14 +568,15 @@ async function fastest(page) {
 
 async function million(browser) {
   const atlas = `${folder}/million.ricochet`;
-  run("run", "examples/elementary/study.yaml", "--max-step", "0.0000155", "-j", "2", "-o", atlas);
+  const part = LONG ? 1 : 8; // the short form takes an eighth of the points: still far more than the page loads or draws at once
+  run("run", "examples/elementary/study.yaml", "--max-step", String(0.0000155 * part), "-j", "2", "-o", atlas);
   const server = await serve(atlas);
   const begin = Date.now();
   const { context, page, errors, shot } = await open(browser, server.url, "million");
   console.log(`# ${Date.now() - begin} ms with the window`);
   await page.waitForFunction(() => performance.getEntriesByName("complete").length > 0, null, { timeout: GUARD });
   const [total, shown, complete] = await page.evaluate(() => [window.ricochet().points, ...["shown", "complete"].map((name) => performance.getEntriesByName(name)[0].duration)]);
-  ok(`an atlas of ${total} points opens`, total >= 1e6, String(total));
+  ok(`an atlas of ${total} points opens`, total >= 1e6 / part, String(total));
   console.log(`# ${total} points: an outline shown ${shown.toFixed(0)} ms after the address was entered, all points ${complete.toFixed(0)} ms`);
   if (TIMED) ok("the first picture is there within a second", shown < 1000 || (await fastest(page)) < 1000, `${shown} ms`);
   let measured = await frames(page);

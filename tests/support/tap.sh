@@ -23,6 +23,7 @@ needs_python()
 # Whether everything is to be tried that the suite takes a sample of (`make long`, CONTRIBUTING.md).
 long_form() { [ "${RICOCHET_TEST_LONG:-0}" != 0 ]; }
 every_of() { if long_form; then echo 1; else echo "$1"; fi; } # FEW: every how many cases one is taken
+some_of() { if long_form; then echo "$2"; else echo "$1"; fi; } # SHORT LONG: how many cases are taken, or which
 
 # left_out NAME REASON: one test that is skipped
 left_out()

@@ -109,12 +109,13 @@ def _twice(atlas, rng):
     return (id_, id_) if rows else None
 
 
-def _without(program, study, path, original, folder, seed):
-    """(branches that the judge misses, of how many) where each branch that holds an orbit of a looked at energy is taken away."""
+def _without(program, study, path, original, folder, seed, most):
+    """(branches that the judge misses, of how many) where each branch that holds an orbit of a looked at energy is taken away,
+    or where the first `most` are."""
     copy, missed, tried = os.path.join(folder, "copy.ricochet"), [], 0
     for branch in Atlas(original).branches:
         low, high = branch["energy_min"], branch["energy_max"]
-        if not branch["word"] or not any(low < part * study["explore"]["energy"][1] < high for part in brute.PARTS):
+        if tried == most or not branch["word"] or not any(low < part * study["explore"]["energy"][1] < high for part in brute.PARTS):
             continue
         with open(original, "rb") as there, open(copy, "wb") as here:
             here.write(there.read())
@@ -158,6 +159,7 @@ def _findings(study, path, table, row):
 
 def main():
     program, rng = os.path.abspath(sys.argv[1]), np.random.default_rng(1)
+    most = int(sys.argv[2]) if len(sys.argv) > 2 else None  # branches that are taken away
     done = missed = 0
     with tempfile.TemporaryDirectory() as folder:
         for seed in SEEDS:
@@ -215,7 +217,7 @@ def main():
                 done += 1
                 missed += bool(lost) or not tried
                 print(f"{'not ok' if lost or not tried else 'ok'} {done} - {tried} times another atlas, a {table} less, of seed {seed} {lost}")
-            lost, tried = _without(program, study, path, atlas, folder, seed)
+            lost, tried = _without(program, study, path, atlas, folder, seed, most)
             done += 1
             missed += bool(lost) or not tried
             print(f"{'not ok' if lost or not tried else 'ok'} {done} - any of {tried} branches away of seed {seed} ({text}) {lost}")
