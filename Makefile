@@ -8,7 +8,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. $(wildcard tests/*/.) bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build install python demo paper test check long ten time picture bench sanitize race memcheck faults fuzz attack clean
+.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench sanitize race memcheck faults fuzz attack clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -22,6 +22,7 @@ help:
 	@echo "make build     build the program and the library in $(BUILD)/"
 	@echo "make install   build and install all of it below PREFIX=/usr/local, or below DESTDIR for a package"
 	@echo "make python    build, install what the Python package needs, and leave it ready in python/"
+	@echo "make site      build the documentation site in $(BUILD)/site/, with the notebooks run (Debian: pandoc)"
 	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
 	@echo "make race      build with checks for data races in $(TSAN)/ and run what has threads"
 	@echo "make memcheck  run the test programs and all commands under valgrind (Debian: valgrind)"
@@ -69,6 +70,13 @@ python: build
 	@tools/setup python
 	@ln -sfn $(abspath $(BUILD))/src/libricochet.so python/ricochet/libricochet.so
 	@tools/python -c 'import ricochet; print("ricochet", ricochet.__version__, "is ready: PYTHONPATH=python python3, or pip install .")'
+
+site: python
+	@tools/setup site
+	@rm -rf $(BUILD)/notebooks
+	@tools/notebooks $(BUILD) $(BUILD)/notebooks
+	@python3 -B tools/site/site.py $(BUILD)/site $(BUILD)/notebooks
+	@python3 -B tools/site/check.py $(BUILD)/site
 
 demo: build
 	@mkdir -p $(DEMO)

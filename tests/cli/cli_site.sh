@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# The documentation site: it is built of the tree alone, and every link in it leads somewhere.
+set -u
+. tests/support/tap.sh
+command -v pandoc >/dev/null || { echo '1..0 # SKIP pandoc is missing (Debian: pandoc)'; exit 77; }
+
+ok 'the site is built' python3 -B tools/site/site.py "$folder/site"
+ok 'every link leads to a page and a place, and nothing is loaded from elsewhere' python3 -B tools/site/check.py "$folder/site"
+functions() { # of the header, each has a place in the reference
+    grep -oE '\bric_[a-z_]+\(' include/ricochet.h | tr -d '(' | sort -u >"$folder/functions"
+    [ "$(wc -l <"$folder/functions")" -gt 100 ] || return 1
+    while read -r one; do grep -q "id=\"$one\"" "$folder/site/c.html" || { echo "$one has no place"; return 1; }; done <"$folder/functions"
+}
+ok 'the reference of the C library has every function' functions
+ok 'formulas are MathML, and none is left as TeX' eval 'grep -q "<math" "$folder/site/theory.html" && ! grep -qE "class=.math" "$folder/site/theory.html"'
+
+# The check sees what is wrong.
+sees() { # SED PATTERN: a fault in a page
+    cp "$folder/site/glossary.html" "$folder/kept"
+    sed -i "$1" "$folder/site/glossary.html"
+    python3 -B tools/site/check.py "$folder/site" >"$folder/said"
+    local code=$?
+    cp "$folder/kept" "$folder/site/glossary.html"
+    cat "$folder/said"
+    [ "$code" = 1 ] && grep -q "$2" "$folder/said"
+}
+ok 'a link to nothing is seen' sees 's|<h1|<a href="nowhere.html">x</a><h1|' 'glossary.html: nowhere.html is not there'
+ok 'a link to no place is seen' sees 's|<h1|<a href="c.html#nowhere">x</a><h1|' 'no such place'
+ok 'a script of the network is seen' sees 's|<h1|<script src="https://example.org/x.js"></script><h1|' 'loads https'
+finish
