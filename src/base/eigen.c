@@ -44,11 +44,10 @@ static bool moved_product(int m, const double *B, const double *C, double move, 
     if (ric_lapack(LAPACKE_dgeqp3(LAPACK_ROW_MAJOR, m, m, R, m, pivot, tau))) return false;
     for (int i = 0; i < m; i++) memcpy(S + i * m, A + (pivot[i] - 1) * m, (size_t)m * sizeof *S);
     if (ric_lapack(LAPACKE_dormqr(LAPACK_ROW_MAJOR, 'R', 'N', m, m, m, R, m, tau, S, m))) return false;
+    memset(A, 0, (size_t)(m * m) * sizeof *A);
     for (int i = 0; i < m; i++)
-        for (int j = 0; j < m; j++) {
-            A[i * m + j] = 0;
-            for (int l = i; l < m; l++) A[i * m + j] += R[i * m + l] * S[l * m + j];
-        }
+        for (int l = i; l < m; l++)
+            for (int j = 0; j < m; j++) A[i * m + j] += R[i * m + l] * S[l * m + j];
     if (!ric_eigen(m, A, mu)) return false;
     qsort(mu, (size_t)m, 2 * sizeof *mu, by_value);
     return true;

@@ -191,7 +191,7 @@ static double definite(double value, double error)
  * / speed, by that much. Where this bound leaves the sign open although it is not the one expected, the error is
  * measured: unknowns moved by more than they are uncertain, twice this way and that. The tests are the determinants
  * over their size, which grows without bound near a grazing and with instability. */
-static ric_status keep_definite(ric_continuation *tr, ric_station *p, double approach)
+static void keep_definite(ric_continuation *tr, ric_station *p, double approach)
 {
     ric_shooting *c = tr->chain;
     int size = c->n_unknown;
@@ -210,13 +210,12 @@ static ric_status keep_definite(ric_continuation *tr, ric_station *p, double app
         p->hidden[i] = error[i] * blur / size_of[i];
         open |= p->test[RIC_TEST_A + i] == 0 && value[i] != 0;
     }
-    if (!open || !isfinite(move)) return RIC_OK;
+    if (!open || !isfinite(move)) return;
     for (unsigned way = 1; way <= 2; way++) {
         unsigned bits = way * 2654435769u;
         for (int i = 0; i < size; i++) tr->guess[i] = p->u[i] + ric_moved(&bits, move);
         ric_shooting_fly(c, tr->guess);
-        ric_status status = ric_floquet_compute(c, &tr->floquet);
-        if (status) return status;
+        ric_floquet_factors(c, &tr->floquet);
         double moved[3] = {f->det_a, f->det_b, f->det_d};
         for (int i = 0; i < 3; i++) seen[i] = fmax(seen[i], RIC_MEASURED * fabs(moved[i] - value[i]));
     }
@@ -225,7 +224,6 @@ static ric_status keep_definite(ric_continuation *tr, ric_station *p, double app
         if (p->test[RIC_TEST_A + i] == 0) p->test[RIC_TEST_A + i] = definite(value[i], seen[i]) / size_of[i];
         p->hidden[i] = fmin(p->hidden[i], seen[i] / size_of[i]);
     }
-    return RIC_OK;
 }
 
 ric_margins ric_continuation_margins(const ric_shooting *c, const double *u)
@@ -257,46 +255,74 @@ static ric_status measure(ric_continuation *tr, double s, const double *u, ric_s
     ric_shooting *c = tr->chain;
     ric_status status = tr->floquet.work ? RIC_OK : ric_floquet_create(c->n, &tr->floquet);
     if (!status) status = ric_floquet_compute(c, &tr->floquet);
-    if (!status) status = ric_continuation_judge(c, u, &tr->floquet);
     if (status) return status;
     *out = ric_continuation_margins(c, u);
     p->solved = ric_continuation_solved(c);
+    p->doubtful = ric_continuation_doubtful(c, &tr->floquet);
     p->row = ric_continuation_point(c, &tr->floquet, out, s);
     return RIC_OK;
 }
 
 ric_status ric_continuation_fill(ric_continuation *tr, double s, ric_station *p)
 {
-    ric_margins unused;
+    ric_margins margins;
     p->s = s;
     ric_shooting_evaluate(tr->chain, p->u);
-    return measure(tr, s, p->u, p, &unused);
+    ric_status status = measure(tr, s, p->u, p, &margins);
+    if (status || !p->doubtful) return status;
+    p->doubtful = false;
+    status = ric_continuation_judge(tr->chain, p->u, &tr->floquet);
+    p->row = ric_continuation_point(tr->chain, &tr->floquet, &margins, s);
+    return status;
 }
 
-ric_status ric_continuation_examine(ric_continuation *tr, ric_station *p, double orientation)
+/* The tests that need no map; p->row has no stability. */
+static void examine_orbit(ric_continuation *tr, ric_station *p, double orientation, const ric_margins *now)
 {
-    ric_shooting *c = tr->chain;
+    const ric_shooting *c = tr->chain;
     const ric_limits *lim = tr->limits;
-    ric_margins now;
-    tr->steep |= ric_flight_law_of(c->model)->integrated && ric_continuation_tolerance(c) > STEEP;
-    ric_status status = measure(tr, p->s, p->u, p, &now);
-    if (status) return status;
-    double slope = 0;
+    double *F = p->test, slope = 0;
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) slope += p->t[k];
-    double *F = p->test;
-    sort_pairs(tr->floquet.n_pair, tr->floquet.own, p->own);
-    F[RIC_TEST_REACH] = 1 - now.reach;
-    F[RIC_TEST_APPROACH] = fmin(now.approach, smallest_touch(c, p->u));
+    F[RIC_TEST_REACH] = 1 - now->reach;
+    F[RIC_TEST_APPROACH] = fmin(now->approach, smallest_touch(c, p->u));
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
     F[RIC_TEST_DET] = orientation * c->end_det;
     F[RIC_TEST_SLOPE] = definite(ric_shooting_energy_slope(c, p->t) / c->scale,
                                  ric_continuation_blur(c, RIC_TEST_SLOPE));
     F[RIC_TEST_PERIOD] = definite(slope, ric_continuation_blur(c, RIC_TEST_PERIOD));
-    F[RIC_TEST_E_MAX] = lim->energy[1] - now.energy;
-    F[RIC_TEST_E_MIN] = now.energy - tr->lowest;
-    F[RIC_TEST_F_MAX] = now.time - lim->period[0];
-    F[RIC_TEST_F_MIN] = lim->period[1] - now.time;
-    return keep_definite(tr, p, now.approach);
+    F[RIC_TEST_E_MAX] = lim->energy[1] - now->energy;
+    F[RIC_TEST_E_MIN] = now->energy - tr->lowest;
+    F[RIC_TEST_F_MAX] = now->time - lim->period[0];
+    F[RIC_TEST_F_MIN] = lim->period[1] - now->time;
+}
+
+ric_status ric_continuation_examine(ric_continuation *tr, ric_station *p, double orientation)
+{
+    ric_shooting *c = tr->chain;
+    ric_margins now;
+    tr->steep |= ric_flight_law_of(c->model)->integrated && ric_continuation_tolerance(c) > STEEP;
+    ric_status status = measure(tr, p->s, p->u, p, &now);
+    if (status) return status;
+    sort_pairs(tr->floquet.n_pair, tr->floquet.own, p->own);
+    examine_orbit(tr, p, orientation, &now);
+    keep_definite(tr, p, now.approach);
+    return RIC_OK;
+}
+
+void ric_continuation_glance(ric_continuation *tr, ric_station *p, double orientation, bool factors)
+{
+    static const ric_floquet none = {.trace_asinh = NAN, .rotation = NAN, .stable = RIC_STABLE_UNDECIDED};
+    ric_shooting *c = tr->chain;
+    const ric_margins now = ric_continuation_margins(c, p->u);
+    tr->steep |= ric_flight_law_of(c->model)->integrated && ric_continuation_tolerance(c) > STEEP;
+    p->solved = ric_continuation_solved(c);
+    p->row = ric_continuation_point(c, &none, &now, p->s);
+    for (int i = 0; i < 2 * tr->floquet.n_pair; i++) p->own[i] = NAN;
+    for (int i = 0; i < 3; i++) p->test[RIC_TEST_A + i] = p->factor[i] = p->hidden[i] = NAN;
+    examine_orbit(tr, p, orientation, &now);
+    if (!factors) return;
+    ric_floquet_factors(c, &tr->floquet);
+    keep_definite(tr, p, now.approach);
 }
 
 static bool station_create(ric_station *p, int size, int n_pair)
@@ -362,6 +388,7 @@ ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *statio
     ric_status status = !p->solved || tr->limits->ghost ? RIC_OK : without_negative_flights(tr, p);
     bool penetrates = p->row.reach > 1 + MARGIN && !tr->limits->ghost;
     if (status || !p->solved || penetrates) return status;
+    if (p->doubtful && (status = ric_continuation_fill(tr, p->s, p))) return status;
     if (tr->n_point == tr->point_capacity) {
         int capacity = tr->point_capacity + tr->point_capacity / 2 + 64; /* one point, too, may be a full array */
         double *grown = ric_realloc(tr->points, (size_t)capacity * tr->stride * sizeof *grown);

@@ -12,7 +12,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 23
+#define RIC_NUMERICS 24
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -65,7 +65,8 @@ typedef struct {
     double hidden[3]; /* below it the sign of their tests is lost in rounding */
     double *own;      /* [2 * n_pair] lambda + 1/lambda of the map in use, in ascending order */
     ric_point row;
-    bool solved; /* its residual is rounding: only such orbits are stored */
+    bool solved;   /* its residual is rounding: only such orbits are stored */
+    bool doubtful; /* its stability in the row is that of the map alone (ric_continuation_judge) until it is kept */
 } ric_station;
 
 /* Points of the step at work whose test functions are known, in order, the present one at `now`, and before it some of
@@ -235,6 +236,8 @@ ric_point ric_continuation_point(const ric_shooting *chain, const ric_floquet *f
 /* Stability, from multipliers just computed at u where the chain has been evaluated, with the error of the orbit
  * itself: undecided where that may count. */
 ric_status ric_continuation_judge(ric_shooting *chain, const double *u, ric_floquet *floquet);
+/* Whether that error may count, so that there is something to judge. */
+bool ric_continuation_doubtful(const ric_shooting *chain, const ric_floquet *floquet);
 /* Unknowns that are the same orbit as u but for rounding, from the last evaluation, there: each within its own, and all
  * of them by what the residual leaves open across the curve, where the Jacobian is least, and as far along it: beside a
  * branch point rounding exchanges the two. `way` 1 .. RIC_TRACE_WAYS. False: nothing is known of how far that is. */
@@ -257,5 +260,8 @@ double ric_continuation_tangent(const ric_shooting *chain, const double *along, 
 /* Test functions and point data at a station whose chain has just been evaluated at station->u with tangent
  * station->t. */
 ric_status ric_continuation_examine(ric_continuation *trace, ric_station *station, double orientation);
+/* The same without multipliers, which cost far more than all the rest where there are many modes; the tests that are
+ * made of the factors of the map only if they are asked for, else NAN. */
+void ric_continuation_glance(ric_continuation *trace, ric_station *station, double orientation, bool factors);
 
 #endif

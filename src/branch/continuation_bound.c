@@ -108,20 +108,33 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
 /* The bounds of floquet.c are those of the map at the orbit as it is written down. The orbit itself is known to
  * rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is slow or a spring is hardly
  * closed. What is so near to the border that this may count is measured, and a trace of which it may leave less than
- * three digits, as at a grazing, is lost if it
- * does: where the map is known, too, the speed of an impact may be known to no more than that. Where branches meet at
- * no slow impact it stays: there it is 2 or -2. */
-ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
+ * three digits, as at a grazing, is lost if it does: where the map is known, too, the speed of an impact may be known
+ * to no more than that. Where branches meet at no slow impact it stays: there it is 2 or -2. */
+typedef struct {
+    bool flag, trace; /* what may be wrong */
+} doubt;
+
+static doubt doubt_of(const ric_shooting *c, const ric_floquet *f)
 {
-    if (f->n_pair < 1) return RIC_OK;
-    double approach = fmax(fabs(ric_continuation_approach(c, true)), DBL_MIN), margin = stable_margin(f, NULL),
-           seen[f->n_pair];
+    double approach = fmax(fabs(ric_continuation_approach(c, true)), DBL_MIN), margin = stable_margin(f, NULL);
     const double error = f->rough * (1 + (1 + 1 / approach) * c->scale / c->smallest), slow = f->rough / approach;
     const bool far = !ric_flight_law_of(c->model)->closes && !(fabs(margin) <= NEAR_BORDER * error * steepness(margin)),
-               decided = f->stable != RIC_STABLE_UNDECIDED && !far,
-               touched = !(UNKNOWN * c->scale <= NEARLY_LOST * approach),
-               vague = f->n_pair == 1 && (touched || !(slow <= NEARLY_LOST * (1 + fabs(f->own[0]))));
-    if (!decided && !vague) return RIC_OK;
+               touched = !(UNKNOWN * c->scale <= NEARLY_LOST * approach);
+    return (doubt){.flag = f->stable != RIC_STABLE_UNDECIDED && !far,
+                   .trace = f->n_pair == 1 && (touched || !(slow <= NEARLY_LOST * (1 + fabs(f->own[0]))))};
+}
+
+bool ric_continuation_doubtful(const ric_shooting *c, const ric_floquet *f)
+{
+    const doubt d = doubt_of(c, f);
+    return f->n_pair > 0 && (d.flag || d.trace);
+}
+
+ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
+{
+    double seen[f->n_pair + 1];
+    if (!ric_continuation_doubtful(c, f)) return RIC_OK;
+    const bool vague = doubt_of(c, f).trace;
     ric_status status = measure(c, u, f, seen);
     if (!status && vague) ric_floquet_widen(f, seen);
     return status;

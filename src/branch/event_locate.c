@@ -24,19 +24,32 @@ void ric_event_cubic(const ric_continuation *tr, double x, double h, double *u)
     for (int i = 0; i < tr->chain->n_unknown; i++) u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
 }
 
-ric_status ric_event_solve(ric_continuation *tr, double x, double h, ric_station *out, bool *good)
+static bool correct(ric_continuation *tr, double x, double h, ric_station *out)
 {
-    ric_shooting *c = tr->chain;
     const ric_station *a = &tr->now;
     int iterations;
     ric_event_cubic(tr, x, h, out->u);
-    *good = ric_continuation_correct(c, out->u, a->u, a->t, x, tr->du, &iterations);
+    out->solved = ric_continuation_correct(tr->chain, out->u, a->u, a->t, x, tr->du, &iterations);
     tr->evaluations += iterations + 1;
-    out->solved = *good;
     out->s = a->s + (tr->next.s - a->s) * (x / h);
-    if (!*good) return RIC_OK;
-    double sign = ric_continuation_tangent(c, a->t, out->t);
+    return out->solved;
+}
+
+ric_status ric_event_solve(ric_continuation *tr, double x, double h, ric_station *out, bool *good)
+{
+    if (!(*good = correct(tr, x, h, out))) return RIC_OK;
+    double sign = ric_continuation_tangent(tr->chain, tr->now.t, out->t);
     return ric_continuation_examine(tr, out, sign);
+}
+
+/* The same where one test is wanted. */
+static ric_status solve_for(ric_continuation *tr, int test, double x, double h, ric_station *out, bool *good)
+{
+    if (ric_continuation_resonance(tr, test)) return ric_event_solve(tr, x, h, out, good);
+    if (!(*good = correct(tr, x, h, out))) return RIC_OK;
+    double sign = ric_continuation_tangent(tr->chain, tr->now.t, out->t);
+    ric_continuation_glance(tr, out, sign, test < RIC_N_TEST && EVENT_SINGULAR & 1u << test);
+    return RIC_OK;
 }
 
 double ric_event_value(const ric_continuation *tr, int test, const ric_station *p)
@@ -103,12 +116,12 @@ ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa
         a = b;
         fa = fb;
         b += fabs(d) > tolerance ? d : copysign(tolerance, m);
-        if ((status = ric_event_solve(tr, b, h, &tr->mid, &good))) return status;
+        if ((status = solve_for(tr, test, b, h, &tr->mid, &good))) return status;
         if (!good) return RIC_OK;
         fb = ric_event_value(tr, test, &tr->mid);
         top = fmax(top, height(test, &tr->mid, fb));
     }
-    if ((status = ric_event_solve(tr, b, h, &tr->mid, &good))) return status;
+    if ((status = solve_for(tr, test, b, h, &tr->mid, &good))) return status;
     *where = b;
     double least = ric_event_value(tr, test, &tr->mid), part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
     *zero = good && (fabs(least) <= part * size || (test < RIC_N_TEST && height(test, &tr->mid, least) <= part * top));

@@ -143,6 +143,20 @@ void ric_model_complement(int n, const double *h, double *E)
     for (int j = 0; n > 1 && h[0] < 0 && j < n; j++) E[j] = -E[j];
 }
 
+/* The reflection is 1 - beta v v' with v = (v0, h_1, ..). */
+void ric_model_across(int n, const double *h, int columns, int ld, double *X)
+{
+    double norm = sqrt(ric_dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]), beta = 1 / (norm * (norm + fabs(h[0])));
+    double along[columns];
+    for (int j = 0; j < columns; j++) along[j] = v0 * X[j];
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < columns; j++) along[j] += h[i] * X[i * ld + j];
+    for (int j = 0; j < columns; j++) along[j] *= beta;
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < columns; j++) X[(i - 1) * ld + j] = X[i * ld + j] - h[i] * along[j];
+    for (int j = 0; n > 1 && h[0] < 0 && j < columns; j++) X[j] = -X[j];
+}
+
 #define LINEAR_ENERGY 1e-6 /* amplitudes of a thousandth of the length at which a power law acts */
 #define FAST 20.0          /* ratio to the lowest frequency */
 #define NEAR_ONE 4         /* powers of two by which a unit may be off before it is changed: a digit */

@@ -77,6 +77,8 @@ bool ric_model_orthogonal(const ric_model *model, int contact_f, int contact_g);
  * far as its orientation goes, so determinants taken in it do not jump. Rows 1.. of the Householder reflection that
  * takes h to a multiple of e_0. */
 void ric_model_complement(int n, const double *h, double *E);
+/* E X in place of the first n - 1 rows of X [n, ld], of `columns` columns, at the cost of one reflection. */
+void ric_model_across(int n, const double *h, int columns, int ld, double *X);
 
 /* Energy coordinates [2n] <-> scaled public state x, v [n_dof each]; v per second. Unseen modes are at rest. */
 void ric_model_to_state(const ric_model *model, const double *w, double *x, double *v);

@@ -17,32 +17,46 @@
 #define EQUAL 1e-11
 #define REFINED 400 /* largest n for which eigenpairs are refined: beyond it the cubic cost in long double is felt */
 
+/* out = A X, of square matrices; row by row, which is how they lie in memory. */
+static void multiply(int n, const double *A, const long double *X, long double *out)
+{
+    memset(out, 0, (size_t)n * (size_t)n * sizeof *out);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++)
+            for (int j = 0; j < n; j++) out[i * n + j] += A[i * n + k] * X[k * n + j];
+}
+
+/* out = factor X' Y, and one more with `and_one`. */
+static void multiply_transposed(int n, bool and_one, double factor, const long double *X, const long double *Y,
+                                long double *out)
+{
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++) out[i * n + j] = and_one && i == j;
+        for (int k = 0; k < n; k++)
+            for (int j = 0; j < n; j++) out[i * n + j] += factor * X[k * n + i] * Y[k * n + j];
+    }
+}
+
+/* X <- X (1 + factor S); `room` [n * n]. */
+static void turn(int n, double factor, const long double *S, long double *X, long double *room)
+{
+    memcpy(room, X, (size_t)n * (size_t)n * sizeof *room);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++)
+            for (int j = 0; j < n; j++) room[i * n + j] += factor * X[i * n + k] * S[k * n + j];
+    memcpy(X, room, (size_t)n * (size_t)n * sizeof *X);
+}
+
 /* One step of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007) for K X = M X Lambda in long double:
  * LAPACK's small eigenvalues are accurate relative to the largest one only, and a period needs them relative to
  * themselves. */
 static void refine_once(const ric_model *m, int n, long double *X, long double *MX, long double *KX, long double *R,
                         long double *S, long double *lambda)
 {
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            long double a = 0, b = 0;
-            for (int k = 0; k < n; k++) {
-                a += m->M[i * n + k] * X[k * n + j];
-                b += m->K[i * n + k] * X[k * n + j];
-            }
-            MX[i * n + j] = a;
-            KX[i * n + j] = b;
-        }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            long double a = i == j, b = 0;
-            for (int k = 0; k < n; k++) {
-                a -= X[k * n + i] * MX[k * n + j];
-                b += X[k * n + i] * KX[k * n + j];
-            }
-            R[i * n + j] = a;
-            S[i * n + j] = b;
-        }
+    multiply(n, m->M, X, MX);
+    multiply(n, m->K, X, KX);
+    multiply_transposed(n, true, -1, X, MX, R);
+    multiply_transposed(n, false, 1, X, KX, S);
     for (int i = 0; i < n; i++) lambda[i] = S[i * n + i] / (1 - R[i * n + i]);
     for (int i = 0; i < n; i++) /* S becomes the correction E */
         for (int j = 0; j < n; j++) {
@@ -50,14 +64,7 @@ static void refine_once(const ric_model *m, int n, long double *X, long double *
             if (fabsl(gap) > RIC_TIE * large) S[i * n + j] = (S[i * n + j] + lambda[j] * R[i * n + j]) / gap;
             else S[i * n + j] = R[i * n + j] / 2;
         }
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++) {
-            long double sum = X[i * n + j];
-            for (int k = 0; k < n; k++) sum += X[i * n + k] * S[k * n + j];
-            MX[i * n + j] = sum;
-        }
-    }
-    memcpy(X, MX, (size_t)n * (size_t)n * sizeof *X);
+    turn(n, 1, S, X, MX);
 }
 
 /* X <- X (1 + R/2), R = 1 - X' M X: orthonormal in M to the square of what was missing, whatever the gaps between the
@@ -65,25 +72,9 @@ static void refine_once(const ric_model *m, int n, long double *X, long double *
  * the vectors of a cluster off by rounding over that gap. */
 static void orthonormalise(const ric_model *m, int n, long double *X, long double *MX, long double *R)
 {
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            long double sum = 0;
-            for (int k = 0; k < n; k++) sum += m->M[i * n + k] * X[k * n + j];
-            MX[i * n + j] = sum;
-        }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            long double sum = i == j;
-            for (int k = 0; k < n; k++) sum -= X[k * n + i] * MX[k * n + j];
-            R[i * n + j] = sum;
-        }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            long double sum = X[i * n + j];
-            for (int k = 0; k < n; k++) sum += X[i * n + k] * R[k * n + j] / 2;
-            MX[i * n + j] = sum;
-        }
-    memcpy(X, MX, (size_t)n * (size_t)n * sizeof *X);
+    multiply(n, m->M, X, MX);
+    multiply_transposed(n, true, -1, X, MX, R);
+    turn(n, 0.5, R, X, MX);
 }
 
 static ric_status refine_modes(ric_model *m)

@@ -85,18 +85,16 @@ static void exchange(const ric_shooting *c, uint64_t closed, const double *w, co
     }
 }
 
-/* E: what is perpendicular to the direction that the section of a mirror point leaves out, which is the velocity at a
- * centre, else the gradient of the energy in the coordinates of what is symmetric. Written in canonical coordinates
- * (q, p). */
-static void section(const ric_shooting *c, ric_mirror mirror, uint64_t closed, const double *w, int face, double *E)
+/* The direction h [n] that the section of a mirror point leaves out, which is the velocity at a centre, else the
+ * gradient of the energy in the coordinates of what is symmetric. E is what is perpendicular to it. Written in
+ * canonical coordinates (q, p). */
+static void left_out(const ric_shooting *c, ric_mirror mirror, uint64_t closed, const double *w, int face, double *h)
 {
     int n = c->n;
-    double h[n], rate[2 * n];
-    if (n < 2) return;
+    double rate[2 * n];
     ric_flight_rate(c->model, closed, w, rate);
     if (mirror == RIC_MIRROR_IMPACT) exchange(c, closed, w, &c->model->face[face], false, 1, rate);
     for (int i = 0; i < n; i++) h[i] = mirror == RIC_MIRROR_CENTRE ? w[n + i] : -rate[n + i];
-    ric_model_complement(n, h, E);
 }
 
 /* Columns of the section at the start as states (da, dp): the first k move q along E, the others p along E. */
@@ -113,20 +111,19 @@ static void section_columns(const ric_shooting *c, const double *E, double *V)
     if (c->start == RIC_MIRROR_IMPACT) exchange(c, c->closed[0], c->w, &m->face[c->face[0]], true, ld, V);
 }
 
-/* Coordinates (E dq, E dp) of a state's columns at the end, on the side of an impact that V is on. */
-static void project(const ric_shooting *c, const double *E, double *V, double *P)
+/* Coordinates (E dq, E dp) of a state's columns at the end, on the side of an impact that V is on; V is used up. */
+static void project(const ric_shooting *c, const double *h, double *V, double *P)
 {
     int n = c->n, k = n - 1, ld = 2 * k, last = c->n_flight;
     const ric_model *m = c->model;
     if (c->end == RIC_MIRROR_IMPACT)
         exchange(c, c->closed[last], c->w + 2 * n * last, &m->face[c->face[last]], false, ld, V);
-    memset(P, 0, (size_t)(ld * ld) * sizeof *P);
-    for (int r = 0; r < k; r++)
-        for (int i = 0; i < n; i++) /* row by row, which is how V lies in memory */
-            for (int j = 0; j < ld; j++) {
-                P[r * ld + j] += E[r * n + i] * V[i * ld + j] / m->kappa[i];
-                P[(k + r) * ld + j] += E[r * n + i] * V[(n + i) * ld + j];
-            }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < ld; j++) V[i * ld + j] /= m->kappa[i];
+    ric_model_across(n, h, ld, ld, V);
+    ric_model_across(n, h, ld, ld, V + n * ld);
+    memcpy(P, V, (size_t)(k * ld) * sizeof *P);
+    memcpy(P + k * ld, V + n * ld, (size_t)(k * ld) * sizeof *P);
 }
 
 /* ------------------------------------------------------------- propagation */
@@ -284,12 +281,12 @@ static double stiff_roundings(const ric_shooting *c)
 /* rho = 2 + 4 eig(b'c), accurate to the rounding of the largest. A [k * k] is workspace. */
 static bool rho_of_product(int k, const double *b, const double *cc, int exponent, double *A, double *rho)
 {
+    memset(A, 0, (size_t)(k * k) * sizeof *A);
+    for (int l = 0; l < k; l++)
+        for (int i = 0; i < k; i++)
+            for (int j = 0; j < k; j++) A[i * k + j] += b[l * k + i] * cc[l * k + j];
     for (int i = 0; i < k; i++)
-        for (int j = 0; j < k; j++) {
-            double s = 0;
-            for (int l = 0; l < k; l++) s += b[l * k + i] * cc[l * k + j];
-            A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * s, 2 * exponent);
-        }
+        for (int j = 0; j < k; j++) A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * A[i * k + j], 2 * exponent);
     return ric_eigen(k, A, rho);
 }
 
@@ -372,32 +369,48 @@ static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double 
     if (found) ric_floquet_judge_pairs(f, quarter, errors);
 }
 
-static ric_status reversible(const ric_shooting *c, ric_floquet *f)
+/* The blocks of a map, and the workspace that is left. */
+typedef struct {
+    double *P, *E0, *E1, *a, *b, *c, *d, *A, *tmp, growth, size;
+    int exponent;
+} linear_map;
+
+/* The map of a reversible chain in f->work, and the determinants of its blocks. */
+static linear_map reversible_map(const ric_shooting *c, ric_floquet *f)
 {
-    int n = c->n, k = n - 1, ld = 2 * k, exponent;
-    double *V = f->work, *P = V + 2 * n * ld, *E0 = P + ld * ld, *E1 = E0 + k * n, *a = E1 + k * n, *b = a + k * k;
-    double *cc = b + k * k, *d = cc + k * k, *A = d + k * k, *tmp = A + k * k, growth;
-    const double *end = c->w + 2 * n * c->n_flight;
-    bool quarter = c->multiple == 4;
-    section(c, c->start, c->closed[0], c->w, c->face[0], E0);
-    section(c, c->end, c->closed[c->n_flight], end, c->face[c->n_flight], E1);
+    int n = c->n, k = n - 1, ld = 2 * k;
+    double *V = f->work, *P = V + 2 * n * ld, *E0 = P + ld * ld, *E1 = E0 + k * n, *a = E1 + k * n, *b = a + k * k,
+           *cc = b + k * k, *d = cc + k * k, *A = d + k * k, first[n], last[n];
+    linear_map q = {.P = P, .E0 = E0, .E1 = E1, .a = a, .b = b, .c = cc, .d = d, .A = A, .tmp = A + k * k};
+    left_out(c, c->start, c->closed[0], c->w, c->face[0], first);
+    left_out(c, c->end, c->closed[c->n_flight], c->w + 2 * n * c->n_flight, c->face[c->n_flight], last);
+    ric_model_complement(n, first, E0);
+    ric_model_complement(n, last, E1);
     section_columns(c, E0, V);
-    propagate(c, 0, c->n_flight, V, &exponent, &growth);
-    project(c, E1, V, P);
+    propagate(c, 0, c->n_flight, V, &q.exponent, &q.growth);
+    project(c, last, V, P);
     blocks(c, P, a, b, cc, d);
-    double size = 0;
-    for (int i = 0; i < ld * ld; i++) size = fmax(size, fabs(P[i]));
-    size = fmax(size, growth);
-    double rounding = ROUNDING * DBL_EPSILON * roundings(c) * size;
-    f->det_a = determinant(k, k, a, tmp, rounding, &f->error_a);
-    f->det_b = determinant(k, k, b, tmp, rounding, &f->error_b);
-    f->det_d = determinant(k, k, d, tmp, rounding, &f->error_d);
+    for (int i = 0; i < ld * ld; i++) q.size = fmax(q.size, fabs(P[i]));
+    q.size = fmax(q.size, q.growth);
+    double rounding = ROUNDING * DBL_EPSILON * roundings(c) * q.size;
+    f->det_a = determinant(k, k, a, q.tmp, rounding, &f->error_a);
+    f->det_b = determinant(k, k, b, q.tmp, rounding, &f->error_b);
+    f->det_d = determinant(k, k, d, q.tmp, rounding, &f->error_d);
     f->size_a = f->size_b = bound(k, a, b);
     f->size_d = bound(k, cc, d);
-    double error = ROUNDING * DBL_EPSILON * stiff_roundings(c) * size * size + ldexp(8 * DBL_EPSILON, -2 * exponent);
+    return q;
+}
+
+static ric_status reversible(const ric_shooting *c, ric_floquet *f)
+{
+    const linear_map q = reversible_map(c, f);
+    int k = c->n - 1, exponent = q.exponent;
+    bool quarter = c->multiple == 4;
+    double error = ROUNDING * DBL_EPSILON * stiff_roundings(c) * q.size * q.size +
+                   ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
-        ric_floquet_judge_plane(f, quarter, b[0] * cc[0], a[0] * d[0], d[0] * b[0], exponent, error);
-        reversible_fine(c, f, E0, E1, A);
+        ric_floquet_judge_plane(f, quarter, q.b[0] * q.c[0], q.a[0] * q.d[0], q.d[0] * q.b[0], exponent, error);
+        reversible_fine(c, f, q.E0, q.E1, q.A);
         return RIC_OK;
     }
     f->trace_asinh = f->rotation = NAN;
@@ -405,14 +418,14 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
     error = ldexp(error, exponent < 500 ? 2 * exponent : 1000);
     for (int i = 0; i < k; i++) errors[i] = error;
     bool found = exponent < 500;
-    if (found && error <= ACCURATE) found = rho_of_product(k, b, cc, exponent, A, f->rho);
+    if (found && error <= ACCURATE) found = rho_of_product(k, q.b, q.c, exponent, q.A, f->rho);
     else if (found) {
-        double stiff = ROUNDING * DBL_EPSILON * stiff_roundings(c) * size;
-        found = rho_of_blocks(k, b, cc, exponent, stiff, A, P, f->rho, errors);
+        double stiff = ROUNDING * DBL_EPSILON * stiff_roundings(c) * q.size;
+        found = rho_of_blocks(k, q.b, q.c, exponent, stiff, q.A, q.P, f->rho, errors);
     }
     if (found) ric_floquet_judge_pairs(f, quarter, errors);
     else ric_floquet_judge_lost(f);
-    if (found) reversible_fine(c, f, E0, E1, A);
+    if (found) reversible_fine(c, f, q.E0, q.E1, q.A);
     return RIC_OK;
 }
 
@@ -604,42 +617,51 @@ static void whole_fine(const ric_shooting *c, ric_floquet *f)
     ric_floquet_judge_pairs(f, c->sigma < 0, errors);
 }
 
-static ric_status whole(const ric_shooting *c, ric_floquet *f)
+/* The return map of the general form in f->work, with sigma, and its determinant: a multiplier -1 of the half-period
+ * map breaks z(t+T/2) = -z(t). */
+static linear_map whole_map(const ric_shooting *c, ric_floquet *f)
 {
-    int n = c->n, k = n - 1, ld = 2 * k, exponent;
-    double *V = f->work, *P = V + 2 * n * ld, *A = P + ld * ld, *tmp = A + ld * ld, growth;
-    return_map(c, V, A, P, &exponent, &growth); /* A and tmp together hold 2n * ld */
-    double size = growth, trace = 0;
+    int n = c->n, k = n - 1, ld = 2 * k;
+    double *V = f->work, *P = V + 2 * n * ld, *A = P + ld * ld;
+    linear_map q = {.P = P, .A = A, .tmp = A + ld * ld};
+    return_map(c, V, A, P, &q.exponent, &q.growth); /* A and tmp together hold 2n * ld */
+    q.size = q.growth;
     for (int i = 0; i < ld * ld; i++) {
         P[i] *= c->sigma;
-        size = fmax(size, fabs(P[i]));
+        q.size = fmax(q.size, fabs(P[i]));
     }
-    for (int i = 0; i < ld; i++) trace += P[i * ld + i];
-    double rounding = ROUNDING * DBL_EPSILON * stiff_roundings(c);
-    double error = rounding * ldexp(size, exponent < 1000 ? exponent : 1000) + 8 * DBL_EPSILON;
-    f->det_b = f->det_d = 1;
+    f->det_a = f->det_b = f->det_d = 1;
     f->error_a = f->error_b = f->error_d = 0;
     f->size_a = f->size_b = f->size_d = 1;
-    /* a multiplier -1 of the half-period map breaks z(t+T/2) = -z(t) */
-    memcpy(A, P, (size_t)ld * (size_t)ld * sizeof *A);
-    for (int i = 0; i < ld; i++) A[i * ld + i] += exponent ? 0 : 1;
-    f->det_a = 1;
-    if (c->sigma < 0 && k > 1) {
-        f->det_a = determinant(ld, ld, A, tmp, ROUNDING * DBL_EPSILON * roundings(c) * size, &f->error_a);
-        for (int i = 0; i < ld; i++) {
-            double sum = 1;
-            for (int j = 0; j < ld; j++) sum += P[i * ld + j] * P[i * ld + j];
-            f->size_a *= sqrt(sum);
-        }
-    }
+    if (c->sigma > 0) return q;
+    const double rounding = ROUNDING * DBL_EPSILON * roundings(c) * q.size;
     if (k == 1) {
         /* det(1 + P) = 2 + trace P, without the cancellation */
-        if (c->sigma < 0) {
-            f->det_a = ldexp(2, -exponent) + trace;
-            f->error_a = ROUNDING * DBL_EPSILON * roundings(c) * size;
-            f->size_a = ldexp(2, -exponent) + size;
-        }
-        ric_floquet_judge_trace(f, c->sigma < 0, trace, P[1], exponent, rounding * size);
+        f->det_a = ldexp(2, -q.exponent) + P[0] + P[3];
+        f->error_a = rounding;
+        f->size_a = ldexp(2, -q.exponent) + q.size;
+        return q;
+    }
+    memcpy(A, P, (size_t)ld * (size_t)ld * sizeof *A);
+    for (int i = 0; i < ld; i++) A[i * ld + i] += q.exponent ? 0 : 1;
+    f->det_a = determinant(ld, ld, A, q.tmp, rounding, &f->error_a);
+    for (int i = 0; i < ld; i++) {
+        double sum = 1;
+        for (int j = 0; j < ld; j++) sum += P[i * ld + j] * P[i * ld + j];
+        f->size_a *= sqrt(sum);
+    }
+    return q;
+}
+
+static ric_status whole(const ric_shooting *c, ric_floquet *f)
+{
+    const linear_map q = whole_map(c, f);
+    int k = c->n - 1, ld = 2 * k, exponent = q.exponent;
+    double rounding = ROUNDING * DBL_EPSILON * stiff_roundings(c), trace = 0;
+    double error = rounding * ldexp(q.size, exponent < 1000 ? exponent : 1000) + 8 * DBL_EPSILON;
+    for (int i = 0; i < ld; i++) trace += q.P[i * ld + i];
+    if (k == 1) {
+        ric_floquet_judge_trace(f, c->sigma < 0, trace, q.P[1], exponent, rounding * q.size);
         whole_fine(c, f);
         return RIC_OK;
     }
@@ -649,9 +671,9 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
         return RIC_OK;
     }
     double errors[k];
-    bool found = !(error <= ACCURATE) && rho_of_halves(c, f, A, errors);
+    bool found = !(error <= ACCURATE) && rho_of_halves(c, f, q.A, errors);
     if (!found) {
-        found = rho_of_period(k, P, A, f->rho);
+        found = rho_of_period(k, q.P, q.A, f->rho);
         for (int i = 0; i < k; i++) errors[i] = error;
     }
     if (found) ric_floquet_judge_pairs(f, c->sigma < 0, errors);
@@ -660,15 +682,24 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
     return RIC_OK;
 }
 
+/* One seen mode: no multipliers besides the trivial ones; every periodic orbit is (orbitally) stable. */
+static void alone(ric_floquet *f)
+{
+    f->trace_asinh = f->rotation = NAN;
+    f->stable = RIC_STABLE_YES;
+    f->det_a = f->det_b = f->det_d = 1;
+    f->error = f->rough = f->error_a = f->error_b = f->error_d = 0;
+}
+
 ric_status ric_floquet_compute(const ric_shooting *c, ric_floquet *f)
 {
-    if (c->n == 1) {
-        /* one seen mode: no multipliers besides the trivial ones; every periodic orbit is (orbitally) stable */
-        f->trace_asinh = f->rotation = NAN;
-        f->stable = RIC_STABLE_YES;
-        f->det_a = f->det_b = f->det_d = 1;
-        f->error = f->rough = f->error_a = f->error_b = f->error_d = 0;
-        return RIC_OK;
-    }
-    return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);
+    if (c->n > 1) return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);
+    alone(f);
+    return RIC_OK;
+}
+
+void ric_floquet_factors(const ric_shooting *c, ric_floquet *f)
+{
+    if (c->n > 1) c->start == RIC_MIRROR_NONE ? whole_map(c, f) : reversible_map(c, f);
+    else alone(f);
 }

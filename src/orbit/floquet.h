@@ -36,6 +36,9 @@ ric_status ric_floquet_create(int n, ric_floquet *out);
 void ric_floquet_release(ric_floquet *floquet);
 /* From the states of the chain's last evaluation. */
 ric_status ric_floquet_compute(const ric_shooting *chain, ric_floquet *out);
+/* The determinants alone, with their errors and sizes; nothing is said of multipliers, which cost most where there are
+ * many modes. */
+void ric_floquet_factors(const ric_shooting *chain, ric_floquet *out);
 /* Adds more [n_pair] to the error of each rho; those of which less than three digits are left are lost, NaN, and with
  * the only one trace and rotation. */
 void ric_floquet_widen(ric_floquet *floquet, const double *more);

@@ -370,13 +370,8 @@ static void end_rows_reversible(ric_shooting *c)
     double *X = c->X;
     if (c->end == RIC_MIRROR_REST) memmove(X, X + n * ld, (size_t)n * (size_t)ld * sizeof *X);
     else if (c->end == RIC_MIRROR_IMPACT) {
-        const ric_face *face = &c->model->face[c->face[c->n_flight]];
-        for (int r = 0; r < n - 1; r++)
-            for (int j = 0; j < ld; j++) {
-                double s = 0;
-                for (int i = 0; i < n; i++) s += face->E[r * n + i] * X[(n + i) * ld + j];
-                X[r * ld + j] = s;
-            }
+        ric_model_across(n, c->model->face[c->face[c->n_flight]].c, ld, ld, X + n * ld);
+        memmove(X, X + n * ld, (size_t)(n - 1) * (size_t)ld * sizeof *X);
     }
     for (int r = 0; r < c->n_end; r++) X[r * ld + ld - 1] += end_residual(c, r);
 }

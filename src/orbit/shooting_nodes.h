@@ -47,6 +47,17 @@ static inline bool ric_general(const ric_shooting *c)
     return c->start == RIC_MIRROR_NONE;
 }
 
+/* In four sums where a row is long: one alone waits for every addition. */
+static inline __attribute__((always_inline)) double ric_row_dot(int m, const double *x, const double *v)
+{
+    double sum[4] = {0};
+    int j = 0;
+    for (; m >= 32 && j + 4 <= m; j += 4)
+        for (int k = 0; k < 4; k++) sum[k] += x[j + k] * v[j + k];
+    for (; j < m; j++) sum[0] += x[j] * v[j];
+    return sum[0] + sum[1] + (sum[2] + sum[3]);
+}
+
 /* Householder vector that turns the row g [m] into (0, .., 0, rho); the constraint g.z + offset = -residual then pins
  * the last coordinate. Applies it to `rows` rows of X and moves the pinned part into the last column of X
  * (the inhomogeneous one). */
@@ -69,9 +80,7 @@ static inline __attribute__((always_inline)) double ric_pin(ric_shooting *c, int
     c->beta[vector] = beta;
     c->zeta[vector] = zeta;
     for (int r = 0; r < rows; r++) {
-        double *x = X + r * ld, s = 0;
-        for (int j = 0; j < m; j++) s += x[j] * v[j];
-        s *= beta;
+        double *x = X + r * ld, s = beta * ric_row_dot(m, x, v);
         for (int j = 0; j < m; j++) x[j] -= s * v[j];
         x[ld - 1] += x[m - 1] * zeta;
     }

@@ -1,0 +1,96 @@
+/* Events are located by what one test needs: an orbit looked at without its multipliers, or without its map, has the
+ * tests that it has when all of it is known. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "branch/room.h"
+#include "explored.h"
+#include "junction/switching.h"
+
+/* Three masses, a stop and another one that is struck on one side. */
+static const char study_text[] =
+    "model:\n  mass: [[1, 0, 0], [0, 1.2, 0], [0, 0, 0.7]]\n  stiffness: [[3, -1, 0], [-1, 2.5, -1], [0, -1, 2]]\n"
+    "  contacts:\n    - {normal: [0, 1, 0], clearance: 1}\n    - {normal: [1, 0, 0], clearance: 1.3, sides: SIDES}\n"
+    "explore: {impacts: 4, multiply: 2, depth: 1}\n";
+
+static const unsigned of_map = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
+
+static void check_station(ric_continuation *tr, const double *u, int *checked)
+{
+    ric_station *full = &tr->mid, *seen = &tr->next;
+    memcpy(full->u, u, (size_t)tr->chain->n_unknown * sizeof *u);
+    memcpy(seen->u, u, (size_t)tr->chain->n_unknown * sizeof *u);
+    memset(tr->definite, 0, sizeof tr->definite);
+    ric_shooting_evaluate(tr->chain, u);
+    const double sign = ric_continuation_tangent(tr->chain, NULL, full->t);
+    memcpy(seen->t, full->t, (size_t)tr->chain->n_unknown * sizeof *u);
+    if (ric_continuation_examine(tr, full, sign)) fail_msg("%s", ric_detail());
+    for (int factors = 0; factors <= 1; factors++) {
+        ric_shooting_evaluate(tr->chain, u);
+        ric_continuation_glance(tr, seen, sign, factors);
+        for (int i = 0; i < RIC_N_TEST; i++) {
+            if (!factors && of_map >> i & 1) assert_true(isnan(seen->test[i]));
+            /* what is below its error has no sign in the one, and the expected one in the other */
+            else if (!(of_map >> i & 1 && seen->test[i] == 0) && seen->test[i] != full->test[i])
+                fail_msg("test %d is %.17g, and %.17g at a glance", i, full->test[i], seen->test[i]);
+        }
+        assert_true(seen->row.energy == full->row.energy && seen->row.frequency == full->row.frequency);
+        assert_true(isnan(seen->row.trace) && seen->row.stable == RIC_STABLE_UNDECIDED);
+        assert_true(seen->solved == full->solved);
+    }
+    ++*checked;
+}
+
+/* Every third point of the branches that leave a node. */
+static void check_departure(const ric_graph *g, const ric_node *node, unsigned choice, int *checked)
+{
+    ric_shooting *chain = NULL;
+    double *u0 = NULL, *t0 = NULL;
+    unsigned ignore = 0;
+    ric_continuation *tr = NULL;
+    if (!ric_switching_depart(g->model, node, choice, 1, &chain, &u0, &t0, &ignore) && chain &&
+        !ric_continuation_create(chain, u0, t0, ignore, &g->limits, &tr) && !ric_continuation_run(tr))
+        for (int i = 1; i < tr->n_point; i += 3)
+            check_station(tr, tr->points + (size_t)i * tr->stride + sizeof(ric_point) / sizeof(double), checked);
+    ric_continuation_free(tr);
+    free(u0);
+    free(t0);
+}
+
+static void check_structure(const char *sides, int *checked)
+{
+    char text[1000] = "";
+    ric_study *study = NULL;
+    ric_graph *g = NULL;
+    const char *place = strstr(study_text, "SIDES");
+    snprintf(text, sizeof text, "%.*s%s%s", (int)(place - study_text), study_text, sides, place + 5);
+    if (ric_study_parse(text, "three masses", ".", &study)) fail_msg("%s", ric_detail());
+    if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+    for (int k = 0; k < g->n_node; k++)
+        for (int i = 0; i < g->nodes[k]->n_departure && i < 2; i++)
+            check_departure(g, g->nodes[k], g->nodes[k]->departures[i].choice, checked);
+    ric_graph_free(g);
+    ric_study_free(study);
+}
+
+static void same_tests(void **state)
+{
+    (void)state;
+    int checked = 0;
+    check_structure("both", &checked);
+    check_structure("upper", &checked);
+    if (checked < 100) fail_msg("%d orbits only", checked);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(same_tests)};
+    return cmocka_run_group_tests_name("glance", tests, NULL, NULL);
+}
