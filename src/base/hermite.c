@@ -4,20 +4,13 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "root.h"
+
 ric_sample ric_hermite_zero(ric_hermite_look *look, const void *of, int order, ric_sample lo, ric_sample hi)
 {
-    enum { STEPS = 200 };
-    bool rising = hi.g[order] > 0;
     ric_sample x = fabs(lo.g[order]) < fabs(hi.g[order]) ? lo : hi;
-    double last = hi.t - lo.t;
-    for (int i = 0; i < STEPS && x.g[order] != 0; i++) {
-        double step = -x.g[order] / x.g[order + 1], t = x.t + step;
-        if (!(t > lo.t && t < hi.t) || fabs(step) > last / 2) t = lo.t + (hi.t - lo.t) / 2;
-        last = fabs(t - x.t);
-        if (t == lo.t || t == hi.t || last <= DBL_EPSILON / 2 * t) break;
-        x = look(of, t);
-        if ((x.g[order] > 0) == rising) hi = x;
-        else lo = x;
-    }
+    ric_root_slope r = ric_root_slope_between(lo.t, hi.t, hi.g[order] > 0, x.t);
+    r.part = DBL_EPSILON / 2;
+    while (ric_root_slope_next(&r, x.g[order], x.g[order + 1])) x = look(of, r.x);
     return x;
 }

@@ -11,6 +11,7 @@
 #include "halt.h"
 #include "hermite.h"
 #include "memory.h"
+#include "root.h"
 #include "status.h"
 #include "tolerances.h"
 

@@ -370,15 +370,15 @@ static ric_status look(ric_continuation *tr, bool solve, double x, double h, ric
     return ric_continuation_fill(tr, tr->now.s + (tr->next.s - tr->now.s) * (x / h), out);
 }
 
-static double bisect_cubic(ric_continuation *tr, int test, double a, double fa, double b, double h)
+static double on_cubic(ric_continuation *tr, int test, double xa, double fa, double xb, double fb, double h)
 {
     bool good;
-    for (int i = 0; i < LOCATE_STEPS; i++) {
-        look(tr, false, (a + b) / 2, h, &tr->mid, &good);
-        if ((ric_event_value(tr, test, &tr->mid) < 0) == (fa < 0)) a = (a + b) / 2;
-        else b = (a + b) / 2;
+    ric_root r = ric_root_between(xa, fa, xb, fb, RIC_LAST_DIGIT * h);
+    while (ric_root_next(&r)) {
+        look(tr, false, r.x, h, &tr->mid, &good);
+        r.f = ric_event_value(tr, test, &tr->mid);
     }
-    return (a + b) / 2;
+    return r.x;
 }
 
 /* Passages between the distances xa and xb, at which what was asked for is `before` and `after` away, with no extremum
@@ -393,7 +393,7 @@ static ric_status find_monotonic(ric_continuation *tr, bool solve, double xa, do
         double fa = before[k], fb = after[k], x = xb;
         bool zero = true;
         if ((fa < 0) == (fb < 0) || (horizontal && tr->limits->asked[k].frequency)) continue;
-        if (!solve) x = bisect_cubic(tr, test, xa, fa, xb, h);
+        if (!solve) x = on_cubic(tr, test, xa, fa, xb, fb, h);
         else {
             ric_status status = ric_event_locate(tr, test, xa, fa, xb, fb, h, &x, &zero);
             if (status) return status;

@@ -6,7 +6,7 @@
 #include "model/room.h"
 #include "base/room.h"
 
-#define PLACE 2e-16         /* of the step: where Brent's method ends, at the last digit */
+#define PLACE 2e-16         /* of the step: a zero within it is at the last digit */
 #define PLACE_AT_ZERO 1e-17 /* scaled arclength: the same beside a step of no length */
 /* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
 #define TRUE_ZERO 1e-5
@@ -70,59 +70,22 @@ static double height(int test, const ric_station *p, double value)
                                                             : fabs(value);
 }
 
-/* Brent's method. */
 ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa, double xb, double fb, double h,
                             double *where, bool *zero)
 {
-    double a = xa, b = xb, size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa), c = a, fc = fa, d = b - a,
-           e = d;
+    double size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa);
     ric_status status;
     bool good = false;
+    ric_root r = ric_root_between(xa, fa, xb, fb, PLACE * h + PLACE_AT_ZERO);
     *zero = false;
-    for (int i = 0; i < LOCATE_STEPS; i++) {
-        if (fb * fc > 0) {
-            c = a;
-            fc = fa;
-            d = e = b - a;
-        }
-        if (fabs(fc) < fabs(fb)) {
-            a = b;
-            b = c;
-            c = a;
-            fa = fb;
-            fb = fc;
-            fc = fa;
-        }
-        double tolerance = PLACE * h + PLACE_AT_ZERO, m = (c - b) / 2;
-        if (fabs(m) <= tolerance || fb == 0) break;
-        if (fabs(e) < tolerance || fabs(fa) <= fabs(fb)) d = e = m;
-        else {
-            double s = fb / fa, p, q;
-            if (a == c) {
-                p = 2 * m * s;
-                q = 1 - s;
-            } else {
-                double t = fa / fc, r = fb / fc;
-                p = s * (2 * m * t * (t - r) - (b - a) * (r - 1));
-                q = (t - 1) * (r - 1) * (s - 1);
-            }
-            if (p > 0) q = -q;
-            else p = -p;
-            if (2 * p < fmin(3 * m * q - fabs(tolerance * q), fabs(e * q))) {
-                e = d;
-                d = p / q;
-            } else d = e = m;
-        }
-        a = b;
-        fa = fb;
-        b += fabs(d) > tolerance ? d : copysign(tolerance, m);
-        if ((status = solve_for(tr, test, b, h, &tr->mid, &good))) return status;
+    while (ric_root_next(&r)) {
+        if ((status = solve_for(tr, test, r.x, h, &tr->mid, &good))) return status;
         if (!good) return RIC_OK;
-        fb = ric_event_value(tr, test, &tr->mid);
-        top = fmax(top, height(test, &tr->mid, fb));
+        r.f = ric_event_value(tr, test, &tr->mid);
+        top = fmax(top, height(test, &tr->mid, r.f));
     }
-    if ((status = solve_for(tr, test, b, h, &tr->mid, &good))) return status;
-    *where = b;
+    if ((status = solve_for(tr, test, r.x, h, &tr->mid, &good))) return status;
+    *where = r.x;
     double least = ric_event_value(tr, test, &tr->mid), part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
     *zero = good && (fabs(least) <= part * size || (test < RIC_N_TEST && height(test, &tr->mid, least) <= part * top));
     return RIC_OK;
@@ -199,16 +162,26 @@ ric_status ric_event_bridge_build(ric_continuation *tr, double h, ric_event_brid
     return status;
 }
 
-/* By bisection on the cubic. */
+/* The same without its zero at `known`, NAN for none: the cubic, less what it misses zero by there, over the distance.
+ */
+static double deflated(const ric_continuation *tr, const ric_event_bridge *q, int test, double x, double known)
+{
+    double f = ric_event_bridge_test(tr, q, test, x);
+    return isnan(known) ? f : (f - ric_event_bridge_test(tr, q, test, known)) / (x - known);
+}
+
 double ric_event_bridge_root(const ric_continuation *tr, const ric_event_bridge *q, int test, double a, double b,
                              double sign, double known)
 {
-    for (int i = 0; i < 60; i++) {
-        double m = (a + b) / 2, fm = ric_event_bridge_test(tr, q, test, m) * (m < known ? -1 : 1);
-        if (sign * fm > 0) a = m;
-        else b = m;
+    double fa = sign * fabs(deflated(tr, q, test, a, known)), fb = deflated(tr, q, test, b, known);
+    if (sign * fb > 0) { /* the first of two zeros */
+        fb = deflated(tr, q, test, (a + b) / 2, known);
+        if (sign * fb > 0) return isnan(known) ? b : known;
+        b = (a + b) / 2;
     }
-    return (a + b) / 2;
+    ric_root r = ric_root_between(a, fa, b, fb, PLACE * fabs(b - a));
+    while (ric_root_next(&r)) r.f = deflated(tr, q, test, r.x, known);
+    return r.x;
 }
 
 void ric_event_bridge_station(const ric_continuation *tr, const ric_event_bridge *q, double x, double h,

@@ -5,7 +5,6 @@
 
 #include "event.h"
 
-#define LOCATE_STEPS 60
 /* Factors of the map, which grows without bound where an impact loses its speed. */
 #define EVENT_SINGULAR (1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D)
 /* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet

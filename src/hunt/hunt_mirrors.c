@@ -16,7 +16,7 @@
 
 #define APART 0.03
 #define SHORTEST 1e-15
-#define CLOSING 16 /* steps towards a change of sign before Newton's method takes over */
+#define CLOSE 1e-9 /* of the distance of two neighbours: as near as this Newton's method takes over */
 
 typedef enum { IMPACT, REST, CENTRE } mirror_kind;
 
@@ -153,21 +153,16 @@ static ric_status close_in(const ric_line *l, const ric_strand *a, const ric_str
     ric_hunt_strand_copy(&low, a);
     ric_hunt_strand_copy(&high, b);
     double f0 = tests[which].value(a, j), f1 = tests[which].value(b, j);
-    for (int i = 0; i < CLOSING && f0 != f1; i++) {
-        double part = i % 3 == 2 ? 0.5 : f0 / (f0 - f1), x = low.s + part * (high.s - low.s), f;
-        if (!(x > fmin(low.s, high.s) && x < fmax(low.s, high.s))) break;
-        ric_hunt_line_fly(l, x, &mid);
+    ric_root r = ric_root_between(low.s, f0, high.s, f1, CLOSE * fabs(high.s - low.s));
+    while (ric_root_next(&r)) {
+        ric_hunt_line_fly(l, r.x, &mid);
         for (int k = 0; k <= j; k++)
             if (!ric_hunt_line_together(l, &low, &mid, k)) return RIC_OK;
-        f = tests[which].value(&mid, j);
-        if ((f > 0) == (f0 > 0)) {
-            ric_hunt_strand_copy(&low, &mid);
-            f0 = f;
-        } else {
-            ric_hunt_strand_copy(&high, &mid);
-            f1 = f;
-        }
-        if (f == 0) break;
+        r.f = tests[which].value(&mid, j);
+        bool first = (r.f > 0) == (f0 > 0);
+        ric_hunt_strand_copy(first ? &low : &high, &mid);
+        if (first) f0 = r.f;
+        else f1 = r.f;
     }
     return try_half(l, fabs(f0) < fabs(f1) ? &low : &high, j, tests[which].end);
 }

@@ -250,24 +250,19 @@ static double rate(const ric_impact_map_face *face, const double *w)
 static double zero_between(const ric_impact_map *s, const ric_impact_map_face *face, const double *w, int order,
                            bool leaving, double a, double b)
 {
-    double x = (a + b) / 2, last = b - a, at[4];
+    double at[4], f, slope;
     fly(s, w, b, at);
-    bool up = order ? rate(face, at) > 0 : beyond(face, at) > 0;
-    for (int k = 0; k < 100 && b - a > 4 * DBL_EPSILON * b; k++) {
-        fly(s, w, x, at);
+    ric_root_slope r = ric_root_slope_between(a, b, order ? rate(face, at) > 0 : beyond(face, at) > 0, (a + b) / 2);
+    r.part = 2 * DBL_EPSILON;
+    do {
+        fly(s, w, r.x, at);
         double g = beyond(face, at), v = rate(face, at), acceleration = 0;
         for (int i = 0; order && i < 2; i++)
             acceleration -= face->side * face->normal[i] * s->omega[i] * s->omega[i] * at[i];
-        double f = order ? v : leaving ? g / x : g, slope = order ? acceleration : leaving ? (v - g / x) / x : v;
-        if ((f > 0) == up) b = x;
-        else a = x;
-        double next = x - f / slope;
-        if (!(next > a && next < b) || fabs(next - x) > last / 2) next = (a + b) / 2;
-        last = fabs(next - x);
-        x = next;
-        if (last <= 2 * DBL_EPSILON * x) break;
-    }
-    return x;
+        f = order ? v : leaving ? g / r.x : g;
+        slope = order ? acceleration : leaving ? (v - g / r.x) / r.x : v;
+    } while (ric_root_slope_next(&r, f, slope));
+    return r.x;
 }
 
 /* Time of the impact on a face within a panel that goes from w to end; infinite if there is none. */

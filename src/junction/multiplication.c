@@ -21,7 +21,6 @@
 #define SAMPLES 12 /* of a sector, which holds one period of a sine */
 #define NEWTON_STEPS 12
 #define STALLED 4 /* of the tolerance: what is left where Newton's method stalls, as on branches (continuation.c) */
-#define ROOT_STEPS 60
 #define NEIGHBOUR 0.25 /* an orbit farther away than the widest circle is no neighbour of the node */
 
 typedef struct {
@@ -348,22 +347,14 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
     return false;
 }
 
-/* Zero of g between two angles, by the Illinois variant of the secant rule; the orbit there in u. */
-static bool root(ring *q, double a, double ga, double b, double gb, double *angle, double *u)
+/* Zero of g between two angles; the orbit there in u. */
+static bool zero_between(ring *q, double a, double ga, double b, double gb, double *angle, double *u)
 {
-    double g = ga, last = 0;
-    for (int i = 0; i < ROOT_STEPS; i++) {
-        *angle = b - gb * (b - a) / (gb - ga);
-        if (!on_circle(q, *angle, u, &g)) return false;
-        if (g == 0 || fabs(b - a) < RIC_LAST_DIGIT || *angle == last) break;
-        last = *angle;
-        if (g * gb < 0) {
-            a = b;
-            ga = gb;
-        } else ga /= 2;
-        b = *angle;
-        gb = g;
-    }
+    ric_root r = ric_root_between(a, ga, b, gb, RIC_LAST_DIGIT);
+    while (ric_root_next(&r))
+        if (!on_circle(q, r.x, u, &r.f)) return false;
+    *angle = r.x;
+    if (!on_circle(q, *angle, u, &r.f)) return false;
     ric_shooting_fly(q->chain, u);
     return q->chain->residual <= STALLED * ric_continuation_tolerance(q->chain);
 }
@@ -395,7 +386,8 @@ static circle search(ring *q, double slope[2])
         if ((g[i] < 0) == (g[i + 1] < 0)) continue;
         if (found == 2) return CIRCLE_WIDE;
         double a = origin + i * step;
-        if (!root(q, a, g[i], a + step, g[i + 1], &q->angle[found], q->start + found * q->size)) return CIRCLE_WIDE;
+        if (!zero_between(q, a, g[i], a + step, g[i + 1], &q->angle[found], q->start + found * q->size))
+            return CIRCLE_WIDE;
         slope[found++] = g[i] - g[i + 1]; /* the angular part is -g */
     }
     return result ? result : found == 2 ? CIRCLE_GOOD : CIRCLE_WIDE;

@@ -123,22 +123,15 @@ static double largest(double a, double b, double c, double d)
     return fmax(fmax(a, b), fmax(c, d));
 }
 
-/* A single sign change of the slope between l and r: safeguarded Newton, then the value. */
+/* A single sign change of the slope between l and r, and the value there. */
 static void polish(search *q, sample l, sample r)
 {
     bool maximum = l.ds > 0;
+    ric_root_slope root = ric_root_slope_between(l.t, r.t, !maximum, l.t + (r.t - l.t) * l.ds / (l.ds - r.ds));
+    root.least = RIC_LAST_DIGIT / 10 * q->tau;
     sample mid = l;
-    for (int i = 0; i < 60 && r.t - l.t > 0; i++) {
-        double curved = i ? curvature(q, mid.t) : 0,
-               t = i ? mid.t - mid.ds / curved : l.t + (r.t - l.t) * l.ds / (l.ds - r.ds);
-        if (!(t > l.t && t < r.t)) t = (l.t + r.t) / 2;
-        if (i && fabs(t - mid.t) <= RIC_LAST_DIGIT / 10 * q->tau) break;
-        double before = mid.t;
-        mid = sample_at(q, t);
-        if ((mid.ds > 0) == maximum) l = mid;
-        else r = mid;
-        if (mid.ds == 0 || t == before) break;
-    }
+    do mid = sample_at(q, root.x);
+    while (ric_root_slope_next(&root, mid.ds, curvature(q, mid.t)));
     /* a stationary point at the very end of the flight is the impact there, at no speed */
     if ((q->own_start && mid.t < CLOSE * q->tau) || (q->own_end && q->tau - mid.t < CLOSE * q->tau)) return;
     offer(q, mid.t, mid.s, maximum ? 1 : -1, false);

@@ -116,35 +116,27 @@ static double quantity(const ric_model *m, const ric_shooting *c, const double *
                                : RIC_TWO_PI / ric_shooting_time(c, u) * m->omega_ref;
 }
 
-/* Regula falsi (Illinois) along the chord between two stored points, each trial solved in the plane across it. False
- * where none has the value: Newton's method may have gone over to another branch on one side of it. */
+/* Along the chord between two stored points, each trial solved in the plane across it. False where none has the value:
+ * Newton's method may have gone over to another branch on one side of it. */
 static bool solve_between(const ric_model *m, ric_shooting *c, const double *ua, const double *ub, double fa, double fb,
                           ric_at at, double value, double *u)
 {
     int size = c->n_unknown, iterations;
-    double normal[size], du[size], length = 0, xa = 0, xb;
+    double normal[size], du[size], length = 0;
     for (int i = 0; i < size; i++) {
         normal[i] = ub[i] - ua[i];
         length += normal[i] * normal[i];
     }
-    xb = sqrt(length);
-    for (int i = 0; i < size; i++) normal[i] /= xb;
-    double full = xb, f = HUGE_VAL;
-    for (int k = 0; k < 80 && fabs(xb - xa) >= RIC_LAST_DIGIT * full; k++) {
-        double x = k && k % 3 == 0 ? (xa + xb) / 2 : xa + (xb - xa) * fa / (fa - fb);
-        for (int i = 0; i < size; i++) u[i] = ua[i] + x / full * (ub[i] - ua[i]);
-        if (!ric_continuation_correct(c, u, ua, normal, x, du, &iterations)) return false;
-        f = quantity(m, c, u, at) - value;
-        if (fabs(f) <= ON_VALUE * fabs(value)) return true;
-        if (fa * f < 0) {
-            xb = x;
-            fb = f;
-        } else {
-            xa = x;
-            fa = f;
-        }
+    length = sqrt(length);
+    for (int i = 0; i < size; i++) normal[i] /= length;
+    ric_root r = ric_root_between(0, fa, length, fb, RIC_LAST_DIGIT / 2 * length);
+    while (ric_root_next(&r)) {
+        for (int i = 0; i < size; i++) u[i] = ua[i] + r.x / length * (ub[i] - ua[i]);
+        if (!ric_continuation_correct(c, u, ua, normal, r.x, du, &iterations)) return false;
+        r.f = quantity(m, c, u, at) - value;
+        r.noise = ON_VALUE * fabs(value);
     }
-    return fabs(f) <= MET * fabs(value);
+    return fabs(quantity(m, c, u, at) - value) <= MET * fabs(value);
 }
 
 static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i, ric_at at, double value, double fa,

@@ -16,7 +16,6 @@
 #define STEPS_MOST 100000
 /* A zero is found when a step of Newton's method is this part of the step that holds it. */
 #define FOUND (8 * DBL_EPSILON)
-enum { TRIES = 60 };
 
 /* s and ds/dt of a contact. */
 static void gap_of(const ric_model *m, int contact, const double *w, double *s)
@@ -42,20 +41,16 @@ static bool go(const ric_section_motion *s, double t, double *after)
  * plus. */
 static double zero_between(const ric_section_motion *s, int contact, int order, bool up, double a, double b)
 {
-    double t = (a + b) / 2, whole = b - a, gap[2], *w = s->next, rate[2 * s->n];
-    for (int k = 0; k < TRIES && go(s, t, w); k++) {
+    double gap[2], slope, *w = s->next, rate[2 * s->n];
+    ric_root_slope r = ric_root_slope_between(a, b, up, (a + b) / 2);
+    r.least = FOUND * (b - a);
+    do {
+        if (!go(s, r.x, w)) break;
         gap_of(s->m, contact, w, gap);
         ric_flight_rate(s->m, 0, w, rate);
-        double slope = order ? ric_dot(s->n, s->m->c + contact * s->n, rate + s->n) : gap[1];
-        if ((gap[order] > 0) == up) b = t;
-        else a = t;
-        double next = t - gap[order] / slope;
-        if (!(next >= a && next <= b)) next = (a + b) / 2;
-        double moved = fabs(next - t);
-        t = next;
-        if (moved <= FOUND * whole) break;
-    }
-    return t;
+        slope = order ? ric_dot(s->n, s->m->c + contact * s->n, rate + s->n) : gap[1];
+    } while (ric_root_slope_next(&r, gap[order], slope));
+    return r.x;
 }
 
 /* The time of the first passage of a contact within a step h that ends at `end`; infinite if there is none. */
