@@ -156,14 +156,16 @@ static void block_signals(bool block)
     pthread_sigmask(block ? SIG_BLOCK : SIG_UNBLOCK, &set, NULL);
 }
 
-static int serve(const char *path, const view_options *o)
+static int serve(const char *path, const char *other, const view_options *o)
 {
+    view_listen where = o->where;
     view_shelf *shelf = NULL;
     view_grower *grower = NULL;
     view_server *server = NULL;
     char page[PAGE_PATH] = "";
     int code = CLI_FAILED;
     ric_status status = view_shelf_open(path, &shelf);
+    if (!status && other) status = view_shelf_open(other, &where.other);
     if (!status) status = view_grower_create(shelf, (int)o->workers, &grower);
     if (status) {
         code = cli_report(status);
@@ -172,7 +174,7 @@ static int serve(const char *path, const view_options *o)
     cli_catch_signals();
     signal(SIGPIPE, SIG_IGN); /* a browser may close a connection at any time */
     block_signals(true);
-    server = view_server_start(shelf, grower, &o->where);
+    server = view_server_start(shelf, grower, &where);
     block_signals(false);
     if (server) {
         announce(server, o, path, page);
@@ -187,6 +189,7 @@ out:
     view_server_stop(server); /* requests end before what they use */
     view_grower_free(grower);
     view_shelf_close(shelf);
+    view_shelf_close(where.other);
     return code;
 }
 
@@ -222,7 +225,8 @@ static int run(int argc, char **argv)
     view_options o = {.workers = 1, .browser = !cli_take_flag(&argc, argv, "--no-browser")};
     if (!cli_take_value(&argc, argv, "--port", &port) || !cli_take_value(&argc, argv, "--save", &name) ||
         !cli_take_value(&argc, argv, "--listen", &o.where.address) || !cli_take_value(&argc, argv, "-j", &workers) ||
-        !cli_operands(&cli_view, argc, argv, 1) || (port && !cli_parse_integer(port, "--port", 0, 65535, &number)) ||
+        !cli_operands(&cli_view, argc, argv, argc == 3 ? 2 : 1) ||
+        (port && !cli_parse_integer(port, "--port", 0, 65535, &number)) ||
         (workers && !cli_parse_integer(workers, "-j", 1, 1024, &o.workers)))
         return CLI_WRONG;
     if (o.where.address && !view_address_valid(o.where.address))
@@ -235,10 +239,11 @@ static int run(int argc, char **argv)
               stderr);
         return CLI_FAILED;
     }
+    if (name && argc == 3) return cli_wrong("view: --save writes a page of one atlas");
     if (name) return save(argv[1], name);
     o.where.port = (int)number;
     o.where.exact = port != NULL;
-    return serve(argv[1], &o);
+    return serve(argv[1], argc == 3 ? argv[2] : NULL, &o);
 }
 
 #else
@@ -258,7 +263,8 @@ static int run(int argc, char **argv)
 static const cli_item items[] = {
     {.text = "Serves a page that shows the atlas, prints its address and opens it in the browser: the "
              "frequency-energy plot down to the last digit, the orbit at any place of a branch, cascades, bases, "
-             "and further departures, which are saved into the atlas. Everything it needs is inside the program. "
+             "and further departures, which are saved into the atlas. Of a second atlas the branches are drawn with "
+             "those of the first, and what only one of them has is listed. Everything it needs is inside the program. "
              "Ctrl-C ends it."},
     {.name = "--port", .value = "P", .text = "8787, or the next one that is free, unless given; 0 for any"},
     {.name = "--listen",
@@ -275,7 +281,7 @@ static const cli_item items[] = {
 const cli_command cli_view = {
     .name = "view",
     .summary = "look at an atlas in the browser",
-    .usage = "ricochet view ATLAS [--port P] [--listen ADDRESS] [--no-browser] [-j WORKERS]\n"
+    .usage = "ricochet view ATLAS [OTHER] [--port P] [--listen ADDRESS] [--no-browser] [-j WORKERS]\n"
              "ricochet view ATLAS --save FILE.html\n",
     .items = items,
     .example = "ricochet view study.ricochet\n",

@@ -172,6 +172,7 @@ typedef struct view_server view_server;
 
 typedef struct {
     const char *address; /* NULL: 127.0.0.1 */
+    view_shelf *other;   /* an atlas to compare with; NULL: none */
     int port;            /* 0: any free one */
     bool exact;          /* no other port will do */
 } view_listen;

@@ -46,7 +46,7 @@ typedef struct {
 } bucket;
 
 struct view_server {
-    view_shelf *shelf;
+    view_shelf *shelf, *other; /* other: that it is compared with, or NULL */
     view_grower *grower;
     struct MHD_Daemon *daemon;
     view_lines *lines;
@@ -321,12 +321,11 @@ static void release_held(void *user)
 }
 
 /* The packed points stay as long as the response needs them. */
-static enum MHD_Result reply_points(view_server *server, struct MHD_Connection *connection, bool outline,
-                                    const char *tag)
+static enum MHD_Result reply_points(view_shelf *shelf, struct MHD_Connection *connection, bool outline, const char *tag)
 {
     held *h = malloc(sizeof *h);
     if (!h) return MHD_NO;
-    *h = (held){server->shelf, view_data_take(server->shelf)};
+    *h = (held){shelf, view_data_take(shelf)};
     const view_data *data = h->data;
     struct MHD_Response *response = MHD_create_response_from_buffer_with_free_callback_cls(outline ? data->outline_size
                                                                                                    : data->points_size,
@@ -381,21 +380,47 @@ static enum MHD_Result compute(view_server *server, struct MHD_Connection *conne
     return a.error ? refuse(connection, a.status, a.error) : reply_json(connection, a.status, a.json, NULL);
 }
 
+/* What is read of an atlas; `path` without a slash at its beginning. */
+static enum MHD_Result answer_atlas(view_server *server, struct MHD_Connection *connection, const char *path,
+                                    view_shelf *shelf, const view_data *data)
+{
+    char tag[48];
+    snprintf(tag, sizeof tag, "\"%s-%u\"", server->mark, data->generation);
+    const bool atlas = !strcmp(path, "atlas"), points = !strcmp(path, "points"), outline = !strcmp(path, "outline");
+    if ((atlas || points || outline) && known_to_browser(connection, tag)) return reply_known(connection, tag);
+    if (points || outline) return reply_points(shelf, connection, outline, tag);
+    if (atlas) {
+        json_t *description = view_describe(data);
+        json_object_set_new(description, "other", json_boolean(server->other && shelf != server->other));
+        return reply_json(connection, MHD_HTTP_OK, description, tag);
+    }
+    return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
+}
+
+/* The same of the atlas that is compared with, and its orbits. */
+static enum MHD_Result answer_other(view_server *server, struct MHD_Connection *connection, const char *path)
+{
+    if (!server->other) return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no other atlas");
+    view_data *data = view_data_take(server->other);
+    const enum MHD_Result result = strcmp(path, "orbit") != 0
+                                       ? answer_atlas(server, connection, path, server->other, data)
+                                       : compute(server, connection, view_route_of("/api/orbit"), data);
+    view_data_release(server->other, data);
+    return result;
+}
+
 static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *connection, const char *path,
                                   const view_data *data)
 {
+    static const char api[] = "/api/", other[] = "/api/other/";
     view_route *route = view_route_of(path);
-    char tag[48];
     for (const view_file *file = view_page; file->path; file++)
         if (!strcmp(path, file->path)) return reply_file(connection, file);
     if (route) return compute(server, connection, route, data);
     if (!strcmp(path, "/api/status")) return reply_json(connection, MHD_HTTP_OK, server_status(server, data), NULL);
-    snprintf(tag, sizeof tag, "\"%s-%u\"", server->mark, data->generation);
-    const bool atlas = !strcmp(path, "/api/atlas"), points = !strcmp(path, "/api/points"),
-               outline = !strcmp(path, "/api/outline");
-    if ((atlas || points || outline) && known_to_browser(connection, tag)) return reply_known(connection, tag);
-    if (points || outline) return reply_points(server, connection, outline, tag);
-    if (atlas) return reply_json(connection, MHD_HTTP_OK, view_describe(data), tag);
+    if (!strncmp(path, other, sizeof other - 1)) return answer_other(server, connection, path + sizeof other - 1);
+    if (!strncmp(path, api, sizeof api - 1))
+        return answer_atlas(server, connection, path + sizeof api - 1, server->shelf, data);
     return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
 }
 
@@ -643,6 +668,7 @@ view_server *view_server_start(view_shelf *shelf, view_grower *grower, const vie
     }
     server->shelf = shelf;
     server->grower = grower;
+    server->other = where->other;
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
     server->stray = server->any = server->own = (bucket){.burst = 1000, .rate = 500, .left = 1000, .last = now};

@@ -50,6 +50,8 @@ refuses() { # CODE WORD COMMAND...
 }
 ok 'no such atlas' refuses 2 'no such file' "$ricochet" view "$folder/none.ricochet" --no-browser
 ok 'no atlas' refuses 1 'not' "$ricochet" view README.md --no-browser
+ok 'a page of two atlases is not saved' refuses 2 'one atlas' "$ricochet" view "$atlas" "$atlas" --save "$folder/two.html"
+ok 'no other atlas there' refuses 2 'no such file' "$ricochet" view "$atlas" "$folder/none.ricochet" --no-browser
 ok 'a port that is none' refuses 2 'whole number' "$ricochet" view "$atlas" --port 99999
 ok 'an address that is none' refuses 2 'not an address' "$ricochet" view "$atlas" --no-browser --listen example.org
 
@@ -165,6 +167,7 @@ for query in '' 'branch=3&harmonic=0&restitution=1&force=1,0&damping=0.1' 'branc
 done
 ok 'the force on no branch' gives 404 "${with_token[@]}" "$url/api/force?branch=999&harmonic=1&restitution=1&force=1,0&damping=0.1"
 ok 'a curve of no branch' gives 404 "${with_token[@]}" "$url/api/curve?branch=999&from=0&to=1&count=5"
+ok 'no other atlas' gives 404 "${with_token[@]}" "$url/api/other/atlas"
 ok 'a branch that is not there' gives 404 "${with_token[@]}" "$url/api/orbit?branch=999&energy=1"
 ok 'a point that is not there' gives 404 "${with_token[@]}" "$url/api/orbit?branch=3&point=99999"
 ok 'DELETE' gives 405 -X DELETE "$url/"

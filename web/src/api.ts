@@ -101,6 +101,7 @@ export interface Description {
   version: string;
   title: string;
   finished: boolean;
+  other?: boolean; // there is an atlas to compare with
   model: Model;
   drawing: Drawing | null;
   budgets: Budgets;
@@ -288,6 +289,14 @@ export async function getAtlas(): Promise<Source> {
     if (generation === description.generation) return { description, packed, outline: true };
   }
 }
+
+// The atlas to compare with, with all points.
+export async function getOther(): Promise<Source> {
+  const [description, { packed }] = await Promise.all([request<Description>("/api/other/atlas"), getPacked("/api/other/points")]);
+  return { description, packed, outline: false };
+}
+
+export const getOtherOrbit = (branch: number, arclength: number) => request<Orbit[]>(`/api/other/orbit?branch=${branch}&arclength=${arclength}`);
 
 // The same with all points; null: the atlas has changed meanwhile.
 export async function getPoints(of: Source): Promise<Source | null> {

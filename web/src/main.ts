@@ -1,7 +1,7 @@
 // The page: what belongs together, and what happens when something is clicked or typed.
-import { getAtlas, getPoints, mayCompute, type Region, type Source } from "./api";
+import { getAtlas, getOther, getOtherOrbit, getPoints, mayCompute, type Region, type Source } from "./api";
 import { readAddress, writeAddress, type Address } from "./address";
-import { Atlas } from "./atlas";
+import { Atlas, type Branch } from "./atlas";
 import { $ } from "./dom";
 import { Grow, type InView } from "./grow";
 import { junctionPanel, placeOn } from "./junctionpanel";
@@ -12,7 +12,9 @@ import { ForcePanel } from "./forcepanel";
 import { SectionPanel } from "./sectionpanel";
 import { BranchTable } from "./table";
 import { OrbitPanel } from "./orbitpanel";
+import type { Style } from "./lines";
 import { Plot, type Selected } from "./plot";
+import type { Hit } from "./scene";
 import type { LabelChoice } from "./place";
 import { download, plotCsv, plotPng, plotSvg } from "./save";
 import { savedMotion, savedOrbit as orbitOf } from "./saved";
@@ -62,6 +64,8 @@ class Page {
       branch: (id) => this.goBranch(id),
       inView: (b) => this.plot.scene.tracks.some((t) => t.branch.id === b.id),
       shown: () => this.plot.selected?.branch ?? 0,
+      other: () => this.plot.other,
+      look: (b) => this.plot.show(this.around([b])),
     });
     this.section = new SectionPanel(() => this.atlas, () => palette(this.dark), this.units, () => settings.size, {
       energy: () => this.chosenEnergy(),
@@ -80,6 +84,7 @@ class Page {
     });
     this.plot = new Plot($("plot"), this.atlas, this.painter(), palette(this.dark), options, this.units, {
       pick: (hit) => this.select({ branch: hit.branch.id, k: hit.k, arclength: hit.arclength }, true, this.tab !== "section" && this.tab !== "force"),
+      pickOther: (hit) => void this.pinOther(hit),
       pickJunction: (mark) => this.selectJunction(mark.junction.id),
       moved: () => this.rested(),
       hover: (text) => this.status(text),
@@ -87,7 +92,8 @@ class Page {
     this.plot.size = settings.size;
     this.orbit = new OrbitPanel(() => this.atlas, () => palette(this.dark), settings, this.units, {
       pinned: () => {
-        this.plot.pinned = this.orbit.pinned?.where ?? null;
+        const pinned = this.orbit.pinned;
+        this.plot.pinned = pinned ? { ...pinned.where, at: { energy: pinned.orbit.energy, frequency: pinned.orbit.frequency } } : null;
         this.plot.touch(false);
       },
       moved: (s) => this.slide(s),
@@ -127,15 +133,15 @@ class Page {
     const painter = this.painter();
     this.plot.repaint(painter, palette(this.dark));
     const swatches = painter.legend.map((entry) => {
-      const canvas = document.createElement("canvas");
-      [canvas.width, canvas.height] = [44, 20];
-      const c = canvas.getContext("2d")!;
-      c.scale(2, 2);
-      new CanvasPen(c).path([1, 5, 21, 5], { stroke: entry.style.colour, width: entry.style.width, dash: entry.style.dash ?? undefined });
       const span = document.createElement("span");
-      span.append(canvas, /^F\d+_\d+$/.test(entry.text) ? toHtml(junctionRuns(entry.text)) : entry.text);
+      span.append(swatch(entry.style), /^F\d+_\d+$/.test(entry.text) ? toHtml(junctionRuns(entry.text)) : entry.text);
       return span;
     });
+    if (this.plot.other) {
+      const span = document.createElement("span");
+      span.append(swatch({ colour: palette(this.dark).other, width: 1.6, dash: [5, 3] }), this.otherName());
+      swatches.push(span);
+    }
     $("legend").replaceChildren(...swatches, ...(painter.oneColour ? [LINES] : []));
     if (this.tab === "section" || this.tab === "force") this.showTab(this.tab);
     this.orbit.refresh();
@@ -181,6 +187,7 @@ class Page {
     $<HTMLInputElement>("logy").checked = log.y;
     if (log.x === this.atlas.log.x && log.y === this.atlas.log.y) return;
     this.atlas = new Atlas(this.source, log, this.atlas.between);
+    if (this.otherSource) this.plot.other = new Atlas(this.otherSource, log);
     this.plot.setAtlas(this.atlas, this.painter());
   }
 
@@ -206,7 +213,7 @@ class Page {
 
   // A view of nothing says so.
   private showNothing(): void {
-    $("nothing").hidden = this.plot.scene.segments.n > 0 || this.plot.scene.marks.length > 0;
+    $("nothing").hidden = this.plot.drawn > 0 || this.plot.scene.marks.length > 0;
   }
 
   private hovering = "";
@@ -361,14 +368,49 @@ class Page {
 
   // Shows all of some branches, with room around them.
   private fit(ids: number[]): void {
+    this.plot.show(this.around(ids.map((id) => this.atlas.branch(id))));
+  }
+
+  private around(branches: Branch[]): Window {
     let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (const b of ids.map((id) => this.atlas.branch(id))) {
+    for (const b of branches) {
       const low = b.linear ? 0.5 * b.energy_max : b.energy_min;
       [x0, x1] = [Math.min(x0, this.plot.view.toX(low)), Math.max(x1, this.plot.view.toX(b.energy_max))];
       [y0, y1] = [Math.min(y0, this.plot.view.toY(b.frequency_min)), Math.max(y1, this.plot.view.toY(b.frequency_max))];
     }
     const [mx, my] = [0.15 * (x1 - x0) || 0.02, 0.15 * (y1 - y0) || 0.02];
-    this.plot.show({ x0: x0 - mx, x1: x1 + mx, y0: y0 - my, y1: y1 + my });
+    return { x0: x0 - mx, x1: x1 + mx, y0: y0 - my, y1: y1 + my };
+  }
+
+  /* ------------------------------------------------------ another atlas */
+
+  private otherName(): string {
+    const { title } = this.plot.other!.description;
+    return title === this.source.description.title ? "the other atlas" : title;
+  }
+
+  private otherSource: Source | null = null;
+
+  async compare(): Promise<void> {
+    if (!this.source.description.other) return;
+    this.otherSource = await getOther();
+    this.plot.other = new Atlas(this.otherSource, this.atlas.log);
+    this.repaint();
+    if (this.tab === "branches") this.table.show();
+  }
+
+  // Its orbits are compared with those that are chosen here.
+  private async pinOther(hit: Hit): Promise<void> {
+    const { model } = this.plot.other!.description;
+    if (model.dofs !== this.atlas.description.model.dofs) return this.status("The other structure has another number of displacements: its motions cannot be compared.");
+    if (!mayCompute) return;
+    try {
+      const [orbit] = await getOtherOrbit(hit.branch.id, hit.arclength);
+      if (orbit) this.orbit.keep({ orbit, where: { branch: hit.branch.id, k: 1, arclength: hit.arclength }, branch: hit.branch, other: true });
+      this.status(this.plot.selected ? "" : "Pinned: choose a motion to compare it with.");
+    } catch (e) {
+      this.status((e as Error).message);
+    }
   }
 
   private nextJunction(by: 1 | -1): void {
@@ -698,10 +740,20 @@ class Page {
       frames: this.plot.frames, renderer: this.plot.lines.name, points: this.atlas.total, segments: this.plot.scene.segments.n,
       toPage: (energy: number, frequency: number) => this.plot.toPage(energy, frequency), window: () => ({ ...this.plot.view.window }),
       off: (branch: number, energy: number, frequency: number) => this.plot.scene.distance(branch, this.plot.view.px(this.plot.view.toX(energy)), this.plot.view.py(this.plot.view.toY(frequency))),
-      doubts: this.plot.scene.doubts.length, refining: this.refiner.running, section: this.section.probe(), force: this.force.probe(), lit: this.plot.lit.length, selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,
+      other: this.plot.other?.branches.length ?? 0, doubts: this.plot.scene.doubts.length, refining: this.refiner.running, section: this.section.probe(), force: this.force.probe(), lit: this.plot.lit.length, selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,
       stored: (branch: number, s: number) => orbitOf(branch, s)[0], motion: savedMotion, // of a saved page
     };
   }
+}
+
+// A short line for the legend.
+function swatch(style: Style): HTMLElement {
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [44, 20];
+  const c = canvas.getContext("2d")!;
+  c.scale(2, 2);
+  new CanvasPen(c).path([1, 5, 21, 5], { stroke: style.colour, width: style.width, dash: style.dash ?? undefined });
+  return canvas;
 }
 
 const near = (a: number, b: number) => Math.abs(a - b) <= 1e-8 * (Math.abs(a) + Math.abs(b));
@@ -720,6 +772,7 @@ getAtlas().then(
     window.ricochet = () => page.probe();
     requestAnimationFrame(() => requestAnimationFrame(() => {
       performance.measure("shown", { start: 0, end: performance.now() });
+      void page.compare();
       void page.refine().then(() => performance.measure("complete", { start: 0, end: performance.now() }));
     }));
   },

@@ -21,6 +21,13 @@ export interface OrbitEvents {
   status(text: string): void;
 }
 
+export interface Pinned {
+  orbit: Orbit;
+  where: Selected;
+  branch: Branch;
+  other: boolean; // of the atlas that is compared with
+}
+
 const FRAMES = 50; // of a saved motion
 
 type Row = [key: string, name: string, value: string];
@@ -44,7 +51,7 @@ export class OrbitPanel {
   private moving = true;
   private playing = 0;
   private facts = el("div", { class: "facts" });
-  pinned: { orbit: Orbit; where: Selected } | null = null; // to compare with
+  pinned: Pinned | null = null; // to compare with
   private pinButton = button("Pin", "Keep this motion to compare others with it (k)", () => this.pin());
   private pinNote = el("p", { class: "sub", hidden: true });
   private chosen = el("input", { type: "text", title: "Which displacements are drawn, such as 1, 3, 5; none: those with the largest amplitudes", ariaLabel: "Displacements that are drawn", placeholder: "largest" });
@@ -157,7 +164,13 @@ export class OrbitPanel {
 
   // The motion that is shown stays beside those that are chosen later; once more lets it go.
   pin(): void {
-    this.pinned = this.pinned ? null : this.orbit && this.selected ? { orbit: this.orbit, where: { ...this.selected, at: { energy: this.orbit.energy, frequency: this.orbit.frequency } } } : null;
+    const [o, s, b] = [this.orbit, this.selected, this.branch()];
+    this.keep(this.pinned || !o || !s || !b ? null : { orbit: o, where: { ...s }, branch: b, other: false });
+  }
+
+  // One of the atlas that is compared with, for instance.
+  keep(what: Pinned | null): void {
+    this.pinned = what;
     this.refresh();
     this.showPin();
     this.events.pinned();
@@ -171,9 +184,9 @@ export class OrbitPanel {
   private showPin(): void {
     this.pinButton.textContent = this.pinned ? "Unpin" : "Pin";
     this.pinNote.hidden = !this.pinned;
-    const b = this.pinned ? this.atlas().branch(this.pinned.where.branch) : undefined;
-    if (!this.pinned || !b) return;
-    this.pinNote.replaceChildren("compared with ", toHtml(branchRuns(b.label, b.word, this.pinned.where.k)), `, branch ${b.id} at E ${digits(this.units().energy * this.pinned.orbit.energy, false)}: dotted, squares, second numbers`);
+    if (!this.pinned) return;
+    const b = this.pinned.branch;
+    this.pinNote.replaceChildren("compared with ", toHtml(branchRuns(b.label, b.word, this.pinned.where.k)), `, branch ${b.id}${this.pinned.other ? " of the other atlas" : ""} at E ${digits(this.units().energy * this.pinned.orbit.energy, false)}: dotted, squares, second numbers`);
   }
 
   private get drawn(): number[] {
@@ -259,8 +272,8 @@ export class OrbitPanel {
 
   private showFacts(): void {
     const pinned = this.pinned;
-    const beside = pinned ? new Map(this.rowsOf(pinned.orbit, pinned.where).map(([key, , value]) => [key, value])) : null;
-    const rows = this.rowsOf(this.orbit!, this.selected!);
+    const beside = pinned ? new Map(this.rowsOf(pinned.orbit, pinned.where, pinned.branch).map(([key, , value]) => [key, value])) : null;
+    const rows = this.rowsOf(this.orbit!, this.selected!, this.branch()!);
     const cells = ([key, name, value]: Row) => [el("dt", { textContent: name }), el("dd", { textContent: value, data: { key } }), ...(beside ? [el("dd", { class: "beside", textContent: beside.get(key) ?? "" })] : [])];
     const list = (part: Row[]) => el("dl", { class: beside ? "two" : "" }, ...part.flatMap(cells));
     const first = rows.findIndex(([key]) => key === "trace");
@@ -268,8 +281,7 @@ export class OrbitPanel {
     this.more.replaceChildren(list(rows.slice(first)));
   }
 
-  private rowsOf(o: Orbit, s: Selected): Row[] {
-    const b = this.atlas().branch(s.branch);
+  private rowsOf(o: Orbit, s: Selected, b: Branch): Row[] {
     const { full } = this.settings;
     const u = this.units();
     const d = u.length;

@@ -27,6 +27,7 @@ export interface Selected {
 
 export interface PlotEvents {
   pick(hit: Hit): void;
+  pickOther(hit: Hit): void;
   pickJunction(mark: Mark): void;
   moved(): void; // the view has come to rest somewhere else
   hover(text: string): void;
@@ -48,8 +49,10 @@ export class Plot {
   pinned: Selected | null = null; // what it is compared with
   chosenJunction = 0;
   path: number[] = []; // branches of a cascade or a base
+  other: Atlas | null = null; // to compare with
   lit: Lit[] = []; // what resonates at a level of the force
   fresh = new Set<number>(); // branches that have just appeared
+  drawn = 0; // segments in view
   frames: number[] = []; // ms of work per frame, for whoever measures
   readonly lines: LineRenderer;
   private gl = document.createElement("canvas");
@@ -263,7 +266,9 @@ export class Plot {
     scene.buildMarks(view, options.duplicates);
     const under = this.hoveredMark; // it has moved with the view, which keys may have changed
     if (under) this.hoveredMark = scene.marks.find((m) => m.junction.id === under.junction.id && m.k === under.k) ?? null;
-    this.lines.draw(this.withHighlights(), [...scene.painter.styles, ...this.highlightStyles()], view.width, view.height, scale);
+    const lines = this.withHighlights();
+    this.drawn = lines.n;
+    this.lines.draw(lines, [...scene.painter.styles, ...this.highlightStyles()], view.width, view.height, scale);
     const [w, h] = [this.host.clientWidth, this.host.clientHeight];
     if (this.overlay.width !== Math.round(w * scale) || this.overlay.height !== Math.round(h * scale)) {
       this.overlay.width = Math.round(w * scale);
@@ -284,6 +289,7 @@ export class Plot {
       { colour: p.halo, width: 9, dash: null }, // what is chosen
       { colour: p.accent, width: 4, dash: null }, // what has just appeared, or a path
       { colour: p.halo, width: 6, dash: null }, // under the pointer
+      { colour: p.other, width: 1.6, dash: [5, 3] }, // another atlas
     ];
   }
 
@@ -302,13 +308,23 @@ export class Plot {
     for (const id of this.fresh) add(id, 1, first + 1);
     if (this.hovered) add(this.hovered.branch.id, this.hovered.k, first + 2);
     if (this.selected) add(this.selected.branch, this.selected.k, first);
-    if (marks.segments.n === 0) return plain;
+    const behind = this.otherScene();
+    for (const b of behind?.atlas.branches ?? []) behind!.addTrack(view, b, 1, first + 3);
+    const parts = [marks.segments, plain, ...(behind ? [behind.segments] : [])]; // the other atlas above: where both agree it shows between the dashes
+    if (parts.every((part) => part === plain || part.n === 0)) return plain;
     all.clear();
-    all.data = new Float32Array(marks.segments.n * 6 + plain.n * 6 + 6);
-    all.data.set(marks.segments.data.subarray(0, marks.segments.n * 6));
-    all.data.set(plain.data.subarray(0, plain.n * 6), marks.segments.n * 6);
-    all.n = marks.segments.n + plain.n;
+    all.n = parts.reduce((sum, part) => sum + part.n, 0);
+    all.data = new Float32Array(all.n * 6 + 6);
+    let at = 0;
+    for (const part of parts) {
+      all.data.set(part.data.subarray(0, part.n * 6), at);
+      at += part.n * 6;
+    }
     return all;
+  }
+
+  private otherScene(): Scene | null {
+    return this.other ? new Scene(this.other, this.scene.painter) : null;
   }
 
   private paint(pen: Pen, w: number, h: number): void {
@@ -337,6 +353,13 @@ export class Plot {
       pen.path([x, y - 0.3 * size, x + 22, y - 0.3 * size], { stroke: style.colour, width: style.width, dash: style.dash ?? undefined });
       drawRuns(pen, runs, at, x + 28, y, size - 1, p.ink, p.paper);
       x += 28 + width + 16;
+    }
+    if (this.other) {
+      const own = scene.atlas.description.title;
+      const text = this.other.description.title === own ? "the other atlas" : this.other.description.title;
+      pen.path([x, y - 0.3 * size, x + 22, y - 0.3 * size], { stroke: p.other, width: 1.6, dash: [5, 3] });
+      pen.text(x + 28, y, text, { size: size - 1, fill: p.ink });
+      x += 44 + textWidth(text, size - 1);
     }
     const { title } = scene.atlas.description;
     const right = this.pad.left + this.view.width;
@@ -577,7 +600,8 @@ export class Plot {
     if (inside) {
       const u = this.units();
       const place = `E ${(u.energy * this.view.toEnergy(this.view.atX(at.x))).toPrecision(6)}   ${u.frequencySign} ${(u.frequency * this.view.toFrequency(this.view.atY(at.y))).toPrecision(6)} ${u.frequencyUnit}`;
-      const what = mark ? `${mark.junction.name || mark.junction.label} (${mark.junction.kind})` : hit ? `branch ${hit.branch.id}: ${hit.branch.label}${hit.k > 1 ? `, ${hit.k} times` : ""}` : "";
+      const other = !mark && !hit ? this.otherScene()?.nearest(this.view, at.x, at.y, 10, 1) : null;
+      const what = other ? `other atlas, branch ${other.branch.id}: ${other.branch.label}` : mark ? `${mark.junction.name || mark.junction.label} (${mark.junction.kind})` : hit ? `branch ${hit.branch.id}: ${hit.branch.label}${hit.k > 1 ? `, ${hit.k} times` : ""}` : "";
       this.events.hover(what ? `${place}   ${what}` : place);
     } else this.events.hover("");
     if (changed) this.touch(false);
@@ -589,7 +613,9 @@ export class Plot {
     const mark = this.options.marks ? this.scene.markAt(at.x, at.y, 9) : null;
     if (mark) return this.events.pickJunction(mark);
     const hit = this.scene.nearest(this.view, at.x, at.y, 12, this.options.duplicates);
+    const other = hit ? null : this.otherScene()?.nearest(this.view, at.x, at.y, 12, 1);
     if (hit) this.events.pick(hit);
+    else if (other) this.events.pickOther(other);
   }
 
   // Page coordinates of a place in the plane.

@@ -8,6 +8,8 @@ export interface TableEvents {
   branch(id: number): void;
   inView(b: Branch): boolean;
   shown(): number; // the branch that is chosen
+  other(): Atlas | null; // that is compared with
+  look(b: Branch): void; // at one of that
 }
 
 interface Column {
@@ -41,13 +43,15 @@ export class BranchTable {
   private falling = false;
   private most = MOST;
   private text = el("input", { type: "search", placeholder: "Label or word", ariaLabel: "Only branches with this in label or word" });
-  private kind = this.choice("Kind", ["every kind", "symmetric", "asymmetric", "linear", "islands"]);
+  private kind = this.choice("Kind", ["every kind", "symmetric", "asymmetric", "linear", "islands", "only here"]);
   private stability = this.choice("Stability", ["stable or not", "somewhere stable", "never stable"]);
   private impacts = el("input", { type: "number", min: "0", max: "9999", placeholder: "N", ariaLabel: "Only branches with so many impacts or fewer", title: "so many impacts or fewer" });
   private view = el("input", { type: "checkbox" });
   private body = el("tbody");
   private heads: HTMLElement[] = [];
   private count = el("p", { class: "sub", role: "status" });
+  private shared = new Set<string>(); // keys of branches that another atlas has, too
+  private compared = el("div", {});
   private more = el("button", { type: "button", class: "wide", textContent: "Show all", onclick: () => ((this.most = Infinity), this.fill()) });
 
   constructor(
@@ -59,6 +63,7 @@ export class BranchTable {
     for (const field of [this.kind, this.stability, this.view]) field.onchange = () => this.fill();
     this.root.append(el("h2", { textContent: "Branches" }),
       el("div", { class: "filters" }, this.text, this.kind, this.stability, el("label", {}, "N ≤ ", this.impacts), el("label", { class: "check" }, this.view, " in view")), this.count);
+    this.root.insertBefore(this.compared, this.count);
   }
 
   private choice(name: string, options: string[]): HTMLSelectElement {
@@ -66,6 +71,7 @@ export class BranchTable {
   }
 
   show(): void {
+    this.compare();
     const u = this.units();
     const proved = this.atlas().branches.some((b) => b.proved > 0);
     const columns = COLUMNS.filter((c) => proved || c.title !== "proved");
@@ -75,8 +81,22 @@ export class BranchTable {
       return el("th", { scope: "col" }, el("button", { type: "button", class: "sort", textContent: title, title: `Sort by ${c.name(u)}`, ariaLabel: `Sort by ${c.name(u)}`, onclick: () => this.sort(i) }));
     });
     const table = el("table", { class: "branches" }, el("thead", {}, el("tr", {}, ...this.heads)), this.body);
-    this.root.replaceChildren(...[...this.root.children].slice(0, 3), el("div", { class: "wide-table", tabIndex: 0, role: "group", ariaLabel: "Branches" }, table), this.more);
+    this.root.replaceChildren(...[...this.root.children].slice(0, 4), el("div", { class: "wide-table", tabIndex: 0, role: "group", ariaLabel: "Branches" }, table), this.more);
     this.fill();
+  }
+
+  // What only one of two atlases has, by the keys of branches, which no budget changes.
+  compare(): void {
+    const other = this.events.other();
+    if (!other) return;
+    const own = new Set(this.atlas().branches.map((b) => b.key));
+    const theirs = other.branches.filter((b) => !own.has(b.key));
+    this.shared = new Set(other.branches.filter((b) => own.has(b.key)).map((b) => b.key));
+    const u = this.units();
+    const list = theirs.slice(0, 100).map((b) => el("button", { type: "button", class: "way", title: "Look there", onclick: () => this.events.look(b) }, el("span", {}, toHtml(branchRuns(b.label, b.word))),
+      el("small", { textContent: `E ${short(u.energy * b.energy_min)} to ${short(u.energy * b.energy_max)}, ${u.frequencySign} ${short(u.frequency * b.frequency_min)} to ${short(u.frequency * b.frequency_max)}` })));
+    this.compared.replaceChildren(el("p", {}, `Compared with “${other.description.title}”: ${this.shared.size} branches in both, ${own.size - this.shared.size} only here, ${theirs.length} only there.`),
+      ...(theirs.length ? [el("details", {}, el("summary", { textContent: `Only there: ${theirs.length}` }), el("div", { class: "ways" }, ...list))] : []));
   }
 
   private sort(column: number): void {
@@ -91,7 +111,7 @@ export class BranchTable {
     const stability = Number(this.stability.value);
     const most = this.impacts.value === "" ? Infinity : this.impacts.valueAsNumber;
     return (!text || b.label.toLowerCase().includes(text) || b.word.includes(text)) &&
-      (kind === 0 || (kind === 1 ? b.symmetric && !b.linear : kind === 2 ? !b.symmetric : kind === 3 ? b.linear : !b.linked)) &&
+      (kind === 0 || (kind === 1 ? b.symmetric && !b.linear : kind === 2 ? !b.symmetric : kind === 3 ? b.linear : kind === 4 ? !b.linked : !this.shared.has(b.key))) &&
       (stability === 0 || (stability === 1 ? share(b) > 0 : share(b) === 0)) && b.impacts <= most && (!this.view.checked || this.events.inView(b));
   }
 
