@@ -1,13 +1,13 @@
 # ricochet in a container: docker build -t ricochet . && docker run --rm -v "$PWD:/work" ricochet run study.yaml
-# `ricochet view` has no page in it: that needs Node.js and the packages of web/package-lock.json.
+# `ricochet view` serves the machine that it runs on, which is the container: `view --save FILE.html` writes a page to open outside.
 FROM debian:bookworm-slim AS build
 RUN apt-get update && apt-get install -y --no-install-recommends \
-        gcc libc6-dev make meson ninja-build pkg-config python3 \
+        esbuild gcc libc6-dev make meson ninja-build pkg-config python3 \
         liblapacke-dev liblapack-dev libblas-dev libyaml-dev libsqlite3-dev libjansson-dev \
         libhdf5-dev libmatio-dev libmicrohttpd-dev libflint-dev libflint-arb-dev \
     && rm -rf /var/lib/apt/lists/*
 COPY . /source
-RUN meson setup /build /source -Dtests=false -Dmpi=disabled --prefix=/usr/local \
+RUN meson setup /build /source -Dtests=false -Dmpi=disabled -Desbuild=true --prefix=/usr/local \
     && ninja -C /build \
     && meson install -C /build --no-rebuild --destdir /installed
 

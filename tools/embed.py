@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""The page of `ricochet view` as C: embed.py OUT.c [NODE WEB FOLDER]
+"""The page of `ricochet view` as C: embed.py OUT.c [PROGRAM WEB FOLDER]
 
-Builds the page from the folder WEB with Vite, run by NODE, into FOLDER, and compresses it with gzip into arrays that the server hands out (cli/view/view.h).
+Builds the page from the folder WEB into FOLDER, where PROGRAM is Node with Vite, or esbuild alone, which Debian has as a
+package so that no network is asked; and compresses it with gzip into arrays that the server hands out (cli/view/view.h).
 With OUT.c alone the page is left out. The same sources give the same bytes: no time and no name in the compressed data.
 """
 import gzip
@@ -39,12 +40,31 @@ def saved_page(folder, names):
             f"const size_t view_saved_split = {data.rindex(b'</body>')};"]
 
 
+def by_vite(node, web, folder):
+    """The page as web/vite.config.ts has it."""
+    vite = os.path.join(web, "node_modules", "vite", "bin", "vite.js")
+    subprocess.run([node, os.path.abspath(vite), "build", "--logLevel", "warn", "--outDir", folder, "--emptyOutDir"], cwd=web, check=True)
+
+
+def by_esbuild(esbuild, web, folder):
+    """The same files: the page needs no library, and esbuild is what Vite makes scripts small with, too."""
+    os.makedirs(folder, exist_ok=True)
+    for source, out in (("main.ts", "app.js"), ("style.css", "app.css")):
+        subprocess.run([esbuild, f"src/{source}", "--bundle", "--minify", "--format=esm", "--target=es2022", "--log-level=warning",
+                        f"--outfile={os.path.join(folder, out)}"], cwd=web, check=True)
+    with open(os.path.join(web, "index.html"), encoding="utf-8") as file:
+        page = file.read()
+    page = page.replace('<link rel="stylesheet" href="/src/style.css" />', '<link rel="stylesheet" crossorigin href="/app.css">')
+    page = page.replace('<script type="module" src="/src/main.ts">', '<script type="module" crossorigin src="/app.js">')
+    with open(os.path.join(folder, "index.html"), "w", encoding="utf-8") as file:
+        file.write(page)
+
+
 def main():
     out, folder = sys.argv[1], None
     if len(sys.argv) > 2:
-        node, web, folder = sys.argv[2], sys.argv[3], os.path.abspath(sys.argv[4])
-        vite = os.path.join(web, "node_modules", "vite", "bin", "vite.js")
-        subprocess.run([node, os.path.abspath(vite), "build", "--logLevel", "warn", "--outDir", folder, "--emptyOutDir"], cwd=web, check=True)
+        program, web, folder = sys.argv[2], sys.argv[3], os.path.abspath(sys.argv[4])
+        (by_esbuild if "esbuild" in os.path.basename(program) else by_vite)(program, web, folder)
     names = sorted(os.listdir(folder)) if folder else []
     names = [name for name in names if os.path.splitext(name)[1] in TYPES]
     text = ["/* Made by tools/embed.py. */", '#include "view/view.h"', ""]
