@@ -11,9 +11,12 @@ axes of matplotlib, `ricochet.reduce` makes a small model of a finite-element on
 from ._library import (BusyError, ConflictError, Error, FileError, FormatError, InputError, Interrupted, MissingError,
                        NumericError, RangeError, ffi as _ffi, lib as _lib)
 from ._atlas import Atlas, Branch, Junction, Listing, Tongue
+from ._force import Forced, Prediction, Shaking
 from ._hunt import Found, Hunt
 from ._model import Contact, Model
 from ._orbit import Orbit
+from ._proof import Proof, Proofs
+from ._section import Section, Track
 from ._simulation import History, Simulation
 from ._study import Progress, Study, explore
 from ._verify import Check, Verification
@@ -21,8 +24,9 @@ from ._verify import Check, Verification
 __version__ = _ffi.string(_lib.ric_version()).decode()
 
 __all__ = ["Atlas", "Branch", "BusyError", "Check", "ConflictError", "Contact", "Error", "FileError", "FormatError",
-           "Found", "History", "Hunt", "InputError", "Interrupted", "Junction", "Listing", "MissingError", "Model", "NumericError",
-           "Orbit", "Progress", "RangeError", "Reduction", "Simulation", "Study", "Tongue", "Verification", "explore", "plot",
+           "Forced", "Found", "History", "Hunt", "InputError", "Interrupted", "Junction", "Listing", "MissingError", "Model", "NumericError",
+           "Orbit", "Prediction", "Progress", "Proof", "Proofs", "RangeError", "Reduction", "Section", "Shaking", "Simulation", "Study",
+           "Tongue", "Track", "Verification", "explore", "plot",
            "reduce"]
 
 

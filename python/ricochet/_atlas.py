@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from typing import Iterator, List, NamedTuple, Optional, Tuple, Union
+from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ._library import RangeError, check, copy_of, detail, ffi, fields_of, filled, lib, pointer, text_of, word_of
 import numpy as np
@@ -260,6 +260,11 @@ class Branch:
         owner = ffi.gc(array, lambda orbits: lib.ric_orbits_free(count, orbits))
         return [Orbit(self, array[i], owner) for i in range(count)]
 
+    def proof(self, i: int):
+        """The Proof of stored point i that is kept in the file, None if there is none; `Atlas.prove` makes one."""
+        from ._proof import kept
+        return kept(self.atlas, self.id, i + len(self) if i < 0 else i)
+
     def point(self, i: int) -> Orbit:
         """The orbit of stored point i, from 0; -1 is the last one."""
         return self._find(lib.RIC_AT_POINT, i + len(self) if i < 0 else i)[0]
@@ -403,6 +408,47 @@ class Atlas:
         """
         from ._hunt import hunt
         return hunt(self, energy, impacts, period, progress, compare, options)
+
+    def section(self, energy: float, starts: Optional[int] = None, impacts: Optional[int] = None, **options):
+        """Motions of one scaled energy on the section; see `Model.section`."""
+        return self.model.section(energy, starts, impacts, **options)
+
+    def shaking(self, force, damping=None, restitution: float = 1):
+        """What a harmonic force and losses make of the orbits.
+
+        Parameters
+        ----------
+        force : array [n_dof]
+            Of amplitude 1, physical.
+        damping : float, array [n_dof] or array [n_dof, n_dof]
+            A modal damping ratio for all modes, one for each, or a damping matrix, physical; none unless given.
+        restitution : float, above 0, at most 1
+
+        Returns
+        -------
+        Shaking
+        """
+        from ._force import Shaking
+        return Shaking(self, force, damping, restitution)
+
+    def prove(self, branch: Union[None, int, str] = None, points: Optional[Sequence[int]] = None, workers: int = 1,
+              progress: Optional[bool] = None):
+        """Proves stored orbits by ball arithmetic.
+
+        Parameters
+        ----------
+        branch : int or str
+            Only this one.
+        points : sequence of int, from 0
+            Of each branch; -1 is the last one. All unless given.
+        workers : int
+
+        Returns
+        -------
+        Proofs
+        """
+        from ._proof import prove
+        return prove(self, branch, points, workers, progress)
 
     def _head(self) -> str:
         return (f"Atlas {self.path}: {self.study.title}, {len(self.branches)} branches, {len(self.junctions)} junctions"

@@ -205,6 +205,30 @@ class Model:
         x, v = self._vector(x, "x"), self._vector(v, "v")
         return lib.ric_model_energy(self._handle, pointer(x), pointer(v))
 
+    def section(self, energy: float, starts: Optional[int] = None, impacts: Optional[int] = None, states=None,
+                radius: float = 0, rows: bool = True, workers: int = 1, progress: Optional[bool] = None):
+        """Motions of one scaled energy on the section, where a motion is right after an impact.
+
+        Parameters
+        ----------
+        energy : float, scaled
+        starts : int
+            How many, a fixed sequence that fills the section evenly; as many as `ricochet section` takes unless given.
+        impacts : int
+            Of each start.
+        states : array [k, 2 n_dof]
+            Instead: starts at these scaled states, x then v, or within `radius` of the section about them.
+        rows : bool
+            Whether to keep the impacts, not only what is said of each start.
+        workers : int
+
+        Returns
+        -------
+        Section
+        """
+        from ._section import section
+        return section(self, energy, starts, impacts, states, radius, rows, workers, progress)
+
     def simulate(self, x, v, time: float, steps: int = 200, impacts: int = 1000000):
         """The motion from a scaled state, found impact by impact by a simulator that knows nothing of orbits.
 

@@ -194,10 +194,19 @@ def explore(study: Union[Study, str, os.PathLike], path: Union[str, os.PathLike]
             asked[0] = job.stopping = True
 
     try:
+        _until_stopped(job, look, lambda: run.over or asked[0])
+        atlas = Atlas(path)
+    except BaseException:
+        bar.close(f"{run.now.branches} branches, {run.now.junctions} junctions")
+        raise
+    bar.close(f"{len(atlas.branches)} branches, {len(atlas.junctions)} junctions")
+    return atlas
+
+
+def _until_stopped(job: Job, look, wanted) -> None:
+    """Runs a job; that it was stopped is no error where that is what was wanted."""
+    try:
         job.run(look)
     except Interrupted:
-        if not (run.over or asked[0]):
+        if not wanted():
             raise
-    finally:
-        bar.close(f"{run.now.branches} branches, {run.now.junctions} junctions")
-    return Atlas(path)

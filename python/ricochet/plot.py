@@ -195,7 +195,9 @@ def orbit(one: Orbit, ax=None, coordinates: Optional[Sequence[int]] = None, peri
 def phase(one: Orbit, ax=None, coordinates: Optional[Sequence[int]] = None, **style):
     """Velocities over displacements, closed curves with jumps at impacts."""
     ax = _axes(ax)
-    x, v = one.at(np.linspace(0, one.period, 801))
+    before = np.append(one.impact_times[1:], one.period) * (1 - 1e-14)
+    t = np.sort(np.concatenate([np.linspace(0, one.period, 801), one.impact_times, before]))
+    x, v = one.at(np.append(t, 0.0))
     for i in _coordinates(one, coordinates):
         ax.plot(x[:, i], v[:, i], **{"lw": 1.2, "label": f"x{i + 1}", **style})
     ax.set(xlabel="x / d", ylabel="v / d, 1/s", title=f"{one.branch.label}, energy {one.energy:.6g}")

@@ -16,6 +16,7 @@ part()
     fi
 }
 part scipy test_explore
+part scipy test_around
 part scipy test_reduce
 part matplotlib test_plot
 
