@@ -84,6 +84,10 @@ class Junction:
         if not (self.a or self.b):
             self.a = self.b = self.decided = None
 
+    def level(self, branch: "Branch") -> int:
+        """Which duplicate of a branch passes here: q for the branch that a q-tupling lies on, 1 for what leaves there."""
+        return lib.ric_junction_level(self._raw, branch._raw)
+
     @property
     def word(self) -> str:
         """Faces that the orbit hits in one period."""

@@ -28,7 +28,7 @@ def _with_junctions(one: Branch) -> tuple:
     s, neutral = one.arclength, np.zeros(len(one) + len(inner), bool)
     order = np.argsort(np.concatenate([s, at]), kind="stable")
     x = np.concatenate([one.energy, [other.energy for other in inner]])[order]
-    y = np.concatenate([one.frequency, [other.frequency * other.multiple for other in inner]])[order]
+    y = np.concatenate([one.frequency, [other.frequency * other.level(one) for other in inner]])[order]
     flags = [np.concatenate([flag, np.zeros(len(inner), bool)])[order] for flag in (one.stable, one.undecided)]
     arclength = np.concatenate([s, at])[order]
     for place in at:

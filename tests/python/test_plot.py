@@ -44,6 +44,17 @@ def test_axes(folder):
     plt.close("all")
 
 
+def test_levels(folder):
+    """a branch passes a q-tupling at its own frequency, whether the junction lies on it or it leaves there"""
+    atlas = atlas_in(folder, impacts=6, multiply=3, depth=2)
+    passed = [(at, one) for one in atlas.branches for at in one.junctions if at.multiple == 3]
+    assert {at.level(one) for at, one in passed} == {1, 3}
+    for _, one in passed:
+        y = plot.branch(one).get_lines()[0].get_ydata()
+        plt.close("all")
+        assert one.frequency.min() * (1 - 1e-9) <= y.min() and y.max() <= one.frequency.max() * (1 + 1e-9), one
+
+
 def test_stable_parts(folder):
     """thick is what is stable, up to the junction where that ends"""
     atlas = atlas_in(folder)
@@ -113,4 +124,4 @@ def test_readme(folder):
     assert {"two-masses.ricochet", "two-masses.png", "orbit.gif"} <= made, made
 
 
-run([test_axes, test_stable_parts, test_zoom, test_labels, test_animation, test_readme])
+run([test_axes, test_levels, test_stable_parts, test_zoom, test_labels, test_animation, test_readme])
