@@ -184,7 +184,9 @@ static void remember(view_grower *g, const char *before)
     pthread_mutex_unlock(&g->lock);
 }
 
-static void finish(view_grower *g, ric_status status, int n_before, bool kept)
+/* The last of a thread is the lock under which it says that it runs no more: the next one waits for its end in there.
+ */
+static void finish(view_grower *g, ric_status status, const view_data *before)
 {
     char message[sizeof g->message];
     view_data *data = NULL;
@@ -195,14 +197,15 @@ static void finish(view_grower *g, ric_status status, int n_before, bool kept)
     const bool failed = message[0];
     if (!failed) {
         data = view_data_take(g->shelf);
-        const int n = ric_atlas_n_branch(data->atlas) - n_before;
-        if (kept)
+        const int n = ric_atlas_n_branch(data->atlas) - ric_atlas_n_branch(before->atlas);
+        if (g->kept)
             snprintf(message, sizeof message,
                      "stopped early: the atlas is as before, and the work that was finished is kept in it for the next "
                      "time");
         else if (g->undoing) snprintf(message, sizeof message, "undone: %d branches less", -n);
         else snprintf(message, sizeof message, "%s%d new branch%s", status ? "stopped: " : "", n, n == 1 ? "" : "es");
         view_data_release(g->shelf, data);
+        if (!g->kept) remember(g, text_of(before));
     }
     pthread_mutex_lock(&g->lock);
     memcpy(g->message, message, sizeof message);
@@ -216,7 +219,6 @@ static void *work(void *user)
     view_grower *g = user;
     ric_study *larger = NULL;
     view_data *data = view_data_take(g->shelf);
-    const int n_before = ric_atlas_n_branch(data->atlas);
     g->before = data->atlas;
     g->kept = false;
     /* a run would begin a new one */
@@ -226,8 +228,7 @@ static void *work(void *user)
                             : study_of(g, data, &larger);
     if (!status && !g->undoing) status = raise_budgets(larger, &g->budgets);
     if (!status) status = explore(g, larger);
-    finish(g, status, n_before, g->kept);
-    if ((!status || status == RIC_E_INTERRUPTED) && !g->kept && !g->failed) remember(g, text_of(data));
+    finish(g, status, data);
     view_data_release(g->shelf, data);
     ric_study_free(larger);
     return NULL;

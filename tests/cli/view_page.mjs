@@ -457,7 +457,7 @@ async function forcing(page, shot, atlas) {
 
 async function saving(page) {
   for (const [what, ending, test] of [
-    ["svg", ".svg", (text) => text.startsWith("<svg") && text.includes("frequency ω") && (text.match(/<path/g) ?? []).length > 20],
+    ["svg", ".svg", (text) => text.startsWith("<svg") && text.includes("frequency ω") && text.includes("branch point") && text.includes("thin unstable") && (text.match(/<path/g) ?? []).length > 20],
     ["csv", ".csv", (text) => text.startsWith("branch,duplicate,label,arclength,energy,frequency,stable\n") && text.split("\n").length > 200],
     ["orbit-svg", "-orbit.svg", (text) => text.startsWith("<svg")],
     ["orbit-csv", "-orbit.csv", (text) => text.startsWith("t,x1,x2,v1,v2") && text.split("\n").length > 50],

@@ -339,7 +339,26 @@ export class Plot {
     pen.clipped(this.pad.left, this.pad.top, this.view.width, this.view.height, () => pen.segments(this.withHighlights(), [...this.scene.painter.styles, ...this.highlightStyles()]));
     this.paint(pen, w, h);
     this.paintLegend(pen);
-    return { width: w, height: h };
+    this.paintMarks(pen, h + 0.9 * this.size);
+    return { width: w, height: h + Math.round(1.8 * this.size) };
+  }
+
+  // What lines and marks mean, below a saved picture.
+  private paintMarks(pen: Pen, y: number): void {
+    const { size, palette: p, scene } = this;
+    const small = size - 2;
+    let x = this.pad.left + 4;
+    const kinds = this.options.marks ? [...new Set(scene.marks.map((m) => m.junction.kind))] : [];
+    for (const kind of kinds) {
+      const text = kind.replace("-", " ");
+      drawMark(pen, kind, x, y, 4, p.ink, p.mark);
+      pen.text(x + 10, y + 0.35 * small, text, { size: small, fill: p.soft });
+      x += 10 + textWidth(text, small) + 18;
+    }
+    if (!scene.painter.oneColour) return;
+    const text = "thick stable, thin unstable, dotted undecided, dashed duplicate";
+    const right = this.pad.left + this.view.width;
+    if (x + textWidth(text, small) < right) pen.text(right, y + 0.35 * small, text, { size: small, fill: p.soft, anchor: "end" });
   }
 
   // On the page the legend is an element of its own; a saved picture has it above the frame, and the title at the right.
