@@ -83,13 +83,15 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
     enum { WAYS = RIC_TRACE_WAYS };
     int k = f->n_pair, size = c->n_unknown;
     int worst = 0;
-    double at[2 * k], moved[WAYS * size], margin = stable_margin(f, &worst), off = 0;
+    double at[2 * k], own[2 * k], each[k], moved[WAYS * size], margin = stable_margin(f, &worst), off = 0;
+    ric_floquet kept = *f;
     /* one pair outside is enough: the others may be known less */
     double error = (margin < 0 ? f->each[worst] : f->error) * steepness(margin);
     ric_status status = RIC_OK;
-    ric_stability stable = f->stable;
     bool known = true;
     memcpy(at, f->rho, sizeof at);
+    memcpy(own, f->own, sizeof own);
+    memcpy(each, f->each, sizeof each);
     memset(seen, 0, (size_t)k * sizeof *seen);
     for (int way = 0; way < WAYS; way++) known = known && ric_continuation_move(c, u, way + 1, moved + way * size);
     for (int way = 0; way < WAYS && known && !status; way++) {
@@ -99,9 +101,12 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
         for (int i = 0; i < k; i++) seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, at + 2 * i));
     }
     ric_shooting_fly(c, u);
-    if (!status) status = ric_floquet_compute(c, f);
+    memcpy(f->rho, at, sizeof at);
+    memcpy(f->own, own, sizeof own);
+    memcpy(f->each, each, sizeof each);
+    *f = kept;
     for (int i = 0; i < k && !known; i++) seen[i] = HUGE_VAL;
-    f->stable = known && fabs(margin) > error + off ? stable : RIC_STABLE_UNDECIDED;
+    if (!known || !(fabs(margin) > error + off)) f->stable = RIC_STABLE_UNDECIDED;
     return status;
 }
 

@@ -70,6 +70,9 @@ static inline __attribute__((always_inline)) void ric_flight_carry(int n, const 
     }
 }
 
+/* Columns W [2n * ld] through a flight with closed springs in extended precision, in place, of states or of deviations.
+ * False: there is no memory for their modes. */
+bool ric_flight_fine(const ric_model *m, uint64_t closed, long double tau, int ld, bool states, long double *W);
 /* (s(tau) - s(0)) / tau of the gap coordinate of a face along a flight from w, regular through tau = 0, with its
  * derivatives (regime.h). */
 double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w,

@@ -92,6 +92,14 @@ double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face
     return ric_regime_chord(regime, closing(m, closed, event), m->face[face].contact, tau, w, by_w, by_tau);
 }
 
+bool ric_flight_fine(const ric_model *m, uint64_t closed, long double tau, int ld, bool states, long double *W)
+{
+    const ric_regime *regime;
+    if (ric_regime_get(m, closed, &regime)) return false;
+    ric_regime_fly_fine(regime, tau, ld, states, W);
+    return true;
+}
+
 void ric_flight_onto(const ric_model *m, uint64_t closed, int event, int ld, double *X)
 {
     const ric_face *from = closing(m, closed, event);

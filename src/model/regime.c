@@ -374,6 +374,40 @@ void ric_regime_matrix(const ric_regime *p, double tau, double *D)
         }
 }
 
+/* ------------------------------------------------------ extended precision */
+
+void ric_regime_fly_fine(const ric_regime *p, long double tau, int ld, bool states, long double *W)
+{
+    int n = p->n;
+    const long double *into = p->exact, *from = into + n * n, *U = from + n * n, *shift = U + n * n;
+    long double co[n], s1[n], s2[n];
+    for (int i = 0; i < n; i++) {
+        long double omega = (long double)p->omega[i] + p->omega_low[i];
+        sincosl(omega * tau, &s1[i], &co[i]);
+        s2[i] = s1[i];
+        if (!(omega > 0)) s1[i] = tau;
+    }
+    for (int c = 0; c < ld; c++) {
+        long double z[2 * n];
+        for (int i = 0; i < n; i++) {
+            long double A = states ? -shift[i] : 0, P = 0;
+            for (int j = 0; j < n; j++) {
+                A += into[i * n + j] * W[j * ld + c];
+                P += U[j * n + i] * W[(n + j) * ld + c];
+            }
+            z[i] = co[i] * A + s1[i] * P + (states ? shift[i] : 0);
+            z[n + i] = co[i] * P - s2[i] * A;
+        }
+        for (int i = 0; i < n; i++) {
+            W[i * ld + c] = W[(n + i) * ld + c] = 0;
+            for (int j = 0; j < n; j++) {
+                W[i * ld + c] += from[i * n + j] * z[j];
+                W[(n + i) * ld + c] += U[i * n + j] * z[n + j];
+            }
+        }
+    }
+}
+
 /* -------------------------------------------------------- divided difference */
 
 /* (1 - cos y) / y and sin y / y with their derivatives, regular at y = 0. */

@@ -53,6 +53,10 @@ void ric_regime_fly(const ric_regime *phase, const ric_face *closing, double tau
 /* Its derivative by w, D [2n * 2n] by rows, of a flight that does not start with a closing. O(n^3). */
 void ric_regime_matrix(const ric_regime *phase, double tau, double *D);
 
+/* A flight in extended precision, that starts with no closing: columns W [2n * ld] in place, of states, or of
+ * deviations, which no equilibrium shifts. O(ld n^2). */
+void ric_regime_fly_fine(const ric_regime *phase, long double tau, int ld, bool states, long double *W);
+
 /* Deviations X [2n * ld] at a closing moved onto the face, like the state. */
 void ric_regime_onto(int n, const ric_face *closing, int ld, double *X);
 

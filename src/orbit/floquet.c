@@ -19,6 +19,8 @@
 /* MOST_PAIRS: up to which the halves are taken apart, or extended precision is used: they need 32 k^2 numbers */
 #define MOST_PAIRS 64
 #define ROUGH 1e-12 /* error of rho, over 1 + |rho|, from which on the map is made in extended precision */
+#define ROUGH_WITH_SPRINGS 1e-6 /* the same where springs are met */
+#define BESIDE 10               /* of the error of rho from the border of stability, within which it is made there, too */
 
 ric_status ric_floquet_create(int n, ric_floquet *out)
 {
@@ -256,26 +258,33 @@ static double bound(int k, const double *left, const double *right)
     return product;
 }
 
+/* What closing or opening of a spring at event k adds to the roundings: its time is off by the rounding of its gap over
+ * the speed there (over what the speed changes by, where it is less), its stiffness acts so much too long, and where a
+ * family is almost one of two parameters that turns up in the trace with its full size (two equal modes beside a spring
+ * of 4,400 times their stiffness: 9e-12 of a trace that is 2). */
+static double of_switch(const ric_shooting *c, int k)
+{
+    int n = c->n;
+    const ric_face *f = &c->model->face[c->face[k]];
+    double rate[2 * n];
+    ric_flight_rate(c->model, c->closed[k], c->w + 2 * n * k, rate);
+    return f->spring * f->cc * c->scale / not_zero(fabs(c->approach[k]) + fabs(ric_dot(n, f->c, rate + n)));
+}
+
 /* Roundings that a state goes through: one of a rigid flight, one of every step of a smooth one. */
-static double roundings(const ric_shooting *c)
+static double steps(const ric_shooting *c)
 {
     return ric_flight_law_of(c->model)->integrated ? SMOOTH_STEPS : c->n_flight + 2;
 }
 
-/* The same with what stiff springs make of the rounding of their normals in the modes: their stiffness, over that of
- * the lowest mode, multiplies it, and where a family is almost one of two parameters it turns up in the trace with its
- * full size (two equal modes beside a spring of 4,400 times their stiffness: 6e-12 of a trace that is 2). */
-static double stiff_roundings(const ric_shooting *c)
+/* Those that its neighbours go through, which the times of springs move. Determinants, whose signs tell branch points,
+ * are bounded without: what moves them by less than themselves is looked for by moving the orbit. */
+static double roundings(const ric_shooting *c)
 {
-    const ric_model *m = c->model;
-    double most = 0;
-    for (int k = 0; k <= c->n_flight; k++) {
-        double sum = 0;
-        for (int f = 0; c->closed[k] >> f && f < m->n_face; f++)
-            if (c->closed[k] >> f & 1) sum += m->face[f].spring * m->face[f].cc;
-        most = fmax(most, sum);
-    }
-    return roundings(c) + most;
+    double sum = steps(c);
+    for (int k = 1; k <= c->n_flight; k++)
+        if (c->face[k] >= 0 && c->model->face[c->face[k]].spring > 0) sum += of_switch(c, k);
+    return sum;
 }
 
 /* rho = 2 + 4 eig(b'c), accurate to the rounding of the largest. A [k * k] is workspace. */
@@ -307,13 +316,21 @@ static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent
 
 /* ------------------------------------------------------ extended precision */
 
-/* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far is kept. */
+/* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far is kept. Where
+ * springs are met that map costs as much as the rest of a step, so that it is made beside the border of stability and
+ * where digits are missing. */
 static bool made_fine(const ric_shooting *c, ric_floquet *f, const double *start, const double *end, double *size)
 {
-    double least = HUGE_VAL;
-    for (int i = 0; i < f->n_pair; i++) least = fmin(least, hypot(f->own[2 * i], f->own[2 * i + 1]));
+    const bool springs = c->fastest > 0;
+    double least = HUGE_VAL, border = HUGE_VAL;
+    for (int i = 0; i < f->n_pair; i++) {
+        const double *own = f->own + 2 * i;
+        least = fmin(least, hypot(own[0], own[1]));
+        border = fmin(border, own[1] == 0 ? fabs(fabs(own[0]) - 2) : fabs(own[1]));
+    }
     f->rough = f->error;
-    if (!(f->rough > ROUGH * (1 + least)) && isfinite(least)) return false;
+    const bool good = !(f->rough > (springs ? ROUGH_WITH_SPRINGS : ROUGH) * (1 + least)) && isfinite(least);
+    if (good && !(springs && border <= BESIDE * f->rough)) return false;
     return f->n_pair <= MOST_PAIRS && ric_floquet_fine_fits(c) && ric_floquet_fine_map(c, start, end, f->fine, size);
 }
 
@@ -392,7 +409,7 @@ static linear_map reversible_map(const ric_shooting *c, ric_floquet *f)
     blocks(c, P, a, b, cc, d);
     for (int i = 0; i < ld * ld; i++) q.size = fmax(q.size, fabs(P[i]));
     q.size = fmax(q.size, q.growth);
-    double rounding = ROUNDING * DBL_EPSILON * roundings(c) * q.size;
+    double rounding = ROUNDING * DBL_EPSILON * steps(c) * q.size;
     f->det_a = determinant(k, k, a, q.tmp, rounding, &f->error_a);
     f->det_b = determinant(k, k, b, q.tmp, rounding, &f->error_b);
     f->det_d = determinant(k, k, d, q.tmp, rounding, &f->error_d);
@@ -406,8 +423,8 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
     const linear_map q = reversible_map(c, f);
     int k = c->n - 1, exponent = q.exponent;
     bool quarter = c->multiple == 4;
-    double error = ROUNDING * DBL_EPSILON * stiff_roundings(c) * q.size * q.size +
-                   ldexp(8 * DBL_EPSILON, -2 * exponent);
+    const double rounding = ROUNDING * DBL_EPSILON * roundings(c) * q.size;
+    double error = rounding * q.size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
         ric_floquet_judge_plane(f, quarter, q.b[0] * q.c[0], q.a[0] * q.d[0], q.d[0] * q.b[0], exponent, error);
         reversible_fine(c, f, q.E0, q.E1, q.A);
@@ -419,10 +436,7 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
     for (int i = 0; i < k; i++) errors[i] = error;
     bool found = exponent < 500;
     if (found && error <= ACCURATE) found = rho_of_product(k, q.b, q.c, exponent, q.A, f->rho);
-    else if (found) {
-        double stiff = ROUNDING * DBL_EPSILON * stiff_roundings(c) * q.size;
-        found = rho_of_blocks(k, q.b, q.c, exponent, stiff, q.A, q.P, f->rho, errors);
-    }
+    else if (found) found = rho_of_blocks(k, q.b, q.c, exponent, rounding, q.A, q.P, f->rho, errors);
     if (found) ric_floquet_judge_pairs(f, quarter, errors);
     else ric_floquet_judge_lost(f);
     if (found) reversible_fine(c, f, q.E0, q.E1, q.A);
@@ -556,7 +570,7 @@ static bool rho_of_halves(const ric_shooting *c, ric_floquet *f, double *work, d
     add_inverse(k, P1, c->sigma, P2, Y);
     double size = fmax(growth[0], growth[1]);
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fmax(fabs(P1[i]), fabs(P2[i])));
-    double rounding = 2 * ROUNDING * DBL_EPSILON * stiff_roundings(c) * size;
+    double rounding = 2 * ROUNDING * DBL_EPSILON * roundings(c) * size;
     if (!isfinite(size) || !ric_eigen_product(ld, X, Y, rounding, H, mu, error)) return false;
     pair_up(k, mu, rho, apart);
     for (int i = 0; i < k; i++) {
@@ -634,7 +648,7 @@ static linear_map whole_map(const ric_shooting *c, ric_floquet *f)
     f->error_a = f->error_b = f->error_d = 0;
     f->size_a = f->size_b = f->size_d = 1;
     if (c->sigma > 0) return q;
-    const double rounding = ROUNDING * DBL_EPSILON * roundings(c) * q.size;
+    const double rounding = ROUNDING * DBL_EPSILON * steps(c) * q.size;
     if (k == 1) {
         /* det(1 + P) = 2 + trace P, without the cancellation */
         f->det_a = ldexp(2, -q.exponent) + P[0] + P[3];
@@ -657,7 +671,7 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
 {
     const linear_map q = whole_map(c, f);
     int k = c->n - 1, ld = 2 * k, exponent = q.exponent;
-    double rounding = ROUNDING * DBL_EPSILON * stiff_roundings(c), trace = 0;
+    double rounding = ROUNDING * DBL_EPSILON * roundings(c), trace = 0;
     double error = rounding * ldexp(q.size, exponent < 1000 ? exponent : 1000) + 8 * DBL_EPSILON;
     for (int i = 0; i < ld; i++) trace += q.P[i * ld + i];
     if (k == 1) {
