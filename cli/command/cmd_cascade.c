@@ -120,7 +120,23 @@ static void set_multiplication(json_t *row, int p, int q)
     json_object_set_new(row, "p/q", json_string(q > 1 ? text : "end"));
 }
 
-static int print_followed(const ric_atlas *atlas, const cli_cascade_request *request, double d, cli_format format)
+/* How rows are shown. */
+typedef struct {
+    double d; /* unit of lengths */
+    cli_format format;
+    cli_choice choice;
+} look;
+
+static int print(json_t *rows, const look *l, const char *all, const char *few)
+{
+    if (l->choice.hertz) cli_in_hertz(rows);
+    const int code = cli_choose(rows, &l->choice) ? cli_print_rows(rows, l->format == CLI_TEXT ? few : all, l->format)
+                                                  : CLI_WRONG;
+    json_decref(rows);
+    return code;
+}
+
+static int print_followed(const ric_atlas *atlas, const cli_cascade_request *request, const look *l)
 {
     static const char all[] =
         "step multiple p/q impacts grazings symmetric energy frequency ratio residual return_error stop "
@@ -139,7 +155,7 @@ static int print_followed(const ric_atlas *atlas, const cli_cascade_request *req
         json_object_set_new(row, "impacts", json_integer(s.impacts));
         json_object_set_new(row, "grazings", json_integer(s.grazings));
         json_object_set_new(row, "symmetric", json_boolean(s.symmetric));
-        json_object_set_new(row, "energy", cli_number(d * d * s.energy));
+        json_object_set_new(row, "energy", cli_number(l->d * l->d * s.energy));
         json_object_set_new(row, "frequency", cli_number(s.frequency));
         json_object_set_new(row, "ratio", cli_number(s.ratio));
         json_object_set_new(row, "residual", cli_number(s.residual));
@@ -149,10 +165,8 @@ static int print_followed(const ric_atlas *atlas, const cli_cascade_request *req
         set_word(row, ric_atlas_model(atlas), s.letters, s.word);
         json_array_append_new(rows, row);
     }
-    code = cli_print_rows(rows, format == CLI_TEXT ? few : all, format);
-    json_decref(rows);
     ric_cascade_free(cascade);
-    return code;
+    return print(rows, l, all, few);
 }
 
 /* ------------------------------------------------------- paths of the atlas */
@@ -281,20 +295,18 @@ int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request,
     return f.n_path;
 }
 
-static int print_stored(const ric_atlas *atlas, const cli_cascade_request *request, double d, cli_format format)
+static int print_stored(const ric_atlas *atlas, const cli_cascade_request *request, const look *l)
 {
     static const char all[] =
         "path step branch junction label multiple p/q impacts grazings symmetric energy frequency ratio "
         "stop word";
     static const char few[] = "path step branch junction label p/q impacts grazings form energy frequency ratio";
     json_t *rows = json_array();
-    const int n_path = cli_cascade_rows(atlas, request, d, rows);
-    int code = cli_print_rows(rows, format == CLI_TEXT ? few : all, format);
+    const int n_path = cli_cascade_rows(atlas, request, l->d, rows), code = print(rows, l, all, few);
     if (n_path == 0)
         fputs("ricochet: the atlas holds no such path; explore.multiply, explore.cascade and explore.depth of the "
               "study decide what it holds, and --branch ID with --multiply or --doublings follows one beyond it\n",
               stderr);
-    json_decref(rows);
     return code;
 }
 
@@ -303,21 +315,22 @@ static int print_stored(const ric_atlas *atlas, const cli_cascade_request *reque
 static int run(int argc, char **argv)
 {
     cli_cascade_request request;
-    cli_format format;
+    look l;
     ric_atlas *atlas = NULL;
-    const bool physical = cli_take_flag(&argc, argv, "--physical");
-    if (!cli_take_cascade(&argc, argv, &request) || !cli_take_format(&argc, argv, &format) ||
-        !cli_operands(&cli_cascade, argc, argv, 1))
+    const bool physical = cli_take_flag(&argc, argv, "--physical"), hertz = cli_take_flag(&argc, argv, "--hz");
+    if (!cli_take_cascade(&argc, argv, &request) || !cli_take_format(&argc, argv, &l.format) ||
+        !cli_take_sort(&argc, argv, &l.choice) || !cli_operands(&cli_cascade, argc, argv, 1))
         return CLI_WRONG;
     if (!request.to_end && request.given && !request.branch)
         return cli_wrong("cascade: --doublings needs --branch ID, the branch whose doubling comes first; `ricochet "
                          "branches %s` lists them",
                          argv[1]);
     ric_status status = ric_atlas_read(argv[1], &atlas);
-    const double d = atlas && physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
+    l.d = atlas && physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
+    l.choice.hertz = hertz;
     int code = status                            ? cli_report(status)
-               : request.given && request.branch ? print_followed(atlas, &request, d, format)
-                                                 : print_stored(atlas, &request, d, format);
+               : request.given && request.branch ? print_followed(atlas, &request, &l)
+                                                 : print_stored(atlas, &request, &l);
     ric_atlas_free(atlas);
     return code;
 }
@@ -336,6 +349,8 @@ static const cli_item items[] = {
     {.name = "--branch", .value = "ID", .text = "the branch with the first multiplication"},
     CLI_ITEM_AT,
     {.name = "--physical", .text = "energies in the units of the study"},
+    CLI_ITEM_SORT,
+    CLI_ITEM_HZ,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -345,9 +360,9 @@ const cli_command cli_cascade = {
     .name = "cascade",
     .summary = "paths of successive period multiplications",
     .usage = "ricochet cascade ATLAS [--multiply LIST] [--branch ID | --at E,OMEGA] [--physical]\n"
-             "           [--json | --csv]\n"
+             "           [--sort COLUMN] [--hz] [--json | --csv]\n"
              "ricochet cascade ATLAS (--branch ID | --at E,OMEGA) (--multiply LIST | --doublings N)\n"
-             "           [--physical] [--json | --csv]\n",
+             "           [--physical] [--sort COLUMN] [--hz] [--json | --csv]\n",
     .items = items,
     .example = "ricochet cascade two-masses.ricochet --branch 10 --doublings 7\n",
     .run = run,

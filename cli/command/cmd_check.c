@@ -17,6 +17,7 @@ typedef struct {
     double *compliance;         /* [m * n], cumulative */
     double *locked;             /* [m * (n - 1)] */
     int *face;                  /* [m] first face of a contact */
+    bool hertz;                 /* frequencies are shown in Hz */
 } facts;
 
 static void facts_free(facts *f)
@@ -44,6 +45,12 @@ static bool facts_allocate(facts *f, const ric_model *model)
     f->locked = malloc(m * n * sizeof *f->locked);
     f->face = malloc(m * sizeof *f->face);
     return f->frequency && f->energy && f->seen && f->contact && f->normal && f->compliance && f->locked && f->face;
+}
+
+/* A frequency in the unit that is asked for. */
+static double shown(const facts *f, double omega)
+{
+    return f->hertz ? omega / (2 * acos(-1)) : omega;
 }
 
 /* No stops, but springs that are met at once. */
@@ -104,7 +111,7 @@ static json_t *mode_row(const facts *f, int i)
 {
     json_t *row = json_object();
     json_object_set_new(row, "mode", json_integer(i + 1));
-    json_object_set_new(row, "frequency", cli_number(f->frequency[i]));
+    json_object_set_new(row, "frequency", cli_number(shown(f, f->frequency[i])));
     json_object_set_new(row, "seen", json_boolean(f->seen[i]));
     json_object_set_new(row, "rigid", json_boolean(f->frequency[i] == 0));
     json_object_set_new(row, "grazing_energy", cli_number(f->energy[i]));
@@ -112,7 +119,8 @@ static json_t *mode_row(const facts *f, int i)
     for (int j = 0; j < f->m; j++) {
         set_numbered(row, "normal", j + 1, f->normal[(size_t)j * (size_t)f->n + (size_t)i]);
         set_numbered(row, "compliance", j + 1, f->compliance[(size_t)j * (size_t)f->n + (size_t)i]);
-        set_numbered(row, "locked", j + 1, i + 1 < f->n ? f->locked[(size_t)j * (size_t)(f->n - 1) + (size_t)i] : NAN);
+        set_numbered(row, "locked", j + 1,
+                     i + 1 < f->n ? shown(f, f->locked[(size_t)j * (size_t)(f->n - 1) + (size_t)i]) : NAN);
     }
     json_object_set_new(row, "parts", json_integer(ric_model_n_part(f->model)));
     json_object_set_new(row, "symmetric", json_boolean(ric_model_symmetric(f->model)));
@@ -124,6 +132,12 @@ static int print_rows(const facts *f, const ric_study *study, cli_format format)
     json_t *rows = json_array();
     for (int i = 0; i < f->n; i++) json_array_append_new(rows, mode_row(f, i));
     const ric_status status = cli_windows_rows(study, rows);
+    for (int i = 0; i < f->n && f->hertz; i++) {
+        size_t k;
+        json_t *end;
+        json_array_foreach(json_object_get(json_array_get(rows, (size_t)i), "window_frequency"), k, end)
+            json_real_set(end, shown(f, json_real_value(end)));
+    }
     const int code = status ? cli_report(status) : cli_print_rows(rows, NULL, format);
     json_decref(rows);
     return code;
@@ -179,10 +193,10 @@ static void print_head(const facts *f, const ric_study *study)
 
 static void print_modes(const facts *f)
 {
-    printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", "omega rad/s", "period s", "seen",
+    printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", f->hertz ? "frequency Hz" : "omega rad/s", "period s", "seen",
            is_smooth(f) ? "" : "first touch at scaled energy");
     for (int i = 0; i < f->n; i++) {
-        printf("%5d  %#14.10g  ", i + 1, f->frequency[i]);
+        printf("%5d  %#14.10g  ", i + 1, shown(f, f->frequency[i]));
         if (f->frequency[i] > 0) printf("%#14.8g  ", 2 * acos(-1) / f->frequency[i]);
         else printf("%14s  ", "-");
         printf("%-6s ", f->seen[i] ? "yes" : "no");
@@ -196,6 +210,7 @@ static void print_modes(const facts *f)
 static void print_contact(const facts *f, int contact)
 {
     static const char *const sides[] = {"both sides", "upper side", "lower side"};
+    const char *if_locked = f->hertz ? "Hz if locked" : "omega if locked";
     ric_contact about;
     char faces[40];
     int mirror = -1;
@@ -211,7 +226,7 @@ static void print_contact(const facts *f, int contact)
             printf("force -%g %g (s / %g)^%d along its normal\n", about.reference, about.length, about.length,
                    about.exponent);
         else printf("force -%g s^%d along its normal\n", about.stiffness, about.exponent);
-        printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
+        printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", if_locked);
     } else if (mirror < 0) snprintf(faces, sizeof faces, "face %d", f->face[contact]);
     else snprintf(faces, sizeof faces, "faces %d and %d", f->face[contact], mirror);
     if (!is_smooth(f)) {
@@ -221,10 +236,10 @@ static void print_contact(const facts *f, int contact)
         if (about.law == RIC_LAW_BILINEAR) printf(", a spring of stiffness %g beyond\n", about.stiffness);
         else printf("\n");
     }
-    if (!is_smooth(f)) printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", "omega if locked");
+    if (!is_smooth(f)) printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", if_locked);
     for (int i = 0; i < f->n; i++) {
         printf("%5d  %#16.9g  %#16.9g  ", i + 1, f->normal[k * n + (size_t)i], f->compliance[k * n + (size_t)i]);
-        if (i + 1 < f->n) printf("%#16.10g\n", f->locked[k * (n - 1) + (size_t)i]);
+        if (i + 1 < f->n) printf("%#16.10g\n", shown(f, f->locked[k * (n - 1) + (size_t)i]));
         else printf("%16s\n", "-");
     }
     if (about.law == RIC_LAW_RIGID && grows(f, contact))
@@ -283,10 +298,12 @@ static int run(int argc, char **argv)
     ric_study *study = NULL;
     facts f = {0};
     int code;
+    const bool hertz = cli_take_flag(&argc, argv, "--hz");
     if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_check, argc, argv, 1)) return CLI_WRONG;
     if ((code = cli_read_study(argv[1], &study))) return code;
     const ric_status status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f) : RIC_E_NOMEM;
     code = cli_report(status);
+    f.hertz = hertz;
     if (!status && format == CLI_TEXT) code = cli_report(print_text(&f, study));
     else if (!status) code = print_rows(&f, study, format);
     facts_free(&f);
@@ -304,6 +321,7 @@ static const cli_item items[] = {
              "window_frequency."},
     {.name = "STUDY",
      .text = "a file, or - for standard input; files that it names are then looked for from the folder of the call"},
+    {.name = "--hz", .text = "frequencies in Hz; the sentences on windows keep rad/s"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -312,7 +330,7 @@ static const cli_item items[] = {
 const cli_command cli_check = {
     .name = "check",
     .summary = "show what a study's model is: frequencies, modal normals, first touches",
-    .usage = "ricochet check STUDY|- [--json | --csv]\n",
+    .usage = "ricochet check STUDY|- [--hz] [--json | --csv]\n",
     .items = items,
     .example = "ricochet check examples/elementary/study.yaml\n"
                "ricochet check - <examples/elementary/study.yaml\n",

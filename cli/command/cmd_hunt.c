@@ -21,8 +21,9 @@ typedef struct {
     ric_hunt_options options;
     double energy[2]; /* a window, or one energy twice */
     const char *atlas_path;
-    bool add, physical, hertz;
-    double d; /* the length that states are multiplied by, energies by its square: 1 unless physical */
+    bool add, physical;
+    cli_choice choice; /* order, and Hz */
+    double d;          /* the length that states are multiplied by, energies by its square: 1 unless physical */
     cli_format format;
 } request;
 
@@ -97,9 +98,10 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
     ric_hunt_options_init(o);
     r->add = cli_take_flag(argc, argv, "--add");
     r->physical = cli_take_flag(argc, argv, "--physical");
-    r->hertz = cli_take_flag(argc, argv, "--hz");
-    if (!cli_take_format(argc, argv, &r->format) || !cli_take_value(argc, argv, "--atlas", &r->atlas_path) ||
-        !take_energies(argc, argv, r->energy) || !take_positive(argc, argv, "--period", bounded, &o->period[1]) ||
+    const bool hertz = cli_take_flag(argc, argv, "--hz");
+    if (!cli_take_sort(argc, argv, &r->choice) || !cli_take_format(argc, argv, &r->format) ||
+        !cli_take_value(argc, argv, "--atlas", &r->atlas_path) || !take_energies(argc, argv, r->energy) ||
+        !take_positive(argc, argv, "--period", bounded, &o->period[1]) ||
         !take_count(argc, argv, "--lines", 2, &o->lines) || !take_count(argc, argv, "--rows", 0, &o->rows) ||
         !take_count(argc, argv, "--row", 2, &o->row) || !take_count(argc, argv, "--random", 0, &o->random) ||
         !cli_take_value(argc, argv, "--impacts", &text) ||
@@ -110,6 +112,7 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
         (text && !cli_parse_integer(text, "--seed", 0, 2147483647, &value)))
         return false;
     if (text) o->seed = (uint64_t)value;
+    r->choice.hertz = hertz;
     o->energy = r->energy[0];
     return true;
 }
@@ -353,8 +356,9 @@ static int hunt(const request *r, const ric_study *study, ric_atlas **atlas)
                         : r->energy[0] < r->energy[1] ? hunt_window(&q)
                                                       : hunt_at(&q, r->energy[0]);
     int code = cli_report(status);
-    if (!status && r->hertz) cli_in_hertz(q.rows);
-    if (!status && !(code = print(q.rows, q.atlas != NULL, r->format))) code = q.code;
+    if (!status && r->choice.hertz) cli_in_hertz(q.rows);
+    if (!status && !cli_choose(q.rows, &r->choice)) code = CLI_WRONG;
+    else if (!status && !(code = print(q.rows, q.atlas != NULL, r->format))) code = q.code;
     *atlas = q.atlas;
     json_decref(q.rows);
     json_decref(q.isolated);
@@ -433,6 +437,7 @@ static const cli_item items[] = {
     {.name = "--seed", .value = "S", .text = "of the random starts, 1 unless given"},
     {.name = "--physical",
      .text = "energies, those of --energy too, and states in the units of the study, not scaled by the clearance"},
+    CLI_ITEM_SORT,
     CLI_ITEM_HZ,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
@@ -445,7 +450,7 @@ const cli_command cli_hunt = {
     .summary = "periodic orbits of one energy by brute force; what an atlas lacks",
     .usage = "ricochet hunt STUDY|ATLAS --energy E[,E] [--impacts N] [--period T] [--atlas FILE [--add]]\n"
              "           [--lines N] [--rows N] [--row N] [--random N] [--seed S] [--physical] [--hz]\n"
-             "           [--json | --csv | --wide]\n",
+             "           [--sort COLUMN] [--json | --csv | --wide]\n",
     .items = items,
     .example = "ricochet hunt examples/elementary/study.yaml --energy 5 --impacts 4\n"
                "ricochet hunt study.ricochet --energy 0.7,40 --impacts 4 --add\n",

@@ -111,10 +111,11 @@ enum { TONGUES = 5 }; /* branches whose internal resonances are told here */
 
 /* Rows of one item in one line: "departures not tried: 4 (beyond `depth`), 2 (more than `impacts`)". What there is none
  * of is left out, and rows of single branches and junctions are counted. */
-static void print_report(const json_t *rows)
+static void print_report(const json_t *rows, const ric_explore_options *options)
 {
     const char *last = "";
     size_t i, incomplete = 0, tongues = 0;
+    bool climbs = false; /* some branch leaves its backbone along a tongue */
     json_t *row;
     json_array_foreach(rows, i, row)
     {
@@ -124,6 +125,7 @@ static void print_report(const json_t *rows)
             incomplete++;
             continue;
         }
+        climbs = climbs || (item && detail && !strcmp(item, CLI_RESONANCE) && strstr(detail, " follows "));
         if (item && !strcmp(item, CLI_RESONANCE) && ++tongues > TONGUES) continue;
         const json_t *value = json_object_get(row, "value");
         if (!item || !detail || json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
@@ -139,6 +141,10 @@ static void print_report(const json_t *rows)
     if (tongues > TONGUES)
         cli_tell(stdout, "internal resonances on %zu more branches (`ricochet branches --tongues` names them)\n",
                  tongues - TONGUES);
+    if (climbs && !options->cross_tongues)
+        cli_tell(stdout,
+                 "where a branch follows a resonance it leaves its backbone: `explore: {tongues: cross}` goes on "
+                 "behind, and with `depth: 1` and few `impacts` shows the backbones alone\n");
     if (incomplete)
         cli_tell(stdout, "something may be missing on branches and at junctions: %zu (`ricochet report` names them)\n",
                  incomplete);
@@ -161,7 +167,7 @@ static int print_summary(const char *path, const ric_atlas *atlas, const display
         cli_tell(stdout, "%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas),
                  ric_atlas_n_junction(atlas), cli_seconds_since(&d->start));
         if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory()) status = RIC_E_NOMEM;
-        if (!status) print_report(rows);
+        if (!status) print_report(rows, ric_study_options(ric_atlas_study(atlas)));
         if (!status && !stopped) status = cli_windows_tell(atlas);
     }
     json_decref(rows);

@@ -265,7 +265,7 @@ static int tell_all(const audit *a, FILE *out)
 }
 
 /* In words the verdict is the answer; rows, where they are asked for, are, and the verdict is a remark on them. */
-static int print_audit(const audit *a, cli_format format, bool verbose, bool quiet)
+static int print_audit(const audit *a, cli_format format, const cli_choice *choice, bool verbose, bool quiet)
 {
     static const char columns[] =
         "kind branch point junction flight_error return_error condition energy_error faces_agree "
@@ -275,7 +275,7 @@ static int print_audit(const audit *a, cli_format format, bool verbose, bool qui
     for (int i = 0; i < a->n; i++)
         if (a->results[i].done) add_row(rows, &a->results[i]);
     const bool listed = format != CLI_TEXT || verbose;
-    const int code = listed ? cli_print_rows(rows, columns, format) : CLI_DONE;
+    const int code = !cli_choose(rows, choice) ? CLI_WRONG : listed ? cli_print_rows(rows, columns, format) : CLI_DONE;
     json_decref(rows);
     FILE *none = quiet ? fopen("/dev/null", "w") : NULL;
     const int verdict = code ? code : tell_all(a, none ? none : format == CLI_TEXT ? stdout : stderr);
@@ -292,8 +292,9 @@ static int run(int argc, char **argv)
     audit a = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
     a.all = cli_take_flag(&argc, argv, "--all");
     const bool verbose = cli_take_flag(&argc, argv, "--verbose"), quiet = cli_take_flag(&argc, argv, "--quiet");
-    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &text) ||
-        !cli_take_value(&argc, argv, "--point", &point_text) ||
+    cli_choice choice;
+    if (!cli_take_format(&argc, argv, &format) || !cli_take_sort(&argc, argv, &choice) ||
+        !cli_take_value(&argc, argv, "--branch", &text) || !cli_take_value(&argc, argv, "--point", &point_text) ||
         !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
         !cli_take_workers(&argc, argv, MOST_WORKERS, &workers) || !cli_operands(&cli_verify, argc, argv, 1) ||
         (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
@@ -314,7 +315,7 @@ static int run(int argc, char **argv)
         ric_atlas_free(atlas);
         return CLI_FAILED;
     }
-    int code = status ? cli_report(status) : print_audit(&a, format, verbose, quiet);
+    int code = status ? cli_report(status) : print_audit(&a, format, &choice, verbose, quiet);
     if (!workers && !quiet && !status) cli_tell_idle("verify", cli_seconds_since(&a.start));
     free(a.results);
     ric_atlas_free(atlas);
@@ -354,6 +355,7 @@ static const cli_item items[] = {
     {.name = "--verbose", .text = "a row for every point as well; without it the verdict, and what does not pass"},
     {.name = "--quiet", .text = "only what does not pass, and the exit code"},
     {.text = "The exit code is 1 if a point does not pass, 3 if the time was over, 130 after Ctrl-C."},
+    CLI_ITEM_SORT,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -364,7 +366,7 @@ const cli_command cli_verify = {
     .summary = "replay the orbits of an atlas with an independent simulator",
     .usage = "ricochet verify ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [--all]\n"
              "                       [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose | --quiet]\n"
-             "                       [--json | --csv]\n",
+             "                       [--sort COLUMN] [--json | --csv]\n",
     .items = items,
     .example = "ricochet verify study.ricochet --branch 3 --all\n",
     .run = run,

@@ -23,14 +23,19 @@ static bool parse_range(const char *text, const char *what, double *out)
     return false;
 }
 
+bool cli_take_sort(int *argc, char **argv, cli_choice *out)
+{
+    *out = (cli_choice){.impacts = -1, .limit = -1};
+    return cli_take_value(argc, argv, "--sort", &out->sort);
+}
+
 bool cli_take_choice(int *argc, char **argv, cli_choice *out)
 {
     const char *impacts, *energy, *frequency, *limit;
-    *out = (cli_choice){.impacts = -1, .limit = -1};
-    if (!cli_take_value(argc, argv, "--kind", &out->kind) || !cli_take_value(argc, argv, "--word", &out->word) ||
-        !cli_take_value(argc, argv, "--stable", &out->stable) || !cli_take_value(argc, argv, "--impacts", &impacts) ||
-        !cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency) ||
-        !cli_take_value(argc, argv, "--limit", &limit) || !cli_take_value(argc, argv, "--sort", &out->sort))
+    if (!cli_take_sort(argc, argv, out) || !cli_take_value(argc, argv, "--kind", &out->kind) ||
+        !cli_take_value(argc, argv, "--word", &out->word) || !cli_take_value(argc, argv, "--stable", &out->stable) ||
+        !cli_take_value(argc, argv, "--impacts", &impacts) || !cli_take_value(argc, argv, "--energy", &energy) ||
+        !cli_take_value(argc, argv, "--frequency", &frequency) || !cli_take_value(argc, argv, "--limit", &limit))
         return false;
     if (out->stable && strcmp(out->stable, "yes") != 0 && strcmp(out->stable, "no") != 0 &&
         strcmp(out->stable, "partly") != 0 && strcmp(out->stable, "undecided") != 0) {

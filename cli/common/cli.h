@@ -124,6 +124,8 @@ typedef struct {
     bool hertz;                     /* frequencies are in Hz, those of the choice too: set by the command */
     double energy[2], frequency[2]; /* in the units of the list */
 } cli_choice;
+/* The order alone, of a list that has no other choice; false with a message where it is wrong. */
+bool cli_take_sort(int *argc, char **argv, cli_choice *out);
 /* Takes the options out of argv; false with a message where they are wrong. */
 bool cli_take_choice(int *argc, char **argv, cli_choice *out);
 /* Leaves those rows, in order; false with a message where the list lacks a column that is asked for. */

@@ -272,6 +272,32 @@ bool cli_know_options(const cli_command *command, int argc, char **argv)
     return true;
 }
 
+/* A study where an atlas belongs: a text that is called like one. */
+static bool is_study(const char *path)
+{
+    static const char atlas[] = "SQLite format 3";
+    char head[sizeof atlas] = "";
+    const char *dot = strrchr(path, '.');
+    FILE *file = dot && (!strcmp(dot, ".yaml") || !strcmp(dot, ".yml")) ? fopen(path, "rb") : NULL;
+    const size_t n = file ? fread(head, 1, sizeof head, file) : 0;
+    if (file) fclose(file);
+    return n > 0 && (n < sizeof head || memcmp(head, atlas, sizeof atlas) != 0);
+}
+
+/* Whether one stands there, with a word on what to do. */
+static bool names_study(const cli_command *command, int argc, char **argv)
+{
+    const bool takes_studies = strstr(command->usage, "STUDY") || !strstr(command->usage, "ATLAS");
+    for (int i = 1; i < argc && !takes_studies; i++) {
+        if (!is_study(argv[i])) continue;
+        const int stem = (int)(strrchr(argv[i], '.') - argv[i]);
+        cli_wrong("%s: %s is a study, and this wants its atlas: `ricochet run %s` makes it, %.*s.ricochet",
+                  command->name, argv[i], argv[i], stem, argv[i]);
+        return true;
+    }
+    return false;
+}
+
 /* Says what is wrong with the arguments; false if nothing is. */
 static bool wrong_operands(const cli_command *command, int argc, char **argv, int n)
 {
@@ -286,6 +312,7 @@ static bool wrong_operands(const cli_command *command, int argc, char **argv, in
 
 bool cli_operands(const cli_command *command, int argc, char **argv, int n)
 {
+    if (names_study(command, argc, argv)) return false;
     if (!wrong_operands(command, argc, argv, n)) return true;
     cli_say_usage(command);
     return false;

@@ -33,7 +33,8 @@ const cli_item cli_program_items[] = {
 const cli_exit_code cli_exit_codes[] = {
     {CLI_DONE, "done"},
     {CLI_FAILED, "could not be done, or what was checked does not agree"},
-    {CLI_WRONG, "the call or the study is wrong, or a file that was named is missing"},
+    {CLI_WRONG,
+     "the call or the study is wrong, or a file that was named is missing, or a study where an atlas belongs"},
     {CLI_LIMIT, "stopped by a limit that was asked for: there is more to do"},
     {CLI_INTERRUPTED, "interrupted, by Ctrl-C or a signal to end"},
     {0, NULL},

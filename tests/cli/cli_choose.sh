@@ -169,4 +169,51 @@ for width in 40 80 120; do
 done
 whole() { "$ricochet" branches "$atlas" | head -n 1 | grep -q 'energy_min.*depth$'; }
 ok 'in a pipe a table is whole' whole
+
+# A study where an atlas belongs, and the other way round: the same exit code, and what to do.
+swapped() { "$ricochet" "$@" >"$folder/out" 2>"$folder/said"; [ $? = 2 ] && [ ! -s "$folder/out" ]; }
+for command in branches verify report cascade; do
+    ok "$command of a study ends with 2" swapped $command examples/elementary/study.yaml
+    ok "$command says how to make the atlas" grep -q 'is a study, .*`ricochet run examples/elementary/study.yaml` makes it' "$folder/said"
+done
+for command in check run; do
+    ok "$command of an atlas ends with 2" swapped $command "$atlas"
+    ok "$command asks for the study" grep -q 'name the study that it was made from' "$folder/said"
+done
+
+# hertz COMMAND...: every frequency is the one without --hz over 2 pi, in rows that are the same otherwise
+hertz() {
+    "$ricochet" "$@" --json >"$folder/all" 2>/dev/null && "$ricochet" "$@" --hz --json >"$folder/some" 2>/dev/null || return 1
+    python3 - "$folder/all" "$folder/some" <<'P'
+import json, math, sys
+all, some = (json.load(open(f)) for f in sys.argv[1:])
+assert len(all) == len(some) > 0
+ratio = lambda a, b: abs(a / b / (2 * math.pi) - 1) < 1e-14
+for a, b in zip(all, some):
+    for name in a:
+        if name in ("frequency", "locked_1") and a[name]: assert ratio(a[name], b[name]), (name, a, b)
+        elif name == "window_frequency": assert ratio(a[name][0], b[name][0]) and ratio(a[name][1], b[name][1])
+        else: assert a[name] == b[name], (name, a, b)
+P
+}
+ok 'check --hz' hertz check examples/elementary/study.yaml
+ok 'cascade --hz' hertz cascade "$atlas" --branch 3 --doublings 3
+ok 'check --hz says so' bash -c '"$0" check "$1" --hz | grep -q "frequency Hz .*period s"' "$ricochet" examples/elementary/study.yaml
+
+# falling COMMAND COLUMN OPTION...: the same rows, the column in falling order
+falling() {
+    "$ricochet" "$1" "${@:3}" --json >"$folder/all" 2>/dev/null && "$ricochet" "$1" "${@:3}" --sort "-$2" --json >"$folder/some" 2>/dev/null || return 1
+    python3 - "$folder/all" "$folder/some" "$2" <<'P'
+import json, sys
+all, some = (json.load(open(f)) for f in sys.argv[1:3])
+values = [row[sys.argv[3]] for row in some if row[sys.argv[3]] is not None]
+assert len(some) > 2 and values == sorted(values, reverse=True) and len(set(values)) > 1
+assert sorted(map(json.dumps, all)) == sorted(map(json.dumps, some))
+P
+}
+ok 'cascade --sort' falling cascade energy "$atlas" --branch 3 --doublings 3
+ok 'hunt --sort' falling hunt period examples/elementary/study.yaml --energy 1
+ok 'verify --sort' falling verify return_error "$atlas" --branch 3
+wrong_column() { "$ricochet" hunt examples/elementary/study.yaml --energy 1 --sort colour >"$folder/out" 2>/dev/null; [ $? = 2 ]; }
+ok 'a column that is not there' wrong_column
 finish

@@ -14,6 +14,8 @@ printf '%s, tongues: over}\n' "$two" >"$folder/wrong.yaml"
 for name in follow cross; do "$ricochet" run "$folder/$name.yaml" -o "$folder/$name.ricochet" >"$folder/$name.log" 2>&1; done
 
 ok 'a run says that a branch follows a resonance' grep -q 'S2+\[01\] follows 9 : 1 with mode 2 from E ' "$folder/follow.log"
+ok 'and how to see its backbone' grep -q 'leaves its backbone: .*tongues: cross' "$folder/follow.log"
+ok 'which is no advice where that was done' bash -c '! grep -q "leaves its backbone" "$0"' "$folder/cross.log"
 ok 'and which ones it has stepped over' grep -q 'S2+\[01\] .*steps over ' "$folder/cross.log"
 says() { "$ricochet" "$1" "$folder/$2.ricochet" "${@:4}" | grep -q "$3"; }
 ok 'so does report' says report follow 'internal resonance on branch.*follows 9 : 1 with mode 2'
