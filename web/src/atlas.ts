@@ -292,4 +292,13 @@ export class Atlas {
     const j = Math.min(b.place + b.knots - 1, i + 1);
     return this.arclength[i] + (knot - Math.floor(knot)) * (this.arclength[j] - this.arclength[i]);
   }
+
+  // The first place on a branch that has an energy.
+  arclengthOf(b: Branch, energy: number): number | null {
+    for (let i = b.place; i + 1 < b.place + b.knots; i++) {
+      const [e0, e1, s0, s1] = [this.energy[i], this.energy[i + 1], this.arclength[i], this.arclength[i + 1]];
+      if ((e0 - energy) * (e1 - energy) <= 0) return e1 === e0 ? s0 : s0 + ((energy - e0) / (e1 - e0)) * (s1 - s0);
+    }
+    return null;
+  }
 }

@@ -1,23 +1,23 @@
 // The page: what belongs together, and what happens when something is clicked or typed.
 import { getAtlas, getOther, getOtherOrbit, getPoints, mayCompute, type Region, type Source } from "./api";
 import { readAddress, writeAddress, type Address } from "./address";
+import { branchAgain, junctionAgain, nameOf } from "./again";
 import { Atlas, type Branch } from "./atlas";
 import { $ } from "./dom";
 import { Grow, type InView } from "./grow";
 import { junctionPanel, placeOn } from "./junctionpanel";
-import { CanvasPen } from "./pen";
-import { junctionRuns, toHtml } from "./labels";
+import { legendOf } from "./legend";
 import { Lists } from "./lists";
 import { ForcePanel } from "./forcepanel";
 import { SectionPanel } from "./sectionpanel";
 import { BranchTable } from "./table";
 import { OrbitPanel } from "./orbitpanel";
-import type { Style } from "./lines";
 import { Plot, type Selected } from "./plot";
 import type { Hit } from "./scene";
 import type { LabelChoice } from "./place";
 import { download, plotCsv, plotPng, plotSvg } from "./save";
 import { savedMotion, savedOrbit as orbitOf } from "./saved";
+import { installDivider, installTabs, markTab } from "./side";
 import { Refiner } from "./refine";
 import { installSearch } from "./search";
 import { unitsOf, type Scale, type Units } from "./units";
@@ -29,8 +29,6 @@ type Tab = "here" | "branches" | "paths" | "section" | "force" | "grow" | "help"
 const TABS: Tab[] = ["here", "branches", "paths", "section", "force", "grow", "help"];
 
 const settings = { full: false, hertz: false, scale: "scaled" as Scale, size: Number(localStorage.getItem("size")) || 14 };
-
-const LINES = Object.assign(document.createElement("span"), { className: "sub", textContent: "thick stable, dotted undecided, dashed duplicate", title: "thin lines are unstable" });
 
 class Page {
   private atlas: Atlas;
@@ -132,17 +130,7 @@ class Page {
   private repaint(): void {
     const painter = this.painter();
     this.plot.repaint(painter, palette(this.dark));
-    const swatches = painter.legend.map((entry) => {
-      const span = document.createElement("span");
-      span.append(swatch(entry.style), /^F\d+_\d+$/.test(entry.text) ? toHtml(junctionRuns(entry.text)) : entry.text);
-      return span;
-    });
-    if (this.plot.other) {
-      const span = document.createElement("span");
-      span.append(swatch({ colour: palette(this.dark).other, width: 1.6, dash: [5, 3] }), this.otherName());
-      swatches.push(span);
-    }
-    $("legend").replaceChildren(...swatches, ...(painter.oneColour ? [LINES] : []));
+    $("legend").replaceChildren(...legendOf(painter, palette(this.dark), this.plot.other ? this.otherName() : ""));
     if (this.tab === "section" || this.tab === "force") this.showTab(this.tab);
     this.orbit.refresh();
   }
@@ -286,18 +274,12 @@ class Page {
     return s ? (s.at ?? this.atlas.at(this.atlas.branch(s.branch), s.arclength)).energy : null;
   }
 
-  // The place of a branch that has an energy, on the way from its start.
   private selectAt(id: number, energy: number): void {
-    const b = this.atlas.branch(id);
-    for (let i = b.place; b && i + 1 < b.place + b.knots; i++) {
-      const [e0, e1, s0, s1] = [this.atlas.energy[i], this.atlas.energy[i + 1], this.atlas.arclength[i], this.atlas.arclength[i + 1]];
-      if ((e0 - energy) * (e1 - energy) > 0) continue;
-      const arclength = e1 === e0 ? s0 : s0 + ((energy - e0) / (e1 - e0)) * (s1 - s0);
-      this.select({ branch: id, k: 1, arclength }, true, false);
-      const at = this.atlas.at(b, arclength);
-      if (!this.plot.shows(at.energy, at.frequency)) this.plot.centre(at.energy, at.frequency);
-      return;
-    }
+    const arclength = this.atlas.arclengthOf(this.atlas.branch(id), energy);
+    if (arclength === null) return;
+    this.select({ branch: id, k: 1, arclength }, true, false);
+    const at = this.atlas.at(this.atlas.branch(id), arclength);
+    if (!this.plot.shows(at.energy, at.frequency)) this.plot.centre(at.energy, at.frequency);
   }
 
   private select(s: Selected, step: boolean, show = true): void {
@@ -446,10 +428,7 @@ class Page {
     this.tab = tab;
     this.plot.regions = tab === "grow" ? this.atlas.description.regions : [];
     this.plot.touch(false);
-    for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) {
-      b.setAttribute("aria-selected", String(b.dataset.tab === tab));
-      b.tabIndex = b.dataset.tab === tab ? 0 : -1;
-    }
+    markTab(tab);
     const content = $("content");
     content.setAttribute("aria-label", tab);
     if (tab === "help") content.replaceChildren($<HTMLTemplateElement>("helptext").content.cloneNode(true));
@@ -551,8 +530,9 @@ class Page {
     this.plot.path = [];
     this.plot.selected = null;
     this.plot.setAtlas(this.atlas, this.painter());
-    if (s && at) this.findAgain(s, at);
-    this.plot.chosenJunction = chosen ? (this.atlas.junctions.find((j) => j.kind === chosen.kind && j.multiple === chosen.multiple && near(j.energy, chosen.energy) && near(j.frequency, chosen.frequency))?.id ?? 0) : 0;
+    this.plot.selected = s && at ? branchAgain(this.atlas, s.k, at) : null;
+    if (this.plot.selected) void this.orbit.select(this.plot.selected);
+    this.plot.chosenJunction = chosen ? junctionAgain(this.atlas, chosen) : 0;
     this.plot.fresh = new Set(this.atlas.branches.filter((b) => !before.has(nameOf(b))).map((b) => b.id));
     setTimeout(() => {
       this.plot.fresh.clear();
@@ -563,22 +543,6 @@ class Page {
     this.showTab(this.tab);
     this.keep(false);
     await this.refine();
-  }
-
-  // The branch of that name through the place that was selected: numbers of branches may have changed.
-  private findAgain(s: Selected, at: { energy: number; frequency: number; row: { label: string; word: string } }): void {
-    let least = Infinity;
-    for (const b of this.atlas.branches) {
-      if (b.label !== at.row.label || b.word !== at.row.word) continue;
-      for (let i = b.place; i < b.place + b.knots; i++) {
-        const distance = Math.hypot(Math.log((this.atlas.energy[i] + 1e-300) / (at.energy + 1e-300)), Math.log(this.atlas.frequency[i] / at.frequency));
-        if (distance < least) {
-          least = distance;
-          this.plot.selected = { branch: b.id, k: s.k, arclength: this.atlas.arclength[i] };
-        }
-      }
-    }
-    if (this.plot.selected) void this.orbit.select(this.plot.selected);
   }
 
   /* ------------------------------------------------------------- controls */
@@ -613,18 +577,8 @@ class Page {
       this.keep(false);
     };
     $<HTMLOptionElement>("relative").disabled = !this.source.description.model.onset;
-    for (const b of document.querySelectorAll<HTMLElement>("#side nav button")) {
-      b.onclick = () => this.showTab(b.dataset.tab as Tab);
-      b.onkeydown = (e) => {
-        const by = e.key === "ArrowRight" ? 1 : e.key === "ArrowLeft" ? -1 : 0;
-        if (!by) return;
-        e.preventDefault();
-        e.stopPropagation();
-        const next = TABS[(TABS.indexOf(this.tab) + by + TABS.length) % TABS.length];
-        this.showTab(next);
-        document.querySelector<HTMLElement>(`[data-tab=${next}]`)!.focus();
-      };
-    }
+    installTabs(TABS, () => this.tab, (tab) => this.showTab(tab));
+    installDivider();
     for (const b of document.querySelectorAll<HTMLElement>("[data-save]")) b.onclick = () => void this.save(b.dataset.save!);
     installSearch($<HTMLInputElement>("search"), $("results"), () => this.atlas, this.units, (f) => {
       if (f.kind === "branch") this.goBranch(f.id);
@@ -637,24 +591,7 @@ class Page {
       const menu = $<HTMLDetailsElement>("saving");
       if (menu.open && !menu.contains(e.target as Node)) menu.open = false;
     });
-    $("divider").onpointerdown = (e) => {
-      $("divider").setPointerCapture(e.pointerId);
-      $("divider").onpointermove = (m) => this.setSide(innerWidth - m.clientX - 3);
-      $("divider").onpointerup = () => ($("divider").onpointermove = null);
-    };
-    $("divider").onkeydown = (e) => {
-      const by = e.key === "ArrowLeft" ? 24 : e.key === "ArrowRight" ? -24 : 0;
-      if (!by) return;
-      this.setSide($("side").clientWidth + by);
-      e.preventDefault();
-      e.stopPropagation();
-    };
     if (!mayCompute) this.status("opened without its token: nothing can be computed");
-  }
-
-  private setSide(width: number): void {
-    $("side").style.width = `${width}px`;
-    $("divider").setAttribute("aria-valuenow", String(Math.round((100 * $("side").clientWidth) / innerWidth)));
   }
 
   private async save(what: string): Promise<void> {
@@ -745,20 +682,6 @@ class Page {
     };
   }
 }
-
-// A short line for the legend.
-function swatch(style: Style): HTMLElement {
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [44, 20];
-  const c = canvas.getContext("2d")!;
-  c.scale(2, 2);
-  new CanvasPen(c).path([1, 5, 21, 5], { stroke: style.colour, width: style.width, dash: style.dash ?? undefined });
-  return canvas;
-}
-
-const near = (a: number, b: number) => Math.abs(a - b) <= 1e-8 * (Math.abs(a) + Math.abs(b));
-const nameOf = (b: { label: string; word: string; energy_min: number; frequency_min: number; reversible: boolean; mirror: string }) =>
-  [b.label.replace(/[+-]$/, ""), b.word, b.energy_min.toPrecision(8), b.frequency_min.toPrecision(8), b.mirror].join(" ");
 
 declare global {
   interface Window {

@@ -24,6 +24,7 @@ interface Window {
 
 const IMPACTS = 30000; // in one answer
 const FOLLOWED = 2000; // impacts of a motion that was clicked
+const SAME = 1e-9; // relative: an orbit that was asked for by its energy has it to rounding
 const REACH = 9; // pixels from a mark
 const WHOLE: Window = { x0: -1.05, x1: 1.05, y0: -1.05, y1: 1.05 };
 
@@ -77,7 +78,8 @@ export class SectionPanel {
     if (saved) return;
     const energy = this.events.energy();
     this.here.disabled = energy === null;
-    if (energy !== null && (energy !== this.energy || !this.starts.length)) void this.compute(energy);
+    const same = energy !== null && Math.abs(energy - this.energy) <= SAME * energy;
+    if (energy !== null && (!same || !this.starts.length)) void this.compute(energy);
     else if (this.energy) this.tell();
     else this.note.textContent = "Choose a motion, or type an energy.";
     this.draw();
