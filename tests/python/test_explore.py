@@ -117,6 +117,52 @@ def test_interrupt(folder):
     assert whole.finished and len(whole) >= len(part) and tables(path) == by_program(study, folder)
 
 
+def test_kernel(folder):
+    """the stop button of a notebook keeps what was done; its bar was shown, and the same cell goes on"""
+    try:
+        from jupyter_client.manager import KernelManager
+        import ipykernel  # noqa: F401
+    except ImportError as missing:
+        raise Skip(str(missing)) from None
+    path, study = os.path.join(folder, "a.ricochet"), os.path.join(folder, "study.yaml")
+    with open("examples/fractal-base/study.yaml", encoding="utf-8") as file, open(study, "w", encoding="utf-8") as out:
+        out.write(file.read().replace("explore:", "explore:\n  step: 0.0005", 1))
+    manager = KernelManager(connection_file=os.path.join(folder, "kernel.json"))
+    manager._kernel_spec = _kernel()
+    manager.start_kernel(cwd=os.getcwd())
+    client = manager.blocking_client()
+    try:
+        client.start_channels()
+        client.wait_for_ready(timeout=300)
+        shown = []
+
+        def looks(message):
+            shown.append(message["content"].get("data", {}).get("text/html", ""))
+            if "depth 2" in shown[-1] and len(interrupted) == 0:
+                interrupted.append(True)
+                manager.interrupt_kernel()
+        interrupted = []
+        cell = f"import ricochet\natlas = ricochet.explore({study!r}, {path!r}, workers=2)"
+        reply = client.execute_interactive(cell, timeout=600, output_hook=looks)["content"]
+        assert reply["status"] == "error" and reply["ename"] == "KeyboardInterrupt", reply
+        assert interrupted and sum("<progress" in one for one in shown) > 1
+        part = ricochet.Atlas(path)
+        assert not part.finished and len(part) > 0
+        reply = client.execute_interactive("again = ricochet.explore(" + repr(study) + f", {path!r}, progress=lambda now: True)\nlen(again)",
+                                           timeout=600, output_hook=lambda message: None)["content"]
+        assert reply["status"] == "ok", reply
+        assert len(ricochet.Atlas(path)) >= len(part)
+    finally:
+        client.stop_channels()
+        manager.shutdown_kernel(now=True)
+
+
+def _kernel():
+    """This Python, whatever kernels are installed."""
+    from jupyter_client.kernelspec import KernelSpec
+    return KernelSpec(argv=[sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"], display_name="this", language="python")
+
+
 def test_stops(folder):
     """a run stops when its progress function or its time says so"""
     study, path = two_masses(energy=[0, 200], impacts=24, multiply=1, depth=4, step=0.001), os.path.join(folder, "a.ricochet")
@@ -259,5 +305,5 @@ def test_linear_algebra(folder):
         assert said in done.stderr and bool(done.stderr) == bool(said), done.stderr
 
 
-run([test_same_atlas, test_matrices, test_all_digits, test_interrupt, test_stops, test_errors, test_several, test_flags,
+run([test_same_atlas, test_matrices, test_all_digits, test_interrupt, test_kernel, test_stops, test_errors, test_several, test_flags,
      test_shows, test_copies, test_few_packages, test_bar, test_linear_algebra])
