@@ -96,15 +96,25 @@ static bool comes_back(const ric_model *m, const ric_node *node)
     return open <= BEYOND * size;
 }
 
-/* Whether the orbit without its touches, which is what is stored, comes back, and passes no stop. What does not become
- * a chain is not judged. */
+/* Whether a word says which springs of an orbit are closed. One that is closed without end has no letter: where it
+ * opens for no time, the orbit without that touch is stored as another one. */
+static bool is_spelt(const ric_model *m, const ric_periodic *c)
+{
+    uint64_t said = 0;
+    for (int i = 0; i < ric_periodic_letters(c); i++)
+        if (m->face[c->face[i]].spring > 0) said |= (uint64_t)1 << c->face[i];
+    return !(c->closed & ~said);
+}
+
+/* Whether the orbit without its touches, which is what is stored, comes back, passes no stop and has a word. What does
+ * not become a chain is not judged. */
 static bool is_motion(const ric_model *m, const ric_node *node)
 {
     if (node->refusal) return true;
     if (is_bare(node)) return comes_back(m, node);
     bool bare;
     ric_periodic *left = ric_node_original(m, node, &bare);
-    const bool motion = left && ric_node_solve_admissible(m, left);
+    const bool motion = left && is_spelt(m, left) && ric_node_solve_admissible(m, left);
     ric_periodic_free(left);
     return motion;
 }
@@ -124,7 +134,10 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
     }
     if (!listed) status = ric_no_memory("a junction");
     else if (!motion)
-        status = ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts passes a stop, or does not come back", full->N);
+        status = ric_fail(RIC_E_NUMERIC,
+                          "a grazing orbit of %d impacts passes a stop, does not come back, or keeps a spring closed "
+                          "without end, which no word says",
+                          full->N);
     if (status) {
         ric_node_free(node);
         return status;
