@@ -19,8 +19,6 @@
 /* MOST_PAIRS: up to which the halves are taken apart, or extended precision is used: they need 32 k^2 numbers */
 #define MOST_PAIRS 64
 #define ROUGH 1e-12 /* error of rho, over 1 + |rho|, from which on the map is made in extended precision */
-#define ROUGH_WITH_SPRINGS 1e-6 /* the same where springs are met */
-#define BESIDE 10               /* of the error of rho from the border of stability, within which it is made there, too */
 
 ric_status ric_floquet_create(int n, ric_floquet *out)
 {
@@ -316,21 +314,13 @@ static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent
 
 /* ------------------------------------------------------ extended precision */
 
-/* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far is kept. Where
- * springs are met that map costs as much as the rest of a step, so that it is made beside the border of stability and
- * where digits are missing. */
+/* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far is kept. */
 static bool made_fine(const ric_shooting *c, ric_floquet *f, const double *start, const double *end, double *size)
 {
-    const bool springs = c->fastest > 0;
-    double least = HUGE_VAL, border = HUGE_VAL;
-    for (int i = 0; i < f->n_pair; i++) {
-        const double *own = f->own + 2 * i;
-        least = fmin(least, hypot(own[0], own[1]));
-        border = fmin(border, own[1] == 0 ? fabs(fabs(own[0]) - 2) : fabs(own[1]));
-    }
+    double least = HUGE_VAL;
+    for (int i = 0; i < f->n_pair; i++) least = fmin(least, hypot(f->own[2 * i], f->own[2 * i + 1]));
     f->rough = f->error;
-    const bool good = !(f->rough > (springs ? ROUGH_WITH_SPRINGS : ROUGH) * (1 + least)) && isfinite(least);
-    if (good && !(springs && border <= BESIDE * f->rough)) return false;
+    if (!(f->rough > ROUGH * (1 + least)) && isfinite(least)) return false;
     return f->n_pair <= MOST_PAIRS && ric_floquet_fine_fits(c) && ric_floquet_fine_map(c, start, end, f->fine, size);
 }
 

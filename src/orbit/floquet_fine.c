@@ -6,6 +6,7 @@
 #include <string.h>
 
 #define NO_SPEED 1e-60L
+#define LATE 1e-10L    /* share of a flight by which its end is moved at most */
 #define MET 0x1p-60L   /* distance from a spring's face, over the scale, that is none */
 #define LARGEST 1e200L /* of an entry: its square is still a double */
 
@@ -150,7 +151,8 @@ static void start_columns(course *q, ric_mirror mirror, int face)
     if (mirror == RIC_MIRROR_IMPACT) exchange(q, &m->face[face], true, ld, q->V);
 }
 
-/* Columns W [2n * count] through a flight, of states or of deviations. False: no memory for the modes of its springs. */
+/* Columns W [2n * count] through a flight, of states or of deviations. False: no memory for the modes of its springs.
+ */
 static bool fly(const course *q, real tau, int count, bool states, real *W)
 {
     const ric_model *m = q->c->model;
@@ -173,27 +175,28 @@ static bool fly(const course *q, real tau, int count, bool states, real *W)
     return true;
 }
 
-/* Moves the end of the flight from w to where it meets the face of a spring. What a rounded time leaves between state
- * and face, times the stiffness, is a force that begins with a jump, and a product of flights that begin so takes no
- * flow to flow: beside a spring of 4,400 times the stiffness of the modes a trace of 2 became 2 - 9e-12. False: so slow
- * a touch that the orbit does not say when it is. */
+/* Moves the end of the flight from w to where the spring of a face opens. What a rounded time leaves between state and
+ * face, times the stiffness, is a force that ends with a jump, and a product of flights that end so takes no flow to
+ * flow: beside a spring of 4,400 times the stiffness of the modes a trace of 2 became 2 - 9e-12. Of a slow touch the
+ * time says more than the gap, and is left as it is. False: no memory. */
 static bool meet(const course *q, const ric_face *f, real *tau)
 {
     enum { STEPS = 6 };
     int n = q->n;
-    real w[2 * n], over, speed;
+    real w[2 * n], over, meant = *tau;
     for (int step = 0; step < STEPS; step++) {
         memcpy(w, q->w, sizeof w);
         if (!fly(q, *tau, 1, true, w)) return false;
         over = beyond(q, f, w);
-        speed = along(q, f, w + n);
         if (fabsl(over) <= MET * (1 + fabs(f->gap))) return true;
-        *tau -= over / speed;
+        *tau -= over / along(q, f, w + n);
+        if (!(fabsl(*tau - meant) <= LATE * meant)) break;
     }
-    return false;
+    *tau = meant;
+    return true;
 }
 
-/* A start on the face of a spring is there to the last digit. */
+/* What starts on the face of a spring is there to the last digit, and pushes with nothing. */
 static void begin_on(course *q, const ric_face *f)
 {
     const double *kappa = q->c->model->kappa;
@@ -283,7 +286,7 @@ static void around(course *q, const complex_t *e, bool start)
         }
 }
 
-/* False: there is no such motion. */
+/* False: no memory. */
 static bool flights(course *q)
 {
     const ric_shooting *c = q->c;
@@ -292,11 +295,13 @@ static bool flights(course *q)
         const ric_face *next = c->face[k + 1] < 0 ? NULL : &c->model->face[c->face[k + 1]];
         real tau = c->tau[k] + early, meant = tau;
         q->closed = c->closed[k];
-        if (next && next->spring > 0 && !meet(q, next, &tau)) return false;
+        const bool spring = next && next->spring > 0, closes = spring && c->closed[k + 1] >> c->face[k + 1] & 1;
+        if (spring && !closes && !meet(q, next, &tau)) return false;
         early = meant - tau;
         if (!fly(q, tau, 1, true, q->w) || !fly(q, tau, q->ld, false, q->V)) return false;
         if (next && next->spring == 0 && !(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) strike(q, next);
         else if (q->closed) grow(q);
+        if (closes) begin_on(q, next);
     }
     q->closed = c->closed[c->n_flight];
     return true;

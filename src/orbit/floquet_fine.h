@@ -19,7 +19,7 @@ bool ric_floquet_fine_fits(const ric_shooting *chain);
 /* P [2k * 2k], k = n - 1, at the start of `store`: coordinates in the section of the start mirror to those in that of
  * the end mirror, whose bases `start` and `end` [k * n] are given in double; in the general form, which needs none, of
  * the return to what is perpendicular to flow and gradient (without sigma). *size: largest entry met. False: it is not
- * finite, or a spring is touched so slowly that the orbit does not say when. */
+ * finite. */
 bool ric_floquet_fine_map(const ric_shooting *chain, const double *start, const double *end, ric_fine_real *store,
                           double *size);
 
