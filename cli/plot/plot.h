@@ -154,6 +154,8 @@ bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b);
 /* Widens [lo, hi] by `part` of its length (of its logarithm), or to something visible when it is a point. */
 void plot_range_widen(bool logarithmic, double part, double *lo, double *hi);
 
+/* Width of the longest number beside an upright axis. */
+double plot_axis_widest(const plot_axis *axis);
 /* About `count` of these fit a span: 1, 2 or 5 times a power of ten. */
 double plot_nice_step(double span, double count);
 /* The page itself: data are pixels. */

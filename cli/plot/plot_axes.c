@@ -280,6 +280,17 @@ static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *a
                        "#222222", false, title);
 }
 
+double plot_axis_widest(const plot_axis *axis)
+{
+    tick_list list;
+    double widest = 0;
+    axis_ticks(&list, axis, 42, "");
+    for (int i = 0; i < list.n; i++)
+        if (list.ticks[i].major) widest = fmax(widest, plot_text_width(list.ticks[i].text, type));
+    free(list.ticks);
+    return widest;
+}
+
 static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *axis, const char *title)
 {
     tick_list list;

@@ -33,12 +33,18 @@ static bool make_page(picture *p, double height)
     return p->page;
 }
 
-static void title(picture *p)
+/* The name that the study gives to a multiplication by q at an energy; false if it gives none. */
+static bool name_of(const picture *p, double energy, int q, size_t size, char *out)
 {
-    char name[200], extra[240];
-    plot_branch_title(&p->branch, 1, sizeof name, name);
-    snprintf(extra, sizeof extra, "%s%s", p->circle ? "" : "cascade from ", name);
-    plot_page_title(p->page, p->common, extra);
+    for (int id = 1; id <= ric_atlas_n_junction(p->atlas); id++) {
+        ric_junction j;
+        if (ric_atlas_junction(p->atlas, id, &j) != RIC_OK || j.kind != RIC_KIND_MULTIPLICATION || !j.name ||
+            !*j.name || j.multiple != q || fabs(j.energy - energy) > 1e-7 * energy)
+            continue;
+        plot_text_label(j.name, size, out);
+        return true;
+    }
+    return false;
 }
 
 /* Whether there are no impacts at all: law power. */
@@ -123,7 +129,8 @@ static void mark_strips(picture *p, const plot_panel *panel, int n, const strip 
                         .clear = 0,
                         .weight = n - i,
                         .colour = "#000000"};
-        snprintf(t->text, sizeof t->text, "%d/%d", s.rotation[0], s.rotation[1]);
+        if (!name_of(p, s.energy, s.multiple, sizeof t->text, t->text))
+            snprintf(t->text, sizeof t->text, "%d/%d", s.rotation[0], s.rotation[1]);
     }
     plot_place_tags(p->page, above, n_tag, tags, type);
 }
@@ -152,13 +159,16 @@ static int draw_diagram(picture *p)
         plot_range_widen(false, 0.04, &y[0], &y[1]);
         const plot_panel panel =
             {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0, .hi = x > 0 ? 1.02 * x : 1},
-             {.from = 56, .to = plot_page_height(p->page) - 66, .lo = y[0], .hi = y[1]}};
+             {.from = 56,
+              .to = plot_page_height(p->page) - 30 - plot_page_head(p->common, NULL),
+              .lo = y[0],
+              .hi = y[1]}};
         for (int i = 1; i < n; i++) draw_strip(p, &panel, i, &strips[i]);
         snprintf(name, sizeof name, smooth(p) ? "once a period of the branch: x_{%d}" : "at impacts: x_{%d}",
                  p->dof + 1);
         plot_panel_frame(p->page, &panel, "frequency passed on the way, times the multiplicities (rad/s)", name);
         mark_strips(p, &panel, n, strips);
-        title(p);
+        plot_page_title(p->page, p->common, NULL);
         code = plot_page_write(p->page, p->common);
     }
     for (int i = 0; strips && i < n; i++) {
@@ -222,7 +232,10 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
         else
             snprintf(text, sizeof text, "end,  %d impacts, %d touches,  E = %.8g,  ω = %.8g", s.impacts, s.grazings,
                      s.energy, s.frequency);
-        plot_page_text(p->page, (plot_point){row.left, row.top + 9}, PLOT_LEFT, type, "#000000", false, text);
+        char whole[200], own[64];
+        const bool named = s.multiple > 1 && name_of(p, s.energy, s.multiple, sizeof own, own);
+        snprintf(whole, sizeof whole, "(%c)  %s%s%s", 'a' + step % 26, named ? own : "", named ? ":  " : "", text);
+        plot_page_text(p->page, (plot_point){row.left, row.top + 11}, PLOT_LEFT, type, "#000000", false, whole);
     }
     free(state);
     free(history);
@@ -255,23 +268,55 @@ static int draw_shapes(picture *p)
 {
     const int n = ric_cascade_length(p->cascade);
     double x[2], v[2];
-    if (!make_page(p, 100 + 130.0 * n)) return cli_report(RIC_E_NOMEM);
-    const double top = plot_page_height(p->page) - 58, bottom = 54, step = (top - bottom) / n;
+    if (!make_page(p, 70 + 132.0 * n)) return cli_report(RIC_E_NOMEM);
+    const double top = plot_page_height(p->page) - plot_page_head(p->common, NULL) - 22, bottom = 30,
+                 step = (top - bottom) / n;
     shape_ranges(p, x, v);
     for (int i = 0; i < n; i++) {
-        const plot_box row = {72, top - (i + 1) * step + 24, plot_page_width(p->page) - 20, top - i * step};
+        const plot_box row = {72, top - (i + 1) * step + 28, plot_page_width(p->page) - 20, top - i * step};
         if (!draw_shape(p, i, row, x, v, i + 1 == n)) return cli_report(RIC_E_NOMEM);
     }
-    title(p);
+    plot_page_title(p->page, p->common, NULL);
     return plot_page_write(p->page, p->common);
 }
 
 /* ------------------------------------------------------------------ circle */
 
-static void draw_dot(picture *p, const plot_panel *panel, plot_stroke stroke, plot_point data)
+/* From one stored point to the next: arcs of the circle, the second one drawn inside of it to be seen. */
+static void draw_step(picture *p, const plot_panel *circle, const plot_panel *angles, double before, double last,
+                      const ric_point *point)
 {
-    const plot_point at = plot_panel_at(panel, data); /* a line without length: a round end on both sides */
-    if (plot_panel_inside(panel, data)) plot_page_line(p->page, stroke, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
+    enum { PIECES = 16 };
+    static const double radius[2] = {1, 0.93};
+    const double turn = remainder(point->rotation - last, 1);
+    for (int k = 0; k < 2; k++) {
+        const double sign = k ? -1 : 1;
+        plot_point arc[PIECES + 1];
+        for (int i = 0; i <= PIECES; i++) {
+            const double angle = 2 * pi * sign * (last + turn * i / PIECES);
+            arc[i] = (plot_point){radius[k] * cos(angle), radius[k] * sin(angle)};
+        }
+        plot_panel_curve(p->page, circle, thick[k], PIECES + 1, arc);
+        if (fabs(point->rotation - last) < 0.5)
+            plot_panel_curve(p->page, angles, thick[k], 2,
+                             (plot_point[]){{before, k ? 1 - last : last},
+                                            {point->arclength, k ? 1 - point->rotation : point->rotation}});
+    }
+}
+
+/* What the study calls the multiplication of the branch at k/K. */
+static bool root_name(const picture *p, long k, size_t size, char *out)
+{
+    for (int i = 0; i < p->branch.n_junction; i++) {
+        ric_junction j;
+        if (ric_atlas_junction(p->atlas, p->branch.junctions[i], &j) != RIC_OK || j.kind != RIC_KIND_MULTIPLICATION ||
+            !j.name || !*j.name || ric_junction_level(&j, &p->branch) < 2 ||
+            j.rotation[0] * p->duplicate != k * j.rotation[1])
+            continue;
+        plot_text_label(j.name, size, out);
+        return true;
+    }
+    return false;
 }
 
 /* The circle itself and the roots of unity p/K outside it, where the K-duplicate has its multiplications. */
@@ -286,7 +331,7 @@ static void draw_roots(picture *p, const plot_panel *circle, const plot_panel *a
         const plot_point at = {cos(2 * pi * gamma), sin(2 * pi * gamma)}, tip = {1.25 * at.x, 1.25 * at.y};
         const plot_point line[2] = {{angles->x.lo, gamma}, {angles->x.hi, gamma}};
         plot_page_mark(p->page, PLOT_STAR, plot_panel_at(circle, at), 4);
-        snprintf(text, sizeof text, "%d/%ld", k, p->duplicate);
+        if (!root_name(p, k, sizeof text, text)) snprintf(text, sizeof text, "%d/%ld", k, p->duplicate);
         plot_page_text(p->page, plot_panel_at(circle, tip), PLOT_CENTRE, type, "#000000", false, text);
         plot_panel_curve(p->page, angles, PLOT_GRID, 2, line);
     }
@@ -313,7 +358,7 @@ static void draw_direction(picture *p, const plot_panel *circle, double before, 
 
 static int draw_circle(picture *p)
 {
-    double x[2] = {INFINITY, -INFINITY};
+    double x[2] = {INFINITY, -INFINITY}, before = NAN;
     int on_circle = 0;
     if (!make_page(p, 400)) return cli_report(RIC_E_NOMEM);
     const double side = plot_page_height(p->page) - 110;
@@ -337,19 +382,14 @@ static int draw_circle(picture *p)
     const plot_panel angles = {{.from = 66 + side + 90, .to = plot_page_width(p->page) - 20, .lo = x[0], .hi = x[1]},
                                {.from = 60, .to = 60 + side, .lo = 0, .hi = 1}};
     draw_roots(p, &circle, &angles);
-    static const double radius[2] = {1, 0.93}; /* both are on the circle: the second is drawn inside, to be seen */
     double first = NAN, last = NAN;
     for (int i = 0; i < p->branch.n_point; i++) {
         ric_point point;
-        if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL) || !isfinite(point.rotation)) continue;
-        const double turn[2] = {point.rotation, 1 - point.rotation};
-        for (int k = 0; k < 2; k++) {
-            draw_dot(p, &circle, thick[k],
-                     (plot_point){radius[k] * cos(2 * pi * turn[k]), radius[k] * sin(2 * pi * turn[k])});
-            draw_dot(p, &angles, thick[k], (plot_point){point.arclength, turn[k]});
-        }
-        if (isnan(first)) first = point.rotation;
-        last = point.rotation;
+        if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL)) continue;
+        if (isfinite(point.rotation) && isfinite(last)) draw_step(p, &circle, &angles, before, last, &point);
+        if (isfinite(point.rotation) && isnan(first)) first = point.rotation;
+        before = point.arclength;
+        if (isfinite(point.rotation)) last = point.rotation;
     }
     draw_direction(p, &circle, first, first + 0.5 * (last - first), thin[0], 1.1);
     draw_direction(p, &circle, -first, -first - 0.5 * (last - first), thin[1], 0.83);
@@ -360,7 +400,7 @@ static int draw_circle(picture *p)
     plot_legend(p->page, 2, pair, 66, 66 + side, plot_page_height(p->page) - 28);
     plot_panel_frame(p->page, &circle, "Re μ", "Im μ");
     plot_panel_frame(p->page, &angles, "arclength", "arg μ / 2π");
-    title(p);
+    plot_page_title(p->page, p->common, NULL);
     return plot_page_write(p->page, p->common);
 }
 

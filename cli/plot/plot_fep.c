@@ -403,11 +403,23 @@ static int columns_of(const fep *f)
     return f->n_panel == 1 || (f->n_panel == 2 && plot_page_height(f->page) > plot_page_width(f->page)) ? 1 : 2;
 }
 
+/* What numbers and title beside the frequencies need. */
+static double left_margin(fep *f)
+{
+    double widest = 0;
+    for (int i = 0; i < f->n_panel; i++) {
+        f->panels[i].y.from = 0;
+        f->panels[i].y.to = 250;
+        widest = fmax(widest, plot_axis_widest(&f->panels[i].y));
+    }
+    return fmax(68, widest + 34);
+}
+
 /* Frames of the panels: an odd one comes first and is as wide as the page. */
 static void lay_out(fep *f, double legend)
 {
     const int n = f->n_panel, columns = columns_of(f), wide = columns == 2 && n % 2;
-    const double width = plot_page_width(f->page), left = 68, right = 44, foot = 50,
+    const double width = plot_page_width(f->page), left = left_margin(f), right = 44, foot = 50,
                  head = plot_page_head(f->options->common, NULL) + (n > 1 ? 20 : 0);
     const int rows = (n + wide + columns - 1) / columns;
     const double w = width / columns, h = (plot_page_height(f->page) - head - legend) / rows;

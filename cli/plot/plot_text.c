@@ -148,11 +148,15 @@ static bool take_name(const char *c, name_parts *p)
 static void set_name(const char *label, size_t size, char *out)
 {
     name_parts p;
+    char whole[2000], *const place = out;
+    const size_t given = size;
     if (lettered(label, size, out)) return;
-    if (!take_name(label, &p) || strlen(label) > size / 2) {
+    if (!take_name(label, &p) || strlen(label) > sizeof whole / 4) {
         plot_text_escape(label, size, out);
         return;
     }
+    out = whole; /* long words become short ones, and a text that is cut is none */
+    size = sizeof whole;
     int used = snprintf(out, size, "%.*s", p.letters.n, p.letters.text);
     char *rest = out + used;
     const size_t room = size - (size_t)used;
@@ -170,6 +174,8 @@ static void set_name(const char *label, size_t size, char *out)
         used += snprintf(rest, room, "_{%.*s}", p.digits.n, p.digits.text);
     }
     if (p.word.text && (size_t)used < size) word_text(p.word.text, (size_t)p.word.n, size - (size_t)used, out + used);
+    if (strlen(whole) < given) snprintf(place, given, "%s", whole);
+    else plot_text_escape(label, given, place);
 }
 
 /* A name may be of several words: S6 minimum. */

@@ -15,6 +15,12 @@ while IFS= read -r picture; do
     ok "$picture is a whole picture" sh -c 'test "$(wc -c <"$1")" -gt 5000 && tail -c 20 "$1" | grep -q "</svg>"' sh "$folder/$(basename "$picture")"
     ok "$picture is in the tree" test -s "docs/$picture"
 done < <(grep -oE '\]\(gallery/[^)]*\)' docs/gallery.md | tr -d ']()')
+ok 'the pictures in the tree are what is drawn today' env PYTHONPATH=tests/support PYTHONDONTWRITEBYTECODE=1 python3 \
+    tests/support/same_pictures.py docs/gallery "$folder"
+"$ricochet" run examples/elementary/study.yaml -o "$folder/demo.ricochet" >"$folder/log" 2>&1
+"$ricochet" plot fep "$folder/demo.ricochet" --break 2.2 -o "$folder/elementary.svg" 2>"$folder/log"
+ok 'so is that of the README' env PYTHONPATH=tests/support PYTHONDONTWRITEBYTECODE=1 python3 tests/support/same_pictures.py docs "$folder" \
+    elementary.svg
 ok 'the page in one file has them all' sh -c 'test "$(grep -c data:image/svg "$1")" -eq "$(grep -c "^!\[" docs/gallery.md)"' sh "$folder/gallery.html"
 for figure in $(seq 1 30); do
     ok "figure $figure is on the page" grep -q "^## Fig. $figure:" docs/gallery.md
