@@ -123,13 +123,17 @@ static const struct {
     bool by_id; /* takes branches and junctions by id only */
     bool units; /* takes --physical and --hz */
 } kinds[] = {
-    {"fep", plot_fep, false, true},      {"orbit", plot_orbit, true, true},     {"orbits", plot_orbits, false, true},
-    {"curves", plot_curves, true, true}, {"floquet", plot_floquet, true, true}, {"cascade", plot_cascade, true, false},
-    {"sheet", plot_sheet, false, false}, {"strobe", plot_strobe, false, false}, {"section", plot_section, true, false},
-    {"law", plot_law, false, false},     {"model", plot_model, false, false},   {"response", plot_response, true, true},
+    {"fep", plot_fep, false, true},          {"orbit", plot_orbit, true, true},
+    {"orbits", plot_orbits, false, true},    {"curves", plot_curves, true, true},
+    {"floquet", plot_floquet, true, true},   {"cascade", plot_cascade, true, false},
+    {"sheet", plot_sheet, false, false},     {"strobe", plot_strobe, false, false},
+    {"section", plot_section, true, false},  {"simulate", plot_simulate, false, true},
+    {"law", plot_law, false, false},         {"model", plot_model, false, false},
+    {"response", plot_response, true, true},
 };
 
-#define PICTURES "fep, orbit, orbits, curves, floquet, cascade, sheet, strobe, section, law, model and response"
+#define PICTURES                                                                                                       \
+    "fep, orbit, orbits, curves, floquet, cascade, sheet, strobe, section, simulate, law, model and response"
 
 static int run(int argc, char **argv)
 {
@@ -149,9 +153,10 @@ static int run(int argc, char **argv)
             if (!options.out)
                 return cli_wrong("plot %s: -o FILE.svg, FILE.pdf, FILE.png or FILE.gp is missing", argv[1]);
             if ((options.physical || options.hertz) && !kinds[i].units)
-                return cli_wrong("plot %s: scaled units only; fep, orbit, orbits, curves and floquet have --physical "
-                                 "and --hz",
-                                 argv[1]);
+                return cli_wrong(
+                    "plot %s: scaled units only; fep, orbit, orbits, curves, floquet and simulate have --physical "
+                    "and --hz",
+                    argv[1]);
             int code = plot_check_target(&options);
             cli_handles handles = {.argc = argc - 1, .argv = argv + 1};
             if (code == CLI_DONE && kinds[i].by_id) code = cli_resolve_handles(&cli_plot, &handles);
@@ -229,6 +234,10 @@ static const cli_item items[] = {
     {.name = "--which", .value = "K", .text = "which one if several orbits fit, from 1"},
     {.name = "--junction", .value = "ID", .text = "the original orbit of a junction"},
     {.name = "--coordinates", .value = "LIST", .text = "which coordinates to show, at most 4"},
+    {.name = "--data",
+     .value = "FILE.csv",
+     .text = "dots of your own, in the units of the picture: a column `t` and some of x1.. v1.., named in the first "
+             "line"},
     {.name = "orbits",
      .picture = true,
      .text = "a row of histories and phase portraits for each orbit, its impacts above it"},
@@ -257,6 +266,7 @@ static const cli_item items[] = {
      .text = "with --z: the eye is turned by A degrees about the upright axis, and up by B; 32,22 unless given"},
     {.name = "--branch", .value = "ID", .text = "only this branch; may be repeated"},
     CLI_ITEM_AT,
+    {.name = "--data", .value = "FILE.csv", .text = "dots of your own: columns of the names of --x and --y"},
     {.name = "--log", .value = "AXES", .words = "x y xy", .text = "logarithmic axes: x, y or xy"},
     {.name = "--window", .value = "A:B,C:D", .text = "what the axes show; with --z A:B,C:D,E:F"},
     {.name = "floquet",
@@ -314,6 +324,13 @@ static const cli_item items[] = {
      .words = "lyapunov rotation",
      .text = "by the Lyapunov exponent, unless given; or by the rotation number, grey where there is none"},
     {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
+    {.name = "simulate",
+     .picture = true,
+     .text = "the motion of a study from a state, as `ricochet simulate` follows it, drawn as an orbit is"},
+    {.name = "--state", .value = "X.. V..", .text = "2n numbers, displacements and velocities at time 0"},
+    {.name = "--time", .value = "T", .text = "where to stop"},
+    {.name = "--coordinates", .value = "LIST", .text = "which coordinates to show, at most 4"},
+    {.name = "--data", .value = "FILE.csv", .text = "dots at times of your own, as of an orbit"},
     {.name = "law",
      .picture = true,
      .text = "studies or atlases: the force of each contact over its gap coordinate, in units of the study"},
@@ -341,7 +358,8 @@ static const cli_item items[] = {
              "given a size is 740 pixels wide: printed on 174 mm its letters have 8 points, its indices 6"},
     {.name = "--dpi", .value = "N", .text = "PNG: pixels per inch, 96 unless given"},
     {.name = "--physical",
-     .text = "fep, orbit, orbits, curves and floquet: lengths, speeds and energies in the units of the study, also "
+     .text = "fep, orbit, orbits, curves, floquet and simulate: lengths, speeds and energies in the units of the "
+             "study, also "
              "those of windows and of --energy; in names of orbits they stay scaled"},
     {.name = "--hz", .text = "of these: frequencies in Hz, also those of windows and of --frequency"},
     {.name = "names", .picture = true, .text = "how orbits and parts of branches are named"},
@@ -364,12 +382,14 @@ const cli_command cli_plot = {
              "           [--branch SEGMENT]... [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT]\n"
              "           [--data FILE.csv] -o FILE\n"
              "ricochet plot orbit ATLAS (--branch ID | --at E,OMEGA)\n"
-             "           (--point I | --energy E | --frequency F) [--which K] [--coordinates LIST] -o FILE\n"
-             "ricochet plot orbit ATLAS --junction ID [--coordinates LIST] -o FILE\n"
+             "           (--point I | --energy E | --frequency F) [--which K] [--coordinates LIST]\n"
+             "           [--data FILE.csv] -o FILE\n"
+             "ricochet plot orbit ATLAS --junction ID [--coordinates LIST] [--data FILE.csv] -o FILE\n"
              "ricochet plot orbits ATLAS --orbit ORBIT... [ATLAS --orbit ORBIT...]... [--histories]\n"
              "           [--columns N] [--same-axes] [--overlay] [--gap] [--coordinates LIST] -o FILE\n"
              "ricochet plot curves ATLAS --x NAME --y NAME [--z NAME [--view A,B]]\n"
-             "           [--branch ID | --at E,OMEGA]... [--log AXES] [--window A:B,C:D] -o FILE\n"
+             "           [--branch ID | --at E,OMEGA]... [--log AXES] [--window A:B,C:D]\n"
+             "           [--data FILE.csv] -o FILE\n"
              "ricochet plot floquet ATLAS (--branch ID | --at E,OMEGA) [--x NAME] -o FILE\n"
              "ricochet plot cascade ATLAS (--branch ID | --at E,OMEGA) (--multiply LIST | --doublings N)\n"
              "           [--dof I] [--shapes] -o FILE\n"
@@ -382,6 +402,8 @@ const cli_command cli_plot = {
              "           [(--branch ID | --at E,OMEGA | --orbits) [--radius R]] [--face F]\n"
              "           [--colour WHAT] [--window A:B,C:D] [-j WORKERS | --jobs WORKERS]\n"
              "           [--seconds S] -o FILE\n"
+             "ricochet plot simulate STUDY --state X.. V.. --time T [--coordinates LIST]\n"
+             "           [--data FILE.csv] -o FILE\n"
              "ricochet plot law STUDY|ATLAS... [--key TEXT] -o FILE\n"
              "ricochet plot model STUDY|ATLAS... -o FILE\n"
              "with each: [--title TEXT] [--size WxH] [--font PT] [--dpi N] [--physical] [--hz]\n",

@@ -27,69 +27,11 @@ typedef struct {
 
 /* ------------------------------------------------------------------ options */
 
-static bool is_number(const char *text)
-{
-    char *end;
-    strtod(text, &end);
-    return end != text && !*end;
-}
-
-/* Takes `--state` and the numbers that follow it out of argv; a negative number is none of the options. texts
- * [argc]. */
-static bool take_state(int *argc, char **argv, int *count, const char **texts)
-{
-    int at = 1;
-    *count = 0;
-    while (at < *argc && strncmp(argv[at], "--state", 7)) at++;
-    if (at < *argc && argv[at][7] == '=') {
-        cli_wrong("simulate: %s: the numbers follow after a blank, for example --state 0 0 1 -1", argv[at]);
-        return false;
-    }
-    if (at == *argc || argv[at][7]) {
-        cli_wrong("simulate: --state is missing; give the displacements and then the velocities, for example --state 0 "
-                  "0 1 -1");
-        return false;
-    }
-    int next = at + 1;
-    while (next < *argc && is_number(argv[next])) texts[(*count)++] = argv[next++];
-    if (next < *argc && argv[next][0] != '-' && *argc - (next - at) > 2) { /* more than the study is left */
-        cli_wrong(
-            "simulate: '%s' after --state is not a number; give displacements, then velocities, with blanks between",
-            argv[next]);
-        return false;
-    }
-    memmove(argv + at, argv + next, (size_t)(*argc - next + 1) * sizeof *argv);
-    *argc -= next - at;
-    return true;
-}
-
-static bool parse_state(simulation *s, int count, const char **texts)
-{
-    if (count != 2 * s->n) {
-        cli_wrong("simulate: --state has %d number%s; this study needs %d: %d displacement%s, then as many velocities",
-                  count, count == 1 ? "" : "s", 2 * s->n, s->n, s->n == 1 ? "" : "s");
-        return false;
-    }
-    for (int i = 0; i < count; i++) {
-        if (!cli_parse_number(texts[i], "--state", &s->state[i])) return false;
-        s->state[i] /= s->length;
-    }
-    return true;
-}
-
 static bool parse_times(simulation *s, const char *end, const char *steps)
 {
     s->steps = STEPS;
-    if (!end) {
-        cli_wrong("simulate: --time is missing; give the time to stop at, in seconds");
-        return false;
-    }
-    if (!cli_parse_number(end, "--time", &s->end) ||
-        (steps && !cli_parse_integer(steps, "--steps", 1, STEPS_MAX, &s->steps)))
-        return false;
-    if (s->end > 0) return true;
-    cli_wrong("simulate: --time '%s' is not positive; motion is followed forward from time 0", end);
-    return false;
+    return cli_parse_end("simulate", end, &s->end) &&
+           (!steps || cli_parse_integer(steps, "--steps", 1, STEPS_MAX, &s->steps));
 }
 
 /* ------------------------------------------------------------------- motion */
@@ -195,7 +137,7 @@ static int run(int argc, char **argv)
     bool physical = cli_take_flag(&argc, argv, "--physical");
     s.impacts = cli_take_flag(&argc, argv, "--impacts");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--time", &end) ||
-        !cli_take_value(&argc, argv, "--steps", &steps) || !take_state(&argc, argv, &count, texts) ||
+        !cli_take_value(&argc, argv, "--steps", &steps) || !cli_take_state(&argc, argv, "simulate", &count, texts) ||
         !cli_operands(&cli_simulate, argc, argv, 1) || !parse_times(&s, end, steps))
         goto out;
     ric_status status = ric_study_read(argv[1], &s.study);
@@ -206,7 +148,7 @@ static int run(int argc, char **argv)
     s.n = ric_model_n_dof(ric_study_model(s.study));
     if (physical) s.length = ric_model_length(ric_study_model(s.study));
     if (!make_columns(&s)) code = cli_report(RIC_E_NOMEM);
-    else if (parse_state(&s, count, texts)) code = simulate_and_print(&s, format);
+    else if (cli_parse_state("simulate", s.n, count, texts, s.length, s.state)) code = simulate_and_print(&s, format);
 out:
     free(texts);
     simulation_free(&s);

@@ -249,6 +249,11 @@ bool cli_take_format(int *argc, char **argv, cli_format *format);
 bool cli_take_value(int *argc, char **argv, const char *name, const char **value);
 /* Takes `--name` out of argv. */
 bool cli_take_flag(int *argc, char **argv, const char *name);
+/* state.c. Takes `--state` and the numbers that follow it, texts [argc]; a negative number is none of the options. Then
+ * reads the 2 n of them, divided by a length, and a time. False with a message that starts with `what`. */
+bool cli_take_state(int *argc, char **argv, const char *what, int *count, const char **texts);
+bool cli_parse_state(const char *what, int n, int count, const char **texts, double length, double *out);
+bool cli_parse_end(const char *what, const char *text, double *out);
 /* Whether every option in argv is one of the command's table; else a message that shows the usage, and false. */
 bool cli_know_options(const cli_command *command, int argc, char **argv);
 /* What is left must be exactly n operands, none starting with '-' (but numbers may); else a message that shows the

@@ -50,8 +50,8 @@ typedef enum {
     PLOT_PART,  /* of a schematic */
     PLOT_PROOF, /* + 0, 1: a ring, its inside */
     PLOT_ARROW = PLOT_PROOF + 2,
-    PLOT_DATA, /* of one's own */
-    PLOT_FRAME,
+    PLOT_DATA, /* of one's own; + 1..4: of the coordinates of an orbit */
+    PLOT_FRAME = PLOT_DATA + 5,
     PLOT_LEADER,
     PLOT_N_STROKE,
 } plot_stroke;
@@ -316,6 +316,7 @@ typedef struct {
     double *state, *flights, period;
     double tolerance; /* how near a gap must come to a stop, in clearances, to be a touch */
     bool jumps;       /* velocities jump between pieces */
+    bool open;        /* it does not come back: no orbit, but a motion up to a time, `period` */
     int n_piece, *first, n_row, room;
     double *rows;
     int n_event;
@@ -357,6 +358,25 @@ double plot_motion_start(const plot_motion *motion, int contact);
 /* One reading against another; times are shown `later`. */
 void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *motion,
                       plot_reading x, plot_reading y, int what, double later);
+
+/* ------------------------------------------------- one's own data (plot_data.c) */
+
+typedef struct {
+    int n, room, n_column;
+    double *values; /* [n * n_column]; NaN where the file has no such column or no number */
+    int *lines;     /* [n] of the file */
+    char name[300]; /* for the legend */
+} plot_table;
+/* The columns of these names, the first `needed` of which have to be there; returns an exit code. Release it in any
+ * case. */
+int plot_table_read(const char *path, int n, const char *const *names, int needed, plot_table *out);
+double plot_table_at(const plot_table *table, int row, int column);
+void plot_table_free(plot_table *table);
+void plot_panel_dot(plot_page *page, const plot_panel *panel, plot_stroke stroke, plot_point data);
+
+/* plot_orbit.c: the page of a motion that was made. `title`, `coordinates` (a list) and `data` (a file) may be NULL. */
+int plot_motion_page(const plot_options *common, plot_motion *motion, const char *title, const char *coordinates,
+                     const char *data);
 
 /* ---------------------------------------------- what is named (plot_select.c) */
 
@@ -410,6 +430,7 @@ int plot_curves(int argc, char **argv, const plot_options *options);
 int plot_response(int argc, char **argv, const plot_options *options);
 int plot_floquet(int argc, char **argv, const plot_options *options);
 int plot_cascade(int argc, char **argv, const plot_options *options);
+int plot_simulate(int argc, char **argv, const plot_options *options);
 int plot_law(int argc, char **argv, const plot_options *options);
 int plot_model(int argc, char **argv, const plot_options *options);
 

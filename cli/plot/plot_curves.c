@@ -158,6 +158,7 @@ typedef struct {
     plot_page *page;
     plot_panel panel;
     plot_space space;
+    plot_table data; /* of one's own, in the columns of x and y */
     bool has_window;
     double window[6]; /* x from, to, y from, to, z from, to */
     bool family[3];
@@ -357,12 +358,18 @@ static int draw_curve_page(curves *c)
     const char *const titles[3] = {c->x.title, c->y.title, c->z.title};
     if (c->spatial) plot_space_frame(c->page, &c->space, titles);
     else plot_panel_frame(c->page, &c->panel, c->x.title, c->y.title);
+    for (int i = 0; i < c->data.n && !c->spatial; i++)
+        plot_panel_dot(c->page, &c->panel, PLOT_DATA,
+                       (plot_point){plot_table_at(&c->data, i, 0) / c->x.unit,
+                                    plot_table_at(&c->data, i, 1) / c->y.unit});
     const int missing = plot_place_tags(c->page, plot_panel_box(&c->panel), c->n_tag, c->tags, type);
     if (missing)
         fprintf(stderr, "ricochet: %d label%s left out for want of room; --branch or --size make more\n", missing,
                 missing == 1 ? "" : "s");
     plot_page_title(c->page, c->common, NULL);
-    const int n = plot_legend_entries(c->family, c->stability, c->kinds, entries);
+    int n = plot_legend_entries(c->family, c->stability, NULL, entries);
+    if (c->data.n) entries[n++] = (plot_legend_entry){c->data.name, PLOT_DATA, -1};
+    n += plot_legend_entries(NULL, 0, c->kinds, entries + n);
     plot_legend(c->page, n, entries, 12, width - 12, (c->spatial ? 0 : c->panel.y.from) - 46 + 92 * c->spatial);
     return plot_page_write(c->page, c->common);
 }
@@ -419,12 +426,12 @@ static bool take_space(const char *text, double window[6])
 int plot_curves(int argc, char **argv, const plot_options *common)
 {
     curves c = {.common = common};
-    const char *x = NULL, *y = NULL, *z = NULL, *view = NULL, *logs = NULL, *window = NULL;
+    const char *data = NULL, *x = NULL, *y = NULL, *z = NULL, *view = NULL, *logs = NULL, *window = NULL;
     int code = take_branches(&argc, argv, &c.n_branch, &c.branches);
     if (code != CLI_DONE || !cli_take_value(&argc, argv, "--x", &x) || !cli_take_value(&argc, argv, "--y", &y) ||
-        !cli_take_value(&argc, argv, "--z", &z) || !cli_take_value(&argc, argv, "--view", &view) ||
-        !cli_take_value(&argc, argv, "--log", &logs) || !cli_take_value(&argc, argv, "--window", &window) ||
-        !cli_operands(&cli_plot, argc, argv, 1)) {
+        !cli_take_value(&argc, argv, "--z", &z) || !cli_take_value(&argc, argv, "--data", &data) ||
+        !cli_take_value(&argc, argv, "--view", &view) || !cli_take_value(&argc, argv, "--log", &logs) ||
+        !cli_take_value(&argc, argv, "--window", &window) || !cli_operands(&cli_plot, argc, argv, 1)) {
         code = code != CLI_DONE ? code : CLI_WRONG;
         goto out;
     }
@@ -438,6 +445,11 @@ int plot_curves(int argc, char **argv, const plot_options *common)
     }
     c.has_window = window;
     c.spatial = z;
+    if (data && z) {
+        code = cli_wrong("--data %s: goes with two axes", data);
+        goto out;
+    }
+    if (data && (code = plot_table_read(data, 2, (const char *const[]){x, y}, 2, &c.data)) != CLI_DONE) goto out;
     if (view && !z) {
         code = cli_wrong("--view %s: goes with --z", view);
         goto out;
@@ -480,6 +492,7 @@ out:
     for (int i = 0; c.tracks && i < c.n_branch; i++) plot_track_free(&c.tracks[i]);
     for (int i = 0; c.depths && i < c.n_branch; i++) plot_track_free(&c.depths[i]);
     free(c.depths);
+    plot_table_free(&c.data);
     plot_page_free(c.page);
     ric_atlas_free(c.atlas);
     free(c.tracks);

@@ -196,6 +196,29 @@ static void report_unused(const fep *f)
     }
 }
 
+/* --data: energies and frequencies of one's own, in the units of the picture. */
+static int read_data(fep *f)
+{
+    static const char *const names[] = {"energy", "frequency"};
+    const plot_units unit = plot_units_of(f->options->common, f->sources[0].model);
+    if (!f->options->data) return CLI_DONE;
+    const int code = plot_table_read(f->options->data, 2, names, 2, &f->data);
+    for (int i = 0; code == CLI_DONE && i < f->data.n; i++) {
+        double *p = f->data.values + 2 * i;
+        if (p[0] < 0 || p[1] <= 0)
+            return cli_wrong("%s:%d: an energy from 0 on and a frequency above 0 are needed, as numbers",
+                             f->options->data, f->data.lines[i]);
+        p[0] /= unit.energy;
+        p[1] /= unit.frequency;
+    }
+    return code;
+}
+
+static plot_point data_at(const fep *f, int i)
+{
+    return (plot_point){plot_table_at(&f->data, i, 0), plot_table_at(&f->data, i, 1)};
+}
+
 /* ------------------------------------------------------------------- window */
 
 typedef struct {
@@ -245,8 +268,8 @@ static ric_status find_window(const fep *f, span *energy, span *frequency)
     for (int k = 0; k < f->n_source; k++)
         for (int i = 0; status == RIC_OK && i < f->sources[k].n_part; i++)
             status = add_part(f, &f->sources[k], &f->sources[k].parts[i], energy, frequency);
-    for (int i = 0; i < f->n_data; i++) {
-        const plot_point p = f->data[i];
+    for (int i = 0; i < f->data.n; i++) {
+        const plot_point p = data_at(f, i);
         if (!wanted(f->options->has_energy, f->options->energy, p.x) ||
             !wanted(f->options->has_frequency, f->options->frequency, p.y))
             continue;
@@ -390,7 +413,7 @@ static int legend_entries(fep *f, plot_legend_entry *out)
     if (f->proved) out[n++] = (plot_legend_entry){"proved", PLOT_PROOF, -1};
     if (f->natural) out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
     if (f->locked) out[n++] = (plot_legend_entry){"contact locked", PLOT_LOCKED, -1};
-    if (f->n_data) out[n++] = (plot_legend_entry){f->data_name, PLOT_DATA, -1};
+    if (f->data.n) out[n++] = (plot_legend_entry){f->data.name, PLOT_DATA, -1};
     n += plot_legend_entries(NULL, 0, f->kinds, out + n);
     count_unmarked(f);
     if (f->unmarked) out[n++] = (plot_legend_entry){f->remark, -1, -1};
@@ -490,7 +513,7 @@ static int draw_panel(fep *f, int i)
     for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_ghosts(f, &f->sources[k]);
     for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_junctions(f, &f->sources[k]);
     if (i == 0) draw_windows(f);
-    fep_draw_data(f);
+    for (int k = 0; k < f->data.n; k++) plot_panel_dot(f->page, f->panel, PLOT_DATA, data_at(f, k));
     int code = status == RIC_OK ? CLI_DONE : cli_report(status);
     for (int k = 0; code == CLI_DONE && k < f->n_source; k++) code = fep_draw_marks(f, &f->sources[k]);
     return code;
@@ -638,12 +661,12 @@ int plot_fep(int argc, char **argv, const plot_options *common)
     for (int i = 0; i < f.n_source; i++) atlases[i] = f.sources[i].atlas;
     if (code == CLI_DONE && !plot_same_length(common, f.n_source, atlases)) code = CLI_WRONG;
     if (code == CLI_DONE) scale_windows(&f);
-    if (code == CLI_DONE) code = fep_read_data(&f);
+    if (code == CLI_DONE) code = read_data(&f);
     if (code == CLI_DONE) code = resolve_labels(&f);
     if (code == CLI_DONE) code = draw_page(&f);
     plot_page_free(f.page);
     for (int i = 0; i < f.n_source; i++) fep_free_source(&f.sources[i]);
     free(f.tags);
-    free(f.data);
+    plot_table_free(&f.data);
     return code;
 }

@@ -71,9 +71,7 @@ typedef struct {
     plot_panel panels[FEP_MAX_PANEL], *panel;                  /* `panel`: the one that is being drawn */
     bool family[3], kinds[RIC_KIND_USER + 1], natural, locked; /* drawn, for the legend */
     bool ghost, duplicate[3], marked, island, proved, arrow;
-    int n_data, data_room;
-    plot_point *data; /* of one's own, in stored units */
-    char data_name[300];
+    plot_table data; /* of one's own: energies and frequencies in stored units */
     plot_tag *tags;
     int n_tag, room, n_group;
     int no_margin;   /* reference labels without a place */
@@ -90,10 +88,6 @@ bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, 
  * are logarithmic in a window of which nothing else is known. */
 ric_status fep_choose_scales(fep *f);
 bool fep_log_window(const fep_options *options, double lo, double hi);
-
-/* plot_fep_data.c. The first returns an exit code. */
-int fep_read_data(fep *f);
-void fep_draw_data(fep *f);
 
 /* plot_fep_branches.c */
 int fep_choose_parts(fep *f, fep_source *s);

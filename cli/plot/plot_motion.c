@@ -420,7 +420,8 @@ void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stro
         plot_panel_curve(page, panel, stroke, n, points);
         const double *after = plot_motion_row(o, o->first[(k + 1) % o->n_piece]);
         const plot_point jump[] = {points[n - 1], {x(o, after, what), y(o, after, what)}};
-        if (o->jumps && x != plot_read_time) plot_panel_curve(page, panel, PLOT_JUMP, 2, jump);
+        if (o->jumps && x != plot_read_time && !(o->open && k + 1 == o->n_piece))
+            plot_panel_curve(page, panel, PLOT_JUMP, 2, jump);
     }
     free(points);
 }

@@ -19,7 +19,8 @@ typedef struct {
     const plot_options *common;
     plot_units unit;
     ric_atlas *atlas;
-    plot_motion motion;
+    plot_motion *motion;
+    plot_table data; /* t, x1.., v1.. of one's own */
     char title[400];
     int n_shown, shown[MAX_SHOWN], n_gap, gaps[MAX_SHOWN];
     int missing;
@@ -30,12 +31,9 @@ typedef struct {
 
 static void set_title(orbit *o, const char *name, double energy, const char *extra)
 {
-    if (o->common->title) plot_text_escape(o->common->title, sizeof o->title, o->title);
-    else {
-        char place[120];
-        plot_place_text(o->common, o->motion.model, energy, 2 * pi / o->motion.period, sizeof place, place);
-        snprintf(o->title, sizeof o->title, "%s:  %s%s", name, place, extra);
-    }
+    char place[120];
+    plot_place_text(o->common, o->motion->model, energy, 2 * pi / o->motion->period, sizeof place, place);
+    snprintf(o->title, sizeof o->title, "%s:  %s%s", name, place, extra);
 }
 
 static int take_junction(orbit *o, const char *text)
@@ -46,8 +44,8 @@ static int take_junction(orbit *o, const char *text)
     if (!cli_parse_integer(text, "--junction", 1, 2147483647, &id)) return CLI_WRONG;
     const ric_status status = ric_atlas_junction(o->atlas, (int)id, &junction);
     if (status != RIC_OK) return cli_report(status);
-    o->motion.tolerance = junction.kind == RIC_KIND_GRAZING ? touch_of_grazing : touch_of_branch;
-    if (!plot_motion_keep(&o->motion, junction.letters, junction.word, junction.state, junction.flights))
+    o->motion->tolerance = junction.kind == RIC_KIND_GRAZING ? touch_of_grazing : touch_of_branch;
+    if (!plot_motion_keep(o->motion, junction.letters, junction.word, junction.state, junction.flights))
         return cli_report(RIC_E_NOMEM);
     plot_text_label(junction.name && *junction.name ? junction.name : junction.label, sizeof name, name);
     set_title(o, name, junction.energy, "");
@@ -55,7 +53,7 @@ static int take_junction(orbit *o, const char *text)
 }
 
 typedef struct {
-    const char *branch, *junction, *point, *energy, *frequency, *which, *coordinates;
+    const char *branch, *junction, *point, *energy, *frequency, *which, *coordinates, *data;
 } words;
 
 static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int n, ric_orbit **orbits)
@@ -75,11 +73,11 @@ static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int 
     if (n > 1 && !w->which) fprintf(stderr, "ricochet: %d orbits fit, this is the first; --which K draws another\n", n);
     const ric_orbit *chosen = orbits[which - 1];
     const int impacts = ric_orbit_letters(chosen), room = impacts > 0 ? impacts : 1;
-    double *state = calloc(2 * (size_t)o->motion.n, sizeof *state), *flights = calloc((size_t)room, sizeof *flights);
+    double *state = calloc(2 * (size_t)o->motion->n, sizeof *state), *flights = calloc((size_t)room, sizeof *flights);
     int *word = calloc((size_t)room, sizeof *word);
     int code = CLI_DONE;
     if (state && flights && word) ric_orbit_data(chosen, &point, state, flights, word);
-    if (!state || !flights || !word || !plot_motion_keep(&o->motion, impacts, word, state, flights)) {
+    if (!state || !flights || !word || !plot_motion_keep(o->motion, impacts, word, state, flights)) {
         code = cli_report(RIC_E_NOMEM);
         goto out;
     }
@@ -113,7 +111,7 @@ static int take_branch(orbit *o, const words *w)
                                             : RIC_AT_FREQUENCY,
                                 value, &n, &orbits);
     if (status != RIC_OK) return cli_report(status);
-    o->motion.tolerance = touch_of_branch;
+    o->motion->tolerance = touch_of_branch;
     const int code = choose_orbit(o, &branch, w, n, orbits);
     ric_orbits_free(n, orbits);
     return code;
@@ -127,16 +125,16 @@ static int by_number(const void *a, const void *b)
 /* Coordinates on which contacts act most, where there are too many to show; in their order. */
 static void usual_coordinates(orbit *o)
 {
-    o->n_shown = o->motion.n < MAX_SHOWN ? o->motion.n : MAX_SHOWN;
+    o->n_shown = o->motion->n < MAX_SHOWN ? o->motion->n : MAX_SHOWN;
     for (int i = 0; i < o->n_shown; i++) o->shown[i] = i;
-    if (o->motion.n <= MAX_SHOWN) return;
+    if (o->motion->n <= MAX_SHOWN) return;
     double taken[MAX_SHOWN] = {0};
     o->n_shown = 0;
-    for (int i = 0; i < o->motion.n; i++) {
+    for (int i = 0; i < o->motion->n; i++) {
         double weight = 0;
-        for (int contact = 0; contact < ric_model_n_contact(o->motion.model); contact++) {
+        for (int contact = 0; contact < ric_model_n_contact(o->motion->model); contact++) {
             ric_contact c;
-            if (ric_model_contact(o->motion.model, contact, &c) == RIC_OK) weight += fabs(c.normal[i]);
+            if (ric_model_contact(o->motion->model, contact, &c) == RIC_OK) weight += fabs(c.normal[i]);
         }
         int place = o->n_shown;
         while (place > 0 && taken[place - 1] < weight) place--;
@@ -163,7 +161,7 @@ static bool take_coordinates(orbit *o, const char *text)
             cli_wrong("--coordinates %s: at most %d fit on a page", text, MAX_SHOWN);
             return false;
         }
-        if (!cli_parse_integer(item, "--coordinates", 1, o->motion.n, &index)) return false;
+        if (!cli_parse_integer(item, "--coordinates", 1, o->motion->n, &index)) return false;
         o->shown[o->n_shown++] = (int)index - 1;
         c += n;
         if (!*c) return true;
@@ -173,13 +171,13 @@ static bool take_coordinates(orbit *o, const char *text)
 /* Contacts that are hit or touched, then others, as many as can be told apart. */
 static void choose_gaps(orbit *o)
 {
-    const int n = ric_model_n_contact(o->motion.model);
+    const int n = ric_model_n_contact(o->motion->model);
     for (int round = 0; round < 2; round++)
         for (int contact = 0; contact < n; contact++) {
             bool met = false, known = false;
-            for (int i = 0; i < o->motion.n_event; i++) {
+            for (int i = 0; i < o->motion->n_event; i++) {
                 int c, side, mirror;
-                met |= ric_model_face(o->motion.model, o->motion.events[i].face, &c, &side, &mirror) == RIC_OK &&
+                met |= ric_model_face(o->motion->model, o->motion->events[i].face, &c, &side, &mirror) == RIC_OK &&
                        c == contact;
             }
             for (int i = 0; i < o->n_gap; i++) known |= o->gaps[i] == contact;
@@ -203,16 +201,16 @@ static plot_axis axis_over(double lo, double hi, double from, double to)
 
 static plot_axis time_axis(const orbit *o, double from, double to)
 {
-    return axis_over(-0.025 * o->motion.period, 1.025 * o->motion.period, from, to);
+    return axis_over(-0.025 * o->motion->period, 1.025 * o->motion->period, from, to);
 }
 
 /* Thin upright lines tie the impacts of the two histories together. */
 static void draw_event_lines(const orbit *o, const plot_panel *panel)
 {
     const plot_box box = plot_panel_box(panel);
-    for (int i = 0; i < o->motion.n_event; i++) {
-        const double x = plot_axis_at(&panel->x, o->motion.events[i].time);
-        if (!o->motion.events[i].touch)
+    for (int i = 0; i < o->motion->n_event; i++) {
+        const double x = plot_axis_at(&panel->x, o->motion->events[i].time);
+        if (!o->motion->events[i].touch)
             plot_page_line(o->page, PLOT_GRID, 2, (plot_point[]){{x, box.bottom}, {x, box.top}});
     }
 }
@@ -224,8 +222,8 @@ static void name_touches(const orbit *o, const plot_panel *panel)
     double last = -1;
     for (int number = 1;; number++) { /* in their order, which is not that of the contacts */
         const plot_event *next = NULL;
-        for (int i = 0; i < o->motion.n_event; i++) {
-            const plot_event *e = &o->motion.events[i];
+        for (int i = 0; i < o->motion->n_event; i++) {
+            const plot_event *e = &o->motion->events[i];
             if (e->touch && e->time > last && (!next || e->time < next->time)) next = e;
         }
         if (!next) return;
@@ -239,23 +237,34 @@ static void name_touches(const orbit *o, const plot_panel *panel)
     }
 }
 
+/* What was measured, in the units of the picture, over time. */
+static void draw_data(const orbit *o, const plot_panel *panel)
+{
+    for (int row = 0; row < o->data.n; row++)
+        for (int i = 0; i < o->n_shown; i++)
+            plot_panel_dot(o->page, panel, PLOT_DATA + 1 + (plot_stroke)i,
+                           (plot_point){plot_table_at(&o->data, row, 0),
+                                        plot_table_at(&o->data, row, 1 + i) / o->unit.length});
+}
+
 static void draw_displacements(orbit *o, plot_box box, bool numbers)
 {
     plot_legend_entry entries[MAX_SHOWN];
     char names[MAX_SHOWN][24];
     double lo = INFINITY, hi = -INFINITY;
-    for (int i = 0; i < o->n_shown; i++) plot_motion_range(&o->motion, plot_read_x, o->shown[i], &lo, &hi);
+    for (int i = 0; i < o->n_shown; i++) plot_motion_range(o->motion, plot_read_x, o->shown[i], &lo, &hi);
     plot_range_widen(false, 0.07, &lo, &hi);
     plot_panel panel = {time_axis(o, box.left, box.right), axis_over(lo, hi, box.bottom, box.top)};
     panel.y.unit = o->unit.length;
     draw_event_lines(o, &panel);
     name_touches(o, &panel);
     for (int i = 0; i < o->n_shown; i++) {
-        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, &o->motion, plot_read_time, plot_read_x,
+        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, o->motion, plot_read_time, plot_read_x,
                          o->shown[i], 0);
         snprintf(names[i], sizeof names[i], "x_{%d}", o->shown[i] + 1);
         entries[i] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
     }
+    draw_data(o, &panel);
     plot_panel_frame(o->page, &panel, numbers ? "" : NULL,
                      o->common->physical ? "displacement" : "scaled displacement");
     plot_legend(o->page, o->n_shown, entries, box.left, box.right, box.top + 34);
@@ -266,7 +275,7 @@ static void gap_name(const orbit *o, int contact, const char *before, const char
 {
     ric_contact c;
     char name[60];
-    if (ric_model_contact(o->motion.model, contact, &c) == RIC_OK && c.name && *c.name)
+    if (ric_model_contact(o->motion->model, contact, &c) == RIC_OK && c.name && *c.name)
         plot_text_escape(c.name, sizeof name, name);
     else snprintf(name, sizeof name, "contact %d", contact + 1);
     snprintf(out, size, "%s%s%s", before, name, after);
@@ -275,7 +284,7 @@ static void gap_name(const orbit *o, int contact, const char *before, const char
 /* Whether the gap shown as number i has a stop on a side. */
 static bool has_stop(const orbit *o, int i, int side)
 {
-    return plot_motion_face(&o->motion, o->gaps[i], side) >= 0;
+    return plot_motion_face(o->motion, o->gaps[i], side) >= 0;
 }
 
 /* How many of the gaps shown have one there. */
@@ -311,7 +320,7 @@ static void draw_stops(const orbit *o, const plot_panel *panel)
 static void draw_letter(orbit *o, plot_point at, int side, int face)
 {
     char letter[24], text[48];
-    if (ric_word_format(o->motion.model, 1, &face, sizeof letter, letter) != RIC_OK) return;
+    if (ric_word_format(o->motion->model, 1, &face, sizeof letter, letter) != RIC_OK) return;
     plot_text_escape(letter, sizeof text, text);
     for (int line = 0; line < 3; line++) {
         const plot_point place = {at.x, at.y + side * (13 + 13.5 * line)};
@@ -328,11 +337,11 @@ static void draw_letter(orbit *o, plot_point at, int side, int face)
 static void draw_gap_events(orbit *o, const plot_panel *panel)
 {
     for (int round = 0; round < 2; round++) /* letters after all marks */
-        for (int i = 0; i < o->motion.n_event; i++) {
-            const plot_event *e = &o->motion.events[i];
+        for (int i = 0; i < o->motion->n_event; i++) {
+            const plot_event *e = &o->motion->events[i];
             int contact, side, mirror;
             bool shown = false;
-            if (ric_model_face(o->motion.model, e->face, &contact, &side, &mirror) != RIC_OK) continue;
+            if (ric_model_face(o->motion->model, e->face, &contact, &side, &mirror) != RIC_OK) continue;
             for (int k = 0; k < o->n_gap; k++) shown |= o->gaps[k] == contact;
             const plot_point at = plot_panel_at(panel, (plot_point){e->time, side});
             if (shown && round == 0) plot_page_mark(o->page, plot_event_mark(e), at, 3.6);
@@ -366,10 +375,10 @@ static void draw_gaps(orbit *o, plot_box box)
     double lo = lower ? -1 : 0, hi = upper ? 1 : 0;
     plot_legend_entry entries[2 * MAX_SHOWN + 1], marks[PLOT_MAX_EVENT_ENTRY];
     char names[2 * MAX_SHOWN][96];
-    const int n = gap_entries(o, names, entries), n_mark = plot_event_entries(plot_events_seen(&o->motion, 0), marks);
+    const int n = gap_entries(o, names, entries), n_mark = plot_event_entries(plot_events_seen(o->motion, 0), marks);
     const double head = box.top + 22;
     box.top -= plot_legend(NULL, n, entries, box.left, box.right, 0) - plot_legend(NULL, 1, entries, 0, box.right, 0);
-    for (int i = 0; i < o->n_gap; i++) plot_motion_range(&o->motion, plot_read_gap, o->gaps[i], &lo, &hi);
+    for (int i = 0; i < o->n_gap; i++) plot_motion_range(o->motion, plot_read_gap, o->gaps[i], &lo, &hi);
     const double above = upper ? room : 12, below = lower ? room : 12,
                  scale = (hi - lo) / fmax(20, box.top - box.bottom - above - below);
     const plot_panel panel = {time_axis(o, box.left, box.right),
@@ -377,7 +386,7 @@ static void draw_gaps(orbit *o, plot_box box)
     draw_event_lines(o, &panel);
     draw_stops(o, &panel);
     for (int i = 0; i < o->n_gap; i++)
-        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, &o->motion, plot_read_time, plot_read_gap,
+        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, o->motion, plot_read_time, plot_read_gap,
                          o->gaps[i], 0);
     plot_panel_frame(o->page, &panel, "time (s)", "gap / clearance");
     draw_gap_events(o, &panel);
@@ -387,10 +396,10 @@ static void draw_gaps(orbit *o, plot_box box)
 
 static void mark_row(const orbit *o, const plot_panel *panel, int coordinate, int index, plot_mark mark)
 {
-    const double *r = plot_motion_row(&o->motion, index);
+    const double *r = plot_motion_row(o->motion, index);
     plot_page_mark(o->page, mark,
-                   plot_panel_at(panel, (plot_point){plot_read_x(&o->motion, r, coordinate),
-                                                     plot_read_v(&o->motion, r, coordinate)}),
+                   plot_panel_at(panel, (plot_point){plot_read_x(o->motion, r, coordinate),
+                                                     plot_read_v(o->motion, r, coordinate)}),
                    3);
 }
 
@@ -399,21 +408,25 @@ static void draw_portrait(orbit *o, int i, plot_box box)
     const int coordinate = o->shown[i];
     double x[2] = {INFINITY, -INFINITY}, v[2] = {INFINITY, -INFINITY};
     char across[24], up[24];
-    plot_motion_range(&o->motion, plot_read_x, coordinate, &x[0], &x[1]);
-    plot_motion_range(&o->motion, plot_read_v, coordinate, &v[0], &v[1]);
+    plot_motion_range(o->motion, plot_read_x, coordinate, &x[0], &x[1]);
+    plot_motion_range(o->motion, plot_read_v, coordinate, &v[0], &v[1]);
     plot_range_widen(false, 0.07, &x[0], &x[1]);
     plot_range_widen(false, 0.07, &v[0], &v[1]);
     plot_panel panel = {axis_over(x[0], x[1], box.left, box.right), axis_over(v[0], v[1], box.bottom, box.top)};
     panel.x.unit = panel.y.unit = o->unit.length;
-    plot_motion_draw(o->page, &panel, PLOT_PORTRAIT + (plot_stroke)i, &o->motion, plot_read_x, plot_read_v, coordinate,
+    plot_motion_draw(o->page, &panel, PLOT_PORTRAIT + (plot_stroke)i, o->motion, plot_read_x, plot_read_v, coordinate,
                      0);
+    for (int row = 0; row < o->data.n; row++)
+        plot_panel_dot(o->page, &panel, PLOT_DATA + 1 + (plot_stroke)i,
+                       (plot_point){plot_table_at(&o->data, row, 1 + i) / o->unit.length,
+                                    plot_table_at(&o->data, row, 1 + o->n_shown + i) / o->unit.length});
     snprintf(across, sizeof across, "x_{%d}", coordinate + 1);
     snprintf(up, sizeof up, "v_{%d}", coordinate + 1);
     plot_panel_frame(o->page, &panel, across, up);
-    for (int k = 0; k < o->motion.n_event; k++) {
-        const plot_event *e = &o->motion.events[k];
+    for (int k = 0; k < o->motion->n_event; k++) {
+        const plot_event *e = &o->motion->events[k];
         mark_row(o, &panel, coordinate, e->sample, plot_event_mark(e));
-        if (!e->touch && e->sample > 0 && e->sample + 1 < o->motion.first[o->motion.n_piece]) /* the other side */
+        if (!e->touch && e->sample > 0 && e->sample + 1 < o->motion->first[o->motion->n_piece]) /* the other side */
             mark_row(o, &panel, coordinate, e->sample - 1, plot_event_mark(e));
     }
 }
@@ -433,12 +446,13 @@ static int draw(orbit *o)
     const double width = plot_layout_width(o->common, PLOT_WIDTH), height = plot_layout_height(o->common, 560);
     o->page = plot_page_create(width, height);
     if (!o->page) return cli_report(RIC_E_NOMEM);
-    const double split = width * (o->n_shown > 2 ? 0.52 : 0.62), foot = 64, head = 66,
+    const bool titled = *o->title || o->common->title;
+    const double split = width * (o->n_shown > 2 ? 0.52 : 0.62), foot = 64, head = titled ? 66 : 44,
                  middle = foot + (height - foot - head) * 0.52;
     draw_displacements(o, (plot_box){64, middle + 30, split - 8, height - head}, false);
     draw_gaps(o, (plot_box){64, foot, split - 8, middle - 4});
-    draw_portraits(o, (plot_box){split, foot - 46, width - 8, height - 30});
-    plot_page_text(o->page, (plot_point){width / 2, height - 18}, PLOT_CENTRE, type + 2, "#000000", false, o->title);
+    draw_portraits(o, (plot_box){split, foot - 46, width - 8, height - (titled ? 30 : 8)});
+    plot_page_title(o->page, o->common, *o->title ? o->title : NULL);
     if (o->missing)
         fprintf(stderr, "ricochet: %d letter%s of impacts left out for want of room; --size makes more\n", o->missing,
                 o->missing == 1 ? "" : "s");
@@ -447,10 +461,10 @@ static int draw(orbit *o)
 
 static int parse(int *argc, char **argv, words *w)
 {
-    static const char *const names[] = {"--branch",    "--junction", "--point",      "--energy",
-                                        "--frequency", "--which",    "--coordinates"};
-    const char **values[] = {&w->branch,    &w->junction, &w->point,      &w->energy,
-                             &w->frequency, &w->which,    &w->coordinates};
+    static const char *const names[] = {"--branch",    "--junction", "--point",       "--energy",
+                                        "--frequency", "--which",    "--coordinates", "--data"};
+    const char **values[] = {&w->branch,    &w->junction, &w->point,       &w->energy,
+                             &w->frequency, &w->which,    &w->coordinates, &w->data};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (!cli_take_value(argc, argv, names[i], values[i])) return CLI_WRONG;
     const int places = (w->point != NULL) + (w->energy != NULL) + (w->frequency != NULL);
@@ -464,35 +478,71 @@ static int parse(int *argc, char **argv, words *w)
     return cli_operands(&cli_plot, *argc, argv, 1) ? CLI_DONE : CLI_WRONG;
 }
 
-static int find_and_draw(orbit *o, const words *w)
+/* --data: times and what was measured at them, of the coordinates that are shown. */
+static int read_data(orbit *o, const char *path)
 {
-    o->motion.model = ric_atlas_model(o->atlas);
-    o->motion.n = ric_model_n_dof(o->motion.model);
-    o->unit = plot_units_of(o->common, o->motion.model);
-    int code = w->junction ? take_junction(o, w->junction) : take_branch(o, w);
-    if (code != CLI_DONE) return code;
-    if (w->coordinates && !take_coordinates(o, w->coordinates)) return CLI_WRONG;
-    if (!w->coordinates) usual_coordinates(o);
-    if (!w->coordinates && o->motion.n > o->n_shown)
+    enum { WIDTH = 24 };
+    char texts[2 * MAX_SHOWN][WIDTH];
+    const char *names[1 + 2 * MAX_SHOWN] = {"t"};
+    if (!path) return CLI_DONE;
+    for (int i = 0; i < o->n_shown; i++) {
+        snprintf(texts[i], WIDTH, "x%d", o->shown[i] + 1);
+        snprintf(texts[MAX_SHOWN + i], WIDTH, "v%d", o->shown[i] + 1);
+        names[1 + i] = texts[i];
+        names[1 + o->n_shown + i] = texts[MAX_SHOWN + i];
+    }
+    return plot_table_read(path, 1 + 2 * o->n_shown, names, 1, &o->data);
+}
+
+/* Which coordinates and gaps, and the page. */
+static int show(orbit *o, const char *coordinates, const char *data)
+{
+    if (coordinates && !take_coordinates(o, coordinates)) return CLI_WRONG;
+    if (!coordinates) usual_coordinates(o);
+    if (!coordinates && o->motion->n > o->n_shown)
         fprintf(stderr, "ricochet: %d of %d coordinates are shown; --coordinates I,J chooses which\n", o->n_shown,
-                o->motion.n);
-    const ric_status status = plot_motion_make(&o->motion);
-    if (status != RIC_OK) return cli_report(status);
+                o->motion->n);
+    const int code = read_data(o, data);
+    if (code != CLI_DONE) return code;
     choose_gaps(o);
     return draw(o);
 }
 
+int plot_motion_page(const plot_options *common, plot_motion *motion, const char *title, const char *coordinates,
+                     const char *data)
+{
+    orbit o = {.common = common, .motion = motion, .unit = plot_units_of(common, motion->model)};
+    if (title) snprintf(o.title, sizeof o.title, "%s", title);
+    const int code = show(&o, coordinates, data);
+    plot_table_free(&o.data);
+    plot_page_free(o.page);
+    return code;
+}
+
+static int find_and_draw(orbit *o, const words *w)
+{
+    o->motion->model = ric_atlas_model(o->atlas);
+    o->motion->n = ric_model_n_dof(o->motion->model);
+    o->unit = plot_units_of(o->common, o->motion->model);
+    const int code = w->junction ? take_junction(o, w->junction) : take_branch(o, w);
+    if (code != CLI_DONE) return code;
+    const ric_status status = plot_motion_make(o->motion);
+    return status == RIC_OK ? show(o, w->coordinates, w->data) : cli_report(status);
+}
+
 int plot_orbit(int argc, char **argv, const plot_options *common)
 {
-    orbit o = {.common = common};
+    plot_motion motion = {0};
+    orbit o = {.common = common, .motion = &motion};
     words w = {0};
     int code = parse(&argc, argv, &w);
     if (code != CLI_DONE) return code;
     const ric_status status = ric_atlas_read(argv[1], &o.atlas);
     if (status != RIC_OK) return cli_report(status);
     code = find_and_draw(&o, &w);
+    plot_table_free(&o.data);
     plot_page_free(o.page);
     ric_atlas_free(o.atlas);
-    plot_motion_free(&o.motion);
+    plot_motion_free(&motion);
     return code;
 }

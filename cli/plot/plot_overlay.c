@@ -147,8 +147,8 @@ static void draw_portrait(const orbits_figure *f, const reading *r, plot_box box
         plot_motion_draw(f->page, &own, PLOT_OVERLAY + (plot_stroke)i, m, r->x, r->v, r->what, 0);
     }
     const plot_panel panel = {axis_over(whole, box.left, box.right), axis_over(whole, box.bottom, box.top)};
-    snprintf(across, sizeof across, "%s\xc2\xa0/ largest", r->symbol);
-    snprintf(up, sizeof up, "%s\xc2\xa0/ largest", r->speed);
+    snprintf(across, sizeof across, "%s / largest", r->symbol);
+    snprintf(up, sizeof up, "%s / largest", r->speed);
     plot_panel_frame(f->page, &panel, across, up);
 }
 

@@ -91,6 +91,10 @@ static const stroke_style strokes[PLOT_N_STROKE] = {
     [PLOT_PROOF + 1] = {"#ffffff", "proved, inside", 2.4, {0}},
     [PLOT_ARROW] = {"#e3122d", "inherited", 0.9, {0}},
     [PLOT_DATA] = {"#c2188b", "data", 5, {0.1, 8}},
+    [PLOT_DATA + 1] = {"#16325c", "data of the first", 4.5, {0.1, 8}},
+    [PLOT_DATA + 2] = {"#d0701c", "data of the second", 4.5, {0.1, 8}},
+    [PLOT_DATA + 3] = {"#6915b6", "data of the third", 4.5, {0.1, 8}},
+    [PLOT_DATA + 4] = {"#51d18a", "data of the fourth", 4.5, {0.1, 8}},
     [PLOT_FRAME] = {"#222222", "axes", 0.9, {0}},
     [PLOT_LEADER] = {"#777777", "leaders", 0.6, {0}},
 };

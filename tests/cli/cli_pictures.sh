@@ -311,6 +311,34 @@ ok 'the energy of springs is H' sees springs <<'END'
 check(any(t[2].startswith("scaled energy H") for t in p.texts), p.texts)
 END
 
+# ------------------------------------------------------- motions and measurements
+start=(--state 0.1 -0.2 0 2.5 --time 20)
+"$ricochet" simulate examples/stop-and-spring/study.yaml "${start[@]}" --steps 60 --csv >"$folder/own.csv"
+ok 'the motion of a study, with what was measured' draw motion simulate examples/stop-and-spring/study.yaml "${start[@]}" --data "$folder/own.csv"
+ok 'goes through all dots, and marks every impact' sees motion <<END
+import json, subprocess
+rows = json.loads(subprocess.run(["$ricochet", "simulate", "examples/stop-and-spring/study.yaml", *"${start[*]}".split(), "--impacts", "--json"],
+                                 capture_output=True, check=True).stdout)
+check_dots = []
+for dots, curve, portrait in (("data of the first", "first", "portrait of the first"), ("data of the second", "second", "portrait of the second")):
+    pieces = [piece for name in (curve, portrait) for line in p.lines[name] for piece in zip(line, line[1:])]
+    check_dots += [min(distance(line[0], piece) for piece in pieces) for line in p.lines[dots]]
+lines = {line[0][0] for line in p.lines["grid"]}
+check(len(check_dots) > 200 and max(check_dots) < 0.35 and len(lines) == len({row["t"] for row in rows}) > 5, len(check_dots), max(check_dots), len(lines), len(rows))
+END
+ok 'a state of another length is refused' refuses simulate examples/elementary/study.yaml --state 1 2 --time 3
+ok 'a motion without an end, too' refuses simulate examples/elementary/study.yaml --state 0 0 1 2
+ok 'an orbit in units of the study with data' draw measured orbit "$folder/mixed.ricochet" --branch 3 --energy 20 --data "$folder/own.csv"
+printf 'time,x1\n1,2\n' >"$folder/bare.csv"
+ok 'data without times are refused' refuses orbit "$folder/mixed.ricochet" --branch 3 --energy 20 --data "$folder/bare.csv"
+"$ricochet" points "$folder/two.ricochet" --branch 3 --csv >"$folder/points.csv"
+ok 'points of a branch as data of a curve' draw points curves "$folder/two.ricochet" --x energy --y period --branch 3 --data "$folder/points.csv"
+ok 'lie on it' sees points <<'END'
+pieces = [piece for name in p.lines if name.startswith("symmetric") for line in p.lines[name] for piece in zip(line, line[1:])]
+far = max(min(distance(line[0], piece) for piece in pieces) for line in p.lines["data"] if len(line) == 2 and dist(*line) < 1)
+check(far < 0.1 and p.has("points.csv"), far)
+END
+
 # ----------------------------------------------------------- laws and models
 # The force at s = 1.2 clearances, read off the picture, is that of the study: 10^4 (s - 1) and s^3.
 ok 'the laws of a spring beyond a gap, of a power and of a stop' draw law law examples/bilinear/study.yaml --key soft examples/power-3/study.yaml \
