@@ -406,6 +406,8 @@ const cli_command cli_plot = {
              "           [--data FILE.csv] -o FILE\n"
              "ricochet plot law STUDY|ATLAS... [--key TEXT] -o FILE\n"
              "ricochet plot model STUDY|ATLAS... -o FILE\n"
+             "ricochet plot response FILE [--output X] [--rms] [--level L] [--log] [--window A:B,C:D]\n"
+             "           -o FILE\n"
              "with each: [--title TEXT] [--size WxH] [--font PT] [--dpi N] [--physical] [--hz]\n",
     .items = items,
     .example = "ricochet plot fep two-masses.ricochet --break 2.2 -o two-masses.svg\n",

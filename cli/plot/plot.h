@@ -86,8 +86,9 @@ void plot_page_mark(plot_page *page, plot_mark mark, plot_point at, double radiu
  * it by 90 degrees. */
 void plot_page_text(plot_page *page, plot_point at, plot_anchor anchor, double size, const char *colour, bool upright,
                     const char *text);
-/* Colour of a style, "#rrggbb". */
+/* Colour of a style, "#rrggbb"; and of a label of branches that are drawn with one, PLOT_LINEAR and those after it. */
 const char *plot_stroke_colour(plot_stroke stroke);
+const char *plot_text_colour(plot_stroke branch);
 
 /* Whether a box, or a straight line, is free of texts and marks; and how many pixels of lines a box covers. */
 bool plot_page_free_box(const plot_page *page, plot_box box);

@@ -169,10 +169,8 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
             const double part = (next / PLACES * length - done) / step;
             plot_tag tag = {.at = {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}, .clear = 3, .group = group};
             tag.weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
-            tag.colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint)
-                         : plot_branch_family(s->model, branch) == PLOT_LINEAR
-                             ? "#6a6a6a"
-                             : plot_stroke_colour(plot_branch_family(s->model, branch));
+            tag.colour = plot_text_colour(f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->tint
+                                                          : plot_branch_family(s->model, branch));
             plot_branch_title(branch, k_duplicate, sizeof tag.text, tag.text);
             for (int leader = 0; leader <= asked; leader++) { /* at a distance only where there is no room beside the
                                                                * curve */

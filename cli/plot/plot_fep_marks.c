@@ -139,7 +139,7 @@ static void draw_spots(fep *f, const fep_source *s, int n, spot *spots)
         tag->at = spots[i].at;
         tag->clear = radius;
         tag->weight = 100 + spots[i].weight;
-        tag->colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint) : "#000000";
+        tag->colour = f->n_source > 1 ? plot_text_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint) : "#000000";
         plot_text_label(junction.name && *junction.name ? junction.name : junction.label, sizeof tag->text, tag->text);
     }
 }
@@ -306,7 +306,7 @@ int fep_draw_marks(fep *f, fep_source *s)
         tag->at = at;
         tag->clear = 3.8;
         tag->weight = 2000 - i;
-        tag->colour = f->n_source > 1 ? plot_stroke_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint) : "#000000";
+        tag->colour = f->n_source > 1 ? plot_text_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint) : "#000000";
         plot_text_label(choice.name, sizeof tag->text, tag->text);
     }
     return CLI_DONE;

@@ -15,10 +15,11 @@ static const double pi = 3.14159265358979323846;
  * group stay apart for a reader without one kind of cones, and by lightness alone in grey print (tests/cli). */
 static const struct {
     const char *colour, *name;
+    const char *text; /* of a label: dark enough for thin letters */
 } branches[PLOT_N_BRANCH] = {
-    {"#a8a8a8", "linear"},  {"#d0701c", "asymmetric"}, {"#16325c", "symmetric"},
-    {"#16325c", "atlas 1"}, {"#ff6f00", "atlas 2"},    {"#6915b6", "atlas 3"},
-    {"#51d18a", "atlas 4"}, {"#9c4e30", "atlas 5"},    {"#757aba", "atlas 6"},
+    {"#a8a8a8", "linear", "#5e5e5e"},  {"#d0701c", "asymmetric", "#a85410"}, {"#16325c", "symmetric", "#16325c"},
+    {"#16325c", "atlas 1", "#16325c"}, {"#ff6f00", "atlas 2", "#b34e00"},    {"#6915b6", "atlas 3", "#6915b6"},
+    {"#51d18a", "atlas 4", "#1d7846"}, {"#9c4e30", "atlas 5", "#8a4026"},    {"#757aba", "atlas 6", "#4b50a0"},
 };
 
 typedef struct {
@@ -98,6 +99,11 @@ static const stroke_style strokes[PLOT_N_STROKE] = {
     [PLOT_FRAME] = {"#222222", "axes", 0.9, {0}},
     [PLOT_LEADER] = {"#777777", "leaders", 0.6, {0}},
 };
+
+const char *plot_text_colour(plot_stroke branch)
+{
+    return branches[((int)branch - PLOT_LINEAR) / 3].text;
+}
 
 static stroke_style style_of(plot_stroke stroke, char title[64])
 {

@@ -426,8 +426,9 @@ static int draw_columns(sheet *s, int n, const column *columns)
         }
     plot_range_widen(false, 0.04, &lo, &hi);
     const double end = columns[n - 1].way > 0 ? 1.02 * columns[n - 1].way : 1;
-    const plot_panel panel = {{.from = 82, .to = plot_page_width(s->page) - 24, .lo = 0, .hi = end},
-                              {.from = 56, .to = plot_page_height(s->page) - 66, .lo = lo, .hi = hi}};
+    const plot_panel panel =
+        {{.from = 82, .to = plot_page_width(s->page) - 24, .lo = 0, .hi = end},
+         {.from = 56, .to = plot_page_height(s->page) - 26 - plot_page_head(s->common, NULL), .lo = lo, .hi = hi}};
     for (int i = 0, at = 0; i < s->n; at += s->parts[i++].n) {
         const double x = plot_axis_at(&panel.x, columns[at].way);
         if (i > 0) plot_page_line(s->page, PLOT_NATURAL, 2, (plot_point[]){{x, panel.y.from}, {x, panel.y.to}});

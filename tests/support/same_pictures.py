@@ -1,6 +1,6 @@
-"""Whether pictures that are kept are those that the program draws: same_pictures.py KEPT DRAWN [NAME.svg...]. Texts have to be the same and
-to stand within two pixels of their place, lines of a style to be as many and within a hundredth as long: another compiler or gnuplot may
-round otherwise, another program would not."""
+"""Whether pictures that are kept are those that the program draws: same_pictures.py KEPT DRAWN [NAME.svg...]. Texts have to be the same, nine
+of ten within two pixels of their place, lines of a style to be as many and within a hundredth as long: a last digit may move a label or
+two, which look for the best of many places, another program moves more."""
 import os
 import sys
 from math import dist
@@ -19,9 +19,11 @@ def differences(kept, drawn):
     one, other = (sorted((t[2], t[0], t[1]) for t in p.texts) for p in (kept, drawn))
     if [t[0] for t in one] != [t[0] for t in other]:
         yield "other texts: %s" % sorted(set(t[0] for t in one) ^ set(t[0] for t in other))
-    elif any(dist(a[1:], b[1:]) > 2 for a, b in zip(one, other)):
+    elif sum(dist(a[1:], b[1:]) > 2 for a, b in zip(one, other)) > 0.1 * len(one):
         yield "texts elsewhere"
     for name in sorted(set(kept.lines) | set(drawn.lines)):
+        if name == "leaders":  # go with their labels
+            continue
         a, b = kept.lines.get(name, []), drawn.lines.get(name, [])
         if abs(length(a) - length(b)) > 0.01 * length(a) + 2 or abs(len(a) - len(b)) > 0.05 * len(a) + 2:
             yield "%s: %d lines of %.0f pixels, now %d of %.0f" % (name, len(a), length(a), len(b), length(b))
