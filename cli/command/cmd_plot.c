@@ -125,9 +125,9 @@ static const struct {
 } kinds[] = {
     {"fep", plot_fep, false, true},          {"orbit", plot_orbit, true, true},
     {"orbits", plot_orbits, false, true},    {"curves", plot_curves, true, true},
-    {"floquet", plot_floquet, true, true},   {"cascade", plot_cascade, true, false},
-    {"sheet", plot_sheet, false, false},     {"strobe", plot_strobe, false, false},
-    {"section", plot_section, true, false},  {"simulate", plot_simulate, false, true},
+    {"floquet", plot_floquet, true, true},   {"cascade", plot_cascade, true, true},
+    {"sheet", plot_sheet, false, true},      {"strobe", plot_strobe, false, true},
+    {"section", plot_section, true, true},   {"simulate", plot_simulate, false, true},
     {"law", plot_law, false, false},         {"model", plot_model, false, false},
     {"response", plot_response, true, true},
 };
@@ -361,7 +361,7 @@ static const cli_item items[] = {
      .text = "fep, orbit, orbits, curves, floquet and simulate: lengths, speeds and energies in the units of the "
              "study, also "
              "those of windows and of --energy; in names of orbits they stay scaled"},
-    {.name = "--hz", .text = "of these: frequencies in Hz, also those of windows and of --frequency"},
+    {.name = "--hz", .text = "frequencies in Hz, also those of windows and of --frequency"},
     {.name = "names", .picture = true, .text = "how orbits and parts of branches are named"},
     {.text = "A junction: its id, name or label."},
     {.text = "SEGMENT: a branch by id or label, LABEL|P1 where it meets P1, LABEL|P1 P2 for the part between two "

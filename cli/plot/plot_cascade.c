@@ -33,6 +33,11 @@ static bool make_page(picture *p, double height)
     return p->page;
 }
 
+static plot_units units_of(const picture *p)
+{
+    return plot_units_of(p->common, ric_atlas_model(p->atlas));
+}
+
 /* The name that the study gives to a multiplication by q at an energy; false if it gives none. */
 static bool name_of(const picture *p, double energy, int q, size_t size, char *out)
 {
@@ -157,16 +162,21 @@ static int draw_diagram(picture *p)
                          "for --multiply, which ends with a family");
     else {
         plot_range_widen(false, 0.04, &y[0], &y[1]);
-        const plot_panel panel =
-            {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0, .hi = x > 0 ? 1.02 * x : 1},
-             {.from = 56,
-              .to = plot_page_height(p->page) - 30 - plot_page_head(p->common, NULL),
-              .lo = y[0],
-              .hi = y[1]}};
+        const plot_units unit = units_of(p);
+        plot_panel panel = {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0, .hi = x > 0 ? 1.02 * x : 1},
+                            {.from = 56,
+                             .to = plot_page_height(p->page) - 30 - plot_page_head(p->common, NULL),
+                             .lo = y[0],
+                             .hi = y[1]}};
+        panel.x.unit = unit.frequency;
+        panel.y.unit = unit.length;
         for (int i = 1; i < n; i++) draw_strip(p, &panel, i, &strips[i]);
         snprintf(name, sizeof name, smooth(p) ? "once a period of the branch: x_{%d}" : "at impacts: x_{%d}",
                  p->dof + 1);
-        plot_panel_frame(p->page, &panel, "frequency passed on the way, times the multiplicities (rad/s)", name);
+        plot_panel_frame(p->page, &panel,
+                         p->common->hertz ? "frequency passed on the way, times the multiplicities (Hz)"
+                                          : "frequency passed on the way, times the multiplicities (rad/s)",
+                         name);
         mark_strips(p, &panel, n, strips);
         plot_page_title(p->page, p->common, NULL);
         code = plot_page_write(p->page, p->common);
@@ -204,12 +214,13 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
     const double period = 2 * pi / s.frequency;
     double *state = calloc(2 * (size_t)n_dof, sizeof *state);
     plot_point *history = calloc(SAMPLES + 1, sizeof *history), *portrait = calloc(SAMPLES + 1, sizeof *portrait);
-    const plot_panel left = {{.from = row.left, .to = split, .lo = 0, .hi = 1},
-                             {.from = row.bottom, .to = row.top, .lo = range[0], .hi = range[1]}};
-    const plot_panel right = {{.from = split + gap, .to = row.right, .lo = range[0], .hi = range[1]},
-                              {.from = row.bottom, .to = row.top, .lo = speed[0], .hi = speed[1]}};
-    char text[96], name[32];
+    plot_panel left = {{.from = row.left, .to = split, .lo = 0, .hi = 1},
+                       {.from = row.bottom, .to = row.top, .lo = range[0], .hi = range[1]}};
+    plot_panel right = {{.from = split + gap, .to = row.right, .lo = range[0], .hi = range[1]},
+                        {.from = row.bottom, .to = row.top, .lo = speed[0], .hi = speed[1]}};
+    char text[240], name[32];
     const bool good = state && history && portrait;
+    left.y.unit = right.x.unit = right.y.unit = units_of(p).length;
     for (int i = 0; good && i <= SAMPLES; i++) {
         ric_cascade_at_time(p->cascade, step, period * times * i / SAMPLES, state, state + n_dof);
         history[i] = (plot_point){(double)i / SAMPLES, state[p->dof]};
@@ -222,17 +233,13 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
         plot_panel_frame(p->page, &left, last ? "time, in periods of the last orbit" : NULL, name);
         snprintf(text, sizeof text, "v_{%d}", p->dof + 1);
         plot_panel_frame(p->page, &right, last ? name : NULL, text);
-        if (smooth(p) && s.multiple > 1)
-            snprintf(text, sizeof text, "p/q = %d/%d,  H = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1], s.energy,
-                     s.frequency);
-        else if (smooth(p)) snprintf(text, sizeof text, "end,  H = %.8g,  ω = %.8g", s.energy, s.frequency);
-        else if (s.multiple > 1)
-            snprintf(text, sizeof text, "p/q = %d/%d,  %d impacts,  E = %.8g,  ω = %.8g", s.rotation[0], s.rotation[1],
-                     s.impacts, s.energy, s.frequency);
-        else
-            snprintf(text, sizeof text, "end,  %d impacts, %d touches,  E = %.8g,  ω = %.8g", s.impacts, s.grazings,
-                     s.energy, s.frequency);
-        char whole[200], own[64];
+        char place[120], what[64] = "end";
+        plot_place_text(p->common, ric_atlas_model(p->atlas), s.energy, s.frequency, sizeof place, place);
+        if (s.multiple > 1) snprintf(what, sizeof what, "p/q = %d/%d", s.rotation[0], s.rotation[1]);
+        if (smooth(p)) snprintf(text, sizeof text, "%s,  %s", what, place);
+        else if (s.multiple > 1) snprintf(text, sizeof text, "%s,  %d impacts,  %s", what, s.impacts, place);
+        else snprintf(text, sizeof text, "%s,  %d impacts, %d touches,  %s", what, s.impacts, s.grazings, place);
+        char whole[340], own[64];
         const bool named = s.multiple > 1 && name_of(p, s.energy, s.multiple, sizeof own, own);
         snprintf(whole, sizeof whole, "(%c)  %s%s%s", 'a' + step % 26, named ? own : "", named ? ":  " : "", text);
         plot_page_text(p->page, (plot_point){row.left, row.top + 11}, PLOT_LEFT, type, "#000000", false, whole);

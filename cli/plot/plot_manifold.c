@@ -107,12 +107,14 @@ static void draw_part(sheet *s, int i, plot_box box, const int axes[3], char tit
     }
     space.box = (plot_box){box.left + 62, box.bottom + 66, box.right - 34, box.top - 28};
     find_ranges(p, axes, &space);
+    const plot_units unit = plot_units_of(s->common, p->motions[0].model);
+    for (int k = 0; k < 3; k++) space.unit[k] = unit.length;
     plot_space_frame(s->page, &space, names);
     for (int k = 0; k < p->n; k++) {
         const double part = hi > lo ? (p->energies[k] - lo) / (hi - lo) : 0;
         draw_motion(s, &space, &p->motions[k], axes, PLOT_SHADE + 1 + (plot_stroke)fmin(SHADES - 1, SHADES * part));
     }
-    draw_bar(s, p, (plot_box){box.left, box.bottom + 10, box.right, 0}, lo, hi);
+    draw_bar(s, p, (plot_box){box.left, box.bottom + 10, box.right, 0}, lo * unit.energy, hi * unit.energy);
     sheet_title(s, i, sizeof title, title);
     plot_page_text(s->page, (plot_point){(box.left + box.right) / 2, box.top - 12}, PLOT_CENTRE, type, "#000000", false,
                    title);

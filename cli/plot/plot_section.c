@@ -234,7 +234,7 @@ int plot_section(int argc, char **argv, const plot_options *common)
         cli_wrong("plot section: a single mode has one motion of each energy: its section is a point");
         code = CLI_FAILED;
     }
-    if (!code) code = cli_section_follow(&p.request, 1, &p.from);
+    if (!code) code = cli_section_follow(&p.request, plot_units_of(common, p.from.model).length, &p.from);
     const bool cut = code == CLI_LIMIT || code == CLI_INTERRUPTED;
     if (code == CLI_DONE || code == CLI_LIMIT) {
         p.n_dof = ric_model_n_dof(p.from.model);

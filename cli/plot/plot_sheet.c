@@ -167,7 +167,7 @@ static void draw_hidden(plot_page *page, plot_stroke stroke, int n, const plot_p
         }
 }
 
-static void draw_box(plot_page *page, const slant *v, const sheet_part *p, double lo, double hi)
+static void draw_box(plot_page *page, const slant *v, const plot_options *common, double lo, double hi)
 {
     const plot_point front = project(v, 0, 0, v->lo), right = project(v, 1, 0, v->lo), back = project(v, 1, 1, v->lo),
                      top = project(v, 0, 0, v->hi);
@@ -192,11 +192,10 @@ static void draw_box(plot_page *page, const slant *v, const sheet_part *p, doubl
                    "t / T");
     plot_page_text(page, (plot_point){front.x - 34, (front.y + top.y) / 2}, PLOT_CENTRE, type, "#222222", true,
                    "gap / clearance");
-    snprintf(text, sizeof text, "ω = %.5g", lo);
+    snprintf(text, sizeof text, "%s = %.5g", common->hertz ? "f" : "ω", lo);
     plot_page_text(page, (plot_point){right.x + 8, right.y}, PLOT_LEFT, type, "#222222", false, text);
-    snprintf(text, sizeof text, "ω = %.5g", hi);
+    snprintf(text, sizeof text, "%s = %.5g", common->hertz ? "f" : "ω", hi);
     plot_page_text(page, (plot_point){back.x + 8, back.y}, PLOT_LEFT, type, "#222222", false, text);
-    (void)p;
 }
 
 void sheet_title(const sheet *s, int i, size_t size, char *out)
@@ -238,7 +237,8 @@ static int draw_sheet(sheet *s, const sheet_part *p, plot_box box, double *high,
         draw_hidden(s->page, edge ? PLOT_SHEET + 1 : PLOT_SHEET, SAMPLES + 1, curve, high, low);
     }
     free(curve);
-    draw_box(s->page, &v, p, 2 * pi / p->motions[0].period, 2 * pi / p->motions[p->n - 1].period);
+    const double turn = s->common->hertz ? 1 : 2 * pi;
+    draw_box(s->page, &v, s->common, turn / p->motions[0].period, turn / p->motions[p->n - 1].period);
     sheet_title(s, (int)(p - s->parts), sizeof title, title);
     plot_page_text(s->page, (plot_point){(box.left + box.right) / 2, box.top + 12}, PLOT_CENTRE, type, "#000000", false,
                    title);
@@ -426,9 +426,12 @@ static int draw_columns(sheet *s, int n, const column *columns)
         }
     plot_range_widen(false, 0.04, &lo, &hi);
     const double end = columns[n - 1].way > 0 ? 1.02 * columns[n - 1].way : 1;
-    const plot_panel panel =
+    const plot_units unit = plot_units_of(s->common, ric_atlas_model(s->from.atlas[0]));
+    plot_panel panel =
         {{.from = 82, .to = plot_page_width(s->page) - 24, .lo = 0, .hi = end},
          {.from = 56, .to = plot_page_height(s->page) - 26 - plot_page_head(s->common, NULL), .lo = lo, .hi = hi}};
+    panel.x.unit = s->stretch ? 1 : unit.frequency;
+    panel.y.unit = unit.length;
     for (int i = 0, at = 0; i < s->n; at += s->parts[i++].n) {
         const double x = plot_axis_at(&panel.x, columns[at].way);
         if (i > 0) plot_page_line(s->page, PLOT_NATURAL, 2, (plot_point[]){{x, panel.y.from}, {x, panel.y.to}});
@@ -446,7 +449,9 @@ static int draw_columns(sheet *s, int n, const column *columns)
                     type);
     snprintf(text, sizeof text, "x_{%ld}(k T/%ld),  x_{%ld}(0) = 0", s->dof, s->samples, s->dof);
     plot_panel_frame(s->page, &panel,
-                     s->stretch ? "way along the segments, each of length 1" : "frequency passed on the way (rad/s)",
+                     s->stretch         ? "way along the segments, each of length 1"
+                     : s->common->hertz ? "frequency passed on the way (Hz)"
+                                        : "frequency passed on the way (rad/s)",
                      text);
     plot_page_title(s->page, s->common, NULL);
     return plot_page_write(s->page, s->common);

@@ -178,7 +178,15 @@ refuses() { # ARGUMENTS...: of plot
     [ $? = 2 ] && cat "$folder/message" && [ ! -e "$folder/refused.svg" ]
 }
 ok 'two units of length in one picture are refused' refuses fep "$folder/half.ricochet" "$folder/two.ricochet" --physical
-ok 'a picture without units refuses them' refuses sheet "$folder/half.ricochet" --segment 3 --hz
+ok 'a picture in units of the study refuses them' refuses law "$folder/half.ricochet" --hz
+for picture in "sheet $folder/half.ricochet --segment 3 --orbits 5" "sheet $folder/half.ricochet --segment 3 --orbits 5 --space x1,x2,v2" \
+    "strobe $folder/half.ricochet --segment 3 --orbits 5" "section $folder/half.ricochet --energy 1.25 --starts 4 --impacts 50"; do
+    ok "plot ${picture%% *} has units" draw units $picture --physical --hz
+    ok 'and other numbers with them' sees units <<'END'
+texts = {t[2] for t in p.texts}
+check(not any("rad/s" in t or "ω" in t for t in texts), texts)
+END
+done
 
 # -------------------------------------------------------------------- print
 ok 'letters of 12 points' draw print fep "$folder/two.ricochet" --font 12
