@@ -24,7 +24,7 @@ typedef struct {
 enum { PLOT_N_BRANCH = 9 };
 
 /* Line styles, in drawing order: later ones lie above. A branch is drawn with family + stability (RIC_STABLE_*), its
- * duplicates, dashed, with PLOT_DASHED more. */
+ * duplicates, dashed, with PLOT_DASHED less. */
 typedef enum {
     PLOT_GRID,
     PLOT_NATURAL,
@@ -55,7 +55,7 @@ typedef enum {
     PLOT_LEADER,
     PLOT_N_STROKE,
 } plot_stroke;
-enum { PLOT_DASHED = PLOT_DUPLICATE - PLOT_LINEAR };
+enum { PLOT_DASHED = PLOT_LINEAR - PLOT_DUPLICATE };
 
 typedef enum {
     PLOT_CIRCLE,
@@ -228,9 +228,9 @@ typedef struct {
     double length, energy, frequency;
 } plot_units;
 plot_units plot_units_of(const plot_options *options, const ric_model *model);
-/* E, or H where contacts give way and hold energy themselves; the title of an axis of one or more atlases. */
+/* E, or H where contacts give way and hold energy themselves; the title of an axis of one or more of them. */
 const char *plot_energy_letter(const ric_model *model);
-void plot_energy_title(const plot_options *options, int n, ric_atlas *const *atlases, size_t size, char *out);
+void plot_energy_title(const plot_options *options, int n, const ric_model *const *models, size_t size, char *out);
 const char *plot_frequency_title(const plot_options *options);
 /* E = .., ω = .. */
 void plot_place_text(const plot_options *options, const ric_model *model, double energy, double frequency, size_t size,

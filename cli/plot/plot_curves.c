@@ -82,7 +82,7 @@ static void set_unit(quantity *q, const plot_options *common, const ric_atlas *a
               : q->kind == DISPLACEMENT || q->kind == SPEED || q->kind == APPROACH ? unit.length
                                                                                    : 1;
     if (q->kind == ENERGY)
-        plot_energy_title(common, 1, (ric_atlas *const[]){(ric_atlas *)atlas}, sizeof q->title, q->title);
+        plot_energy_title(common, 1, (const ric_model *const[]){ric_atlas_model(atlas)}, sizeof q->title, q->title);
     if (q->kind == FREQUENCY) snprintf(q->title, sizeof q->title, "%s", plot_frequency_title(common));
 }
 

@@ -373,7 +373,7 @@ static int dashed_entries(const fep *f, unsigned dashed, plot_legend_entry *out)
     int n = 0;
     if (!dashed) return 0;
     if (f->n_source > 1) {
-        out[n++] = (plot_legend_entry){"dashed: duplicate", PLOT_ATLAS + PLOT_DASHED + thick, -1};
+        out[n++] = (plot_legend_entry){"dashed: duplicate", PLOT_ATLAS - PLOT_DASHED + thick, -1};
         return n;
     }
     for (int i = 2; i >= 0; i--)
@@ -526,9 +526,9 @@ static void frame(const fep *f)
     const plot_axis *x = &f->panel->x, *y = &f->panel->y;
     const bool room = y->to - y->from > 300;
     char energy[80], letters[60], frequency[80], knee[40] = "";
-    ric_atlas *atlases[FEP_MAX_ATLAS];
-    for (int i = 0; i < f->n_source; i++) atlases[i] = f->sources[i].atlas;
-    plot_energy_title(o->common, f->n_source, atlases, sizeof letters, letters);
+    const ric_model *models[FEP_MAX_ATLAS];
+    for (int i = 0; i < f->n_source; i++) models[i] = f->sources[i].model;
+    plot_energy_title(o->common, f->n_source, models, sizeof letters, letters);
     if (y->scale == PLOT_SCALE_BROKEN && room)
         snprintf(knee, sizeof knee, ", logarithmic above %.4g", y->knee * y->unit);
     snprintf(energy, sizeof energy, "%s%s", letters,

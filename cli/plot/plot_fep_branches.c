@@ -361,7 +361,7 @@ static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch
         const plot_stroke own = plot_branch_family(s->model, branch),
                           family = f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->tint : own;
         shade_island(f, branch, &t);
-        const unsigned seen = plot_track_draw(f->page, f->panel, family + PLOT_DASHED, &t);
+        const unsigned seen = plot_track_draw(f->page, f->panel, family - PLOT_DASHED, &t);
         f->duplicate[(own - PLOT_LINEAR) / 3] |= seen != 0;
         s->dashed |= seen;
         s->drawn |= seen != 0;

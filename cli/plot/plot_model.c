@@ -201,7 +201,7 @@ static void draw_support(picture *p, int i)
     }
     if (!p->page) return;
     draw_spring(p, from, to, false);
-    draw_ground(p, to, nx ? 2 * s : 26, nx, ny);
+    draw_ground(p, to, nx != 0 ? 2 * s : 26, nx, ny);
     number(p, text, 'k', p->ground[i]);
 }
 

@@ -24,10 +24,10 @@ const char *plot_energy_letter(const ric_model *model)
     return gives_way(model) ? "H" : "E";
 }
 
-void plot_energy_title(const plot_options *options, int n, ric_atlas *const *atlases, size_t size, char *out)
+void plot_energy_title(const plot_options *options, int n, const ric_model *const *models, size_t size, char *out)
 {
     bool some[2] = {false};
-    for (int i = 0; i < n; i++) some[gives_way(ric_atlas_model(atlases[i]))] = true;
+    for (int i = 0; i < n; i++) some[gives_way(models[i])] = true;
     const char *letters = some[0] && some[1] ? "E, H" : some[1] ? "H" : "E";
     if (options->physical) snprintf(out, size, "energy %s, in units of the study", letters);
     else snprintf(out, size, "scaled energy %s", letters);
