@@ -1,6 +1,7 @@
 #include "base/room.h"
 #include "rows_parts.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -198,18 +199,54 @@ static char *junction_label(const ric_junction *row, int number)
     return ric_strdup(text);
 }
 
+static int by_text(const void *p, const void *q)
+{
+    return strcmp(*(const char *const *)p, *(const char *const *)q);
+}
+
+/* Whether the name of a junction is a label of its family: then it is its label, too. */
+static bool is_own_label(const ric_junction *row)
+{
+    const char *first = row->name + strcspn(row->name, "0123456789");
+    const long number = strtol(first, NULL, 10);
+    char *label = number > 0 && number < INT_MAX ? junction_label(row, (int)number) : NULL;
+    const bool own = label && !strcmp(label, row->name);
+    free(label);
+    return own;
+}
+
+/* The label of a junction with the next number that makes no name of `names`, sorted. */
+static char *next_label(const ric_junction *row, int n_name, const char **names, int *number)
+{
+    for (;;) {
+        char *label = junction_label(row, ++*number);
+        if (!label || !bsearch(&label, names, (size_t)n_name, sizeof *names, by_text)) return label;
+        free(label);
+    }
+}
+
 ric_status ric_junction_rows_label(int n, ric_junction_row *marks)
 {
     ric_junction_row **list = ric_malloc((size_t)(n + 1) * sizeof *list);
-    ric_status status = list ? RIC_OK : ric_no_rows();
-    for (int i = 0; i < n && list; i++) list[i] = &marks[i];
-    if (list) qsort(list, (size_t)n, sizeof *list, label_order);
+    const char **names = ric_malloc((size_t)(n + 1) * sizeof *names);
+    ric_status status = list && names ? RIC_OK : ric_no_rows();
+    int n_name = 0;
+    for (int i = 0; i < n && !status; i++) {
+        list[i] = &marks[i];
+        if (*marks[i].record.row.name) names[n_name++] = marks[i].record.row.name;
+    }
+    if (!status) {
+        qsort(list, (size_t)n, sizeof *list, label_order);
+        qsort(names, (size_t)n_name, sizeof *names, by_text);
+    }
     for (int i = 0, number = 0; i < n && !status; i++) {
         ric_junction_record *r = &list[i]->record;
-        number = i > 0 && family_order(&list[i - 1], &list[i]) == 0 ? number + 1 : 1;
-        r->row.label = r->label = junction_label(&r->row, number);
+        if (i > 0 && family_order(&list[i - 1], &list[i]) != 0) number = 0;
+        r->label = is_own_label(&r->row) ? ric_strdup(r->row.name) : next_label(&r->row, n_name, names, &number);
+        r->row.label = r->label;
         if (!r->label) status = ric_no_rows();
     }
+    free(names);
     free(list);
     return status;
 }

@@ -186,8 +186,8 @@ ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ri
     atlas->finished = finished;
     if ((status = bind_branches(g, study, n_sheet, sheets, n_mark, atlas))) goto out;
     status = ric_junction_rows_measure(g, n_mark, marks, &atlas->finished);
-    if (!status) status = ric_junction_rows_label(n_mark, marks);
     if (!status) status = ric_junction_rows_name(study, n_mark, marks);
+    if (!status) status = ric_junction_rows_label(n_mark, marks);
     if (status) goto out;
     for (int i = 0; i < n_mark; i++) atlas->junctions[i] = marks[i].record;
     atlas->n_junction = n_mark;

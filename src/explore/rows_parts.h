@@ -72,7 +72,8 @@ int ric_junction_row_order(const void *p, const void *q);
 /* C_ab of one junction after the other; those that a stop leaves unmeasured have a = b = 0, and then *all is false. */
 ric_status ric_junction_rows_measure(ric_graph *graph, int n, ric_junction_row *marks, bool *all);
 
-/* Labels: within a family junctions are numbered in the order of their ids. */
+/* Labels: within a family junctions are numbered in the order of their ids; one whose name is a label of its family has
+ * that, and no other has a label that is a name. Names come first. */
 ric_status ric_junction_rows_label(int n, ric_junction_row *marks);
 
 /* Names of the study: the nearest junction of the right kind, within what the digits of a printed number leave open. */

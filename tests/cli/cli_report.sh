@@ -64,4 +64,19 @@ ambiguous() {
     said '^names that are labels of other junctions  *[0-9]* ' "$label is junction 1 by name, and the label of junction 2; "
 }
 ok 'a label that the study gives to another junction as a name is said' ambiguous
+
+# What the program writes has none: a label gives way to a name, and a name that is a label of its family is the label.
+one_numbering() {
+    "$ricochet" run examples/elementary/study.yaml -o "$folder/e.ricochet" >/dev/null 2>&1 &&
+        "$ricochet" junctions "$folder/e.ricochet" --json | python3 -c '
+import json, re, sys
+rows = json.load(sys.stdin)
+labels = [r["label"] for r in rows]
+named = {r["name"]: r for r in rows if r["name"]}
+assert len(set(labels)) == len(labels) and "C4_32" in named
+own = [n for n in named if re.fullmatch(r"[CG]\d+_\S+", n)]
+assert len(own) > 10 and all(named[n]["label"] == n for n in own), own
+assert all(named[r["label"]]["id"] == r["id"] for r in rows if r["label"] in named)'
+}
+ok 'no label is the name of another junction' one_numbering
 finish
