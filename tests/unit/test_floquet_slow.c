@@ -115,8 +115,8 @@ static void no_flag_from_the_times_of_a_spring(void **state)
     ric_atlas_free(atlas);
 }
 
-/* A pair of 4.16 beside one of -4e7, a spring and a slow impact: the product in double has seven digits of it, the orbit
- * eight. The exact one is that of a solution in 50 digits. */
+/* A pair of 4.16 beside one of -4e7, a spring and a slow impact: the product in double has seven digits of it, the
+ * orbit eight. The exact one is that of a solution in 50 digits. */
 static void pair_beside_a_large_one(void **state)
 {
     (void)state;
