@@ -1,9 +1,7 @@
 #include "branch_point_gap.h"
 
-#include <stdlib.h>
+#include <math.h>
 #include <string.h>
-
-#include <lapacke.h>
 
 #include "base/room.h"
 
@@ -15,35 +13,21 @@
  * square of the distance from it. */
 double ric_branch_point_gap(ric_shooting *c, const double *u)
 {
-    size_t n = (size_t)c->n_unknown, rows = (size_t)ric_shooting_rows(c);
-    int rank = c->n_unknown - 2, unknowns = c->n_unknown, equations = 0;
-    if (unknowns > RIC_DENSE_MOST) return 0;
-    double *memory = ric_calloc(rows * n + rows * rows + n * n + 3 * rows + 2 * n, sizeof *memory), gap = NAN,
-           moved = 0;
-    if (!memory || rank < 1) goto out;
-    double *J = memory, *U = J + rows * n, *V = U + rows * rows, *r = V + n * n, *s = r + rows, *super = s + rows,
-           *v = super + rows;
-    memcpy(v, u, n * sizeof *v);
+    int n = c->n_unknown, rank = n - 2;
+    double r[ric_shooting_rows(c)], v[n], gap = NAN, moved = 0;
+    ric_singular q;
+    if (n > RIC_DENSE_MOST) return 0;
+    if (rank < 1 || ric_singular_create(c, true, &q)) return NAN;
+    memcpy(v, u, sizeof v);
     for (int i = 0; i <= GAP_STEPS; i++) {
-        equations = ric_shooting_jacobian(c, v, J);
+        if (!ric_singular_factor(&q, v)) goto out;
         ric_shooting_residuals(c, v, r);
-        if (!equations) goto out;
-        if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', equations, unknowns, J, unknowns, s, U, equations, V,
-                                      unknowns, super)))
-            goto out;
-        gap = 0;
-        for (int k = 0; k < equations; k++) {
-            double part = 0;
-            for (int j = 0; j < equations; j++) part += U[j * equations + k] * r[j];
-            if (k >= rank) gap = hypot(gap, part);
-            for (int j = 0; k < rank && j < unknowns; j++) v[j] -= part / s[k] * V[k * unknowns + j];
-        }
+        gap = ric_singular_step(&q, rank, r, v) / c->scale;
     }
-    gap /= c->scale;
-    for (size_t j = 0; j < n; j++) moved = fmax(moved, fabs(v[j] - u[j]));
-    bool singular = rank == 1 || s[rank] < RIC_RANK_GAP * s[rank - 1];
+    for (int j = 0; j < n; j++) moved = fmax(moved, fabs(v[j] - u[j]));
+    bool singular = rank == 1 || q.values[rank] < RIC_RANK_GAP * q.values[rank - 1];
     if (!singular || !(moved < LEFT * c->scale)) gap = NAN;
 out:
-    free(memory);
+    ric_singular_free(&q);
     return gap;
 }

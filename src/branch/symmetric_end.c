@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <lapacke.h>
-
 #include "orbit/room.h"
 #include "base/room.h"
 
@@ -180,18 +178,15 @@ bool ric_symmetric_end_repeats(const ric_continuation *tr, const double *at)
     return result;
 }
 
-/* Under a power law the shortest step to a crossing may leave a singular value above RIC_RANK: how many there are to
- * drop is known. */
-static double cut(const ric_shooting *c, int rows, int columns, const double *J, double *work, double *right)
+/* Singular values that belong to the range. Under a power law the shortest step to a crossing may leave one above
+ * RIC_RANK that does not: how many there are to drop is known. */
+static int range_of(const ric_singular *q)
 {
-    int dropped = c->start == RIC_MIRROR_NONE ? 2 : 1, rank;
-    double values[rows];
-    if (!ric_flight_law_of(c->model)->integrated || rows <= dropped) return RIC_RANK;
-    memcpy(work, J, (size_t)rows * (size_t)columns * sizeof *J);
-    memset(right, 0, (size_t)columns * sizeof *right);
-    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, work, columns, right, 1, values, 0, &rank)))
-        return RIC_RANK;
-    return fmin(1.5 * values[rows - dropped], sqrt(values[rows - dropped] * values[rows - dropped - 1])) / values[0];
+    const ric_shooting *c = q->chain;
+    int rank = ric_singular_rank(q, RIC_RANK), known = q->equations - (c->start == RIC_MIRROR_NONE ? 2 : 1);
+    if (!ric_flight_law_of(c->model)->integrated || known < 1) return rank;
+    double first = q->values[known];
+    return ric_singular_rank(q, fmin(1.5 * first, sqrt(first * q->values[known - 1])) / q->values[0]);
 }
 
 /* Symmetries within `tolerance` beyond those of the form that the cycle of a chain has; takes the cycle over. */
@@ -225,31 +220,21 @@ bool ric_symmetric_end_gains(const ric_shooting *c, const double *u)
  * undetermined. */
 ric_status ric_symmetric_end_settle(ric_shooting *c, double *u)
 {
-    ric_status status = RIC_OK;
-    int columns = c->n_unknown, capacity = ric_shooting_rows(c), m = capacity > columns ? capacity : columns, rank;
-    double *J = ric_calloc((size_t)capacity * (size_t)columns, sizeof *J), *r = ric_calloc((size_t)m, sizeof *r);
-    double *work = ric_calloc((size_t)capacity * (size_t)columns, sizeof *work), values[m], v[m], right[m], moved = 0;
-    if (!J || !r || !work) {
-        status = ric_no_memory("the end of a branch");
-        goto out;
-    }
-    memcpy(v, u, (size_t)columns * sizeof *u);
+    int columns = c->n_unknown;
+    double v[columns], r[ric_shooting_rows(c)], moved = 0;
+    ric_singular q;
+    ric_status status = ric_singular_create(c, true, &q);
+    if (status) return status;
+    memcpy(v, u, sizeof v);
     for (int i = 0; i < SETTLE_STEPS; i++) {
-        int rows = ric_shooting_jacobian(c, v, J);
-        double least = rows ? cut(c, rows, columns, J, work, right) : RIC_RANK;
+        if (!ric_singular_factor(&q, v)) goto out;
         ric_shooting_residuals(c, v, r);
-        if (!rows ||
-            ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, 1, J, columns, r, 1, values, least, &rank)))
-            goto out;
-        for (int j = 0; j < columns; j++) v[j] -= r[j];
+        ric_singular_step(&q, range_of(&q), r, v);
     }
     ric_shooting_fly(c, v);
     for (int j = 0; j < columns; j++) moved = fmax(moved, fabs(v[j] - u[j]));
-    if (ric_continuation_solved(c) && moved <= RIC_SAME_EXTRAPOLATED * c->scale)
-        memcpy(u, v, (size_t)columns * sizeof *u);
+    if (ric_continuation_solved(c) && moved <= RIC_SAME_EXTRAPOLATED * c->scale) memcpy(u, v, sizeof v);
 out:
-    free(J);
-    free(r);
-    free(work);
+    ric_singular_free(&q);
     return status;
 }

@@ -11,25 +11,6 @@
 
 #define RISES 1e-6 /* speed per unit of a kernel vector that counts as none: differences leave 1e-10 */
 
-/* Orthonormal kernel of the dense Jacobian at u: rows of V from *first on, of `size`. */
-static bool find_kernel(ric_shooting *c, const double *u, double *V, int *first)
-{
-    int size = c->n_unknown, rows = ric_shooting_rows(c);
-    double *J = ric_calloc((size_t)rows * (size_t)size, sizeof *J), *s = ric_calloc((size_t)size, sizeof *s),
-           *super = ric_calloc((size_t)size, sizeof *super);
-    bool found = J && s && super;
-    if (found) {
-        int equations = ric_shooting_jacobian(c, u, J), least = equations < size ? equations : size;
-        found = equations > 0 && !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s,
-                                                            NULL, 1, V, size, super));
-        for (*first = 0; found && *first < least && s[*first] > RIC_RANK * s[0];) ++*first;
-    }
-    free(J);
-    free(s);
-    free(super);
-    return found;
-}
-
 /* Change of the speed of every impact along every kernel vector, A [impacts * k]; returns the number of impacts. */
 static int rates_of(ric_shooting *c, const double *u, int k, const double *kernel, double *A)
 {
@@ -97,14 +78,15 @@ static ric_status rising(ric_shooting *c, const double *u, int k, const double *
 
 ric_status ric_mixture_way(ric_shooting *c, const double *u, double *t, int *count)
 {
-    int size = c->n_unknown, first;
-    double *V = ric_calloc((size_t)size * (size_t)size, sizeof *V);
+    ric_singular q;
     *count = 0;
-    memset(t, 0, (size_t)size * sizeof *t);
-    if (!V) return ric_no_memory("a departure");
-    ric_status status = find_kernel(c, u, V, &first)
-                            ? rising(c, u, size - first, V + (size_t)first * (size_t)size, t, count)
-                            : ric_fail(RIC_E_NUMERIC, "the kernel at the grazing could not be found");
-    free(V);
+    memset(t, 0, (size_t)c->n_unknown * sizeof *t);
+    ric_status status = ric_singular_create(c, false, &q);
+    if (status) return status;
+    if (ric_singular_factor(&q, u)) {
+        int k = q.unknowns - ric_singular_rank(&q, RIC_RANK);
+        status = rising(c, u, k, ric_singular_kernel(&q, k), t, count);
+    } else status = ric_fail(RIC_E_NUMERIC, "the kernel at the grazing could not be found");
+    ric_singular_free(&q);
     return status;
 }

@@ -29,14 +29,15 @@ typedef struct {
     int sign; /* of the state after one period of the map: -1 where the map is over half a period of an S
                * orbit */
     double *memory;
-    double *u0;        /* [size] the orbit gone through r times */
-    double *tangent;   /* [size] T, of the branch that is repeated */
-    double *plane;     /* [2 * size] conjugate radii of the ellipse on which the shift is a rotation */
-    double *dual;      /* [2 * size] z_i = dual_i . (u - u0) */
-    double *left;      /* [2 * size] left null vectors that are not the energy's */
-    double *energy;    /* [size] left null vector of the redundant equation */
-    double *J, *A, *b; /* [size^2], [(size + 2)^2], [size + 2] */
-    double M[4];       /* d^2(left . equations) / ds dz */
+    double *u0;      /* [size] the orbit gone through r times */
+    double *tangent; /* [size] T, of the branch that is repeated */
+    double *plane;   /* [2 * size] conjugate radii of the ellipse on which the shift is a rotation */
+    double *dual;    /* [2 * size] z_i = dual_i . (u - u0) */
+    double *left;    /* [2 * size] left null vectors that are not the energy's */
+    double *energy;  /* [size] left null vector of the redundant equation */
+    double *A, *b;   /* [(size + 2)^2], [size + 2] */
+    ric_singular at; /* the orbit problem at u0 */
+    double M[4];     /* d^2(left . equations) / ds dz */
     double radius;
     double angle[2]; /* the two roots of the first sector, in the order of ric_multiplication_depart */
     double *start;   /* [2 * size] orbits there */
@@ -51,6 +52,7 @@ bool ric_multiplication_applies(const ric_node *node, unsigned choice)
 
 static void ring_free(ring *q)
 {
+    ric_singular_free(&q->at);
     ric_shooting_free(q->chain);
     free(q->memory);
 }
@@ -66,12 +68,12 @@ static ric_status ring_create(const ric_model *m, const ric_node *node, ring *q)
     ric_periodic_free(cycle);
     if (status) return status;
     size_t n = (size_t)q->chain->n_unknown, k = n + 2;
-    if ((q->memory = ric_calloc(11 * n + n * n + k * k + k, sizeof *q->memory))) {
+    if ((q->memory = ric_calloc(11 * n + k * k + k, sizeof *q->memory))) {
         double **const parts[] = {&q->u0,     &q->tangent, &q->plane, &q->dual, &q->left,
-                                  &q->energy, &q->start,   &q->J,     &q->A,    &q->b};
-        const size_t sizes[] = {n, n, 2 * n, 2 * n, 2 * n, n, 2 * n, n * n, k * k, k};
+                                  &q->energy, &q->start,   &q->A,     &q->b};
+        const size_t sizes[] = {n, n, 2 * n, 2 * n, 2 * n, n, 2 * n, k * k, k};
         double *next = q->memory;
-        for (int i = 0; i < 10; next += sizes[i++]) *parts[i] = next;
+        for (int i = 0; i < 9; next += sizes[i++]) *parts[i] = next;
         memcpy(q->u0, u, n * sizeof *u);
     } else status = ric_no_memory("a departure");
     q->size = (int)n;
@@ -80,33 +82,6 @@ static ric_status ring_create(const ric_model *m, const ric_node *node, ring *q)
 }
 
 /* -------------------------------------------------------------------- kernel */
-
-/* Kernel of the dense Jacobian at u0, right and left: [3 * size] each, rows. */
-static ric_status kernels(ring *q, double *right, double *left)
-{
-    int n = q->size;
-    double *U = ric_malloc((size_t)n * (size_t)n * sizeof *U), *V = ric_malloc((size_t)n * (size_t)n * sizeof *V), s[n],
-           super[n];
-    bool three = false;
-    ric_shooting_fly(q->chain, q->u0);
-    if (!U || !V || ric_shooting_jacobian(q->chain, q->u0, q->J) != n) {
-        free(U);
-        free(V);
-        return ric_no_memory("a departure");
-    }
-    if (!ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', n, n, q->J, n, s, U, n, V, n, super)))
-        three = n > 3 && s[n - 3] <= RIC_RANK * s[0] && s[n - 3] <= RIC_RANK_GAP * s[n - 4];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < n; j++) {
-            right[i * n + j] = V[(n - 3 + i) * n + j];
-            left[i * n + j] = U[j * n + n - 3 + i];
-        }
-    free(U);
-    free(V);
-    return three ? RIC_OK
-                 : ric_fail(RIC_E_NUMERIC,
-                            "the kernel at a multiplication without mirror points has not three dimensions");
-}
 
 /* shift, below, under a power law: one flight for all periods. What the image has along the flow, to which the kernel
  * is perpendicular at the start, is taken away: inner nodes would show it. */
@@ -235,19 +210,13 @@ static ric_status split(ring *q, const double *kernel)
     return RIC_OK;
 }
 
-/* Of the left kernel [3 * size] the two directions perpendicular to that of the redundant equation, the secant gradient
- * of the energy (section 3), which is w_N + sigma w_0 but for springs. */
+/* Of the left kernel [3 * size] the two directions perpendicular to that of the redundant equation. */
 static void split_left(ring *q, const double *kernel)
 {
-    ric_shooting *c = q->chain;
-    int n = q->size, first = n - 2 * c->n;
-    double h[3], a[3], b[3], from[2 * c->n], sum = 0;
-    memset(q->energy, 0, (size_t)n * sizeof *q->energy);
-    ric_shooting_fly(c, q->u0);
-    for (int i = 0; i < 2 * c->n; i++) from[i] = c->sigma * c->w[i];
-    ric_flight_secant(c->model, c->closed[c->n_flight], from, c->w + 2 * c->n * c->n_flight, q->energy + first);
-    double norm = sqrt(ric_dot(n, q->energy, q->energy));
-    for (int j = 0; j < n; j++) q->energy[j] /= norm;
+    int n = q->size;
+    double h[3], a[3], b[3], sum = 0;
+    ric_shooting_fly(q->chain, q->u0);
+    ric_singular_redundant(&q->at, q->energy);
     for (int i = 0; i < 3; i++) h[i] = ric_dot(n, kernel + i * n, q->energy);
     int least = fabs(h[0]) < fabs(h[1]) ? 0 : 1;
     if (fabs(h[2]) < fabs(h[least])) least = 2;
@@ -265,18 +234,8 @@ static void split_left(ring *q, const double *kernel)
 /* M = d^2(left . equations) / ds dz: how fast the plane turns as the repeated branch is followed. */
 static ric_status twist(ring *q)
 {
-    int n = q->size;
-    double h = RIC_DIFFERENCE * q->chain->scale, u[n], row[n];
-    memset(q->M, 0, sizeof q->M);
-    for (int side = -1; side <= 1; side += 2) {
-        for (int i = 0; i < n; i++) u[i] = q->u0[i] + side * h * q->tangent[i];
-        ric_shooting_fly(q->chain, u);
-        if (ric_shooting_jacobian(q->chain, u, q->J) != n) return ric_no_memory("a departure");
-        for (int j = 0; j < 2; j++) {
-            for (int i = 0; i < n; i++) row[i] = ric_dot(n, q->J + i * n, q->plane + j * n);
-            for (int i = 0; i < 2; i++) q->M[2 * i + j] += side * ric_dot(n, q->left + i * n, row) / (2 * h);
-        }
-    }
+    if (!ric_singular_bend(&q->at, q->u0, q->tangent, 2, q->left, 2, q->plane, q->M))
+        return ric_no_memory("a departure");
     double size = ric_dot(4, q->M, q->M);
     if (fabs(q->M[0] * q->M[3] - q->M[1] * q->M[2]) > RIC_RANK * size) return RIC_OK;
     return ric_fail(RIC_E_NUMERIC, "the rotation number does not pass the multiplication, it turns round there");
@@ -317,12 +276,12 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
     *g = 0;
     for (int i = 0; i < NEWTON_STEPS; i++) {
         ric_shooting_fly(c, u);
-        if (ric_shooting_jacobian(c, u, q->J) != n) return false;
+        if (ric_shooting_jacobian(c, u, q->at.J) != n) return false;
         ric_shooting_residuals(c, u, q->b);
         memset(q->A, 0, (size_t)k * (size_t)k * sizeof *q->A);
         double size = 0;
         for (int j = 0; j < n; j++) {
-            memcpy(q->A + j * k, q->J + j * n, (size_t)n * sizeof *q->J);
+            memcpy(q->A + j * k, q->at.J + j * n, (size_t)n * sizeof *q->at.J);
             q->A[j * k + n] = q->energy[j];
             q->A[j * k + n + 1] = e[j];
             q->b[j] += energy * q->energy[j] + *g * e[j];
@@ -470,20 +429,29 @@ static bool primitive(ring *q, const double *u)
     return result;
 }
 
+/* The kernel, right and left, of the orbit gone through r times, taken apart. */
+static ric_status open_kernel(ring *q)
+{
+    ric_status status = ric_singular_create(q->chain, true, &q->at);
+    if (status) return status;
+    ric_shooting_fly(q->chain, q->u0);
+    if (!ric_singular_factor(&q->at, q->u0) || q->at.equations != q->size || !ric_singular_opens(&q->at, 3))
+        return ric_fail(RIC_E_NUMERIC, "the kernel at a multiplication without mirror points has not three dimensions");
+    double left[3 * q->size];
+    ric_singular_cokernel(&q->at, 3, left);
+    if ((status = split(q, ric_singular_kernel(&q->at, 3)))) return status;
+    split_left(q, left);
+    return twist(q);
+}
+
 /* Everything above. */
 static ric_status solve(const ric_model *m, const ric_node *node, ring *q)
 {
-    double slope[2], *kernel = NULL;
+    double slope[2];
     ric_status status = ring_create(m, node, q);
+    if (!status) status = open_kernel(q);
+    if (!status) status = choose_radius(q, slope);
     if (status) goto out;
-    if (!(kernel = ric_malloc(6 * (size_t)q->size * sizeof *kernel))) {
-        status = ric_no_memory("a departure");
-        goto out;
-    }
-    if ((status = kernels(q, kernel, kernel + 3 * q->size)) || (status = split(q, kernel))) goto out;
-    split_left(q, kernel + 3 * q->size);
-    if ((status = twist(q))) goto out;
-    if ((status = choose_radius(q, slope))) goto out;
     sort_roots(q, slope);
     for (int i = 0; i < 2; i++)
         if (!primitive(q, q->start + i * q->size))
@@ -491,7 +459,6 @@ static ric_status solve(const ric_model *m, const ric_node *node, ring *q)
                               "what was found beside a multiplication of order %d is an orbit of fewer periods",
                               q->order);
 out:
-    free(kernel);
     if (status) ring_free(q);
     return status;
 }

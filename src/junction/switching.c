@@ -3,8 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <lapacke.h>
-
 #include "corner.h"
 #include "branch_point.h"
 #include "mixture_way.h"
@@ -170,24 +168,11 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
  * that of a flight time, hundreds in stiff structures: regular ones may be 1e-8 of it, and what counts is the gap. */
 static bool dense_plane(ric_shooting *c, const double *u, double *kernel)
 {
-    int size = c->n_unknown, rows = ric_shooting_rows(c), k = rows < size ? rows : size;
-    double *J = ric_calloc((size_t)rows * (size_t)size, sizeof *J), *s = ric_calloc((size_t)k, sizeof *s),
-           *super = ric_calloc((size_t)k, sizeof *super);
-    double *V = ric_calloc((size_t)size * (size_t)size, sizeof *V);
-    bool found = false;
-    if (J && s && super && V) {
-        int equations = ric_shooting_jacobian(c, u, J);
-        if (!ric_lapack(
-                LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', equations, size, J, size, s, NULL, 1, V, size, super))) {
-            double second = size - 2 < equations ? s[size - 2] : 0;
-            found = size > 2 && second <= RIC_RANK * s[0] && second <= RIC_RANK_GAP * s[size - 3];
-            memcpy(kernel, V + (size_t)(size - 2) * (size_t)size, 2 * (size_t)size * sizeof *V);
-        }
-    }
-    free(J);
-    free(s);
-    free(super);
-    free(V);
+    ric_singular q;
+    if (ric_singular_create(c, false, &q)) return false;
+    bool found = ric_singular_factor(&q, u) && ric_singular_opens(&q, 2);
+    if (found) memcpy(kernel, ric_singular_kernel(&q, 2), 2 * (size_t)q.unknowns * sizeof *kernel);
+    ric_singular_free(&q);
     return found;
 }
 
@@ -221,7 +206,7 @@ static ric_status neighbour(const ric_model *m, ric_shooting *form, const double
 static ric_status side_direction(ric_shooting *c, const double *u0, const double *before, const double *after,
                                  double *t0)
 {
-    int size = c->n_unknown, largest = 0;
+    int size = c->n_unknown;
     double kernel[2 * size], p = 0, q = 0;
     ric_shooting_fly(c, u0);
     if (!plane(c, u0, kernel)) return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
@@ -230,10 +215,7 @@ static ric_status side_direction(ric_shooting *c, const double *u0, const double
         q += kernel[size + i] * (after[i] - before[i]);
     }
     for (int i = 0; i < size; i++) t0[i] = (q * kernel[i] - p * kernel[size + i]) / hypot(p, q);
-    for (int i = 1; i < size; i++)
-        if (fabs(t0[i]) > fabs(t0[largest]) * (1 + RIC_TIE_IN_KERNEL)) largest = i;
-    if (t0[largest] < 0)
-        for (int i = 0; i < size; i++) t0[i] = -t0[i];
+    ric_singular_orient(size, t0);
     return RIC_OK;
 }
 

@@ -7,6 +7,7 @@
 #include "reach.h"
 #include "shooting.h"
 #include "shooting_nodes.h"
+#include "singular.h"
 #include "turn.h"
 
 #endif

@@ -333,16 +333,23 @@ static inline __attribute__((always_inline)) double carry(ric_shooting *c, int n
     return rho;
 }
 
+void ric_shooting_mean_gradient(const ric_shooting *c, double *h)
+{
+    int n = c->n;
+    double from[2 * n];
+    memcpy(from, c->w, sizeof from);
+    for (int i = 0; i < 2 * n; i++) from[i] *= c->sigma;
+    ric_flight_secant(c->model, c->closed[c->n_flight], from, c->w + 2 * n * c->n_flight, h);
+}
+
 /* Rows of the end conditions gathered at the top of X (2n - 1, n or n - 1 of them); the residual goes into the
  * inhomogeneous column. */
 static double end_rows_general(ric_shooting *c, int columns)
 {
     int n = c->n, ld = c->ld;
     const double *wN = c->w + 2 * n * c->n_flight;
-    double *X = c->X, h[2 * n], from[2 * n], sum = 0;
-    memcpy(from, c->w, sizeof from);
-    for (int r = 0; r < 2 * n; r++) from[r] *= c->sigma;
-    ric_flight_secant(c->model, c->closed[c->n_flight], from, wN, h);
+    double *X = c->X, h[2 * n], sum = 0;
+    ric_shooting_mean_gradient(c, h);
     for (int r = 0; r < 2 * n; r++) {
         double *x = X + r * ld, *x0 = X + (2 * n + r) * ld;
         for (int j = 0; j < columns; j++) x[j] -= c->sigma * x0[j];

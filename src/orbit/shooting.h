@@ -132,6 +132,10 @@ double ric_shooting_time(const ric_shooting *chain, const double *u);
 double ric_shooting_energy(const ric_shooting *chain);
 double ric_shooting_energy_slope(const ric_shooting *chain, const double *du);
 
+/* General form, after a flight: the mean gradient of the energy between both ends of the closure, h [2n]. E(w_N) =
+ * E(w_0) holds for any unknowns, so that the closure is perpendicular to it. */
+void ric_shooting_mean_gradient(const ric_shooting *chain, double *h);
+
 /* Dense Jacobian of all residuals [n_equation * n_unknown] by propagating one unknown at a time: for tests and
  * junctions only. In the general form the 2n closure rows are unprojected. Returns the number of equations. */
 int ric_shooting_jacobian(ric_shooting *chain, const double *u, double *J);
