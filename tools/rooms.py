@@ -6,7 +6,9 @@
 - rooms include each other in a circle, or files of one room do, by their headers;
 - a function that leaves its file does not carry the first word of the file's name;
 - a file asks which law a contact has that is neither of the ground (model, study, flow), nor of the second way (check, hunt);
-- a number such as 1e-9 stands in a formula: it has a name, a reason, and its place, src/base/tolerances.h or the top of a file.
+- a number such as 1e-9 stands in a formula: it has a name, a reason, and its place, src/base/tolerances.h or the top of a file;
+- a function has more than 60 lines, half of them more than 11 or one in ten 30, or one takes more than 6 parameters that is not
+  named in tools/rooms.parameters.
 """
 import pathlib
 import re
@@ -123,6 +125,36 @@ def check_numbers():
     return wrong
 
 
+def bodies(path):
+    """Name, lines and parameters of the functions of a file, as clang-format leaves them."""
+    lines, out = path.read_text().splitlines(), []
+    for first in (i for i, line in enumerate(lines) if line == "{"):
+        begin = first
+        while begin > 0 and lines[begin - 1] and not lines[begin - 1].startswith(("#", "/*", " *", "}")):
+            begin -= 1
+        found = re.search(r"(\w+)\((.*)\)\s*$", re.sub(r"__attribute__\(\(.*?\)\)", "", " ".join(lines[begin:first])))
+        if not found:
+            continue
+        last = next(i for i in range(first, len(lines)) if lines[i].startswith("}"))
+        flat = re.sub(r"\([^()]*\)", "", found[2])
+        count = 0 if flat.strip() in ("", "void") else flat.count(",") + 1
+        out.append((f"{path.parent.name}/{path.name} {found[1]}", last - begin + 1, count))
+    return out
+
+
+def check_functions():
+    known = set((ROOT / "tools/rooms.parameters").read_text().split("\n")) - {""}
+    found = [f for path in sorted(SOURCES.glob("*/*.c")) for f in bodies(path)]
+    lengths = sorted(lines for _, lines, _ in found)
+    wrong = [f"{name} has {lines} lines" for name, lines, _ in found if lines > 60]
+    if lengths[len(lengths) // 2] > 11 or lengths[len(lengths) * 9 // 10] >= 30:
+        wrong.append(f"half of the functions have more than {lengths[len(lengths) // 2] - 1} lines, one in ten "
+                     f"{lengths[len(lengths) * 9 // 10]}")
+    many = {name for name, _, count in found if count > 6}
+    return wrong + [f"{name} takes more than 6 parameters" for name in sorted(many - known)] + [
+        f"{name} of tools/rooms.parameters does not, or is gone" for name in sorted(known - many)]
+
+
 def main():
     rooms, failed = rooms_of_map(), 0
     checks = [("every source lies in a room of docs/map.md", check_files(rooms)),
@@ -130,7 +162,8 @@ def main():
               ("no headers include each other in a circle", check_circles()),
               ("functions carry the name of their file", check_prefixes()),
               ("only the ground asks which law a contact has", check_laws()),
-              ("numbers of a tolerance have names", check_numbers())]
+              ("numbers of a tolerance have names", check_numbers()),
+              ("functions fit a screen and take few parameters", check_functions())]
     print(f"1..{len(checks)}")
     for number, (text, wrong) in enumerate(checks, 1):
         print(f"{'not ok' if wrong else 'ok'} {number} - {text}")

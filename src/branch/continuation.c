@@ -434,6 +434,21 @@ ric_status ric_continuation_equip(ric_continuation *tr)
     return ric_floquet_create(tr->chain->n, &tr->floquet);
 }
 
+/* The length of the first step from a start; `length` of the caller's direction where that is singular. */
+static double first_step(const ric_continuation *tr, bool regular, double length)
+{
+    const ric_shooting *c = tr->chain;
+    double step = regular                           ? fmin(FIRST_STEP * c->scale, tr->step_max)
+                  : tr->ignore & RIC_SINGULAR_START ? length
+                                                    : RIC_LEAVING * c->scale;
+    /* where contacts of springs begin the first step goes without dE/ds and dT/ds, which vanish at its start: it stays
+     * short of the extrema that follow at the inverse of the stiffness, the square of the frequency
+     * (theory section 10) */
+    if (c->fastest > 0 && tr->ignore & 1u << RIC_TEST_REACH)
+        step = fmin(step, SOFT_STEP / (1 + c->fastest * c->fastest) * c->scale);
+    return step;
+}
+
 ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const double *t0, unsigned ignore,
                                    const ric_limits *limits, ric_continuation **out)
 {
@@ -481,14 +496,7 @@ ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const 
     memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
     tr->longest = HUGE_VAL;
     tr->step_max = limits->max_step * chain->scale;
-    tr->step = regular                       ? fmin(FIRST_STEP * chain->scale, tr->step_max)
-               : ignore & RIC_SINGULAR_START ? norm
-                                             : RIC_LEAVING * chain->scale;
-    /* where contacts of springs begin the first step goes without dE/ds and dT/ds, which vanish at its start: it stays
-     * short of the extrema that follow at the inverse of the stiffness, the square of the frequency
-     * (theory section 10) */
-    if (chain->fastest > 0 && ignore & 1u << RIC_TEST_REACH)
-        tr->step = fmin(tr->step, SOFT_STEP / (1 + chain->fastest * chain->fastest) * chain->scale);
+    tr->step = first_step(tr, regular, norm);
     bool still = ric_continuation_approach(chain, false) < rounding(chain) * chain->scale;
     if ((status = ric_continuation_keep(tr, &tr->now))) goto out;
     /* where impacts without speed drive no motion across the orbit their saltation is 0/0, and any trace would do */
@@ -625,31 +633,63 @@ const char *ric_continuation_why_text(ric_why why)
     return text[why];
 }
 
+/* What is known of a step before it is taken: a tongue that is stepped over, branches of several periods ahead. *over:
+ * there is no step to take. */
+static ric_status look_ahead(ric_continuation *tr, double *h, bool *over, bool *done)
+{
+    int order;
+    ric_status status = ric_leap_try(tr, over);
+    if (status || *over) return status;
+    tr->longest = HUGE_VAL;
+    if ((status = ric_multiple_cover_ahead(tr, h, &order, &tr->mid))) return status;
+    *h = before_crossing(tr, *h);
+    if (order > 3) {
+        *over = *done = true;
+        return ric_event_arrive(tr, &tr->mid);
+    }
+    if (order < 3) return RIC_OK;
+    /* there the branch passes, and the determinant touches zero */
+    status = ric_event_keep(tr, RIC_TEST_DET, &tr->mid);
+    if (!status) tr->ignore |= 1u << RIC_TEST_DET;
+    return status;
+}
+
+static ric_status stop_with(ric_continuation *tr, ric_stop stop, ric_why why, bool *done)
+{
+    tr->stop = stop;
+    tr->why = why;
+    *done = true;
+    return RIC_OK;
+}
+
+/* The step from `now` to `next` has been taken: what it leaves for the one after it. */
+static ric_status move_on(ric_continuation *tr, bool *done)
+{
+    for (int i = 0; i < RIC_N_TEST; i++)
+        if (tr->next.test[i] != 0) tr->definite[i] = tr->next.test[i];
+    if (!tr->limits->ghost && !margins_hold(&tr->next, tr->ignore))
+        return ric_fail(
+            RIC_E_NUMERIC,
+            "the branch is not admissible beside its start: margins %.3g in flight, %.3g in speed, %.3g in time",
+            tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
+    ric_status status = ric_leap_leave(tr, done);
+    if (status || *done) return status;
+    tr->ignore = 0;
+    tr->approaches = 0;
+    if (fabs(tr->next.test[RIC_TEST_DET]) > fabs(tr->now.test[RIC_TEST_DET])) tr->avoided = false;
+    ric_event_samples_shift(tr);
+    swap_stations(tr);
+    return ric_continuation_keep(tr, &tr->now);
+}
+
 ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
 {
     ric_status status = RIC_OK;
     double h = tr->step, size = tr->chain->scale;
     *done = false;
-    if (tr->n_point >= tr->limits->max_points) {
-        tr->stop = RIC_STOP_BUDGET;
-        tr->why = RIC_WHY_POINTS;
-        *done = true;
-        return RIC_OK;
-    }
-    int order;
+    if (tr->n_point >= tr->limits->max_points) return stop_with(tr, RIC_STOP_BUDGET, RIC_WHY_POINTS, done);
     bool over;
-    if ((status = ric_leap_try(tr, &over)) || over) return status;
-    tr->longest = HUGE_VAL;
-    if ((status = ric_multiple_cover_ahead(tr, &h, &order, &tr->mid))) return status;
-    h = before_crossing(tr, h);
-    if (order > 3) {
-        *done = true;
-        return ric_event_arrive(tr, &tr->mid);
-    }
-    if (order == 3) { /* there the branch passes, and the determinant touches zero */
-        if ((status = ric_event_keep(tr, RIC_TEST_DET, &tr->mid))) return status;
-        tr->ignore |= 1u << RIC_TEST_DET;
-    }
+    if ((status = look_ahead(tr, &h, &over, done)) || over) return status;
     for (;;) {
         ric_course way = {0};
         bool good = ric_continuation_reach(tr, h, &way);
@@ -682,27 +722,9 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
             }
         }
         h *= solved ? 0.5 : 0.25;
-        if (h < SMALLEST_STEP * size) {
-            tr->stop = RIC_STOP_FAILED;
-            tr->why = RIC_WHY_NO_STEP;
-            *done = true;
-            return RIC_OK;
-        }
+        if (h < SMALLEST_STEP * size) return stop_with(tr, RIC_STOP_FAILED, RIC_WHY_NO_STEP, done);
     }
-    for (int i = 0; i < RIC_N_TEST; i++)
-        if (tr->next.test[i] != 0) tr->definite[i] = tr->next.test[i];
-    if (!tr->limits->ghost && !margins_hold(&tr->next, tr->ignore))
-        return ric_fail(
-            RIC_E_NUMERIC,
-            "the branch is not admissible beside its start: margins %.3g in flight, %.3g in speed, %.3g in time",
-            tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
-    if ((status = ric_leap_leave(tr, done)) || *done) return status;
-    tr->ignore = 0;
-    tr->approaches = 0;
-    if (fabs(tr->next.test[RIC_TEST_DET]) > fabs(tr->now.test[RIC_TEST_DET])) tr->avoided = false;
-    ric_event_samples_shift(tr);
-    swap_stations(tr);
-    return ric_continuation_keep(tr, &tr->now);
+    return move_on(tr, done);
 }
 
 ric_status ric_continuation_run(ric_continuation *tr)
