@@ -564,6 +564,17 @@ typedef struct {
 ric_status ric_force_solve(const ric_force *force, const ric_orbit *orbit, int harmonic, double level, double phase,
                            ric_forced *out, double *state, double *flights, double *multipliers);
 
+/* Motion under damping and a harmonic force, from the raw matrices in extended precision, by code that shares nothing
+ * with the solver. The force is level f cos(omega t + phase) from the start, time 0, on; omega in rad/s. */
+typedef struct ric_shaken ric_shaken;
+ric_status ric_shaken_create(const ric_model *model, const ric_shaking *shaking, double omega, double level,
+                             ric_shaken **out);
+void ric_shaken_free(ric_shaken *shaken);
+ric_status ric_shaken_start(ric_shaken *shaken, const double *x, const double *v, double phase);
+/* To time t or the next impact (*hit), whichever comes first, as ric_simulator_advance. */
+ric_status ric_shaken_advance(ric_shaken *shaken, double t, bool *hit, ric_impact *impact);
+void ric_shaken_state(const ric_shaken *shaken, double *time, double *x, double *v);
+
 /* ---------------------------------------------------------------- response */
 
 /* Curves of exact forced orbits along the frequency of the force, its level or the restitution (docs/forcing.md). */
@@ -653,6 +664,15 @@ int ric_response_n_event(const ric_response *response);
 ric_status ric_response_curve_at(const ric_response *response, int id, ric_response_curve *out);
 ric_status ric_response_point_at(const ric_response *response, int curve, int i, ric_response_point *out);
 ric_status ric_response_event_at(const ric_response *response, int id, ric_response_event *out);
+
+/* An orbit of a curve replayed by the simulation above. */
+typedef struct {
+    double flight_error, return_error; /* relative to the period, and to the state */
+    double multiplier_error; /* of the largest, from differences, relative to 1 + it; NaN: they meet other events */
+    bool faces_agree;        /* the events are those of the word */
+    bool passed;
+} ric_response_checked;
+ric_status ric_response_check_point(const ric_response *response, int curve, int i, ric_response_checked *out);
 
 /* ------------------------------------------------------- ghosts on request */
 

@@ -303,6 +303,7 @@ static int run(int argc, char **argv)
         return CLI_WRONG;
     if (!(a.seconds > 0)) return cli_wrong("verify: --seconds: %s is no time; give a number above 0", seconds_text);
     if (point_text && !text) return cli_wrong("verify: --point needs --branch ID, whose points it counts");
+    if (ric_response_is(argv[1])) return cli_verify_response(argv[1], a.all, quiet, format);
     ric_status status = ric_atlas_read(argv[1], &atlas);
     a.atlas = atlas;
     if (!status && branch) status = add_branch(&a, (int)branch, point);
@@ -326,7 +327,9 @@ static const cli_item items[] = {
     {.text = "Replays the first, the middle and the last point of every branch and five more with a simulator that "
              "knows only the masses, the stiffnesses, the stops and the stored state, and finds every impact "
              "itself. What is stored with the orbit is computed anew. Rows of branches and junctions are compared "
-             "with their points and orbits: one row for each, kind branch or junction."},
+             "with their points and orbits: one row for each, kind branch or junction. Given a file of `ricochet "
+             "response`, replays orbits of its curves under damping and force, and their largest multiplier from "
+             "differences."},
     {.name = "flight_error", .text = "largest relative error of the time and the end of a flight; at most 1e-11"},
     {.name = "return_error",
      .text = "relative distance from the start after one period; at most 1e-9 max(1, 1e-7 condition); none at a "

@@ -213,6 +213,8 @@ ric_status cli_windows_rows(const ric_study *study, json_t *rows);
 ric_status cli_windows_tell(const ric_atlas *atlas);
 /* Junctions whose label, C_ab, a stopped run has not measured yet. */
 int cli_unmeasured(const ric_atlas *atlas);
+/* verify_response.c; returns an exit code. */
+int cli_verify_response(const char *path, bool all, bool quiet, cli_format format);
 /* Proves the orbits of an atlas and keeps the proofs in it; the counts go to `out`, NULL: nowhere. An exit code. */
 int cli_prove_atlas(const char *path, int workers, FILE *out);
 /* What one row of a command holds, d the unit of lengths. They belong to cmd_branches.c, cmd_junctions.c, cmd_bases.c,

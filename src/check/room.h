@@ -2,6 +2,7 @@
 #ifndef RIC_CHECK_ROOM_H
 #define RIC_CHECK_ROOM_H
 
+#include "shaken.h"
 #include "simulator.h"
 
 #endif

@@ -96,6 +96,17 @@ ok "nothing is written by what is refused" test ! -e "$folder/n"
 ok "a window with no orbit" ends 1 "no forced orbit" "$atlas" --force 1,0 --damping 0.01 --omega 1,1.1 --level 0.0001 --branch 3 -o "$folder/none"
 head -c 9000 "$folder/a" >"$folder/broken"
 ok "a file that was cut" ends 1 "not a response" "$folder/broken"
+ok "another program confirms the orbits" "$ricochet" verify "$folder/a" --quiet
+python3 - "$folder" <<'END'
+import sqlite3, struct, sys
+c = sqlite3.connect(sys.argv[1] + "/c")
+curve, i, numbers = c.execute("SELECT curve, i, numbers FROM point WHERE curve = 3 AND i = 0").fetchone()
+x = list(struct.unpack("<%dd" % (len(numbers) // 8), numbers))
+x[2] += 1e-7
+c.execute("UPDATE point SET numbers = ? WHERE curve = ? AND i = ?", (struct.pack("<%dd" % len(x), *x), curve, i))
+c.commit()
+END
+ok "and not one that was changed" bash -c "'$ricochet' verify '$folder/c' --quiet 2>'$folder/err'; test \$? = 1 && grep -q '1 of .* are not confirmed' '$folder/err'"
 ok "a picture" "$ricochet" plot response "$folder/a" --output x2 -o "$folder/a.svg"
 ok "says what it shows" bash -c "grep -q grazing '$folder/a.svg' && grep -q 'with impacts, stable' '$folder/a.svg'"
 ok "no displacement" bash -c "! '$ricochet' plot response '$folder/a' --output x3 -o '$folder/b.svg' 2>/dev/null && ! test -e '$folder/b.svg'"

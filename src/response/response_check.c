@@ -1,0 +1,136 @@
+/* Replays orbits of a response with the simulator, which knows nothing of how they were found. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/room.h"
+#include "check/room.h"
+#include "response.h"
+
+/* What a replay may be off by, relative to the state, for each unit of growth: the digits of what is stored. */
+#define REPLAYED 1e-11
+/* Multipliers from differences, relative to 1 + the largest. */
+#define DIFFERENCED 1e-5
+/* Half step of the differences, relative to 1 + the state: small against slow impacts, large against the rounding of 80
+ * bits. */
+#define MOVED 1e-10
+#define LATE 1e-6 /* of the period: the last event may come so late */
+
+typedef struct {
+    const ric_response_curve *curve;
+    const ric_response_point *p;
+    int n, faces;
+    ric_shaken *sim;
+} replay;
+
+static int face_of(const replay *r, int k)
+{
+    return r->curve->letters ? r->curve->word[k % r->curve->letters] % r->faces : -1;
+}
+
+/* From its state through one period: how far it returns, and its events. */
+static ric_status once_round(replay *r, ric_response_checked *out)
+{
+    const double *x = r->p->state, end = r->p->period * (1 + LATE);
+    double now[2 * r->n], size = 1, due = 0, time;
+    ric_status status = ric_shaken_start(r->sim, x, x + r->n, r->p->phase);
+    if (status) return status;
+    ric_shaken_close(r->sim, face_of(r, 0));
+    out->faces_agree = true;
+    for (int k = 0; k < r->curve->letters && out->faces_agree; k++) {
+        bool hit;
+        ric_impact impact;
+        if ((status = ric_shaken_advance(r->sim, end, &hit, &impact))) return status;
+        due += r->p->flights[k];
+        out->faces_agree = hit && impact.face == face_of(r, k + 1);
+        if (hit) out->flight_error = fmax(out->flight_error, fabs(impact.time - due) / r->p->period);
+    }
+    bool hit = false;
+    ric_impact impact;
+    if (!r->curve->letters) status = ric_shaken_advance(r->sim, r->p->period, &hit, &impact);
+    out->faces_agree = out->faces_agree && !(hit && !r->curve->letters);
+    ric_shaken_state(r->sim, &time, now, now + r->n);
+    for (int i = 0; i < 2 * r->n; i++) size = fmax(size, 1 + fabs(x[i]));
+    for (int i = 0; i < 2 * r->n; i++) out->return_error = fmax(out->return_error, fabs(now[i] - x[i]) / size);
+    return status;
+}
+
+/* Through a period from a state at the phase after `begin`; false: other events than the word has. */
+static bool map(replay *r, const ric_real *y, const bool *closed, double begin, ric_real *out)
+{
+    const double omega = r->p->omega;
+    int count = 0;
+    bool hit = true;
+    if (ric_shaken_start_long(r->sim, y, (ric_real)r->p->phase + (ric_real)omega * begin)) return false;
+    ric_shaken_set(r->sim, closed);
+    while (hit) {
+        ric_impact impact;
+        if (ric_shaken_advance(r->sim, r->p->period, &hit, &impact)) return false;
+        count += hit;
+    }
+    ric_shaken_state_long(r->sim, NULL, out);
+    return count == r->curve->letters;
+}
+
+/* The largest multiplier from differences of the map that starts in the middle of the first flight. */
+static ric_status multipliers(replay *r, ric_response_checked *out)
+{
+    const int size = 2 * r->n;
+    const double begin = r->p->flights[0] / 3;
+    ric_real y[size], side[2][size];
+    double size_of = 1, mu[2 * size], *X = ric_calloc((size_t)size * (size_t)size, sizeof *X);
+    bool closed[r->faces + 1], hit, done = X;
+    ric_impact impact;
+    if (!X) return ric_no_memory("a replay");
+    ric_status status = ric_shaken_start(r->sim, r->p->state, r->p->state + r->n, r->p->phase);
+    if (!status) ric_shaken_close(r->sim, face_of(r, 0));
+    if (!status) status = ric_shaken_advance(r->sim, begin, &hit, &impact);
+    if (!status) ric_shaken_state_long(r->sim, NULL, y);
+    if (!status) ric_shaken_closed(r->sim, closed);
+    for (int i = 0; i < size; i++) size_of = fmax(size_of, 1 + fabs((double)y[i]));
+    const ric_real move = MOVED * size_of;
+    for (int j = 0; j < size && !status && done; j++) {
+        for (int k = 0; k < 2 && done; k++) {
+            ric_real from[size];
+            memcpy(from, y, sizeof from);
+            from[j] += k ? move : -move;
+            done = map(r, from, closed, begin, side[k]);
+        }
+        for (int i = 0; i < size; i++) X[i * size + j] = (double)((side[1][i] - side[0][i]) / (2 * move));
+    }
+    if (!status && done && ric_eigen(size, X, mu)) {
+        double largest = 0;
+        for (int i = 0; i < size; i++) largest = fmax(largest, hypot(mu[2 * i], mu[2 * i + 1]));
+        out->multiplier_error = fabs(largest - r->p->largest) / (1 + r->p->largest);
+    }
+    free(X);
+    return status;
+}
+
+static ric_status check(const ric_response *r, const ric_response_curve *c, const ric_response_point *p,
+                        ric_response_checked *out)
+{
+    ric_shaking shaking = r->asked.shaking;
+    shaking.restitution = p->restitution;
+    replay now = {c, p, ric_model_n_dof(r->model), ric_model_n_face(r->model), NULL};
+    *out = (ric_response_checked){.multiplier_error = NAN};
+    ric_status status = ric_shaken_create(r->model, &shaking, p->omega, p->level, &now.sim);
+    if (!status) status = once_round(&now, out);
+    if (!status && isfinite(p->largest)) status = multipliers(&now, out);
+    ric_shaken_free(now.sim);
+    /* What stays in contact is no orbit, and is an answer of the replay. */
+    if (status == RIC_E_RANGE || status == RIC_E_NUMERIC) status = RIC_OK, out->faces_agree = false;
+    const double growth = 1 + (isfinite(p->largest) ? p->largest : 0);
+    out->passed = out->faces_agree && out->flight_error < REPLAYED * growth && out->return_error < REPLAYED * growth &&
+                  !(out->multiplier_error > DIFFERENCED);
+    return status;
+}
+
+ric_status ric_response_check_point(const ric_response *r, int curve, int i, ric_response_checked *out)
+{
+    ric_response_curve c;
+    ric_response_point p;
+    ric_status status = ric_response_curve_at(r, curve, &c);
+    if (!status) status = ric_response_point_at(r, curve, i, &p);
+    return status ? status : check(r, &c, &p, out);
+}
