@@ -122,6 +122,7 @@ picture: setup-tests build
 
 bench: build
 	@$(BUILD)/ricochet-bench
+	@if [ -x $(BUILD)/ricochet-bench-forced ]; then $(BUILD)/ricochet-bench-forced -o $(BUILD)/bench-forced.txt; fi
 
 sanitize: setup-tests $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet

@@ -520,6 +520,8 @@ typedef struct {
 /* RIC_E_INPUT with what is wrong; what is given is copied, the atlas is borrowed. */
 ric_status ric_force_create(const ric_atlas *atlas, const ric_shaking *shaking, ric_force **out);
 void ric_force_free(ric_force *force);
+/* What a simulation can take: a force may be missing, and nothing lost; restitution 0 is a number, too. */
+ric_status ric_force_check(const ric_model *model, const ric_shaking *shaking);
 
 typedef struct {
     double energy, frequency;          /* of the orbit */

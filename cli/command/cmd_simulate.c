@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/cli.h"
+#include "common/shaking.h"
 
 enum {
     STEPS = 200,
@@ -15,6 +15,10 @@ enum {
 typedef struct {
     ric_study *study;
     ric_simulator *sim;
+    ric_shaken *shaken; /* instead of it, under damping and force */
+    cli_shaking shaking;
+    bool is_shaken;
+    double omega, level, phase;
     int n;
     long steps, struck;
     double end, length; /* length: 1, or that of the model for physical units */
@@ -50,11 +54,37 @@ static bool make_columns(simulation *s)
     return s->state && s->column && s->rows;
 }
 
+static void state_of(simulation *s)
+{
+    if (s->is_shaken) ric_shaken_state(s->shaken, NULL, s->state, s->state + s->n);
+    else ric_simulator_state(s->sim, NULL, s->state, s->state + s->n);
+}
+
+static ric_status begin(simulation *s)
+{
+    const ric_model *model = ric_study_model(s->study);
+    const double *x = s->state, *v = x + s->n;
+    ric_shaking shaking = cli_shaking_of(&s->shaking);
+    ric_status status;
+    if (s->is_shaken) {
+        if (!s->shaking.n_restitution) shaking.restitution = ric_model_restitution(model);
+        status = ric_shaken_create(model, &shaking, s->omega, s->level, &s->shaken);
+        return status ? status : ric_shaken_start(s->shaken, x, v, s->phase);
+    }
+    status = ric_simulator_create(model, &s->sim);
+    return status ? status : ric_simulator_start(s->sim, x, v);
+}
+
+static ric_status advance_to(simulation *s, double t, bool *hit, ric_impact *impact)
+{
+    return s->is_shaken ? ric_shaken_advance(s->shaken, t, hit, impact) : ric_simulator_advance(s->sim, t, hit, impact);
+}
+
 static void add_state(simulation *s, double t)
 {
     json_t *row = json_object();
     if (t > 0) /* the first row is the state as it was given */
-        ric_simulator_state(s->sim, NULL, s->state, s->state + s->n);
+        state_of(s);
     json_object_set_new(row, "t", cli_number(t));
     for (int i = 0; i < 2 * s->n; i++) json_object_set_new(row, s->column[i + 1], cli_number(s->state[i] * s->length));
     json_array_append_new(s->rows, row);
@@ -76,7 +106,7 @@ static ric_status advance(simulation *s, double t)
     bool hit = true;
     while (hit) {
         ric_impact impact;
-        ric_status status = ric_simulator_advance(s->sim, t, &hit, &impact);
+        ric_status status = advance_to(s, t, &hit, &impact);
         if (status) return status;
         if (hit && ++s->struck > IMPACTS_MAX) {
             cli_wrong("simulate: more than %d impacts up to time %.9g; give a shorter --time, or less speed",
@@ -91,8 +121,7 @@ static ric_status advance(simulation *s, double t)
 
 static ric_status simulate(simulation *s)
 {
-    ric_status status = ric_simulator_create(ric_study_model(s->study), &s->sim);
-    if (!status) status = ric_simulator_start(s->sim, s->state, s->state + s->n);
+    ric_status status = begin(s);
     if (status) return status;
     if (s->impacts) return advance(s, s->end);
     add_state(s, 0);
@@ -110,6 +139,8 @@ static void simulation_free(simulation *s)
     free(s->state);
     json_decref(s->rows);
     ric_simulator_free(s->sim);
+    ric_shaken_free(s->shaken);
+    cli_shaking_free(&s->shaking);
     ric_study_free(s->study);
 }
 
@@ -122,6 +153,35 @@ static int simulate_and_print(simulation *s, cli_format format)
     if (code == CLI_WRONG) return code;
     int printed = cli_print_rows(s->rows, s->impacts ? impact_columns : NULL, format);
     return code ? code : printed;
+}
+
+/* --force, --damping, --omega, --level, --phase, --restitution: any of them asks for the shaken structure. */
+static bool take_shaking(int *argc, char **argv, simulation *s, int *code)
+{
+    const char *omega, *level, *phase;
+    s->level = 1;
+    if (!cli_take_shaking(argc, argv, &s->shaking, code) || !cli_take_value(argc, argv, "--omega", &omega) ||
+        !cli_take_value(argc, argv, "--level", &level) || !cli_take_value(argc, argv, "--phase", &phase) ||
+        (omega && !cli_parse_number(omega, "--omega", &s->omega)) ||
+        (level && !cli_parse_number(level, "--level", &s->level)) ||
+        (phase && !cli_parse_number(phase, "--phase", &s->phase)))
+        return false;
+    const cli_shaking *h = &s->shaking;
+    s->is_shaken = h->n_force || h->n_ratio || h->n_matrix || h->n_restitution;
+    if ((omega || level || phase) && !h->n_force) {
+        cli_wrong("simulate: --omega, --level and --phase go with --force F1,F2,..");
+        return false;
+    }
+    if (!h->n_force || omega) return true;
+    cli_wrong("simulate: --force needs --omega W, the frequency of the force in rad/s");
+    return false;
+}
+
+/* What was asked for fits the model. */
+static int check_shaking(const simulation *s)
+{
+    ric_shaking shaking = cli_shaking_of(&s->shaking);
+    return s->is_shaken ? cli_report(ric_force_check(ric_study_model(s->study), &shaking)) : CLI_DONE;
 }
 
 static int run(int argc, char **argv)
@@ -137,8 +197,9 @@ static int run(int argc, char **argv)
     bool physical = cli_take_flag(&argc, argv, "--physical");
     s.impacts = cli_take_flag(&argc, argv, "--impacts");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--time", &end) ||
-        !cli_take_value(&argc, argv, "--steps", &steps) || !cli_take_state(&argc, argv, "simulate", &count, texts) ||
-        !cli_operands(&cli_simulate, argc, argv, 1) || !parse_times(&s, end, steps))
+        !cli_take_value(&argc, argv, "--steps", &steps) || !take_shaking(&argc, argv, &s, &code) ||
+        !cli_take_state(&argc, argv, "simulate", &count, texts) || !cli_operands(&cli_simulate, argc, argv, 1) ||
+        !parse_times(&s, end, steps))
         goto out;
     ric_status status = ric_study_read(argv[1], &s.study);
     if (status) {
@@ -148,7 +209,9 @@ static int run(int argc, char **argv)
     s.n = ric_model_n_dof(ric_study_model(s.study));
     if (physical) s.length = ric_model_length(ric_study_model(s.study));
     if (!make_columns(&s)) code = cli_report(RIC_E_NOMEM);
-    else if (cli_parse_state("simulate", s.n, count, texts, s.length, s.state)) code = simulate_and_print(&s, format);
+    else if ((code = check_shaking(&s)) == CLI_DONE)
+        code = cli_parse_state("simulate", s.n, count, texts, s.length, s.state) ? simulate_and_print(&s, format)
+                                                                                 : CLI_WRONG;
 out:
     free(texts);
     simulation_free(&s);
@@ -170,6 +233,17 @@ static const cli_item items[] = {
              "of law bilinear has two rows: it closes (impulse 0), and opens (approach < 0) with the impulse of "
              "the whole contact"},
     {.name = "--physical", .text = "state, history and impacts in the study's own units of length"},
+    {.name = "--force",
+     .value = "F1,F2,..",
+     .text =
+         "shaken by L f cos(W t + P) from time 0 on, physical: f, with --omega W (rad/s), --level L, 1 unless given, "
+         "and --phase P, rad"},
+    {.name = "--omega", .value = "W", .text = "frequency of the force, rad/s"},
+    {.name = "--level", .value = "L", .text = "amplitude of the force"},
+    {.name = "--phase", .value = "P", .text = "phase of the force at time 0"},
+    {.name = "--damping", .value = "ZETA|FILE", .text = "as of `force`: modal ratios, or a file with the matrix"},
+    {.name = "--restitution", .value = "E", .text = "instead of the study's"},
+    {.name = "--harmonic", .value = "M", .text = "has no meaning here, and is taken with the options of `force`"},
     {.text = "Where the impact law gives no motion (two stops met together whose impacts disturb each other, "
              "chatter that ends in a lasting contact), the list ends there, a message says why, and the exit code "
              "is 1; so it does after a million impacts."},
@@ -182,7 +256,8 @@ const cli_command cli_simulate = {
     .name = "simulate",
     .summary = "follow the motion from a state, impact by impact",
     .usage = "ricochet simulate STUDY --state X.. V.. --time T [--steps N] [--impacts] [--physical]\n"
-             "           [--json | --csv]\n",
+             "           [--force F1,F2,.. --omega W [--level L] [--phase P]] [--damping ZETA|FILE]\n"
+             "           [--restitution E] [--json | --csv]\n",
     .items = items,
     .example = "ricochet simulate examples/elementary/study.yaml --state 0.1 -0.2 0 2.5 --time 20 --impacts\n",
     .run = run,

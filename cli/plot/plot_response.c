@@ -87,6 +87,11 @@ static ric_status draw_curve(picture *p, const ric_response_curve *c)
         if (!status && !plot_track_add(&track, place(p, &at), at.arclength, (int)at.stable)) status = RIC_E_NOMEM;
     }
     if (!status) status = add_end(p, c->to, &track, at.arclength + 1);
+    const double end = at.arclength + 1;
+    if (!status && c->end == RIC_RESPONSE_CLOSED) {
+        status = ric_response_point_at(p->response, c->id, 0, &at);
+        if (!status && !plot_track_join(&track, place(p, &at), end)) status = RIC_E_NOMEM;
+    }
     if (!status) p->stability |= plot_track_draw(p->page, &p->panel, c->letters ? PLOT_SYMMETRIC : PLOT_LINEAR, &track);
     p->with = p->with || c->letters;
     p->without = p->without || !c->letters;

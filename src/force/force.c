@@ -153,6 +153,29 @@ static void to_modes(ric_force *f, const double *force)
         }
 }
 
+ric_status ric_force_check(const ric_model *m, const ric_shaking *s)
+{
+    const int n = m->n_dof;
+    if (s->n_force) {
+        ric_status status = check_force(m, s);
+        if (status) return status;
+    }
+    if (!(s->restitution >= 0 && s->restitution <= 1))
+        return ric_fail(RIC_E_INPUT, "restitution %.10g is not from 0 to 1", s->restitution);
+    if (s->n_ratio > 1 && s->n_ratio != n)
+        return ric_fail(RIC_E_INPUT,
+                        "%d damping ratios, but the structure has %d modes; give one for all, or one for each",
+                        s->n_ratio, n);
+    for (int i = 0; i < s->n_ratio; i++)
+        if (!(s->ratios[i] >= 0 && isfinite(s->ratios[i])))
+            return ric_fail(RIC_E_INPUT, "damping ratio %.10g of mode %d is negative; it is 0 or more", s->ratios[i],
+                            i + 1);
+    if (s->n_matrix && s->n_matrix != n)
+        return ric_fail(RIC_E_INPUT, "the damping matrix has %d rows, but the structure has %d displacements",
+                        s->n_matrix, n);
+    return s->n_matrix ? check_matrix(n, s->matrix) : RIC_OK;
+}
+
 ric_status ric_force_create(const ric_atlas *atlas, const ric_shaking *s, ric_force **out)
 {
     const ric_model *m = ric_atlas_model(atlas);

@@ -431,7 +431,7 @@ ric_response_trace *ric_response_trace_run(ric_force_orbit *shape, const ric_res
     if (begun) last = follow(&t, &a);
     ric_response_trace_orbit_free(&a.orbit);
     out->stop = last;
-    out->other = RIC_RESPONSE_WINDOW;
+    out->other = last == RIC_RESPONSE_CLOSED ? last : RIC_RESPONSE_WINDOW;
     if (begun && both && last != RIC_RESPONSE_CLOSED) {
         turn_round(&t);
         for (int i = 0; i <= m; i++) back[i] = out->points[out->n_point - 1].tangent[i];
