@@ -891,6 +891,19 @@ ric_status ric_prover_create(const ric_atlas *atlas, ric_prover **out);
 void ric_prover_free(ric_prover *prover);
 /* Proves the orbit of point `i` of a branch, with as many bits as it takes. */
 ric_status ric_prover_point(ric_prover *prover, int branch, int i, ric_proof *out);
+
+/* A branch as one curve of orbits. */
+typedef struct {
+    int branch;
+    ric_proof_state state; /* proved: from its first stored point to its last one, but for ends that are junctions */
+    char why[200];
+    int tubes;               /* of which the curve is made */
+    bool from, to;           /* whether its first and last points are on it, too */
+    double stable, unstable; /* shares of its length that are proved to be so */
+    double approach;         /* no impact is slower, scaled, per second */
+} ric_curve_proof;
+ric_status ric_prover_curve(ric_prover *prover, int branch, ric_curve_proof *out);
+
 /* The last point as a line of JSON, "" if it was not proved; and the structure. Borrowed until the next call. */
 const char *ric_prover_certificate(const ric_prover *prover);
 const char *ric_prover_model(const ric_prover *prover);

@@ -3,41 +3,18 @@
 
 #include <limits.h>
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
-#include "common/cli.h"
+#include "prove.h"
 
 enum { MOST_WORKERS = 256, MOST_TOLD = 20 };
 
-typedef struct {
-    bool done, kept;
-    ric_proof proof;
-    char *certificate; /* NULL or "": none */
-} result;
-
-typedef struct {
-    const ric_atlas *atlas;
-    result *results;
-    int n;
-    char *model; /* first line of the certificates */
-    atomic_int next, finished;
-    atomic_bool stop;
-    ric_status status;
-    char detail[400];
-    pthread_mutex_t mutex;
-    double seconds;
-    struct timespec start;
-} work_list;
-
 /* ------------------------------------------------------------------ working */
 
-static void fail(work_list *w, ric_status status)
+static void fail(prove_list *w, ric_status status)
 {
     pthread_mutex_lock(&w->mutex);
     if (!w->status) {
@@ -48,16 +25,17 @@ static void fail(work_list *w, ric_status status)
     w->stop = true;
 }
 
-static void keep_model(work_list *w, const ric_prover *prover)
+static void keep_model(prove_list *w, const ric_prover *prover)
 {
     pthread_mutex_lock(&w->mutex);
     if (!w->model) w->model = strdup(ric_prover_model(prover));
     pthread_mutex_unlock(&w->mutex);
 }
 
-static ric_status prove_one(work_list *w, ric_prover *prover, result *r)
+static ric_status prove_one(prove_list *w, ric_prover *prover, prove_result *r)
 {
-    ric_status status = ric_prover_point(prover, r->proof.branch, r->proof.point, &r->proof);
+    ric_status status = w->curves ? ric_prover_curve(prover, r->curve.branch, &r->curve)
+                                  : ric_prover_point(prover, r->proof.branch, r->proof.point, &r->proof);
     if (status) return status;
     const char *text = ric_prover_certificate(prover);
     if (*text && !(r->certificate = strdup(text))) return RIC_E_NOMEM;
@@ -68,7 +46,7 @@ static ric_status prove_one(work_list *w, ric_prover *prover, result *r)
 
 static void *work(void *user)
 {
-    work_list *w = user;
+    prove_list *w = user;
     ric_prover *prover = NULL;
     ric_status status = ric_prover_create(w->atlas, &prover);
     if (!status) keep_model(w, prover);
@@ -82,7 +60,7 @@ static void *work(void *user)
     return NULL;
 }
 
-static void wait_for_end(work_list *w, int workers, pthread_t *threads)
+static void wait_for_end(prove_list *w, int workers, pthread_t *threads)
 {
     const bool terminal = isatty(STDERR_FILENO);
     const struct timespec nap = {0, 5000000};
@@ -91,13 +69,14 @@ static void wait_for_end(work_list *w, int workers, pthread_t *threads)
         nanosleep(&nap, NULL);
         if (cli_stopped() || cli_seconds_since(&w->start) > w->seconds) w->stop = true;
         if (terminal && ++naps % 20 == 0)
-            fprintf(stderr, "\r\033[K%d of %d points, %.0f s", (int)w->finished, w->n, cli_seconds_since(&w->start));
+            fprintf(stderr, "\r\033[K%d of %d %s, %.0f s", (int)w->finished, w->n, w->curves ? "curves" : "points",
+                    cli_seconds_since(&w->start));
     }
     for (int i = 0; i < workers; i++) pthread_join(threads[i], NULL);
     if (terminal) fputs("\r\033[K", stderr);
 }
 
-static ric_status work_all(work_list *w, int workers)
+static ric_status work_all(prove_list *w, int workers)
 {
     pthread_t threads[MOST_WORKERS];
     int started = 0;
@@ -111,20 +90,20 @@ static ric_status work_all(work_list *w, int workers)
 
 /* ---------------------------------------------------------------- the points */
 
-static ric_status add_points(work_list *w, int id, long point)
+static ric_status add_points(prove_list *w, int id, long point)
 {
     ric_branch branch;
     ric_status status = ric_atlas_branch(w->atlas, id, &branch);
     if (status) return status;
     int first = point >= 0 ? (int)point : 0, last = point >= 0 ? (int)point : branch.n_point - 1;
     if (point >= branch.n_point) return ric_atlas_point(w->atlas, id, (int)point, &(ric_point){0}, NULL, NULL);
-    result *more = realloc(w->results, (size_t)(w->n + last - first + 1) * sizeof *more);
+    prove_result *more = realloc(w->results, (size_t)(w->n + last - first + 1) * sizeof *more);
     if (!more && last >= first) return RIC_E_NOMEM;
     w->results = more;
     for (int i = first; i <= last; i++) {
-        result *r = &w->results[w->n++];
+        prove_result *r = &w->results[w->n++];
         const char *certificate = NULL;
-        *r = (result){.proof = {.branch = id, .point = i}};
+        *r = (prove_result){.proof = {.branch = id, .point = i}};
         if (!ric_prover_available() || !ric_proof_kept(w->atlas, id, i, &r->proof, &certificate)) continue;
         r->done = r->kept = true;
         w->finished++;
@@ -135,7 +114,7 @@ static ric_status add_points(work_list *w, int id, long point)
 
 /* In the file of the atlas what was proved now, so that it need not be proved again: no failure of the proofs if the
  * file is one that cannot be written, or that a run has open. */
-static void keep(const work_list *w, const char *path)
+static void keep(const prove_list *w, const char *path)
 {
     ric_proof *proofs = calloc((size_t)w->n + 1, sizeof *proofs);
     const char **certificates = calloc((size_t)w->n + 1, sizeof *certificates);
@@ -188,13 +167,13 @@ static void add_row(json_t *rows, const ric_proof *p)
 }
 
 /* Orbits at the ends of branches are junctions, where the equations of the branch are not those that prove. */
-static bool is_end(const work_list *w, const ric_proof *p)
+static bool is_end(const prove_list *w, const ric_proof *p)
 {
     ric_branch branch;
     return !ric_atlas_branch(w->atlas, p->branch, &branch) && (p->point == 0 || p->point == branch.n_point - 1);
 }
 
-static void tell_failure(const work_list *w, const ric_proof *p)
+static void tell_failure(const prove_list *w, const ric_proof *p)
 {
     ric_branch branch;
     const char *label = ric_atlas_branch(w->atlas, p->branch, &branch) ? "" : branch.label;
@@ -202,7 +181,7 @@ static void tell_failure(const work_list *w, const ric_proof *p)
 }
 
 /* The counts of each verdict; of those that are not proved `ends` are ends of branches. */
-static void tell_counts(const work_list *w, FILE *out, const int count[3], int ends, int undecided)
+static void tell_counts(const prove_list *w, FILE *out, const int count[3], int ends, int undecided)
 {
     cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n", count[RIC_PROOF_DONE],
              count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], undecided);
@@ -215,8 +194,16 @@ static void tell_counts(const work_list *w, FILE *out, const int count[3], int e
         }
 }
 
+int prove_tell_rest(const prove_list *w, int done, const char *what)
+{
+    if (done == w->n) return CLI_DONE;
+    cli_say("ricochet: stopped %s: %d of %d %s were not looked at\n",
+            cli_stopped() ? "on request" : "when the time given was over", w->n - done, w->n, what);
+    return cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
+}
+
 /* What came of it; the counts to `out` unless it is NULL. */
-static int tell_all(const work_list *w, FILE *out, bool verbose)
+static int tell_all(const prove_list *w, FILE *out, bool verbose)
 {
     int count[3] = {0}, ends = 0, told = 0, undecided = 0, done = 0;
     for (int i = 0; i < w->n; i++) {
@@ -231,15 +218,11 @@ static int tell_all(const work_list *w, FILE *out, bool verbose)
         if ((!end || verbose) && told++ < MOST_TOLD) tell_failure(w, p);
     }
     if (out) tell_counts(w, out, count, ends, undecided);
-    if (done < w->n) {
-        cli_say("ricochet: stopped %s: %d of %d points were not looked at\n",
-                cli_stopped() ? "on request" : "when the time given was over", w->n - done, w->n);
-        return cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
-    }
-    return count[RIC_PROOF_NONE] > ends ? CLI_FAILED : CLI_DONE;
+    const int code = prove_tell_rest(w, done, "points");
+    return code ? code : count[RIC_PROOF_NONE] > ends ? CLI_FAILED : CLI_DONE;
 }
 
-static int write_certificates(const work_list *w, const char *path)
+static int write_certificates(const prove_list *w, const char *path)
 {
     FILE *f = fopen(path, "wx");
     if (!f) {
@@ -255,7 +238,7 @@ static int write_certificates(const work_list *w, const char *path)
     return CLI_FAILED;
 }
 
-static int print_all(const work_list *w, cli_format format, bool verbose)
+static int print_all(const prove_list *w, cli_format format, bool verbose)
 {
     static const char columns[] =
         "branch point verdict bits distance exists unique approach stable symmetric reversible why";
@@ -268,7 +251,7 @@ static int print_all(const work_list *w, cli_format format, bool verbose)
     return code ? code : tell_all(w, format == CLI_TEXT ? stdout : stderr, verbose);
 }
 
-static void release(work_list *w)
+static void release(prove_list *w)
 {
     for (int i = 0; i < w->n; i++) free(w->results[i].certificate);
     free(w->results);
@@ -276,15 +259,15 @@ static void release(work_list *w)
 }
 
 /* Proves what is listed and keeps it. */
-static ric_status prove_all(work_list *w, const char *path, int workers)
+static ric_status prove_all(prove_list *w, const char *path, int workers)
 {
     const ric_status status = work_all(w, workers);
-    if (!status) keep(w, path);
+    if (!status && !w->curves) keep(w, path);
     if (status && *w->detail) cli_say("ricochet: %s\n", w->detail);
     return status;
 }
 
-static ric_status list_points(work_list *w, int branch, long point)
+static ric_status list_points(prove_list *w, int branch, long point)
 {
     ric_status status = branch ? add_points(w, branch, point) : RIC_OK;
     for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(w->atlas); id++) status = add_points(w, id, -1);
@@ -294,7 +277,7 @@ static ric_status list_points(work_list *w, int branch, long point)
 int cli_prove_atlas(const char *path, int workers, FILE *out)
 {
     ric_atlas *atlas = NULL;
-    work_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
+    prove_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
     ric_status status = ric_atlas_read(path, &atlas);
     w.atlas = atlas;
     if (!status) status = list_points(&w, 0, -1);
@@ -310,8 +293,9 @@ static int run(int argc, char **argv)
     const char *text, *point_text, *seconds_text, *path;
     long branch = 0, point = -1, workers = 1;
     ric_atlas *atlas = NULL;
-    work_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
+    prove_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
     const bool verbose = cli_take_flag(&argc, argv, "--verbose");
+    w.curves = cli_take_flag(&argc, argv, "--curves");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &text) ||
         !cli_take_value(&argc, argv, "--point", &point_text) || !cli_take_value(&argc, argv, "-o", &path) ||
         !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
@@ -321,13 +305,15 @@ static int run(int argc, char **argv)
         (seconds_text && !cli_parse_number(seconds_text, "--seconds", &w.seconds)))
         return CLI_WRONG;
     if (!(w.seconds > 0)) return cli_wrong("prove: --seconds: %s is no time; give a number above 0", seconds_text);
+    if (w.curves && (point_text || path))
+        return cli_wrong("prove: --curves is about branches: it takes no --point, and has no certificates (-o)");
     if (point_text && !text) return cli_wrong("prove: --point needs --branch ID, whose points it counts");
     ric_status status = ric_atlas_read(argv[1], &atlas);
     w.atlas = atlas;
-    if (!status) status = list_points(&w, (int)branch, point);
+    if (!status) status = w.curves ? prove_curves_add(&w, (int)branch) : list_points(&w, (int)branch, point);
     int code = status ? cli_report(status) : prove_all(&w, argv[1], (int)workers) ? CLI_FAILED : CLI_DONE;
     if (code == CLI_DONE && path) code = write_certificates(&w, path);
-    if (code == CLI_DONE) code = print_all(&w, format, verbose);
+    if (code == CLI_DONE) code = w.curves ? prove_curves_print(&w, format, verbose) : print_all(&w, format, verbose);
     release(&w);
     ric_atlas_free(atlas);
     return code;
@@ -352,14 +338,19 @@ static const cli_item items[] = {
     {.name = "--branch", .value = "ID", .text = "only this branch"},
     CLI_ITEM_AT,
     {.name = "--point", .value = "I", .text = "with --branch: only this point, from 0"},
+    {.name = "--curves",
+     .text = "branches as curves: that the orbits between its points are one arc of motions, in tubes that are glued "
+             "where they meet; steps to ends that are junctions are left out. Columns branch, label, verdict, tubes, "
+             "from, to (whether its first and last points are on it, too), stable, unstable (proved on these shares of "
+             "its length), approach, why"},
     {.name = "-o", .value = "FILE", .text = "write certificates, one line of JSON for each point"},
     {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given; 0: one for each core"},
     {.name = "--jobs", .value = "WORKERS", .text = "the same"},
     {.name = "--seconds", .value = "S", .text = "stop after that time and show what was done"},
     {.name = "--verbose", .text = "a row for every point as well"},
-    {.text =
-         "The exit code is 1 if a point is not proved that is no end of a branch, 3 if the time was over, 130 after "
-         "Ctrl-C."},
+    {.text = "The exit code is 1 if a curve is not proved, or a point that is no end of a branch, 3 if the time was "
+             "over, 130 after "
+             "Ctrl-C."},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -369,7 +360,8 @@ const cli_command cli_prove = {
     .name = "prove",
     .summary = "prove the orbits of an atlas, by ball arithmetic",
     .usage = "ricochet prove ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [-o FILE]\n"
-             "                      [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose] [--json | --csv]\n",
+             "                      [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose] [--json | --csv]\n"
+             "ricochet prove ATLAS --curves [--branch ID | --at E,OMEGA] [-j WORKERS] [--seconds S] [--json | --csv]\n",
     .items = items,
     .example = "ricochet prove study.ricochet --branch 3\n",
     .run = run,

@@ -335,6 +335,52 @@ bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *br
     return true;
 }
 
+/* Place of the mirror point at the end of a reversible chain. */
+static int end_place(const ric_chain *c)
+{
+    return c->face[c->m] < 0 ? 2 * (c->first + c->m) - 1 : 2 * (c->first + c->m);
+}
+
+bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
+                    const double *flights, const ric_chain *other)
+{
+    motion z;
+    *c = (ric_chain){.sign = 1, .number = -1};
+    if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters)) return false;
+    motion_open(&z, e, branch, state, flights);
+    if (ric_chain_general(other)) fill_general(c, e, &z, other->sign < 0);
+    else {
+        z.place[0] = 2 * other->first + other->half_flight;
+        z.place[1] = end_place(other);
+        z.kind[0] = other->start;
+        z.kind[1] = other->end;
+        fill_reversible(c, e, &z);
+    }
+    motion_close(&z);
+    return true;
+}
+
+bool ric_chain_same_class(const ric_chain *a, const ric_chain *b)
+{
+    bool same = a->m == b->m && a->start == b->start && a->end == b->end && a->sign == b->sign &&
+                a->first == b->first && a->half_flight == b->half_flight;
+    for (int k = 0; k <= a->m && same; k++) same = a->face[k] == b->face[k];
+    return same;
+}
+
+void ric_chain_copy(ric_chain *to, const ric_chain *from)
+{
+    *to = *from;
+    to->face = flint_malloc(((size_t)from->m + 1) * sizeof *to->face);
+    memcpy(to->face, from->face, ((size_t)from->m + 1) * sizeof *to->face);
+    to->u = _arb_vec_init((slong)from->m * from->size + 1);
+    to->row = _arb_vec_init(from->size);
+    _arb_vec_set(to->u, from->u, (slong)from->m * from->size + 1);
+    _arb_vec_set(to->row, from->row, from->size);
+    fmpz_init(to->held);
+    fmpz_set(to->held, from->held);
+}
+
 void ric_chain_free(ric_chain *c)
 {
     if (!c->u) return;

@@ -39,7 +39,13 @@ typedef struct {
  * false if the stored numbers are not finite. */
 bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
                       const double *flights);
+/* The same in the class of another chain of the branch; false if the stored numbers are not finite. */
+bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
+                    const double *flights, const ric_chain *other);
+void ric_chain_copy(ric_chain *to, const ric_chain *from);
 void ric_chain_free(ric_chain *c);
+/* Whether the same equations hold for both. */
+bool ric_chain_same_class(const ric_chain *a, const ric_chain *b);
 
 static inline bool ric_chain_general(const ric_chain *c)
 {

@@ -264,3 +264,145 @@ void ric_equation_evaluate(ric_equations *q, const ric_chain *c, const ric_enclo
     put_end(e, c, ric_equation_end(q));
     put_plane(e, c, ric_equation_plane(q));
 }
+
+/* -------------------------------------------------------------------- slack */
+
+/* What a row of the group makes of an error of the flown state, at most: impacts turn it, mirror rows are as long as a
+ * normal. */
+static void bound_turned(const ric_chain *c, const ric_enclosure *e, bool inner, arb_t out)
+{
+    arb_one(out);
+    if (inner) return;
+    if (ric_chain_general(c)) {
+        arb_abs(out, c->u + (slong)c->m * c->size);
+        arb_add_ui(out, out, 2, e->prec);
+    } else if (c->end == RIC_CHAIN_IMPACT) arb_add(out, out, e->cc + e->wall[c->face[c->m]].contact, e->prec);
+}
+
+static void loosen_rows(ric_equation_group *g, slong rows, const arb_t error)
+{
+    for (slong i = 0; i < rows; i++) {
+        arb_add_error(arb_mat_entry(g->F, i, 0), error);
+        for (slong j = 0; j < arb_mat_ncols(g->J); j++) arb_add_error(arb_mat_entry(g->J, i, j), error);
+    }
+}
+
+/* slack (1 + |w|) bounds what is left of F(tau) w and its derivatives by w, tau and the factor behind it; times 1 + the
+ * size of a direction that of second derivatives in it. */
+void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosure *e, arb_srcptr along)
+{
+    arb_t slack, x, size;
+    arb_init(slack);
+    arb_init(x);
+    arb_init(size);
+    if (along) ric_chain_norm((slong)c->m * c->size + 1, along, e->prec, size);
+    arb_add_ui(size, size, 1, e->prec);
+    for (int k = 0; k < c->m; k++) {
+        arb_srcptr w = ric_chain_block(c, k);
+        ric_enclosure_slack(e, w + 2 * c->n, slack);
+        ric_chain_norm(2 * c->n, w, e->prec, x);
+        arb_add_ui(x, x, 1, e->prec);
+        arb_mul(slack, slack, x, e->prec);
+        ric_equation_group *g = k < c->m - 1 ? &q->group[k] : ric_equation_end(q);
+        bound_turned(c, e, k < c->m - 1, x);
+        arb_mul(slack, slack, x, e->prec);
+        arb_mul(slack, slack, size, e->prec);
+        loosen_rows(g, k < c->m - 1 || ric_chain_general(c) ? 2 * c->n : c->n, slack);
+    }
+    arb_clear(slack);
+    arb_clear(x);
+    arb_clear(size);
+}
+
+/* -------------------------------------------------------- second derivatives */
+
+/* Of F(tau) w in the direction (v, theta) and one left open, by (w, tau): theta F', and F' v + theta F'' w. D: the
+ * first derivatives; out [2n * 2n + 1]. F' is (F of p; -L F of q). */
+static void second_of_flight(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, arb_srcptr along, arb_mat_t out)
+{
+    slong n = e->n;
+    arb_srcptr theta = along + 2 * n;
+    arb_t x;
+    arb_init(x);
+    for (slong i = 0; i < n; i++) {
+        arb_ptr q = arb_mat_entry(out, i, 2 * n), p = arb_mat_entry(out, n + i, 2 * n);
+        for (slong j = 0; j < 2 * n; j++) {
+            arb_set(arb_mat_entry(out, i, j), arb_mat_entry(D, n + i, j));
+            arb_mul(arb_mat_entry(out, n + i, j), arb_mat_entry(D, i, j), e->square + i, e->prec);
+            arb_neg(arb_mat_entry(out, n + i, j), arb_mat_entry(out, n + i, j));
+        }
+        arb_dot(q, NULL, 0, arb_mat_entry(out, i, 0), 1, along, 1, 2 * n, e->prec);
+        arb_dot(p, NULL, 0, arb_mat_entry(out, n + i, 0), 1, along, 1, 2 * n, e->prec);
+        arb_dot(x, NULL, 0, arb_mat_entry(D, i, 0), 1, w, 1, 2 * n, e->prec);
+        arb_mul(x, x, e->square + i, e->prec);
+        arb_submul(q, x, theta, e->prec);
+        arb_dot(x, NULL, 0, arb_mat_entry(D, n + i, 0), 1, w, 1, 2 * n, e->prec);
+        arb_mul(x, x, e->square + i, e->prec);
+        arb_submul(p, x, theta, e->prec);
+    }
+    for (slong i = 0; i < 2 * n; i++)
+        for (slong j = 0; j < 2 * n; j++) arb_mul(arb_mat_entry(out, i, j), arb_mat_entry(out, i, j), theta, e->prec);
+    arb_clear(x);
+}
+
+/* Of (1 + lambda) Q F w: by (w, tau) also lambda's part of the direction times D, by lambda D along. */
+static void second_of_closure(const ric_enclosure *e, const ric_chain *c, const arb_mat_t D, const arb_mat_t second,
+                              arb_srcptr along, ric_equation_group *g)
+{
+    slong n = c->n;
+    arb_srcptr v = along + (slong)(c->m - 1) * c->size, lambda = v + c->size;
+    arb_t factor;
+    arb_init(factor);
+    arb_add_ui(factor, c->u + (slong)c->m * c->size, 1, e->prec);
+    for (slong i = 0; i < 2 * n; i++) {
+        for (slong j = 0; j <= 2 * n; j++) {
+            arb_mul(arb_mat_entry(g->J, i, j), arb_mat_entry(second, i, j), factor, e->prec);
+            arb_addmul(arb_mat_entry(g->J, i, j), arb_mat_entry(D, i, j), lambda, e->prec);
+        }
+        arb_dot(arb_mat_entry(g->J, i, 2 * n + 1), NULL, 0, arb_mat_entry(D, i, 0), 1, v, 1, 2 * n + 1, e->prec);
+    }
+    reflect_columns(e, c->face[c->m], g->J);
+    if (c->sign > 0) arb_mat_neg(g->J, g->J);
+    arb_clear(factor);
+}
+
+static void second_of_block(ric_equations *q, const ric_chain *c, const ric_enclosure *e, arb_srcptr along, int k)
+{
+    slong n = c->n;
+    const bool last = k == c->m - 1;
+    ric_equation_group *g = last ? ric_equation_end(q) : &q->group[k];
+    arb_ptr w = ric_chain_block(c, k), flown = _arb_vec_init(2 * n);
+    arb_srcptr v = along + (slong)k * c->size;
+    arb_mat_t D, second, B;
+    arb_t gap;
+    arb_init(gap);
+    arb_mat_init(D, 2 * n, 2 * n + 1);
+    arb_mat_init(second, 2 * n, 2 * n + 1);
+    arb_mat_init(B, n, 2 * n);
+    ric_equation_flight(e, w, w + 2 * n, D, flown);
+    second_of_flight(e, D, w, v, second);
+    if (last && ric_chain_general(c)) second_of_closure(e, c, D, second, along, g);
+    else if (last) {
+        mirror_rows(e, c->end, c->face[c->m], B, gap);
+        arb_mat_mul(g->J, B, second, e->prec);
+    } else {
+        reflect_columns(e, c->face[k + 1], second);
+        for (slong i = 0; i < 2 * n; i++)
+            for (slong j = 0; j <= 2 * n; j++) arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(second, i, j));
+    }
+    arb_mat_clear(D);
+    arb_mat_clear(second);
+    arb_mat_clear(B);
+    arb_clear(gap);
+    _arb_vec_clear(flown, 2 * n);
+}
+
+void ric_equation_second(ric_equations *q, const ric_chain *c, const ric_enclosure *e, arb_srcptr along)
+{
+    for (int i = 0; i < q->n; i++) {
+        arb_mat_zero(q->group[i].J);
+        arb_mat_zero(q->group[i].K);
+        arb_mat_zero(q->group[i].F);
+    }
+    for (int k = 0; k < c->m; k++) second_of_block(q, c, e, along, k);
+}

@@ -21,6 +21,13 @@ void ric_equation_free(ric_equations *q);
 /* Everything at the centre of the chain but for the slack of the flights, which `existence` weighs. */
 void ric_equation_evaluate(ric_equations *q, const ric_chain *c, const ric_enclosure *e);
 
+/* Adds to all of it what the slack of the flights may be, so that F and its derivatives hold those of the structure: of
+ * `evaluate`, with NULL, or of `second`, with its direction. */
+void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosure *e, arb_srcptr along);
+/* J: the second derivatives, in the direction of `along` [m * size + 1] and one that is left open. They couple no two
+ * blocks; all else is zero. */
+void ric_equation_second(ric_equations *q, const ric_chain *c, const ric_enclosure *e, arb_srcptr along);
+
 static inline ric_equation_group *ric_equation_start(const ric_equations *q)
 {
     return &q->group[q->n - 3];

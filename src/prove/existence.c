@@ -455,8 +455,8 @@ static const char *prove(problem *p, ric_existence *x)
     arb_init(least);
     const char *why = !bound_inverse(p, least) ? "the equations are all but singular there"
                       : !conclude(p, x, least) ? "the equations are too near to singular for what is left of them"
-                      : !identifies(x)         ? "another orbit may lie as near: a junction"
                                                : NULL;
+    x->identified = !why && identifies(x);
     arb_clear(least);
     return why;
 }

@@ -12,6 +12,7 @@ typedef struct {
     double moved;         /* of the centre from where the chain began, over 1 + |its largest block| */
     double shift;         /* the same, as it is */
     arb_t exists, unique; /* radii around the centre */
+    bool identified;      /* the chain began where the orbit is the only one */
 } ric_existence;
 
 void ric_existence_init(ric_existence *x);

@@ -9,24 +9,13 @@
 #include "existence.h"
 #include "monodromy.h"
 #include "passage.h"
+#include "prover.h"
 
-/* What is stored is near the orbit that is proved: the distance of the states and times over 1 + the largest state, and
- * relative differences of energy and period. Rounding leaves 1e-12, and up to 5e-9 where a branch begins flat; a state
- * that is off by 1e-6 is another one. */
-#define NEAR 1e-8
+/* Speed, in d and 2^-time s, that the rounding of what is stored makes of a touch: a slower impact may be one of either
+ * sign, and the junction is what is to be proved. */
+#define TOUCH 1e-12
 
-enum { PRECISIONS = 3 };
 static const slong bits[PRECISIONS] = {128, 256, 512};
-
-struct ric_prover {
-    const ric_atlas *atlas;
-    const char *left_out; /* why no orbit is proved, or NULL */
-    struct {
-        bool made, good;
-        ric_enclosure e;
-    } at[PRECISIONS];
-    char *model, *certificate;
-};
 
 bool ric_prover_available(void)
 {
@@ -80,12 +69,17 @@ const char *ric_prover_model(const ric_prover *p)
     return p->model;
 }
 
-static const ric_enclosure *enclosure(ric_prover *p, int level)
+const ric_enclosure *ric_prover_enclosure(ric_prover *p, int level)
 {
     if (!p->at[level].made)
         p->at[level].good = ric_enclosure_create(&p->at[level].e, ric_atlas_model(p->atlas), bits[level]);
     p->at[level].made = true;
     return &p->at[level].e;
+}
+
+const char *ric_prover_left_out(const ric_prover *p, const ric_branch *branch)
+{
+    return p->left_out ? p->left_out : branch->letters == 0 ? "a linear mode" : NULL;
 }
 
 /* ------------------------------------------------------------------- a proof */
@@ -153,7 +147,8 @@ static bool is_near(const arb_t x, double stored)
 {
     double both[2];
     interval(x, both);
-    return fabs(both[0] - stored) <= NEAR * fabs(stored) && fabs(both[1] - stored) <= NEAR * fabs(stored);
+    return fabs(both[0] - stored) <= RIC_PROVER_NEAR * fabs(stored) &&
+           fabs(both[1] - stored) <= RIC_PROVER_NEAR * fabs(stored);
 }
 
 /* Whether the stored point says what is proved of its orbit; `why` where it does not. */
@@ -202,17 +197,22 @@ static bool prove(theorem *t, const ric_branch *branch, const double *state, con
     const char *why = "a stored number is not finite";
     if (ric_chain_create(&t->chain, t->e, branch, state, flights))
         why = ric_existence_prove(&t->existence, &t->chain, t->e);
+    if (!why && !t->existence.identified) why = "another orbit may lie as near: a junction";
     if (why) snprintf(out->why, sizeof out->why, "%s", why);
     if (why) return false;
-    if (!(t->existence.moved <= NEAR)) {
+    if (!(t->existence.moved <= RIC_PROVER_NEAR)) {
         snprintf(out->why, sizeof out->why, "the orbit that was proved lies %.1e away", t->existence.moved);
         return false;
     }
     measure(t);
     if (!arb_is_positive(t->energy)) snprintf(out->why, sizeof out->why, "the energy is not proved to be positive");
-    else if (!ric_passage_prove(&t->passage, &t->chain, t->e, t->u))
+    else if (!ric_passage_prove(&t->passage, &t->chain, t->e, &(ric_family){.hull = t->u}))
         snprintf(out->why, sizeof out->why, "%s", t->passage.why);
     if (!arb_is_positive(t->energy) || !t->passage.done) return false;
+    if (arf_get_d(arb_midref(t->passage.approach), ARF_RND_FLOOR) < TOUCH) {
+        snprintf(out->why, sizeof out->why, "an impact is no faster than rounding: a touch");
+        return false;
+    }
     ric_monodromy_enclose(&t->monodromy, &t->chain, t->e, t->u);
     return true;
 }
@@ -230,7 +230,7 @@ static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *ou
     double *flights = state + 2 * ric_model_n_dof(m);
     status = ric_atlas_point(p->atlas, id, i, &stored, state, flights);
     theorem t;
-    const ric_enclosure *e = enclosure(p, level);
+    const ric_enclosure *e = ric_prover_enclosure(p, level);
     theorem_open(&t, e);
     *more = true;
     out->bits = (int)bits[level];
@@ -256,7 +256,7 @@ ric_status ric_prover_point(ric_prover *p, int branch, int i, ric_proof *out)
     ric_status status = ric_atlas_branch(p->atlas, branch, &row);
     *out = (ric_proof){.branch = branch, .point = i, .state = RIC_PROOF_NONE, .stable = RIC_STABLE_UNDECIDED};
     if (status) return status;
-    const char *left_out = p->left_out ? p->left_out : row.letters == 0 ? "a linear mode" : NULL;
+    const char *left_out = ric_prover_left_out(p, &row);
     if (left_out) {
         out->state = RIC_PROOF_LEFT_OUT;
         snprintf(out->why, sizeof out->why, "%s", left_out);

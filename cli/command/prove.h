@@ -1,0 +1,39 @@
+/* What the files of `ricochet prove` share: a list of what is to be proved, and what came of it. */
+#ifndef RIC_CLI_PROVE_H
+#define RIC_CLI_PROVE_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <time.h>
+
+#include "common/cli.h"
+
+typedef struct {
+    bool done, kept;
+    ric_proof proof;
+    ric_curve_proof curve; /* in its place where curves are proved */
+    char *certificate;     /* NULL or "": none */
+} prove_result;
+
+typedef struct {
+    const ric_atlas *atlas;
+    bool curves; /* proves branches, not points */
+    prove_result *results;
+    int n;
+    char *model; /* first line of the certificates */
+    atomic_int next, finished;
+    atomic_bool stop;
+    ric_status status;
+    char detail[400];
+    pthread_mutex_t mutex;
+    double seconds;
+    struct timespec start;
+} prove_list;
+
+/* Of a list that was stopped: says so, and is the exit code; CLI_DONE if it was not. */
+int prove_tell_rest(const prove_list *w, int done, const char *what);
+/* Branches that are proved as curves, into the list; and what came of them. */
+ric_status prove_curves_add(prove_list *w, int branch);
+int prove_curves_print(const prove_list *w, cli_format format, bool verbose);
+
+#endif

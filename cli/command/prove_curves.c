@@ -1,0 +1,62 @@
+/* ricochet prove ATLAS --curves: branches as curves of orbits. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "prove.h"
+
+static const char *const state_text[] = {"proved", "not proved", "left out"};
+
+ric_status prove_curves_add(prove_list *w, int branch)
+{
+    const int first = branch ? branch : 1, last = branch ? branch : ric_atlas_n_branch(w->atlas);
+    w->results = calloc((size_t)(last - first + 1), sizeof *w->results);
+    if (!w->results) return RIC_E_NOMEM;
+    for (int id = first; id <= last; id++) w->results[w->n++].curve.branch = id;
+    ric_branch row;
+    return ric_atlas_branch(w->atlas, first, &row);
+}
+
+static void add_row(json_t *rows, const ric_curve_proof *p, const char *label)
+{
+    const bool proved = p->state == RIC_PROOF_DONE;
+    json_t *row = json_object();
+    json_object_set_new(row, "branch", json_integer(p->branch));
+    json_object_set_new(row, "label", json_string(label));
+    json_object_set_new(row, "verdict", json_string(state_text[p->state]));
+    json_object_set_new(row, "tubes", proved ? json_integer(p->tubes) : json_null());
+    json_object_set_new(row, "from", proved ? json_boolean(p->from) : json_null());
+    json_object_set_new(row, "to", proved ? json_boolean(p->to) : json_null());
+    json_object_set_new(row, "stable", cli_number(proved ? p->stable : NAN));
+    json_object_set_new(row, "unstable", cli_number(proved ? p->unstable : NAN));
+    json_object_set_new(row, "approach", cli_number(proved ? p->approach : NAN));
+    json_object_set_new(row, "why", json_string(p->why));
+    json_array_append_new(rows, row);
+}
+
+int prove_curves_print(const prove_list *w, cli_format format, bool verbose)
+{
+    static const char columns[] = "branch label verdict tubes from to stable unstable approach why";
+    int count[3] = {0}, done = 0, tubes = 0;
+    json_t *rows = json_array();
+    if (!rows) return cli_report(RIC_E_NOMEM);
+    for (int i = 0; i < w->n; i++) {
+        const ric_curve_proof *p = &w->results[i].curve;
+        ric_branch row;
+        if (!w->results[i].done || ric_atlas_branch(w->atlas, p->branch, &row)) continue;
+        done++;
+        count[p->state]++;
+        tubes += p->tubes;
+        add_row(rows, p, row.label);
+        if (p->state == RIC_PROOF_NONE && format == CLI_TEXT && !verbose)
+            cli_say("ricochet: branch %d %s is not proved to be one curve: %s\n", p->branch, row.label, p->why);
+    }
+    int code = format != CLI_TEXT || verbose ? cli_print_rows(rows, columns, format) : CLI_DONE;
+    json_decref(rows);
+    FILE *out = format == CLI_TEXT ? stdout : stderr;
+    cli_tell(out, "%d of %d curves proved, by %d tubes; %d branches left out\n", count[RIC_PROOF_DONE],
+             count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], tubes, count[RIC_PROOF_LEFT_OUT]);
+    if (!code) code = prove_tell_rest(w, done, "branches");
+    return code ? code : count[RIC_PROOF_NONE] ? CLI_FAILED : CLI_DONE;
+}

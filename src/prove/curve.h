@@ -1,0 +1,32 @@
+/* A branch as one curve: tubes (tube.h) from stored point to stored point, glued at orbits that lie in both, gaps open
+ * along all of them. Where a step is too long for one tube it is halved at an orbit that is solved in between. */
+#ifndef RIC_PROVE_CURVE_H
+#define RIC_PROVE_CURVE_H
+
+#include "passage.h"
+#include "tube.h"
+
+/* An orbit that is proved: within `exists` of the centre of the chain. */
+typedef struct {
+    ric_chain c;
+    arb_t exists;
+    const char *why; /* why it is none, or NULL */
+} ric_node;
+
+typedef struct {
+    const ric_enclosure *e;
+    int tubes;
+    double length[3]; /* along the curve, by ric_stability: what is unstable, stable and undecided */
+    char why[200];    /* where it ends, and why */
+    double approach;  /* no impact is slower, scaled, per 2^-time s */
+} ric_curve;
+
+void ric_curve_node_init(ric_node *a);
+void ric_curve_node_clear(ric_node *a);
+/* Proves the orbit near the centre of a->c, which it moves there. */
+void ric_curve_node_prove(ric_node *a, const ric_enclosure *e);
+
+/* Whether the two orbits are on one curve of motions; what is found is added to `x`. */
+bool ric_curve_join(ric_curve *x, const ric_node *a, const ric_node *b);
+
+#endif

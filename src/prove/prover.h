@@ -1,0 +1,29 @@
+/* What proves the orbits and the curves of one atlas: the structure in balls, with as many bits as it takes. */
+#ifndef RIC_PROVE_PROVER_H
+#define RIC_PROVE_PROVER_H
+
+#include "enclosure.h"
+
+/* What is stored is near the orbit that is proved: the distance of the states and times over 1 + the largest state, and
+ * relative differences of energy and period. Rounding leaves 1e-12, and up to 5e-9 where a branch begins flat; a state
+ * that is off by 1e-6 is another one. */
+#define RIC_PROVER_NEAR 1e-8
+
+enum { PRECISIONS = 3 };
+
+struct ric_prover {
+    const ric_atlas *atlas;
+    const char *left_out; /* why no orbit is proved, or NULL */
+    struct {
+        bool made, good;
+        ric_enclosure e;
+    } at[PRECISIONS];
+    char *model, *certificate;
+};
+
+/* The structure at a level of precision; `good` of it says whether it is enclosed. */
+const ric_enclosure *ric_prover_enclosure(ric_prover *p, int level);
+/* Why the branch is left out by name, or NULL. */
+const char *ric_prover_left_out(const ric_prover *p, const ric_branch *branch);
+
+#endif

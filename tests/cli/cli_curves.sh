@@ -1,0 +1,83 @@
+#!/usr/bin/env bash
+# Curves: branches are proved to be one arc of motions from point to point, over folds; what hops, or passes a stop, is not.
+set -u
+. tests/support/tap.sh
+
+if ! "$ricochet" run examples/elementary/study.yaml -o "$folder/e.ricochet" --quiet; then echo '1..0 # SKIP no atlas'; exit 77; fi
+if "$ricochet" prove "$folder/e.ricochet" --curves --branch 4 2>&1 | grep -q 'left out of this program'; then
+    echo '1..0 # SKIP the program was built without FLINT'
+    exit 77
+fi
+
+# curve ATLAS ID: verdict, whether its ends are on it, number of tubes, and why not
+curve() { "$ricochet" prove "$1" --curves --branch "$2" --json 2>/dev/null | python3 -c '
+import json, sys
+row, = json.load(sys.stdin)
+print(row["verdict"], row["from"], row["to"], row["tubes"], row["why"])'; }
+# planted CODE: a copy of the atlas with Python over the database `db` done to it, its digest made anew
+planted() {
+    cp "$folder/e.ricochet" "$folder/p.ricochet"
+    python3 - "$folder/p.ricochet" <<END
+import math, sqlite3, struct, sys
+db = sqlite3.connect(sys.argv[1])
+def floats(blob): return list(struct.unpack(f"<{len(blob) // 8}d", blob))
+def blob(x): return struct.pack(f"<{len(x)}d", *x)
+$1
+db.commit()
+END
+    tools/attack/atlas_digest.py "$folder/p.ricochet" >/dev/null
+}
+refuses() { curve "$folder/p.ricochet" "$1" | grep -q "^not proved .*$2"; }
+
+# The branch begins in a fold of the energy, C1_31, and passes two junctions; one tube from point to point is enough.
+ok 'S2+ is one curve, over its fold, by a tube a step' bash -c '[[ $1 =~ ^proved\ False\ False\ 8[78]\  ]]' . "$(curve "$folder/e.ricochet" 3)"
+ok 'a branch that ends at the window is one to its end' bash -c '[[ $1 =~ ^proved\ False\ True\ 5[67]\  ]]' . "$(curve "$folder/e.ricochet" 4)"
+ok 'so are branches without a mirror, and horizontal ones' bash -c '[[ $1 =~ ^proved ]] && [[ $2 =~ ^proved ]]' . "$(curve "$folder/e.ricochet" 6)" "$(curve "$folder/e.ricochet" 5)"
+ok 'linear modes are left out' bash -c '[[ $1 =~ ^left\ out ]]' . "$(curve "$folder/e.ricochet" 1)"
+
+# S2- has the word and the class of S2+
+planted '
+columns = [row[1] for row in db.execute("PRAGMA table_info(point)") if row[1] not in ("branch", "point", "arclength")]
+for p in range(45, 90):
+    db.execute("UPDATE point SET ({0}) = (SELECT {0} FROM point WHERE branch = 4 AND point = ?) WHERE branch = 3 AND point = ?".format(
+        ", ".join(columns)), (p - 45, p))'
+ok 'a chord from one branch to another is no curve' refuses 3 'between points 44 and 45'
+
+planted '
+for p, state in db.execute("SELECT point, state FROM point WHERE branch = 3 AND point = 30").fetchall():
+    x = floats(state)
+    x[0] += 1e-6
+    E = x[2] ** 2 + x[3] ** 2 / 2 + 4.5 * x[0] ** 2 - x[0] * x[1] + x[1] ** 2 / 2
+    db.execute("UPDATE point SET state = ?, energy = ? WHERE branch = 3 AND point = ?", (blob(x), E, p))'
+ok 'a point that is off by 1e-6 is on none' refuses 3 'between points 29 and 30'
+
+planted 'db.execute("UPDATE branch SET word = ? WHERE id = 6", ("011",))'
+ok 'another word is no curve' refuses 6 ''
+# Branch 12 has the word of branch 8, and mirrors
+planted '
+for name in "state", "flights", "energy", "frequency":
+    db.execute("UPDATE point SET {0} = (SELECT {0} FROM point WHERE branch = 8 AND point = 25) WHERE branch = 12 AND point = 25".format(name))'
+ok 'an orbit without the mirrors of the branch is not on it' refuses 12 'between points 24 and 25'
+
+# family FROM TO: one impact, at rest in between, q_i = s c_i cos(omega_i (t - T / 2)) / (omega_i sin(omega_i T / 2)): solves
+# the equations for every T, and is a motion, which passes no stop, for 4.845 <= T < 5.840 alone
+family() { planted "
+roots = [(11 - math.sqrt(57)) / 4, (11 + math.sqrt(57)) / 4]
+modes = [[1 / math.sqrt(2 + (9 - 2 * z) ** 2), (9 - 2 * z) / math.sqrt(2 + (9 - 2 * z) ** 2)] for z in roots]
+c, omega = [m[1] - m[0] for m in modes], [math.sqrt(z) for z in roots]
+db.execute('UPDATE branch SET word = ?, impacts = 1, symmetric = 0, mirror = ? WHERE id = 4', ('0', 'impact-rest'))
+n, = db.execute('SELECT count(*) FROM point WHERE branch = 4').fetchone()
+for p in range(n):
+    T = $1 + p * ($2 - $1) / (n - 1)
+    s = 1 / sum(c[i] ** 2 / math.tan(omega[i] * T / 2) / omega[i] for i in range(2))
+    q = [s * c[i] / math.tan(omega[i] * T / 2) / omega[i] for i in range(2)]
+    x = [sum(modes[i][j] * q[i] for i in range(2)) for j in range(2)]
+    v = [s * sum(modes[i][j] * c[i] for i in range(2)) for j in range(2)]
+    E = v[0] ** 2 + v[1] ** 2 / 2 + 4.5 * x[0] ** 2 - x[0] * x[1] + x[1] ** 2 / 2
+    db.execute('UPDATE point SET state = ?, flights = ?, energy = ?, frequency = ? WHERE branch = 4 AND point = ?',
+               (blob(x + v), blob([T]), E, 2 * math.pi / T, p))"; }
+family 4.85 5.83
+ok 'a family of one impact is a curve where it is one' bash -c '[[ $1 =~ ^proved ]]' . "$(curve "$folder/p.ricochet" 4)"
+family 5.5 6.2
+ok 'it is a ghost beyond T = 5.840, and no curve' refuses 4 'between points 27 and 28: the first impact is not proved to approach'
+finish
