@@ -1,7 +1,7 @@
 /* ricochet: periodic orbits of linear structures with rigid stops.
  *
  * Reading order: status, model, study, words, motion (simulator), branch, atlas, queries, orbits, forces, ghosts and
- * cascades on request, explore, verify, section, hunt, version.
+ * cascades on request, loci, explore, verify, section, hunt, version.
  *
  * Units. Everything that leaves the library is *scaled*: lengths by the clearance d of the first contact, energies by
  * d^2, times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
@@ -69,6 +69,9 @@ void ric_model_free(ric_model *model);
 /* The structure with its lowest n_mode modes only: normals are those parts of the contacts' that move these modes, and
  * springs of law bilinear give way by the static compliance of the rest, too (docs/theory.md section 1). */
 ric_status ric_model_truncate(const ric_model *model, int n_mode, ric_model **out);
+
+/* Whether two structures have the same numbers; names do not count. */
+bool ric_model_same(const ric_model *a, const ric_model *b);
 
 int ric_model_n_dof(const ric_model *model);
 int ric_model_n_mode(const ric_model *model); /* modes that some contact sees */
@@ -191,6 +194,14 @@ int ric_study_n_node(const ric_study *study);
 ric_status ric_study_node(const ric_study *study, int i, ric_drawing_node *out);
 int ric_study_n_line(const ric_study *study);
 ric_status ric_study_line(const ric_study *study, int i, int ends[2]);
+/* A parameter p of the structure: mass + (p - at) mass', and likewise for the stiffness and the clearances. */
+typedef struct {
+    const char *name;
+    double at, from, to;                        /* value that stands for the model, and the range; from <= at <= to */
+    const double *mass, *stiffness, *clearance; /* what grows with p: [n_dof^2] twice, [n_contact]; NULL: nothing */
+} ric_vary;
+/* Section vary; false: the study has none. Borrowed. */
+bool ric_study_vary(const ric_study *study, ric_vary *out);
 int ric_study_n_name(const ric_study *study);
 ric_status ric_study_name(const ric_study *study, int i, ric_name *out);
 
@@ -785,6 +796,57 @@ ric_status ric_cascade_point(const ric_cascade *cascade, int step, int i, ric_po
 int ric_cascade_impacts(const ric_cascade *cascade, int step);
 /* The orbit of a step at time t (taken modulo the period), scaled, x and v [n_dof each]. */
 void ric_cascade_at_time(const ric_cascade *cascade, int step, double t, double *x, double *v);
+
+/* -------------------------------------------------------------------- loci */
+
+/* The structure of a model where its parameter has a value. */
+ric_status ric_model_vary(const ric_model *model, const ric_vary *vary, double value, ric_model **out);
+
+/* A junction as a parameter of the structure varies: a curve in the plane of the parameter and the energy or the
+ * frequency, followed through its own folds, with the places of codimension two where it ends or is another kind of
+ * junction as well (docs/loci.md). */
+typedef struct ric_locus ric_locus;
+
+typedef enum {
+    RIC_LOCUS_PLAIN,
+    RIC_LOCUS_START, /* the junction of the atlas */
+    RIC_LOCUS_ASKED, /* at a value that was asked for */
+    RIC_LOCUS_FOLD,  /* the parameter turns: two junctions annihilate each other */
+    RIC_LOCUS_MEETS, /* is another kind of junction, too, or is so from here on */
+    RIC_LOCUS_END,
+} ric_locus_mark;
+const char *ric_locus_mark_text(ric_locus_mark mark);
+
+typedef struct {
+    int n_value;
+    const double *values; /* [n_value] of the parameter, at which the junction is solved as well */
+    double max_step;      /* largest step, of parameter and orbit together, relative to the range and to the orbit; 0:
+                           * the library's */
+    int max_points;       /* either way */
+    bool (*progress)(int points, double value, void *user); /* NULL, or called at every point; return true to stop */
+    void *user;
+} ric_locus_options;
+void ric_locus_options_init(ric_locus_options *options);
+
+typedef struct {
+    double value;             /* of the parameter */
+    double energy, frequency; /* scaled by the clearance that the first contact has there; of the orbit, rad/s */
+    double length;            /* that clearance */
+    double residual;          /* relative, of the equations of the orbit */
+    ric_locus_mark mark;
+    const char *what;      /* what is met, or why it ends; "" */
+    const double *state;   /* [2 n_dof] x then v of the orbit, scaled, as ric_junction has them */
+    const double *flights; /* [max(letters, 1)] seconds */
+} ric_locus_point;
+
+/* From a junction of an atlas both ways, in order from one end to the other; options NULL: the defaults. RIC_E_INPUT
+ * for a junction that has no locus. RIC_E_INTERRUPTED: *out holds what was found. */
+ric_status ric_locus_follow(const ric_atlas *atlas, const ric_vary *vary, int junction,
+                            const ric_locus_options *options, ric_locus **out);
+void ric_locus_free(ric_locus *locus);
+int ric_locus_n_point(const ric_locus *locus);
+/* Point i from 0; pointers inside live as long as the locus. */
+ric_status ric_locus_point_at(const ric_locus *locus, int i, ric_locus_point *out);
 
 /* ----------------------------------------------------------------- explore */
 

@@ -129,11 +129,11 @@ static const struct {
     {"sheet", plot_sheet, false, true},      {"strobe", plot_strobe, false, true},
     {"section", plot_section, true, true},   {"simulate", plot_simulate, false, true},
     {"law", plot_law, false, false},         {"model", plot_model, false, false},
-    {"response", plot_response, true, true},
+    {"response", plot_response, true, true}, {"locus", plot_locus, true, true},
 };
 
 #define PICTURES                                                                                                       \
-    "fep, orbit, orbits, curves, floquet, cascade, sheet, strobe, section, simulate, law, model and response"
+    "fep, orbit, orbits, curves, floquet, cascade, sheet, strobe, section, simulate, law, model, response and locus"
 
 static int run(int argc, char **argv)
 {
@@ -348,6 +348,16 @@ static const cli_item items[] = {
     {.name = "--level", .value = "L", .text = "only the curves of this level"},
     {.name = "--log", .text = "a logarithmic axis upwards"},
     {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
+    {.name = "locus",
+     .picture = true,
+     .text = "junctions as a parameter of the structure varies, as `ricochet locus` follows them, with their folds and "
+             "ends"},
+    {.name = "--junction", .value = "J", .text = "a junction; may be repeated"},
+    {.name = "--study", .value = "FILE", .text = "study whose section vary is taken"},
+    {.name = "--values", .value = "A,B,..", .text = "values of the parameter at which it is solved as well"},
+    {.name = "--max-step", .value = "H", .text = "largest step along the curve"},
+    {.name = "--y", .value = "NAME", .words = "energy frequency", .text = "what goes upwards, energy unless given"},
+    {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
     {.name = "all", .picture = true, .text = "every picture"},
     {.name = "-o", .value = "FILE", .text = "the file to write, its ending .svg, .pdf, .png or .gp"},
     {.name = "--title", .value = "TEXT", .text = "a title above the picture, which has none unless asked for"},
@@ -402,6 +412,8 @@ const cli_command cli_plot = {
              "           [(--branch ID | --at E,OMEGA | --orbits) [--radius R]] [--face F]\n"
              "           [--colour WHAT] [--window A:B,C:D] [-j WORKERS | --jobs WORKERS]\n"
              "           [--seconds S] -o FILE\n"
+             "ricochet plot locus ATLAS --junction J... [--study FILE] [--y NAME] [--values A,B,..]\n"
+             "           [--max-step H] [--window A:B,C:D] -o FILE\n"
              "ricochet plot simulate STUDY --state X.. V.. --time T [--coordinates LIST]\n"
              "           [--data FILE.csv] -o FILE\n"
              "ricochet plot law STUDY|ATLAS... [--key TEXT] -o FILE\n"

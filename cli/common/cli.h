@@ -55,7 +55,7 @@ typedef struct {
 /* One per cmd_*.c, listed in main.c. */
 extern const cli_command cli_run, cli_check, cli_new, cli_words, cli_branches, cli_junctions, cli_points, cli_orbit,
     cli_verify, cli_prove, cli_simulate, cli_plot, cli_bases, cli_cascade, cli_report_atlas, cli_hunt, cli_view,
-    cli_export, cli_section_command, cli_force, cli_response, cli_help;
+    cli_export, cli_section_command, cli_force, cli_response, cli_locus_command, cli_help;
 
 /* All commands, up to NULL, and the options of the program itself (main.c). */
 extern const cli_command *const cli_commands[];
@@ -263,6 +263,8 @@ bool cli_know_options(const cli_command *command, int argc, char **argv);
 bool cli_operands(const cli_command *command, int argc, char **argv, int n);
 /* Whole-string number, with a message naming `what` otherwise. */
 bool cli_parse_number(const char *text, const char *what, double *out);
+/* "1,0,2": *n numbers in out [most]; `what` is the option. */
+bool cli_parse_list(const char *text, const char *what, int most, int *n, double *out);
 bool cli_parse_integer(const char *text, const char *what, long min, long max, long *out);
 /* The study in a file, or on standard input where the path is "-"; files that it names are then looked for from the
  * folder of the call. Returns an exit code, with a message. */

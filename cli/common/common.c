@@ -334,6 +334,21 @@ bool cli_parse_number(const char *text, const char *what, double *out)
     return true;
 }
 
+bool cli_parse_list(const char *text, const char *what, int most, int *n, double *out)
+{
+    char item[64];
+    for (*n = 0; *n < most; text++) {
+        const size_t length = strcspn(text, ",");
+        snprintf(item, sizeof item, "%.*s", length < sizeof item ? (int)length : (int)sizeof item - 1, text);
+        if (!cli_parse_number(item, what, &out[*n])) return false;
+        ++*n;
+        text += length;
+        if (!*text) return true;
+    }
+    cli_wrong("%s has more than %d numbers", what, most);
+    return false;
+}
+
 bool cli_parse_integer(const char *text, const char *what, long min, long max, long *out)
 {
     char *end = NULL;

@@ -11,12 +11,10 @@
 #include "cli.h"
 
 const cli_command *const cli_commands[] = {
-    &cli_new,       &cli_check,    &cli_run,      &cli_branches,
-    &cli_junctions, &cli_bases,    &cli_points,   &cli_report_atlas,
-    &cli_orbit,     &cli_cascade,  &cli_plot,     &cli_view,
-    &cli_verify,    &cli_prove,    &cli_hunt,     &cli_section_command,
-    &cli_force,     &cli_response, &cli_simulate, &cli_words,
-    &cli_export,    &cli_help,     NULL,
+    &cli_new,           &cli_check,        &cli_run,   &cli_branches,        &cli_junctions, &cli_bases,
+    &cli_points,        &cli_report_atlas, &cli_orbit, &cli_cascade,         &cli_plot,      &cli_view,
+    &cli_verify,        &cli_prove,        &cli_hunt,  &cli_section_command, &cli_force,     &cli_response,
+    &cli_locus_command, &cli_simulate,     &cli_words, &cli_export,          &cli_help,      NULL,
 };
 
 const cli_item cli_program_items[] = {

@@ -8,21 +8,6 @@
 #include "study/matrix_market.h"
 
 /* "1,0,2": *n numbers in out [most]. */
-bool cli_parse_list(const char *text, const char *what, int most, int *n, double *out)
-{
-    char item[64];
-    for (*n = 0; *n < most; text++) {
-        const size_t length = strcspn(text, ",");
-        snprintf(item, sizeof item, "%.*s", length < sizeof item ? (int)length : (int)sizeof item - 1, text);
-        if (!cli_parse_number(item, what, &out[*n])) return false;
-        ++*n;
-        text += length;
-        if (!*text) return true;
-    }
-    cli_wrong("%s has more than %d numbers", what, most);
-    return false;
-}
-
 static bool parse_harmonics(const char *text, cli_shaking *ask)
 {
     double values[CLI_HARMONICS_MOST];

@@ -14,8 +14,6 @@ typedef struct {
     int harmonics[CLI_HARMONICS_MOST], n_harmonic;
 } cli_shaking;
 
-/* "1,0,2": *n numbers in out [most]; `what` is the option. */
-bool cli_parse_list(const char *text, const char *what, int most, int *n, double *out);
 bool cli_take_shaking(int *argc, char **argv, cli_shaking *out, int *code);
 /* Borrows. */
 ric_shaking cli_shaking_of(const cli_shaking *shaking);

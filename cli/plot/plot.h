@@ -429,6 +429,7 @@ int plot_strobe(int argc, char **argv, const plot_options *options);
 int plot_section(int argc, char **argv, const plot_options *options);
 int plot_curves(int argc, char **argv, const plot_options *options);
 int plot_response(int argc, char **argv, const plot_options *options);
+int plot_locus(int argc, char **argv, const plot_options *options);
 int plot_floquet(int argc, char **argv, const plot_options *options);
 int plot_cascade(int argc, char **argv, const plot_options *options);
 int plot_simulate(int argc, char **argv, const plot_options *options);

@@ -52,7 +52,9 @@ static double larger_determinant(ric_criterion_work *q, const double *u)
         double sign = ric_continuation_tangent(large, q->along, t);
         value = sign * large->end_det;
         q->noise = ric_continuation_tolerance(large) * fabs(large->end_det / large->smallest);
-        if (!q->along && (q->along = ric_malloc(sizeof t))) memcpy(q->along, t, sizeof t);
+        q->n_along = large->n_unknown;
+        if (!q->along) q->along = ric_malloc(sizeof t);
+        if (q->along) memcpy(q->along, t, sizeof t);
     }
     ric_shooting_free(large);
     ric_periodic_free(here);
@@ -116,4 +118,16 @@ double ric_criterion_value(ric_criterion_work *q, const double *u, const double 
 bool ric_criterion_breaks_symmetry(int test)
 {
     return test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
+}
+
+int ric_criterion_shortest(const ric_shooting *c, const double *u)
+{
+    const ric_model *m = c->model;
+    int best = -1;
+    for (int k = 0; k < c->n_flight; k++) {
+        int f = c->face[k], g = c->face[k + 1];
+        if (f < 0 || g < 0 || m->face[f].contact == m->face[g].contact) continue;
+        if (best < 0 || u[c->n_start + k] < u[c->n_start + best]) best = k;
+    }
+    return best;
 }

@@ -29,7 +29,9 @@ typedef struct {
     bool last;     /* from a canonical orbit: what is found is kept */
     double noise;  /* rounding in the determinant of the larger problem, beside its zero */
     double aside;  /* imaginary part of the pair nearest to that of a multiplication */
-    double *along; /* direction of the curve in the unknowns of the problem without the symmetry that breaks; owned */
+    double *along; /* [n_along] direction of the curve in the unknowns of the problem without the symmetry that
+                    * breaks, at the last value; owned */
+    int n_along;
 } ric_criterion_work;
 
 /* A criterion on a chain that has been flown or not, borrowed; its multipliers want ric_floquet_create(n, &q.floquet).
@@ -44,6 +46,8 @@ double ric_criterion_value(ric_criterion_work *q, const double *u, const double 
 double ric_criterion_off_rotation(ric_criterion_work *q);
 /* Whether the determinant of the larger problem tells a multiplication. */
 bool ric_criterion_by_larger(const ric_criterion_work *q);
+/* Flight of the chain between different contacts that is shortest; -1. */
+int ric_criterion_shortest(const ric_shooting *chain, const double *u);
 /* Whether the test is that of a kernel that breaks a symmetry of the form. */
 bool ric_criterion_breaks_symmetry(int test);
 

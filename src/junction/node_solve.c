@@ -227,19 +227,6 @@ static int slowest(const ric_shooting *c, const double *u, bool *soft)
     return best;
 }
 
-/* Flight of the chain between different contacts that is shortest. */
-static int shortest(const ric_shooting *c, const double *u)
-{
-    const ric_model *m = c->model;
-    int best = -1;
-    for (int k = 0; k < c->n_flight; k++) {
-        int f = c->face[k], g = c->face[k + 1];
-        if (f < 0 || g < 0 || m->face[f].contact == m->face[g].contact) continue;
-        if (best < 0 || u[c->n_start + k] < u[c->n_start + best]) best = k;
-    }
-    return best;
-}
-
 /* Rounds the unknowns u [n] to the grain. *grid: those of the pass before, NULL for none; replaced. True if they are
  * the same: another pass would find the same bits. */
 static bool settled(int n, double grain, double *u, int *n_grid, double **grid)
@@ -273,7 +260,7 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
             ric_shooting_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the
                                                 * rounded unknowns */
             if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0) good = false;
-            if (q.test == RIC_TEST_FLIGHT) q.place = shortest(q.chain, u);
+            if (q.test == RIC_TEST_FLIGHT) q.place = ric_criterion_shortest(q.chain, u);
             good = good && solve_criterion(&q, u);
             out = good ? ric_periodic_from_chain(q.chain, u) : NULL;
         } else out = done ? before : NULL;

@@ -306,8 +306,8 @@ static ric_status allocate_scaled(ric_model *m)
     return RIC_OK;
 }
 
-ric_status ric_model_create(int n_dof, const double *mass, const double *stiffness, int n_contact,
-                            const ric_contact *contacts, double restitution, ric_model **out)
+ric_status ric_model_create_near(const ric_model *near, int n_dof, const double *mass, const double *stiffness,
+                                 int n_contact, const ric_contact *contacts, double restitution, ric_model **out)
 {
     ric_model *m = NULL;
     ric_status status = check(n_dof, mass, stiffness, n_contact, contacts, restitution);
@@ -336,6 +336,7 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
     for (int i = 0; i < n_contact; i++) m->law = contacts[i].law > m->law ? contacts[i].law : m->law;
     m->restitution = restitution;
     if ((status = ric_modes_find(m))) goto out;
+    if (near && (status = ric_modes_orient(m, near))) goto out;
     if ((status = allocate_scaled(m))) goto out;
     scale_modes(m);
     make_faces(m);
@@ -346,6 +347,12 @@ ric_status ric_model_create(int n_dof, const double *mass, const double *stiffne
 out:
     ric_model_free(m);
     return status;
+}
+
+ric_status ric_model_create(int n_dof, const double *mass, const double *stiffness, int n_contact,
+                            const ric_contact *contacts, double restitution, ric_model **out)
+{
+    return ric_model_create_near(NULL, n_dof, mass, stiffness, n_contact, contacts, restitution, out);
 }
 
 void ric_model_free(ric_model *m)
@@ -362,6 +369,22 @@ void ric_model_free(ric_model *m)
 }
 
 /* ---------------------------------------------------------------- queries */
+
+static bool same_contact(const ric_contact *a, const ric_contact *b)
+{
+    return a->clearance == b->clearance && a->sides == b->sides && a->law == b->law && a->stiffness == b->stiffness &&
+           a->exponent == b->exponent && a->length == b->length && a->reference == b->reference;
+}
+
+bool ric_model_same(const ric_model *a, const ric_model *b)
+{
+    if (a->n_dof != b->n_dof || a->n_contact != b->n_contact || a->restitution != b->restitution) return false;
+    const size_t n = (size_t)a->n_dof, size = n * n * sizeof *a->M;
+    bool same = !memcmp(a->M, b->M, size) && !memcmp(a->K, b->K, size) &&
+                !memcmp(a->b, b->b, (size_t)a->n_contact * n * sizeof *a->b);
+    for (int f = 0; f < a->n_contact && same; f++) same = same_contact(&a->contact[f], &b->contact[f]);
+    return same;
+}
 
 int ric_model_n_dof(const ric_model *m)
 {

@@ -80,6 +80,12 @@ void ric_model_complement(int n, const double *h, double *E);
 /* E X in place of the first n - 1 rows of X [n, ld], of `columns` columns, at the cost of one reflection. */
 void ric_model_across(int n, const double *h, int columns, int ld, double *X);
 
+/* ric_model_create of a structure that differs little from another one, with the modes of that: every shape has the
+ * sign in which it is nearest to the shape of the same number there, so that a frame changes as smoothly as the
+ * matrices do. RIC_E_NUMERIC where modes have changed places, or are seen that were not. near NULL: any structure. */
+ric_status ric_model_create_near(const ric_model *near, int n_dof, const double *mass, const double *stiffness,
+                                 int n_contact, const ric_contact *contacts, double restitution, ric_model **out);
+
 /* Energy coordinates [2n] <-> scaled public state x, v [n_dof each]; v per second. Unseen modes are at rest. */
 void ric_model_to_state(const ric_model *model, const double *w, double *x, double *v);
 void ric_model_from_state(const ric_model *model, const double *x, const double *v, double *w);

@@ -266,3 +266,33 @@ ric_status ric_modes_find(ric_model *m)
     m->n_part = count_parts(m);
     return m->n_part ? RIC_OK : ric_no_memory("a model");
 }
+
+#define SAME_SHAPE                                                                                                     \
+    0.7 /* cosine of the angle between two shapes that are one mode: beyond half a right angle another                 \
+         */
+
+/* phi_i . M phi_i' of mode i here and there. */
+static double overlap(const ric_model *m, const ric_model *near, int i)
+{
+    const int n = m->n_dof;
+    double sum = 0;
+    for (int j = 0; j < n; j++)
+        for (int k = 0; k < n; k++) sum += m->Phi[j * n + i] * m->M[j * n + k] * near->Phi[k * n + i];
+    return sum;
+}
+
+ric_status ric_modes_orient(ric_model *m, const ric_model *near)
+{
+    const int n = m->n_dof;
+    for (int i = 0; i < n; i++) {
+        const double o = overlap(m, near, i);
+        if (m->seen[i] != near->seen[i])
+            return ric_fail(RIC_E_NUMERIC, "mode %d begins or ceases to be seen by the contacts", i + 1);
+        if (m->seen[i] && fabs(o) < SAME_SHAPE)
+            return ric_fail(RIC_E_NUMERIC, "mode %d changes its place with another one", i + 1);
+        if (o >= 0) continue;
+        for (int j = 0; j < n; j++) m->Phi[j * n + i] = -m->Phi[j * n + i];
+        for (int f = 0; f < m->n_contact; f++) m->normal[f * n + i] = -m->normal[f * n + i];
+    }
+    return RIC_OK;
+}

@@ -9,6 +9,9 @@
  * basis is that in which most are unseen; every shape has its largest component positive. O(n_dof^3). */
 ric_status ric_modes_find(ric_model *model);
 
+/* Turns the shapes of a model to those of another one that it differs little from: model.h, ric_model_create_near. */
+ric_status ric_modes_orient(ric_model *model, const ric_model *near);
+
 /* Whether rounding alone may tell apart two squared frequencies, the lower one first. */
 bool ric_modes_equal(double lower, double upper);
 

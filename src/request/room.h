@@ -2,4 +2,6 @@
 #ifndef RIC_REQUEST_ROOM_H
 #define RIC_REQUEST_ROOM_H
 
+#include "stored.h"
+
 #endif

@@ -96,7 +96,8 @@ static int read_numbers(const char *text, const char *key, double **out)
         const char *at = line + length, *end = strchr(line, '\n');
         for (const char *c = at; c && c < end; c++) n += *c == ' ';
         if (!(*out = ric_calloc((size_t)n + 1, sizeof **out))) return -1;
-        for (int i = 0; i < n; i++) (*out)[i] = strtod(at, (char **)&at);
+        char *rest = ric_own(at);
+        for (int i = 0; i < n; i++) (*out)[i] = strtod(rest, &rest);
         return n;
     }
     return (*out = ric_calloc(1, sizeof **out)) ? 0 : -1;

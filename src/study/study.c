@@ -29,6 +29,7 @@ struct ric_study {
     ric_explore_options options;
     char remark[1600]; /* "" from an atlas */
     ric_drawing drawing;
+    ric_vary vary;  /* its parts are owned; name NULL: there is none */
     bool chosen[2]; /* the windows of energy and frequency, by the program */
     int n_name;
     ric_name *names;
@@ -392,8 +393,10 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
     ric_buffer_sync(&written);
     size_t end = written.size;
     if (raw) write_names(study, out);
-    if (raw) ric_study_drawing_write(&study->drawing, out);
-    else fputs(study->text + study->explore_end, out);
+    if (raw) {
+        ric_study_drawing_write(&study->drawing, out);
+        ric_study_vary_write(&study->vary, raw->n, raw->n_contact, out);
+    } else fputs(study->text + study->explore_end, out);
     char *text = ric_buffer_take(&written);
     if (!text) return ric_no_memory("the text of the study");
     free(study->text);
@@ -405,9 +408,9 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
 
 /* ------------------------------------------------------------------- study */
 
-enum { S_TITLE, S_MODEL, S_EXPLORE, S_REGIONS, S_NAMES, S_TOLERANCE, S_DRAWING, S_COUNT };
+enum { S_TITLE, S_MODEL, S_EXPLORE, S_REGIONS, S_NAMES, S_TOLERANCE, S_DRAWING, S_VARY, S_COUNT };
 static const char *const study_keys[S_COUNT] = {"title", "model",     "explore", "regions",
-                                                "names", "tolerance", "drawing"};
+                                                "names", "tolerance", "drawing", "vary"};
 
 /* What the model has to say about the options. */
 static ric_status settle_options(const ric_yaml *r, const ric_yaml_node *place, const all_multiples *all,
@@ -445,7 +448,9 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     if (!slots[S_MODEL].key)
         return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
     if ((status = ric_study_model_read(r, &slots[S_MODEL], raw, &study->model))) return status;
-    if ((status = ric_study_drawing_read(r, &slots[S_DRAWING], raw->n, &study->drawing))) return status;
+    if ((status = ric_study_drawing_read(r, &slots[S_DRAWING], raw->n, &study->drawing)) ||
+        (status = ric_study_vary_read(r, &slots[S_VARY], raw, &study->vary)))
+        return status;
     study->restitution_line = raw->restitution_line;
     snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
     if ((status = check_start(r, start, raw->n, &study->options)) ||
@@ -606,6 +611,7 @@ void ric_study_free(ric_study *study)
     }
     free(study->names);
     ric_study_drawing_free(&study->drawing);
+    ric_study_vary_free(&study->vary);
     ric_model_free(study->model);
     free(study->title);
     free(study->text);
@@ -636,6 +642,12 @@ ric_status ric_study_line(const ric_study *study, int i, int ends[2])
         return ric_fail(RIC_E_RANGE, "no line %d; there are %d, from 0", i, study->drawing.n_line);
     for (int k = 0; k < 2; k++) ends[k] = study->drawing.lines[i].ends[k] - 1;
     return RIC_OK;
+}
+
+bool ric_study_vary(const ric_study *study, ric_vary *out)
+{
+    *out = study->vary;
+    return study->vary.name != NULL;
 }
 
 size_t ric_study_restitution_line(const ric_study *study)

@@ -154,9 +154,8 @@ static ric_status check_symmetric(const ric_yaml *r, const ric_yaml_node *value,
     return RIC_OK;
 }
 
-/* n = 0 on entry: any size. */
-static ric_status read_matrix(const ric_yaml *r, const ric_yaml_slot *matrix, const char *key, int *n, double **out,
-                              ric_raw_model *raw)
+ric_status ric_study_matrix_read(const ric_yaml *r, const ric_yaml_slot *matrix, const char *key, int *n, double **out,
+                                 ric_raw_model *raw)
 {
     int rows = 0;
     ric_status status;
@@ -414,9 +413,10 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ri
     if (!slots[M_STIFFNESS].key)
         return ric_yaml_wrong(r, from->key, "model.stiffness",
                               "missing; give rows such as [[9, -1], [-1, 1]], or {file: K.mtx}");
-    if ((status = read_matrix(r, &slots[M_MASS], "model.mass", &n, &raw->mass, raw))) return status;
+    if ((status = ric_study_matrix_read(r, &slots[M_MASS], "model.mass", &n, &raw->mass, raw))) return status;
     raw->n = n;
-    if ((status = read_matrix(r, &slots[M_STIFFNESS], "model.stiffness", &n, &raw->stiffness, raw))) return status;
+    if ((status = ric_study_matrix_read(r, &slots[M_STIFFNESS], "model.stiffness", &n, &raw->stiffness, raw)))
+        return status;
     if ((status = read_contacts(r, from->key, &slots[M_CONTACTS], raw))) return status;
     raw->restitution = 1;
     const ric_yaml_node *restitution = slots[M_RESTITUTION].value;
@@ -431,7 +431,7 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ri
 
 /* ----------------------------------------------------------------- writing */
 
-static void write_list(int n, const double *values, FILE *out)
+void ric_study_list_write(int n, const double *values, FILE *out)
 {
     for (int i = 0; i < n; i++) {
         fputs(i ? ", " : "[", out);
@@ -445,7 +445,7 @@ static void write_matrix(const char *key, int n, const double *A, FILE *out)
     fprintf(out, "  %s:\n", key);
     for (int i = 0; i < n; i++) {
         fputs("    - ", out);
-        write_list(n, A + (size_t)i * (size_t)n, out);
+        ric_study_list_write(n, A + (size_t)i * (size_t)n, out);
     }
 }
 
@@ -483,7 +483,7 @@ void ric_study_model_write(const ric_raw_model *raw, FILE *out)
     for (int i = 0; i < raw->n_contact; i++) {
         const ric_contact *contact = &raw->contacts[i];
         fputs("    - normal: ", out);
-        write_list(raw->n, contact->normal, out);
+        ric_study_list_write(raw->n, contact->normal, out);
         if (contact->name) {
             fputs("      name: ", out);
             ric_yaml_write(contact->name, out);

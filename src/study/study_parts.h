@@ -87,6 +87,11 @@ typedef struct {
 ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **out);
 void ric_study_model_free(ric_raw_model *raw);
 void ric_study_model_write(const ric_raw_model *raw, FILE *out);
+/* A symmetric matrix, as rows or from a file; *n: its size, 0 on entry for any. *out is allocated. */
+ric_status ric_study_matrix_read(const ric_yaml *r, const ric_yaml_slot *matrix, const char *key, int *n, double **out,
+                                 ric_raw_model *raw);
+/* "[1, 2]" and the end of the line. */
+void ric_study_list_write(int n, const double *values, FILE *out);
 /* One sentence after the other, as long as there is room. */
 void ric_study_remark_add(ric_raw_model *raw, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
@@ -109,5 +114,12 @@ typedef struct {
 ric_status ric_study_drawing_read(const ric_yaml *r, const ric_yaml_slot *from, int n_dof, ric_drawing *out);
 void ric_study_drawing_write(const ric_drawing *drawing, FILE *out);
 void ric_study_drawing_free(ric_drawing *drawing);
+
+/* -------------------------------------------------------------- study_vary.c */
+
+/* Fills `out`, whose parts are owned, to be freed also on failure; without the section its name stays NULL. */
+ric_status ric_study_vary_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_vary *out);
+void ric_study_vary_write(const ric_vary *vary, int n, int n_contact, FILE *out);
+void ric_study_vary_free(ric_vary *vary);
 
 #endif

@@ -22,7 +22,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 GROUPS = [
     ("Begin", ["README.md", "docs/study.md", "docs/commands.md", "docs/view.md", "docs/glossary.md"]),
     ("Python and C", ["docs/python.md", "c", "docs/atlas-format.md", "python/notebooks/*.ipynb"]),
-    ("What it computes", ["docs/sections.md", "docs/proofs.md", "docs/forcing.md", "docs/cluster.md"]),
+    ("What it computes", ["docs/sections.md", "docs/proofs.md", "docs/forcing.md", "docs/loci.md", "docs/cluster.md"]),
     ("The article", ["docs/gallery.md", "docs/article.md", "docs/islands.md"]),
     ("How it works", ["docs/theory.md", "docs/map.md", "docs/performance.md", "docs/decisions/*.md"]),
     ("The project", ["CONTRIBUTING.md", "CHANGELOG.md"]),

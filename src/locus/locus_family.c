@@ -1,0 +1,96 @@
+/* The structure at a value of its parameter, and orbits carried from one value to another. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/room.h"
+#include "locus_parts.h"
+#include "model/room.h"
+#include "orbit/room.h"
+
+double ric_locus_range(const ric_vary *v)
+{
+    return v->to - v->from;
+}
+
+static double *sum_of(size_t n, const double *value, double p, const double *rate)
+{
+    double *out = ric_malloc(n * sizeof *out);
+    for (size_t i = 0; out && i < n; i++) out[i] = value[i] + (rate ? p * rate[i] : 0);
+    return out;
+}
+
+ric_status ric_locus_model(const ric_model *model, const ric_vary *v, double value, const ric_model *near,
+                           ric_model **out)
+{
+    const size_t nn = (size_t)model->n_dof * (size_t)model->n_dof;
+    const double p = value - v->at;
+    double *mass = sum_of(nn, model->M, p, v->mass), *stiffness = sum_of(nn, model->K, p, v->stiffness);
+    ric_contact *contacts = ric_calloc((size_t)model->n_contact, sizeof *contacts);
+    ric_status status = mass && stiffness && contacts ? RIC_OK : ric_no_memory("a structure");
+    *out = NULL;
+    for (int f = 0; f < model->n_contact && !status; f++) {
+        contacts[f] = model->contact[f];
+        if (v->clearance && contacts[f].clearance > 0) contacts[f].clearance += p * v->clearance[f];
+    }
+    if (!status)
+        status = ric_model_create_near(near, model->n_dof, mass, stiffness, model->n_contact, contacts,
+                                       model->restitution, out);
+    free(mass);
+    free(stiffness);
+    free(contacts);
+    return status;
+}
+
+ric_status ric_model_vary(const ric_model *model, const ric_vary *v, double value, ric_model **out)
+{
+    return ric_locus_model(model, v, value, NULL, out);
+}
+
+/* A state in the frame of another structure. */
+static void carry_state(const ric_model *from, const ric_model *to, double *w)
+{
+    const int n = from->n_dof;
+    const double unit = ric_model_length(from) / ric_model_length(to);
+    double z[2 * n];
+    ric_model_to_state(from, w, z, z + n);
+    for (int i = 0; i < 2 * n; i++) z[i] *= unit;
+    ric_model_from_state(to, z, z + n, w);
+}
+
+/* The start block of a chain: what of the state is unknown there (shooting.h). */
+static void put_start(const ric_shooting *c, const double *w, double *u)
+{
+    const int n = c->n;
+    const double *from = c->start == RIC_MIRROR_CENTRE ? w + n : w;
+    for (int i = 0; i < (c->start == RIC_MIRROR_NONE ? 2 * n : n); i++) u[i] = from[i];
+    if (c->start != RIC_MIRROR_IMPACT) return;
+    const ric_face *f = &c->model->face[c->face[0]];
+    u[n] = -f->side * ric_dot(n, f->c, w + n) / sqrt(f->cc);
+}
+
+ric_status ric_locus_carry(const ric_shooting *chain, const double *u, const ric_model *to, ric_shooting **out,
+                           double **v)
+{
+    const ric_model *from = chain->model;
+    const int n = chain->n, nodes = chain->n_start + chain->n_flight;
+    const double root = sqrt(chain->parts);
+    double w[2 * n];
+    *out = NULL;
+    ric_status status = ric_shooting_create(to, chain->start, chain->end, chain->sigma, chain->n_flight, chain->face,
+                                            out);
+    if (!status) ric_shooting_close(*out, chain->closed[0]);
+    if (!status && chain->parts > 1) status = ric_shooting_nodes_divide(*out, chain->parts);
+    if (!status && !(*v = ric_calloc((size_t)chain->n_unknown, sizeof **v))) status = ric_no_memory("an orbit");
+    if (status) return status;
+    memcpy(w, chain->w, sizeof w);
+    carry_state(from, to, w);
+    put_start(*out, w, *v);
+    for (int i = chain->n_start; i < nodes; i++) (*v)[i] = u[i] * (to->omega_ref / from->omega_ref);
+    for (int j = 1; j < chain->parts; j++) {
+        for (int i = 0; i < 2 * n; i++) w[i] = u[nodes + 2 * n * (j - 1) + i] * root;
+        carry_state(from, to, w);
+        ric_shooting_nodes_put(*out, j, w, *v);
+    }
+    return RIC_OK;
+}
