@@ -6,7 +6,8 @@
  * two impacts, a small step of the frequency apart, each from the one before by Newton's method, with its multipliers
  * and with the check that no other stop is met. The shooting code has the state at phase 0 for its unknowns, integrates
  * one period from impact to impact, takes its derivatives from differences, and stops at a residual of 1e-9, a
- * thousand times the tolerance of the integrator. Processor time; printed and written to FILE (build/bench-forced.txt). */
+ * thousand times the tolerance of the integrator. Processor time; printed and written to FILE (build/bench-forced.txt).
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -361,7 +361,8 @@ const cli_command cli_prove = {
     .summary = "prove the orbits of an atlas, by ball arithmetic",
     .usage = "ricochet prove ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [-o FILE]\n"
              "                      [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose] [--json | --csv]\n"
-             "ricochet prove ATLAS --curves [--branch ID | --at E,OMEGA] [-j WORKERS] [--seconds S] [--json | --csv]\n",
+             "ricochet prove ATLAS --curves [--branch ID | --at E,OMEGA] [-j WORKERS] [--seconds S]\n"
+             "                      [--json | --csv]\n",
     .items = items,
     .example = "ricochet prove study.ricochet --branch 3\n",
     .run = run,

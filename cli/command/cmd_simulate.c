@@ -243,7 +243,6 @@ static const cli_item items[] = {
     {.name = "--phase", .value = "P", .text = "phase of the force at time 0"},
     {.name = "--damping", .value = "ZETA|FILE", .text = "as of `force`: modal ratios, or a file with the matrix"},
     {.name = "--restitution", .value = "E", .text = "instead of the study's"},
-    {.name = "--harmonic", .value = "M", .text = "has no meaning here, and is taken with the options of `force`"},
     {.text = "Where the impact law gives no motion (two stops met together whose impacts disturb each other, "
              "chatter that ends in a lasting contact), the list ends there, a message says why, and the exit code "
              "is 1; so it does after a million impacts."},
