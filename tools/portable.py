@@ -25,7 +25,7 @@ pthread_self pthread_sigmask putc putchar puts pwrite qsort raise read readlink 
 round scalbn select send setsid setsockopt shutdown sigaction sigaddset sigemptyset sigfillset signal sigprocmask sin sinh snprintf socket sprintf
 sqrt sscanf stat strcasecmp strcat strchr strcmp strcpy strcspn strdup strerror strftime strlen strncasecmp strncat strncmp strncpy strndup
 strpbrk strrchr strspn strstr strtod strtok_r strtol strtold strtoll strtoul strtoull sysconf system tan tanh tgamma time tmpfile tolower toupper trunc umask
-unlink uselocale usleep vfprintf vsnprintf waitpid write
+stderr stdin stdout unlink uselocale usleep vfprintf vsnprintf waitpid write
 asprintf vasprintf dirfd fdopendir opendir readdir closedir fnmatch fprintf getopt getopt_long getpagesize gettimeofday getuid getpgrp gmtime_r
 isinf isnan j0 j1 lrint mkostemp mlock nice openat popen pclose posix_memalign aligned_alloc pthread_attr_init pthread_attr_setstacksize
 pthread_attr_destroy pthread_cond_wait pthread_detach pthread_getspecific pthread_key_create pthread_rwlock_init pthread_rwlock_rdlock

@@ -24,14 +24,14 @@ static bool take_axis(const char *text, int n, int *out, char title[24])
 
 static bool take_space(const sheet *s, int axes[3], char titles[3][24])
 {
-    char text[64];
+    char text[64], *rest = NULL;
     int count = 0;
     const int n = ric_model_n_dof(ric_atlas_model(s->from.atlas[0]));
     for (int i = 1; i < s->from.n; i++)
         if (ric_model_n_dof(ric_atlas_model(s->from.atlas[i])) != n)
             return cli_wrong("plot sheet: the models have different numbers of coordinates") == CLI_DONE;
     snprintf(text, sizeof text, "%s", s->space);
-    for (char *c = strtok(text, ","); c; c = strtok(NULL, ",")) {
+    for (char *c = strtok_r(text, ",", &rest); c; c = strtok_r(NULL, ",", &rest)) {
         if (count == 3 || !take_axis(c, n, &axes[count], titles[count])) {
             if (count == 3) cli_wrong("--space %s: three coordinates, for example x1,x2,v2", s->space);
             return false;

@@ -104,9 +104,7 @@ link_drawn() {
 }
 if command -v gnuplot >/dev/null; then
     quoted() { # quotes in a title, also at its beginning
-        sed "s/^title:.*/title: \"'t Hooft's ''plot''\"/" examples/elementary/study.yaml >"$folder/h.yaml"
-        "$ricochet" run "$folder/h.yaml" -o "$folder/h.ricochet" && "$ricochet" plot fep "$folder/h.ricochet" -o "$folder/h.svg" &&
-            grep -q "'t Hooft's ''plot''" "$folder/h.svg"
+        "$ricochet" plot fep "$atlas" --title "'t Hooft's ''plot''" -o "$folder/h.svg" && grep -q "'t Hooft's ''plot''" "$folder/h.svg"
     }
     ok 'quotes in a title are drawn' quoted
     ok 'a picture goes through a link to a file' link_drawn
