@@ -358,10 +358,11 @@ ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle
     ric_shooting *chain = NULL;
     double *u = NULL;
     ric_periodic *solved = NULL, *out = NULL;
-    if (!ric_periodic_to_chain(m, cycle, &chain, &u) && solve_chain(chain, u)) {
-        settle_touch(chain, u);
-        solved = ric_periodic_from_chain(chain, u);
-    }
+    bool good = !ric_periodic_to_chain(m, cycle, &chain, &u);
+    const double given = good ? fabs(beyond(chain, u)) : 0;
+    if (good && (good = solve_chain(chain, u))) settle_touch(chain, u);
+    /* in a family of two parameters Newton's method may slide to where nothing touches: then it stays as it was */
+    if (good && fabs(beyond(chain, u)) <= fmax(10 * TOUCHES, 2 * given)) solved = ric_periodic_from_chain(chain, u);
     if (solved) out = ric_periodic_canonical(m, solved);
     ric_periodic_free(solved);
     ric_shooting_free(chain);
