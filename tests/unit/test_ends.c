@@ -207,6 +207,39 @@ static void grazings_touch(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Three equal modes and two contacts that they pass at half their frequency: orbits of three impacts form families of
+ * two parameters there, in which what is solved for without the touch may lie where nothing touches (reach 0.99995).
+ * The simulator tells how far the gaps open over a period. */
+static void stored_grazings_touch(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+        "  stiffness: [[2, 0, 0], [0, 2, 0], [0, 0, 2]]\n  contacts:\n"
+        "    - {normal: [0, 0, 1], law: rigid, clearance: 0.00157, sides: both}\n"
+        "    - {normal: [1, 0, -1], law: rigid, clearance: 0.00197, sides: upper}\n"
+        "    - {normal: [0, -1, 1], law: rigid, clearance: 0.00121, sides: upper}\n"
+        "explore: {energy: [0, 3.894], frequency: [0.2828, 4.243], impacts: 5, multiply: 3, depth: 2}\n");
+    int grazings = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        const ric_junction j = junction_of(atlas, id);
+        if (j.kind != RIC_KIND_GRAZING || !j.letters) continue;
+        ric_simulator *sim = NULL;
+        double period = 0;
+        bool hit = true;
+        for (int k = 0; k < j.letters; k++) period += j.flights[k];
+        assert_int_equal(ric_simulator_create(ric_atlas_model(atlas), &sim), RIC_OK);
+        assert_int_equal(ric_simulator_start(sim, j.state, j.state + 3), RIC_OK);
+        while (hit) assert_int_equal(ric_simulator_advance(sim, 1.1 * period, &hit, NULL), RIC_OK);
+        if (fabs(ric_simulator_reach(sim) - 1) > 1e-9)
+            fail_msg("%s reaches %.9g of a clearance", j.label, ric_simulator_reach(sim));
+        ric_simulator_free(sim);
+        grazings++;
+    }
+    assert_true(grazings > 0);
+    ric_atlas_free(atlas);
+}
+
 /* Modes of equal frequencies move together in any share: what leaves them and is lost at once is no branch, and is said
  * to be refused. */
 static void no_branch_without_length(void **state)
@@ -378,6 +411,7 @@ int main(void)
         cmocka_unit_test(no_extremum_beside_an_image),
         cmocka_unit_test(solved_without_touches),
         cmocka_unit_test(grazings_touch),
+        cmocka_unit_test(stored_grazings_touch),
         cmocka_unit_test(no_branch_without_length),
         cmocka_unit_test(margins_through_stiff_springs),
         cmocka_unit_test(solved_again),
