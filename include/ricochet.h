@@ -1104,6 +1104,66 @@ ric_status ric_comparison_missed(const ric_comparison *comparison, int i, ric_mi
 ric_status ric_hunt_add(const ric_hunt *hunt, const ric_comparison *comparison, const ric_atlas *atlas,
                         const char *path, int *n);
 
+/* ------------------------------------------------------------------ census */
+
+/* Experimental. All periodic orbits of one energy with few impacts, as a theorem (docs/proofs.md): flight times are
+ * divided into boxes, of which each is proved to hold no orbit, or lies where exactly one is proved; what is neither is
+ * counted. For structures of which rigid stops see two modes of a frequency above zero. RIC_E_INPUT without FLINT. */
+typedef struct ric_census ric_census;
+
+enum { RIC_CENSUS_LONGEST = 6 /* the longest words that are looked through */ };
+
+typedef struct {
+    double energy;    /* scaled */
+    int impacts;      /* words of up to that many letters, 3 */
+    double period[2]; /* seconds: orbits with a period between these, 0 and infinity */
+    int workers;      /* threads, 1 */
+    double seconds;   /* when these are over what was not looked at is counted as undecided; infinity */
+    /* NULL, or called now and then, by one thread; return true to stop */
+    bool (*progress)(double part, int found, void *user);
+    void *user;
+} ric_census_options;
+
+void ric_census_options_init(ric_census_options *options);
+/* RIC_E_INPUT: what a census does not do, or a period is needed, as flights may last for ever at this energy. A census
+ * that was stopped is no error: it has undecided boxes. */
+ric_status ric_census_run(const ric_model *model, const ric_census_options *options, ric_census **out);
+void ric_census_free(ric_census *census);
+
+/* What the orbits of a census are: each is another one than all before, also run backwards, mirrored and begun at
+ * another impact, and none is a shorter one repeated. */
+typedef struct {
+    int impacts;
+    double period[2], trace[2]; /* intervals that hold them; seconds; lambda + 1/lambda */
+    double approach;            /* no impact is slower; scaled */
+    ric_stability stable;       /* as proved */
+    bool symmetric, reversible; /* true: as proved */
+} ric_census_orbit;
+
+int ric_census_n_orbit(const ric_census *census);
+/* Orbit i from 0, by impacts and period; word [impacts], state right after the first impact [2 n_dof], flights
+ * [impacts], as doubles near them; any pointer may be NULL. */
+ric_status ric_census_orbit_at(const ric_census *census, int i, ric_census_orbit *out, int *word, double *state,
+                               double *flights);
+
+typedef struct {
+    double flight;    /* seconds: no flight is longer; infinity where none is proved, 0: no stop is reached */
+    double period[2]; /* seconds: what was looked through; the first one by theorem, or as asked for */
+    bool all_periods; /* no orbit of so many impacts has another period */
+    int words;        /* up to images */
+    long boxes;       /* that were looked at */
+    int ghosts;       /* zeros of the equations that are no motions */
+    int open;         /* zeros of which it is not proved whether they are motions */
+    long undecided;   /* boxes that are neither empty nor known to hold one orbit */
+    double measure;   /* of these, as a share of all flight times */
+    bool stopped;     /* on request, or as the time was over */
+} ric_census_account;
+
+/* Solution i of those that are open, from 0: word and flights [RIC_CENSUS_LONGEST each]. */
+ric_status ric_census_open_at(const ric_census *census, int i, int *impacts, int *word, double *flights);
+/* Complete: nothing open, nothing undecided. */
+void ric_census_account_of(const ric_census *census, ric_census_account *out);
+
 /* ----------------------------------------------------------------- version */
 
 #define RIC_VERSION "0.1.0"

@@ -294,11 +294,12 @@ static int run(int argc, char **argv)
     long branch = 0, point = -1, workers = 1;
     ric_atlas *atlas = NULL;
     prove_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
+    if (cli_take_flag(&argc, argv, "--complete")) return prove_complete(argc, argv);
     const bool verbose = cli_take_flag(&argc, argv, "--verbose");
     w.curves = cli_take_flag(&argc, argv, "--curves");
-    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--branch", &text) ||
-        !cli_take_value(&argc, argv, "--point", &point_text) || !cli_take_value(&argc, argv, "-o", &path) ||
-        !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
+    if (!prove_complete_only(&argc, argv) || !cli_take_format(&argc, argv, &format) ||
+        !cli_take_value(&argc, argv, "--branch", &text) || !cli_take_value(&argc, argv, "--point", &point_text) ||
+        !cli_take_value(&argc, argv, "-o", &path) || !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
         !cli_take_workers(&argc, argv, MOST_WORKERS, &workers) || !cli_operands(&cli_prove, argc, argv, 1) ||
         (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
         (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
@@ -343,6 +344,22 @@ static const cli_item items[] = {
              "where they meet; steps to ends that are junctions are left out. Columns branch, label, verdict, tubes, "
              "from, to (whether its first and last points are on it, too), stable, unstable (proved on these shares of "
              "its length), approach, why"},
+    {.name = "--complete",
+     .text = "experimental, of a STUDY of rigid stops that see two modes: all periodic orbits of one energy with few "
+             "impacts. Flight times are divided into boxes, each proved to have no orbit or to lie where exactly one "
+             "is; boxes that are neither are counted and measured. A hunt for the same orbits follows, and what it "
+             "finds has to be there. An orbit stands for its images, run backwards, mirrored, or begun at another "
+             "impact. The exit code is 1 unless all is decided"},
+    {.name = "--energy", .value = "E", .text = "with --complete: the scaled energy"},
+    {.name = "--impacts", .value = "N", .text = "with --complete: words of up to N letters, 3 unless given, 6 at most"},
+    {.name = "--period",
+     .value = "T",
+     .text = "with --complete: periods up to T seconds; unless given 2 pi over the lower end of the study's frequency "
+             "window. Where both modes reach a stop at this energy, no flight lasts for ever, and a longest one is "
+             "proved: then all periods are looked through if T is long enough"},
+    {.name = "--physical", .text = "with --complete: energies, --energy too, and states in the units of the study"},
+    CLI_ITEM_SORT,
+    CLI_ITEM_HZ,
     {.name = "-o", .value = "FILE", .text = "write certificates, one line of JSON for each point"},
     {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given; 0: one for each core"},
     {.name = "--jobs", .value = "WORKERS", .text = "the same"},
@@ -353,6 +370,7 @@ static const cli_item items[] = {
              "Ctrl-C."},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
+    CLI_ITEM_WIDE,
     {0},
 };
 
@@ -362,8 +380,12 @@ const cli_command cli_prove = {
     .usage = "ricochet prove ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [-o FILE]\n"
              "                      [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose] [--json | --csv]\n"
              "ricochet prove ATLAS --curves [--branch ID | --at E,OMEGA] [-j WORKERS] [--seconds S]\n"
-             "                      [--json | --csv]\n",
+             "                      [--json | --csv]\n"
+             "ricochet prove STUDY --complete --energy E [--impacts N] [--period T] [-j WORKERS]\n"
+             "                      [--seconds S] [--physical] [--hz] [--sort COLUMN]\n"
+             "                      [--json | --csv | --wide]\n",
     .items = items,
-    .example = "ricochet prove study.ricochet --branch 3\n",
+    .example = "ricochet prove study.ricochet --branch 3\n"
+               "ricochet prove examples/elementary/study.yaml --complete --energy 5 --impacts 2\n",
     .run = run,
 };

@@ -35,5 +35,9 @@ int prove_tell_rest(const prove_list *w, int done, const char *what);
 /* Branches that are proved as curves, into the list; and what came of them. */
 ric_status prove_curves_add(prove_list *w, int branch);
 int prove_curves_print(const prove_list *w, cli_format format, bool verbose);
+/* prove --complete STUDY ..: a command of its own. */
+int prove_complete(int argc, char **argv);
+/* Without --complete: false, with a message, if one of its options is given. */
+bool prove_complete_only(int *argc, char **argv);
 
 #endif

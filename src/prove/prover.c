@@ -22,7 +22,7 @@ bool ric_prover_available(void)
     return true;
 }
 
-static const char *find_left_out(const ric_model *model)
+const char *ric_prover_left_out_model(const ric_model *model)
 {
     for (int i = 0; i < ric_model_n_contact(model); i++) {
         ric_contact contact;
@@ -39,7 +39,7 @@ ric_status ric_prover_create(const ric_atlas *atlas, ric_prover **out)
     ric_prover *p = *out = ric_calloc(1, sizeof *p);
     if (!p) return ric_no_memory("proofs");
     p->atlas = atlas;
-    p->left_out = find_left_out(ric_atlas_model(atlas));
+    p->left_out = ric_prover_left_out_model(ric_atlas_model(atlas));
     p->model = ric_certificate_model(ric_atlas_model(atlas));
     p->certificate = ric_strdup("");
     if (p->model && p->certificate) return RIC_OK;

@@ -23,7 +23,8 @@ struct ric_prover {
 
 /* The structure at a level of precision; `good` of it says whether it is enclosed. */
 const ric_enclosure *ric_prover_enclosure(ric_prover *p, int level);
-/* Why the branch is left out by name, or NULL. */
+/* Why the structure is left out by name, or NULL; and the branch. */
+const char *ric_prover_left_out_model(const ric_model *model);
 const char *ric_prover_left_out(const ric_prover *p, const ric_branch *branch);
 
 #endif

@@ -1,4 +1,6 @@
 /* The prover of a library that was built without FLINT: it says so. */
+#include <math.h>
+
 #include "base/room.h"
 
 bool ric_prover_available(void)
@@ -47,4 +49,54 @@ const char *ric_prover_model(const ric_prover *prover)
 {
     (void)prover;
     return "";
+}
+
+void ric_census_options_init(ric_census_options *o)
+{
+    *o = (ric_census_options){.impacts = 3, .period = {0, HUGE_VAL}, .workers = 1, .seconds = HUGE_VAL};
+}
+
+ric_status ric_census_run(const ric_model *model, const ric_census_options *options, ric_census **out)
+{
+    (void)model;
+    (void)options;
+    *out = NULL;
+    return ric_fail(RIC_E_INPUT, "proofs are left out of this program: it was built without FLINT");
+}
+
+void ric_census_free(ric_census *census)
+{
+    (void)census;
+}
+
+int ric_census_n_orbit(const ric_census *census)
+{
+    (void)census;
+    return 0;
+}
+
+ric_status ric_census_orbit_at(const ric_census *census, int i, ric_census_orbit *out, int *word, double *state,
+                               double *flights)
+{
+    (void)census;
+    (void)out;
+    (void)word;
+    (void)state;
+    (void)flights;
+    return ric_fail(RIC_E_RANGE, "there is no orbit %d of the census", i);
+}
+
+ric_status ric_census_open_at(const ric_census *census, int i, int *impacts, int *word, double *flights)
+{
+    (void)census;
+    (void)impacts;
+    (void)word;
+    (void)flights;
+    return ric_fail(RIC_E_RANGE, "there is no open solution %d of the census", i);
+}
+
+void ric_census_account_of(const ric_census *census, ric_census_account *out)
+{
+    (void)census;
+    *out = (ric_census_account){.stopped = true};
 }

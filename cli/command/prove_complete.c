@@ -1,0 +1,275 @@
+/* ricochet prove --complete STUDY: all periodic orbits of one energy with few impacts, as a theorem, and the same
+ * looked for by brute force. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "prove.h"
+
+static const double two_pi = 6.283185307179586;
+enum { MOST_WORKERS = 256, MOST_TOLD = 10 };
+/* A period and a trace of the hunt are those of an orbit of the census, relative. */
+#define SAME_PERIOD 1e-8
+#define SAME_TRACE 1e-5
+
+typedef struct {
+    ric_census_options options;
+    cli_choice choice;
+    cli_format format;
+    bool physical, bounded;
+    const ric_model *model;
+    double length; /* that states are multiplied by: 1 unless physical */
+    struct timespec shown;
+    bool terminal;
+} request;
+
+static bool show_progress(double part, int found, void *user)
+{
+    request *r = user;
+    if (r->terminal && cli_seconds_since(&r->shown) > 0.1) {
+        fprintf(stderr, "\r\033[K%.1f %%, %d orbits and images of them", 100 * part, found);
+        fflush(stderr);
+        clock_gettime(CLOCK_MONOTONIC, &r->shown);
+    }
+    return cli_stopped();
+}
+
+/* ------------------------------------------------------------------ options */
+
+static bool take_positive(int *argc, char **argv, const char *name, bool *given, double *out)
+{
+    const char *text;
+    if (!cli_take_value(argc, argv, name, &text)) return false;
+    if (given) *given = text != NULL;
+    if (!text) return true;
+    if (!cli_parse_number(text, name, out)) return false;
+    if (*out > 0) return true;
+    cli_wrong("prove --complete: %s '%s' is not positive", name, text);
+    return false;
+}
+
+static bool take_request(int *argc, char **argv, request *r)
+{
+    const char *text;
+    long impacts, workers = 1;
+    ric_census_options *o = &r->options;
+    ric_census_options_init(o);
+    impacts = o->impacts;
+    r->physical = cli_take_flag(argc, argv, "--physical");
+    const bool hertz = cli_take_flag(argc, argv, "--hz");
+    bool energy;
+    if (!cli_take_sort(argc, argv, &r->choice) || !cli_take_format(argc, argv, &r->format) ||
+        !take_positive(argc, argv, "--energy", &energy, &o->energy) ||
+        !take_positive(argc, argv, "--period", &r->bounded, &o->period[1]) ||
+        !take_positive(argc, argv, "--seconds", NULL, &o->seconds) || !cli_take_value(argc, argv, "--impacts", &text) ||
+        (text && !cli_parse_integer(text, "--impacts", 1, RIC_CENSUS_LONGEST, &impacts)) ||
+        !cli_take_workers(argc, argv, MOST_WORKERS, &workers))
+        return false;
+    if (!energy) {
+        cli_wrong("prove --complete: --energy is missing; give the scaled energy at which to look, for example "
+                  "--energy 5");
+        return false;
+    }
+    o->impacts = (int)impacts;
+    o->workers = (int)workers;
+    r->choice.hertz = hertz;
+    return true;
+}
+
+/* --------------------------------------------------------------------- rows */
+
+static json_t *numbers(int n, const double *values, double unit)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(unit * values[i]));
+    return list;
+}
+
+static json_t *make_row(const request *r, const ric_census *census, int i)
+{
+    static const char *const stable_text[] = {"no", "yes", "undecided"};
+    ric_census_orbit z;
+    const int n = ric_model_n_dof(r->model);
+    int word[RIC_CENSUS_LONGEST];
+    double state[2 * n], flights[RIC_CENSUS_LONGEST];
+    ric_census_orbit_at(census, i, &z, word, state, flights);
+    const double period = (z.period[0] + z.period[1]) / 2;
+    json_t *row = json_object();
+    json_object_set_new(row, "orbit", json_integer(i + 1));
+    json_object_set_new(row, "energy", cli_number(r->length * r->length * r->options.energy));
+    json_object_set_new(row, "word", cli_word(r->model, z.impacts, word));
+    json_object_set_new(row, "impacts", json_integer(z.impacts));
+    json_object_set_new(row, "period", cli_number(period));
+    json_object_set_new(row, "frequency", cli_number(two_pi / period));
+    json_object_set_new(row, "symmetric", json_boolean(z.symmetric));
+    json_object_set_new(row, "reversible", json_boolean(z.reversible));
+    json_object_set_new(row, "stable", json_string(stable_text[z.stable]));
+    json_object_set_new(row, "trace", cli_number((z.trace[0] + z.trace[1]) / 2));
+    json_object_set_new(row, "approach", cli_number(r->length * z.approach));
+    json_object_set_new(row, "period_within", numbers(2, z.period, 1));
+    json_object_set_new(row, "trace_within", numbers(2, z.trace, 1));
+    json_object_set_new(row, "state", numbers(2 * n, state, r->length));
+    json_object_set_new(row, "flights", numbers(z.impacts, flights, 1));
+    return row;
+}
+
+static int print(const request *r, const ric_census *census)
+{
+    static const char columns[] = "orbit energy word period frequency symmetric reversible stable trace approach";
+    json_t *rows = json_array();
+    if (!rows) return cli_report(RIC_E_NOMEM);
+    for (int i = 0; i < ric_census_n_orbit(census); i++) json_array_append_new(rows, make_row(r, census, i));
+    if (r->choice.hertz) cli_in_hertz(rows);
+    const int code = cli_choose(rows, &r->choice) ? cli_print_rows(rows, columns, r->format) : CLI_WRONG;
+    json_decref(rows);
+    return code;
+}
+
+/* ------------------------------------------------------------------ the account */
+
+static void tell_periods(const ric_census_account *a, FILE *out)
+{
+    if (!(a->flight > 0)) cli_tell(out, "which reaches no stop\n");
+    else if (!a->all_periods) cli_tell(out, "of periods from %.4g to %.4g s\n", a->period[0], a->period[1]);
+    else
+        cli_tell(out, "of any period: none is shorter than %.4g s, no flight is longer than %.4g s\n", a->period[0],
+                 a->flight);
+}
+
+static void tell_open(const request *r, const ric_census *census, int n)
+{
+    for (int i = 0; i < n && i < MOST_TOLD; i++) {
+        int impacts, word[RIC_CENSUS_LONGEST];
+        double flights[RIC_CENSUS_LONGEST];
+        if (ric_census_open_at(census, i, &impacts, word, flights)) continue;
+        json_t *text = cli_word(r->model, impacts, word), *times = numbers(impacts, flights, 1);
+        char *shown = json_dumps(times, JSON_REAL_PRECISION(8));
+        cli_say("ricochet: not proved to be a motion, nor to be none: word %s, flights %s\n", json_string_value(text),
+                shown ? shown : "");
+        free(shown);
+        json_decref(times);
+        json_decref(text);
+    }
+}
+
+static void tell_account(const request *r, const ric_census *census, const ric_census_account *a, FILE *out)
+{
+    const bool complete = !a->undecided && !a->open;
+    const double energy = r->length * r->length * r->options.energy;
+    cli_tell(out, "%s: %d orbits of up to %d impacts at energy %g, ", complete ? "complete" : "not complete",
+             ric_census_n_orbit(census), r->options.impacts, energy);
+    tell_periods(a, out);
+    cli_tell(out, "%ld boxes of flight times in %d words; %d solutions are no motions\n", a->boxes, a->words,
+             a->ghosts);
+    if (a->undecided) cli_tell(out, "%ld boxes are undecided, %.3g of all flight times\n", a->undecided, a->measure);
+    if (a->open) cli_tell(out, "of %d solutions it is not proved whether they are motions\n", a->open);
+    tell_open(r, census, a->open);
+}
+
+/* Whether an orbit of the hunt is one of the census. */
+static bool is_counted(const ric_census *census, const ric_found *found)
+{
+    for (int i = 0; i < ric_census_n_orbit(census); i++) {
+        ric_census_orbit z;
+        ric_census_orbit_at(census, i, &z, NULL, NULL, NULL);
+        const double period = (z.period[0] + z.period[1]) / 2, trace = (z.trace[0] + z.trace[1]) / 2;
+        if (z.impacts == found->impacts && fabs(period - found->period) <= SAME_PERIOD * period &&
+            fabs(trace - found->trace) <= SAME_TRACE * (1 + fabs(trace)))
+            return true;
+    }
+    return false;
+}
+
+static bool stop_is_asked(const char *what, double part, int found, void *user)
+{
+    (void)what;
+    (void)part;
+    (void)found;
+    (void)user;
+    return cli_stopped();
+}
+
+/* The same by the search that knows nothing of boxes: what it finds has to be there. */
+static int check_by_hunt(const request *r, const ric_census *census, const ric_census_account *a, FILE *out)
+{
+    ric_hunt *hunt = NULL;
+    ric_hunt_options o;
+    int missing = 0;
+    ric_hunt_options_init(&o);
+    o.energy = r->options.energy;
+    o.impacts = r->options.impacts;
+    if (a->period[1] > 0) o.period[1] = a->period[1];
+    o.progress = stop_is_asked;
+    ric_status status = ric_hunt_create(r->model, &o, &hunt);
+    if (!status) status = ric_hunt_run(hunt);
+    for (int i = 0; !status && i < ric_hunt_n_found(hunt); i++) {
+        ric_found found;
+        ric_hunt_found(hunt, i, &found, NULL, NULL, NULL);
+        if (is_counted(census, &found)) continue;
+        missing++;
+        cli_say("ricochet: an orbit of %d impacts and period %.12g that the hunt finds is not there\n", found.impacts,
+                found.period);
+    }
+    if (!status)
+        cli_tell(out, "a hunt finds %d orbits there, of which %d are missing here\n", ric_hunt_n_found(hunt), missing);
+    ric_hunt_free(hunt);
+    return status ? cli_report(status) : missing ? CLI_FAILED : CLI_DONE;
+}
+
+static int run_census(request *r)
+{
+    ric_census *census = NULL;
+    ric_census_account a;
+    FILE *out = r->format == CLI_TEXT ? stdout : stderr;
+    r->options.progress = show_progress;
+    r->options.user = r;
+    r->terminal = isatty(STDERR_FILENO);
+    cli_catch_signals();
+    const ric_status status = ric_census_run(r->model, &r->options, &census);
+    if (r->terminal) fputs("\r\033[K", stderr);
+    if (status) return cli_report(status);
+    ric_census_account_of(census, &a);
+    int code = print(r, census);
+    if (!code) tell_account(r, census, &a, out);
+    if (!code && a.stopped) code = cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
+    if (!code) code = check_by_hunt(r, census, &a, out);
+    if (!code && (a.undecided || a.open)) code = CLI_FAILED;
+    ric_census_free(census);
+    return code;
+}
+
+bool prove_complete_only(int *argc, char **argv)
+{
+    static const char *const values[] = {"--energy", "--impacts", "--period", "--sort"};
+    static const char *const flags[] = {"--physical", "--hz"};
+    const char *given = NULL, *text;
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
+        if (!cli_take_value(argc, argv, values[i], &text)) return false;
+        if (text) given = values[i];
+    }
+    for (size_t i = 0; i < sizeof flags / sizeof *flags; i++)
+        if (cli_take_flag(argc, argv, flags[i])) given = flags[i];
+    if (given) cli_wrong("prove: %s is about --complete, which is not given", given);
+    return !given;
+}
+
+int prove_complete(int argc, char **argv)
+{
+    request r = {.length = 1};
+    ric_study *study = NULL;
+    ric_hunt_options window;
+    if (!take_request(&argc, argv, &r) || !cli_operands(&cli_prove, argc, argv, 1)) return CLI_WRONG;
+    ric_status status = ric_study_read(argv[1], &study);
+    if (status) return cli_report(status);
+    r.model = ric_study_model(study);
+    if (r.physical) r.length = ric_model_length(r.model);
+    r.options.energy /= r.length * r.length;
+    ric_hunt_options_init(&window);
+    ric_hunt_options_bound(&window, study);
+    if (!r.bounded) r.options.period[1] = window.period[1];
+    const int code = run_census(&r);
+    ric_study_free(study);
+    return code;
+}
