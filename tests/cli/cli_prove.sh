@@ -11,6 +11,8 @@ if grep -q 'left out of this program' <<<"$said"; then
     exit 77
 fi
 
+# What is planted is looked at on some branches, of 2 to 8 flights; on all in the long form.
+some=$(some_of '3 7 9' '')
 # prove ATLAS OUT ARGUMENT...: the rows
 prove() { "$ricochet" prove "$1" --json "${@:3}" >"$2" 2>/dev/null; [ -s "$2" ]; }
 # rows FILE CODE: Python over `rows` of FILE
@@ -39,6 +41,18 @@ END
 }
 
 prove "$atlas" "$folder/all.json"
+# prove_some OUT: the rows of the planted atlas
+prove_some() {
+    local branch
+    if [ -z "$some" ]; then prove "$folder/p.ricochet" "$1"; return; fi
+    for branch in $some; do "$ricochet" prove "$folder/p.ricochet" --branch "$branch" --json 2>/dev/null; done | python3 -c '
+import json, sys
+decoder, text, rows = json.JSONDecoder(), sys.stdin.read().strip(), []
+while text:
+    part, end = decoder.raw_decode(text)
+    rows, text = rows + part, text[end:].strip()
+print(json.dumps(rows))' >"$1"
+}
 ok 'all but ends of branches is proved' rows "$folder/all.json" '
 last = {}
 for row in rows: last[row["branch"]] = max(row["point"], last.get(row["branch"], 0))
@@ -130,22 +144,22 @@ for b, p, state, flights, stable in points:
     x[i] += 1e-6 * max(map(abs, x)) * random.choice((-1, 1))
     E = x[2] ** 2 + x[3] ** 2 / 2 + 4.5 * x[0] ** 2 - x[0] * x[1] + x[1] ** 2 / 2
     db.execute("UPDATE point SET state = ?, energy = ? WHERE branch = ? AND point = ?", (blob(x), E, b, p))'
-prove "$folder/p.ricochet" "$folder/p.json"
-ok 'no orbit is proved at a state that is off by 1e-6' rows "$folder/p.json" 'assert len(rows) > 690 and not proved, proved[:2]'
+prove_some "$folder/p.json"
+ok 'no orbit is proved at a state that is off by 1e-6' rows "$folder/p.json" 'assert len(rows) > 100 and not proved, proved[:2]'
 
 planted '
 for b, p, state, flights, stable in points:
     if stable < 2: db.execute("UPDATE point SET stable = ? WHERE branch = ? AND point = ?", (1 - stable, b, p))'
-prove "$folder/p.ricochet" "$folder/p.json"
+prove_some "$folder/p.json"
 ok 'no flag that is turned round passes' rows "$folder/p.json" '
 assert all(row["why"].startswith("stored as") for row in rows if row["verdict"] != "proved" and "stored" in row["why"])
-assert sum(row["why"].startswith("stored as") for row in rows) > 600, len(proved)'
+assert sum(row["why"].startswith("stored as") for row in rows) > 0.85 * len(rows) > 85, len(proved)'
 
 planted '
 for id, word in db.execute("SELECT id, word FROM branch WHERE impacts > 1").fetchall():
     flip = random.randrange(len(word))
     db.execute("UPDATE branch SET word = ? WHERE id = ?", (word[:flip] + str(1 - int(word[flip])) + word[flip + 1:], id))'
-prove "$folder/p.ricochet" "$folder/p.json"
+prove_some "$folder/p.json"
 ok 'no orbit is proved with another word' rows "$folder/p.json" 'assert rows and not proved, proved[:2]'
 
 planted '
@@ -153,7 +167,7 @@ for b, p, state, flights, stable in points:
     t = floats(flights)
     db.execute("UPDATE point SET flights = ? WHERE branch = ? AND point = ?", (blob([t[0] * (1 + 1e-6)] + t[1:]), b, p))
     db.execute("UPDATE point SET energy = energy * (1 + 1e-7) WHERE branch = ? AND point = ?", (b, p))'
-prove "$folder/p.ricochet" "$folder/p.json"
+prove_some "$folder/p.json"
 ok 'nor with another time or energy' rows "$folder/p.json" 'assert rows and not proved, proved[:2]'
 
 # One impact, at rest in between: q_i = s c_i cos(omega_i (t - T / 2)) / (omega_i sin(omega_i T / 2)), which solves the equations for

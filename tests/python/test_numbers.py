@@ -10,8 +10,8 @@ from tap import LONG, PROGRAM, run
 import ricochet
 import numpy as np
 
-SECONDS = None if LONG else 2  # of an exploration: what there is then is compared
-BRANCHES = 10**6 if LONG else 6  # of an atlas, whose points and orbits are compared
+SECONDS = None if LONG else 0.4  # of an exploration: what there is then is compared
+BRANCHES = 10**6 if LONG else 4  # of an atlas, whose points and orbits are compared
 
 
 def program(*arguments):
