@@ -18,7 +18,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "src"
 # Templates that are included to make code, not to declare it.
-TEMPLATES = {"flow/taylor.h", "flow/taylor_quad.h"}
+TEMPLATES = {"flow/taylor.h", "flow/taylor_plain.h"}
 # Who may ask for a law: the rest goes through the tables of flow/flight_law.h and orbit/periodic_form.h. The flight of a
 # shooting problem asks so that rigid flights cost nothing more.
 LAWS = {"model", "study", "flow", "check", "hunt", "orbit/shooting"}

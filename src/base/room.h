@@ -14,5 +14,6 @@
 #include "root.h"
 #include "status.h"
 #include "tolerances.h"
+#include "twice.h"
 
 #endif

@@ -6,6 +6,7 @@
 #ifndef RIC_FLOW_POWER_FLOW_H
 #define RIC_FLOW_POWER_FLOW_H
 
+#include "base/room.h"
 #include "model/room.h"
 
 /* The products that make s^(exponent - 1), the last, of s, number 0: squares s^2, s^4, ..., and products of those that
@@ -42,5 +43,10 @@ bool ric_power_flow_map_surely(const ric_model *model, double tau, double *w, do
  * steps as taylor.h gathers it. Returns the epsilon of these digits over that of a double; 1, with w and M as they
  * were: there are none, or no memory. Eight times as long as in double precision (power_flow_long.c). */
 double ric_power_flow_again(const ric_model *model, double tau, const double *w0, double *w, double *M, double *S);
+
+/* ric_power_flow_fly with twice the digits, some ten times as long; numbers of workspace. */
+size_t ric_power_flow_twice_work(const ric_model *model, int columns);
+bool ric_power_flow_twice(const ric_model *model, ric_twice tau, ric_twice *w, int columns, ric_twice *X,
+                          ric_twice *work);
 
 #endif

@@ -7,12 +7,13 @@
 /* As in power_flow.c: of 64 bits, one by one. */
 enum { ORDER = 34, PAD = 4, LANES = 1 };
 #define EPSILON ((double)LDBL_EPSILON)
-#define ABS fabsl
 typedef long double real, lane;
 static inline long double sum_of(lane x)
 {
     return x;
 }
+#include "taylor_plain.h"
+
 #include "taylor.h"
 
 double ric_power_flow_again(const ric_model *m, double tau, const double *w0, double *w, double *M, double *S)

@@ -1,10 +1,12 @@
 /* One step after another of the smooth flow by Taylor series (power_flow.h), for one kind of numbers. This text is
  * included once for each of them, by a file that has defined
  *
- *     real            the numbers, and lane, a vector of LANES of them that is loaded and multiplied at once; sum_of
- * adds up one
- *     ORDER           of the series, and PAD, what lane may read beyond it
- *     EPSILON, ABS    of the numbers
+ *     real                 the numbers, and lane, a vector of LANES of them that is loaded and multiplied at once;
+ *                          sum_of adds up one
+ *     ORDER                of the series, and PAD, what lane may read beyond it
+ *     EPSILON              of the numbers
+ *     ADD, SUB, MUL, NEG   of them; SCALE, times a double; OVER, a double over an integer; FROM a double, NEAR one;
+ *                          LESS: the order of two (taylor_plain.h where C has all of them)
  *
  * and gets fly_series. Lengths of steps are double. */
 #include <math.h>
@@ -50,10 +52,10 @@ static inline double top_of(int count, const real *x)
     double a = 0, b = 0;
     int i = 0;
     for (; i + 1 < count; i += 2) {
-        a = larger(a, (double)ABS(x[i]));
-        b = larger(b, (double)ABS(x[i + 1]));
+        a = larger(a, fabs(NEAR(x[i])));
+        b = larger(b, fabs(NEAR(x[i + 1])));
     }
-    if (i < count) a = larger(a, (double)ABS(x[i]));
+    if (i < count) a = larger(a, fabs(NEAR(x[i])));
     return larger(a, b);
 }
 
@@ -68,19 +70,19 @@ static inline real middle(int j, const numbers *x, const numbers *y)
         memcpy(&b0, b + l, sizeof b0);
         memcpy(&a1, a + l + LANES, sizeof a1);
         memcpy(&b1, b + l + LANES, sizeof b1);
-        s += a0 * b0;
-        t += a1 * b1;
+        s = ADD(s, MUL(a0, b0));
+        t = ADD(t, MUL(a1, b1));
     }
-    s += t;
+    s = ADD(s, t);
     real sum = sum_of(s);
-    for (; l < j; l++) sum += a[l] * b[l];
+    for (; l < j; l++) sum = ADD(sum, MUL(a[l], b[l]));
     return sum;
 }
 
 static inline real convolve(int j, const numbers *x, const numbers *y)
 {
-    if (j == 0) return x->x[0] * y->x[0];
-    return middle(j, x, y) + (x->x[0] * y->x[j] + x->x[j] * y->x[0]);
+    if (j == 0) return MUL(x->x[0], y->x[0]);
+    return ADD(middle(j, x, y), ADD(MUL(x->x[0], y->x[j]), MUL(x->x[j], y->x[0])));
 }
 
 static inline void set(numbers *x, int j, real value)
@@ -100,10 +102,10 @@ static inline real extend(powers *p, int j, real s)
 /* x^k by binary powers: the same bits everywhere. */
 static real power(real x, int k)
 {
-    real result = 1;
+    real result = FROM(1);
     for (; k > 0; k /= 2) {
-        if (k % 2) result *= x;
-        x *= x;
+        if (k % 2) result = MUL(result, x);
+        x = MUL(x, x);
     }
     return result;
 }
@@ -122,8 +124,8 @@ static inline double radius(int count, const real *coefficients)
 /* S(R) = sum |s_j| R^j. */
 static double majorant(const real *s, double R)
 {
-    double sum = (double)ABS(s[ORDER - 1]);
-    for (int j = ORDER - 2; j >= 0; j--) sum = (double)ABS(s[j]) + R * sum;
+    double sum = fabs(NEAR(s[ORDER - 1]));
+    for (int j = ORDER - 2; j >= 0; j--) sum = fabs(NEAR(s[j])) + R * sum;
     return sum;
 }
 
@@ -140,7 +142,7 @@ static double guard(const ric_model *m, int n, int contacts, const powers *p, do
         for (int i = 0; i < n; i++) widest = larger(widest, fabs(m->c[f * n + i]));
         factor *= widest;
         for (double R = 6 * h; R / 2 > best; R *= 0.7) {
-            double bound = pow(TRUNCATION * size / (factor * (double)power(majorant(p[f].power[0].x, R), exponent)),
+            double bound = pow(TRUNCATION * size / (factor * NEAR(power(FROM(majorant(p[f].power[0].x, R)), exponent))),
                                1.0 / ORDER);
             best = fmax(best, R * fmin(bound, 0.5));
         }
@@ -154,7 +156,7 @@ static inline __attribute__((always_inline)) void sum_series(int count, real h, 
 {
     memcpy(x, coefficients + (size_t)ORDER * (size_t)count, (size_t)count * sizeof *x);
     for (int j = ORDER - 1; j >= 0; j--)
-        for (int i = 0; i < count; i++) x[i] = coefficients[(size_t)j * (size_t)count + (size_t)i] + h * x[i];
+        for (int i = 0; i < count; i++) x[i] = ADD(coefficients[(size_t)j * (size_t)count + (size_t)i], MUL(h, x[i]));
 }
 
 /* Largest |dp/dt - force| at h, where the series has come to w. The last term left out grows like t^ORDER: the error
@@ -165,16 +167,17 @@ static inline __attribute__((always_inline)) double defect(const ric_model *m, i
     double off = 0;
     real push[contacts];
     for (int f = 0; f < contacts; f++) {
-        real s = 0;
-        for (int i = 0; i < n; i++) s += m->g[f * n + i] * w[i];
-        push[f] = m->spring[f] * power(s, m->contact[f].exponent);
+        real s = FROM(0);
+        for (int i = 0; i < n; i++) s = ADD(s, SCALE(m->g[f * n + i], w[i]));
+        push[f] = SCALE(m->spring[f], power(s, m->contact[f].exponent));
     }
     for (int i = 0; i < n; i++) {
-        real rate = ORDER * W[(size_t)ORDER * 2 * (size_t)n + (size_t)n + (size_t)i];
-        for (int j = ORDER - 1; j >= 1; j--) rate = j * W[(size_t)j * 2 * (size_t)n + (size_t)n + (size_t)i] + h * rate;
-        rate += m->stiff[i] * w[i];
-        for (int f = 0; f < contacts; f++) rate += push[f] * m->c[f * n + i];
-        off = larger(off, (double)ABS(rate));
+        real rate = SCALE(ORDER, W[(size_t)ORDER * 2 * (size_t)n + (size_t)n + (size_t)i]);
+        for (int j = ORDER - 1; j >= 1; j--)
+            rate = ADD(SCALE(j, W[(size_t)j * 2 * (size_t)n + (size_t)n + (size_t)i]), MUL(h, rate));
+        rate = ADD(rate, SCALE(m->stiff[i], w[i]));
+        for (int f = 0; f < contacts; f++) rate = ADD(rate, SCALE(m->c[f * n + i], push[f]));
+        off = larger(off, fabs(NEAR(rate)));
     }
     return off;
 }
@@ -183,13 +186,14 @@ static inline __attribute__((always_inline)) double defect(const ric_model *m, i
 static inline __attribute__((always_inline)) real advance(const ric_model *m, int n, int contacts, const powers *p,
                                                           real h, int sign, const real *W, real *w)
 {
-    double size = top_of(2 * n, W), limit = DEFECT * size * ORDER, longest = guard(m, n, contacts, p, size, (double)h);
-    if (longest < h) h = longest;
+    double size = top_of(2 * n, W), limit = DEFECT * size * ORDER, longest = guard(m, n, contacts, p, size, NEAR(h));
+    if (LESS(FROM(longest), h)) h = FROM(longest);
     for (;;) {
-        sum_series(2 * n, sign * h, W, w);
-        double off = (double)h * defect(m, n, contacts, sign * h, W, w);
-        if (off <= limit || !(h > 0)) return h;
-        h *= off < HUGE_VAL ? larger(0.2, 0.9 * pow(limit / off, 1.0 / (ORDER + 1))) : 0.2;
+        const real along = SCALE(sign, h);
+        sum_series(2 * n, along, W, w);
+        double off = NEAR(h) * defect(m, n, contacts, along, W, w);
+        if (off <= limit || !(NEAR(h) > 0)) return h;
+        h = SCALE(off < HUGE_VAL ? larger(0.2, 0.9 * pow(limit / off, 1.0 / (ORDER + 1))) : 0.2, h);
     }
 }
 
@@ -198,17 +202,17 @@ static inline __attribute__((always_inline)) void state_order(const ric_model *m
                                                               real *W)
 {
     const real *a = W + (size_t)j * 2 * (size_t)n;
-    real *next = W + (size_t)(j + 1) * 2 * (size_t)n, over = (real)1 / (j + 1);
+    real *next = W + (size_t)(j + 1) * 2 * (size_t)n, over = OVER(1, j + 1);
     for (int i = 0; i < n; i++) {
-        next[i] = over * m->kappa[i] * a[n + i];
-        next[n + i] = -over * m->stiff[i] * a[i];
+        next[i] = MUL(SCALE(m->kappa[i], over), a[n + i]);
+        next[n + i] = MUL(SCALE(m->stiff[i], NEG(over)), a[i]);
     }
     for (int f = 0; f < contacts; f++) {
         const double *g = m->g + f * n, *c = m->c + f * n;
-        real s = 0;
-        for (int i = 0; i < n; i++) s += g[i] * a[i];
-        real push = over * m->spring[f] * extend(&p[f], j, s);
-        for (int i = 0; i < n; i++) next[n + i] -= push * c[i];
+        real s = FROM(0);
+        for (int i = 0; i < n; i++) s = ADD(s, SCALE(g[i], a[i]));
+        real push = MUL(SCALE(m->spring[f], over), extend(&p[f], j, s));
+        for (int i = 0; i < n; i++) next[n + i] = SUB(next[n + i], SCALE(c[i], push));
     }
 }
 
@@ -220,31 +224,31 @@ static inline __attribute__((always_inline)) void column_order(const ric_model *
     int lanes = columns / LANES;
     const lane *now = A + (size_t)j * 2 * (size_t)n * (size_t)lanes;
     lane *next = A + (size_t)(j + 1) * 2 * (size_t)n * (size_t)lanes;
-    real over = (real)1 / (j + 1);
+    real over = OVER(1, j + 1);
     for (int i = 0; i < n; i++) {
-        real kappa = over * m->kappa[i], stiff = -over * m->stiff[i];
+        real kappa = SCALE(m->kappa[i], over), stiff = SCALE(m->stiff[i], NEG(over));
         for (int k = 0; k < lanes; k++) {
-            next[i * lanes + k] = kappa * now[(n + i) * lanes + k];
-            next[(n + i) * lanes + k] = stiff * now[i * lanes + k];
+            next[i * lanes + k] = MUL(kappa, now[(n + i) * lanes + k]);
+            next[(n + i) * lanes + k] = MUL(stiff, now[i * lanes + k]);
         }
     }
     for (int f = 0; f < contacts; f++) {
         const real *u = p[f].power[p[f].count].back + ORDER - j;
         const double *g = m->g + f * n, *c = m->c + f * n;
-        real factor = over * m->spring[f] * m->contact[f].exponent;
+        real factor = SCALE(m->contact[f].exponent, SCALE(m->spring[f], over));
         lane *all = S + (size_t)f * (ORDER + 1) * (size_t)lanes;
         for (int k = 0; k < lanes; k++) {
             lane ds = {0}, even = {0}, odd = {0};
-            for (int i = 0; i < n; i++) ds += g[i] * now[i * lanes + k];
+            for (int i = 0; i < n; i++) ds = ADD(ds, SCALE(g[i], now[i * lanes + k]));
             all[j * lanes + k] = ds;
             int l = 0;
             for (; l + 1 < j; l += 2) {
-                even += u[l] * all[l * lanes + k];
-                odd += u[l + 1] * all[(l + 1) * lanes + k];
+                even = ADD(even, MUL(u[l], all[l * lanes + k]));
+                odd = ADD(odd, MUL(u[l + 1], all[(l + 1) * lanes + k]));
             }
-            if (l < j) even += u[l] * all[l * lanes + k];
-            lane push = factor * (even + odd + u[j] * ds);
-            for (int i = 0; i < n; i++) next[(n + i) * lanes + k] -= c[i] * push;
+            if (l < j) even = ADD(even, MUL(u[l], all[l * lanes + k]));
+            lane push = MUL(factor, ADD(ADD(even, odd), MUL(u[j], ds)));
+            for (int i = 0; i < n; i++) next[(n + i) * lanes + k] = SUB(next[(n + i) * lanes + k], SCALE(c[i], push));
         }
     }
 }
@@ -258,10 +262,10 @@ static void gather(const ric_model *m, const real *w, const real *M, double *S)
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
             double over = 1 / m->kappa[j];
-            N[i * size + j] = m->kappa[i] * (double)M[(n + j) * size + n + i] * over;
-            N[i * size + n + j] = -m->kappa[i] * (double)M[j * size + n + i];
-            N[(n + i) * size + j] = -(double)M[(n + j) * size + i] * over;
-            N[(n + i) * size + n + j] = (double)M[j * size + i];
+            N[i * size + j] = m->kappa[i] * NEAR(M[(n + j) * size + n + i]) * over;
+            N[i * size + n + j] = -m->kappa[i] * NEAR(M[j * size + n + i]);
+            N[(n + i) * size + j] = -NEAR(M[(n + j) * size + i]) * over;
+            N[(n + i) * size + n + j] = NEAR(M[j * size + i]);
         }
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++) S[i * size + j] += x * x * ric_dot(size, N + i * size, N + j * size);
@@ -287,11 +291,11 @@ static inline __attribute__((always_inline)) bool fly_series(const ric_model *m,
 {
     powers *p = (powers *)work;
     real *W = work + (size_t)contacts * powers_size(), *A = W + (size_t)(ORDER + 1) * 2 * (size_t)n;
-    real *series = A + (size_t)(ORDER + 1) * 2 * (size_t)n * (size_t)columns, left = ABS(tau);
-    int sign = tau < 0 ? -1 : 1;
-    if (!isfinite((double)tau)) return false;
+    real *series = A + (size_t)(ORDER + 1) * 2 * (size_t)n * (size_t)columns, left = NEAR(tau) < 0 ? NEG(tau) : tau;
+    int sign = NEAR(tau) < 0 ? -1 : 1;
+    if (!isfinite(NEAR(tau))) return false;
     for (int f = 0; f < contacts; f++) plan(m->contact[f].exponent, &p[f]);
-    for (int step = 0; left > 0; step++) {
+    for (int step = 0; NEAR(left) > 0; step++) {
         if (step == RIC_SMOOTH_STEPS || ric_halt(ORDER * ORDER * (1.0 + contacts) * (1 + columns))) return false;
         memcpy(W, w, 2 * (size_t)n * sizeof *w);
         if (columns) memcpy(A, X, 2 * (size_t)n * (size_t)columns * sizeof *X);
@@ -301,13 +305,14 @@ static inline __attribute__((always_inline)) bool fly_series(const ric_model *m,
         }
         double longest = radius(2 * n, W);
         if (columns) longest = fmin(longest, radius(2 * n * columns, A));
-        real h = advance(m, n, contacts, p, longest < left ? longest : left, sign, W, w);
-        if (!(h > 0)) return false;
-        if (columns) sum_series(2 * n * columns, sign * h, A, X);
+        const bool shorter = LESS(FROM(longest), left);
+        real h = advance(m, n, contacts, p, shorter ? FROM(longest) : left, sign, W, w);
+        if (!(NEAR(h) > 0)) return false;
+        if (columns) sum_series(2 * n * columns, SCALE(sign, h), A, X);
         if (S) gather(m, w, X, S);
-        left -= h;
+        left = SUB(left, h);
         for (int i = 0; i < 2 * n; i++)
-            if (!isfinite((double)w[i])) return false;
+            if (!isfinite(NEAR(w[i]))) return false;
     }
     return true;
 }

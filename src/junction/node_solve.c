@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "node_solve_quad.h"
+#include "node_solve_twice.h"
 #include "branch/room.h"
 #include "base/room.h"
 
@@ -38,13 +38,13 @@
  * different ones */
 #define COARSE_GRAIN 0x1p-28
 
-/* The same zero where rounding hides it: sought in quadruple precision from u on, an orbit beside it. */
+/* The same zero where rounding hides it: sought with twice the digits from u on, an orbit beside it. */
 static bool solve_finely(ric_criterion_work *q, double *u)
 {
     ric_shooting *c = q->chain;
     double t[c->n_unknown];
     ric_continuation_tangent(c, NULL, t);
-    if (!ric_node_solve_quad(c, q->test, t, u)) return false;
+    if (!ric_node_solve_twice(c, q->test, t, u)) return false;
     ric_shooting_evaluate(c, u);
     return c->residual <= 4 * ric_continuation_tolerance(c);
 }

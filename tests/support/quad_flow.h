@@ -6,18 +6,42 @@
 
 #include "flow/power_flow.h"
 
-#include "flow/taylor_quad.h"
+/* 113 bits: of the compiler on x86, long double elsewhere. */
+#ifdef __SIZEOF_FLOAT128__
+__extension__ typedef __float128 real;
+#define QUAD_FLOW_HAS_113_BITS 1
+#else
+typedef long double real;
+#define QUAD_FLOW_HAS_113_BITS 0
+#endif
+typedef real lane;
+enum { ORDER = 44, PAD = 4, LANES = 1 }; /* as in power_flow.c */
+#define EPSILON 1e-33
+static inline real sum_of(lane x)
+{
+    return x;
+}
+#include "flow/taylor_plain.h"
 
-/* w [2n] through the time tau, rounded at the end only. */
+#include "flow/taylor.h"
+
+/* w [2n] through the time tau, all digits. */
+static bool quad_fly_all(const ric_model *m, double tau, real *w)
+{
+    real *work = malloc(series_work(m, 0) * sizeof *work);
+    const bool flown = work && fly_series(m, m->n, m->n_contact, 0, tau, w, NULL, NULL, work);
+    free(work);
+    return flown;
+}
+
+/* The same, rounded at the end only. */
 static bool quad_fly(const ric_model *m, double tau, double *w)
 {
-    int size = 2 * m->n;
-    real *v = malloc(((size_t)size + series_work(m, 0)) * sizeof *v);
-    if (!v) return false;
+    const int size = 2 * m->n;
+    real v[size];
     for (int i = 0; i < size; i++) v[i] = w[i];
-    bool flown = fly_series(m, m->n, m->n_contact, 0, tau, v, NULL, NULL, v + size);
+    const bool flown = quad_fly_all(m, tau, v);
     for (int i = 0; i < size; i++) w[i] = (double)v[i];
-    free(v);
     return flown;
 }
 

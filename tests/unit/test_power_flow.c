@@ -319,6 +319,54 @@ static void more_digits_lose_less(void **state)
     if (!(again >= 3 && gained > 100)) fail_msg("%d flights again, %g gained", again, gained);
 }
 
+/* Sums, products and quotients of twice the digits against quadruple precision. */
+static void twice_the_digits(void **state)
+{
+    (void)state;
+    if (!QUAD_FLOW_HAS_113_BITS) skip();
+    for (int i = 0; i < 20000; i++) {
+        const double a = uniform(-1, 1), b = uniform(-1, 1) * pow(2, uniform(-60, 60));
+        const ric_twice x = ric_twice_ordered(a, uniform(-0.5, 0.5) * fabs(a) * DBL_EPSILON);
+        const ric_twice y = ric_twice_ordered(b, uniform(-0.5, 0.5) * fabs(b) * DBL_EPSILON);
+        const int count = 1 + i % 99;
+        const real p = (real)x.hi + x.lo, q = (real)y.hi + y.lo, larger = fabs(a) > fabs(b) ? fabs(a) : fabs(b);
+        const ric_twice sum = ric_twice_add(x, y), product = ric_twice_multiply(x, y), part = ric_twice_over(a, count);
+        const ric_twice scaled = ric_twice_scale(b, x);
+        const real off[] = {((real)sum.hi + sum.lo - (p + q)) / larger, ((real)product.hi + product.lo) / (p * q) - 1,
+                            ((real)part.hi + part.lo) / ((real)a / count) - 1,
+                            ((real)scaled.hi + scaled.lo) / (p * b) - 1};
+        for (int k = 0; k < 4; k++) assert_true(fabs((double)off[k]) < RIC_TWICE_EPSILON);
+    }
+}
+
+/* Flights with twice the digits against quadruple precision: what a flight in double loses, they lose of their own. */
+static void twice_the_digits_in_flight(void **state)
+{
+    (void)state;
+    if (!QUAD_FLOW_HAS_113_BITS) skip();
+    for (int i = 0; i < 30; i += every_of(4)) {
+        structure s;
+        random_structure((uint64_t)(500 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], false, &s);
+        const int ld = 2 * s.n;
+        double w[ld], x[ld], M[ld * ld], lost, tau = uniform(1, 8);
+        real truth[ld];
+        ric_twice twice[ld], *work = malloc(ric_power_flow_twice_work(s.model, 0) * sizeof *work);
+        random_state(&s, 3, w);
+        memcpy(x, w, sizeof x);
+        for (int j = 0; j < ld; j++) twice[j] = ric_twice_from(truth[j] = w[j]);
+        assert_true(ric_power_flow_map(s.model, tau, x, M, &lost, s.work));
+        assert_true(quad_fly_all(s.model, tau, truth));
+        assert_true(ric_power_flow_twice(s.model, ric_twice_from(tau), twice, 0, NULL, work));
+        for (int j = 0; j < ld; j++) {
+            const double off = fabs((double)((real)twice[j].hi + twice[j].lo - truth[j]));
+            if (!(off <= 8 * RIC_TWICE_EPSILON * (lost + largest(ld, x))))
+                fail_msg("structure %d: %g off, %g lost in double", i, off, lost);
+        }
+        free(work);
+        release(&s);
+    }
+}
+
 /* A flight of many steps is refused, not followed for ever; so is one that overflows. */
 static void endless_flights_are_refused(void **state)
 {
@@ -366,6 +414,8 @@ int main(void)
         cmocka_unit_test(neighbours_are_symplectic),
         cmocka_unit_test(tells_what_it_loses),
         cmocka_unit_test(more_digits_lose_less),
+        cmocka_unit_test(twice_the_digits),
+        cmocka_unit_test(twice_the_digits_in_flight),
         cmocka_unit_test(endless_flights_are_refused),
         cmocka_unit_test(secants),
     };

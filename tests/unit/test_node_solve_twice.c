@@ -1,4 +1,4 @@
-/* Branch points in quadruple precision: those of double precision where that suffices, in two forms of the problem, and
+/* Branch points with twice the digits: those of double precision where that suffices, in two forms of the problem, and
  * where it does not the same from everywhere. */
 #include <math.h>
 #include <setjmp.h>
@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "explored.h"
-#include "junction/node_solve_quad.h"
+#include "junction/node_solve_twice.h"
 #include "branch/continuation.h"
 
 static ric_atlas *explore(double max_step)
@@ -70,7 +70,7 @@ static void leads_back(const ric_atlas *atlas, const ric_junction *j, ric_mirror
         double found[8];
         memcpy(found, from, sizeof found);
         ric_shooting_evaluate(c, found);
-        if (!ric_node_solve_quad(c, kind, t, found)) continue;
+        if (!ric_node_solve_twice(c, kind, t, found)) continue;
         ric_shooting_evaluate(c, found);
         back += fabs(ric_shooting_energy(c) / energy - 1) < 1e-12 &&
                 fabs(ric_shooting_time(c, found) / time - 1) < 1e-12;

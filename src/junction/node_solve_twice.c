@@ -1,9 +1,9 @@
-/* The flow and its neighbours in quadruple precision, for one purpose: where a multiplier passes 1 so slowly that the
- * rounding of a flight in double covers the place. Beside a multiplication of high order tau2 - 2 may stay below 1e-9
- * over a whole branch, and its zero is known to 1e-14 / 1e-9 only; in quadruple precision nothing of that is seen. The
- * orbit itself is known well enough: its corrections are solved for in double, from residuals in quadruple
- * precision. */
-#include "node_solve_quad.h"
+/* The flow and its neighbours in twice the digits of a double, for one purpose: where a multiplier passes 1 so slowly
+ * that the rounding of a flight in double covers the place. Beside a multiplication of high order tau2 - 2 may stay
+ * below 1e-9 over a whole branch, and its zero is known to 1e-14 / 1e-9 only; with twice the digits nothing of that is
+ * seen. The orbit itself is known well enough: its corrections are solved for in double, from residuals with twice the
+ * digits. */
+#include "node_solve_twice.h"
 
 #include <stdlib.h>
 
@@ -14,7 +14,12 @@
 #include "base/room.h"
 #include "branch/room.h"
 
-#include "flow/taylor_quad.h"
+/* What is not a flight is computed in 113 bits, of the compiler on x86, or in long double elsewhere: it is little. */
+#ifdef __SIZEOF_FLOAT128__
+__extension__ typedef __float128 real;
+#else
+typedef long double real;
+#endif
 
 /* SETTLED: an orbit is corrected until it moves by less, relative; the next time it would move by a billionth of
  * that */
@@ -35,12 +40,45 @@ typedef struct {
     real *u, *residual; /* a point of the branch [columns] and what it leaves of the conditions at its end [rows] */
     double *inverse;    /* [columns * rows] of their derivatives */
     real *B;            /* [(2n)^2], and at least [(n + 1)^2] */
-    real *work;
+    ric_twice *flown, *work; /* of a flight: tau, w and X in twice the digits */
 } fine;
+
+static ric_twice twice(real x)
+{
+    const double hi = (double)x;
+    return (ric_twice){hi, (double)(x - hi)};
+}
+
+static void put(ric_twice *out, const real *x, int count)
+{
+    for (int i = 0; i < count; i++) out[i] = twice(x[i]);
+}
+
+static void take(real *out, const ric_twice *x, int count)
+{
+    for (int i = 0; i < count; i++) out[i] = (real)x[i].hi + x[i].lo;
+}
 
 static bool fly(fine *q, real tau, int columns)
 {
-    return fly_series(q->m, q->n, q->m->n_contact, columns, tau, q->w, q->X, NULL, q->work);
+    const int n2 = 2 * q->n;
+    put(q->flown, q->w, n2);
+    put(q->flown + n2, q->X, n2 * columns);
+    if (!ric_power_flow_twice(q->m, twice(tau), q->flown, columns, q->flown + n2, q->work)) return false;
+    take(q->w, q->flown, n2);
+    take(q->X, q->flown + n2, n2 * columns);
+    return true;
+}
+
+/* x^k by binary powers. */
+static real power(real x, int k)
+{
+    real result = 1;
+    for (; k > 0; k /= 2) {
+        if (k % 2) result *= x;
+        x *= x;
+    }
+    return result;
 }
 
 /* ------------------------------------------------------------------ the orbit */
@@ -202,10 +240,11 @@ static bool create(fine *q, const ric_shooting *c, int kind)
     size_t n2 = 2 * (size_t)c->n;
     *q = (fine){.chain = c, .m = c->model, .kind = kind, .n = c->n, .columns = c->n_start + 1, .scale = c->scale};
     q->rows = c->end == RIC_MIRROR_NONE ? 2 * c->n : c->n;
-    q->work = ric_malloc(series_work(c->model, 2 * c->n) * sizeof *q->work);
+    q->work = ric_malloc(ric_power_flow_twice_work(c->model, 2 * c->n) * sizeof *q->work);
+    q->flown = ric_malloc((n2 * n2 + n2) * sizeof *q->flown);
     q->X = ric_malloc((n2 * n2 + n2 + (size_t)q->columns + n2 + (n2 + 1) * (n2 + 1)) * sizeof *q->X);
     q->inverse = ric_malloc(((size_t)q->columns + 1) * (n2 + 1) * sizeof *q->inverse);
-    if (!q->work || !q->X || !q->inverse) return false;
+    if (!q->work || !q->flown || !q->X || !q->inverse) return false;
     q->w = q->X + n2 * n2;
     q->u = q->w + n2;
     q->residual = q->u + q->columns;
@@ -216,6 +255,7 @@ static bool create(fine *q, const ric_shooting *c, int kind)
 static void release(fine *q)
 {
     free(q->work);
+    free(q->flown);
     free(q->X);
     free(q->inverse);
 }
@@ -235,7 +275,7 @@ static bool write_back(fine *q, double *u)
     return true;
 }
 
-bool ric_node_solve_quad(const ric_shooting *c, int kind, const double *t, double *u)
+bool ric_node_solve_twice(const ric_shooting *c, int kind, const double *t, double *u)
 {
     fine q;
     real x0 = 0, x1 = FIRST * c->scale, f0, f1;

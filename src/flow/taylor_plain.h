@@ -1,0 +1,10 @@
+/* What taylor.h does with numbers that C knows. */
+#define ADD(x, y) ((x) + (y))
+#define SUB(x, y) ((x) - (y))
+#define MUL(x, y) ((x) * (y))
+#define NEG(x) (-(x))
+#define SCALE(factor, x) ((factor) * (x))
+#define OVER(x, count) ((real)(x) / (count))
+#define FROM(x) ((real)(x))
+#define NEAR(x) ((double)(x))
+#define LESS(x, y) ((x) < (y))
