@@ -9,12 +9,14 @@
 #include "simulator_power.h"
 #include "base/room.h"
 #include "verify_parts.h"
+#include "verify_reach.h"
 #include "verify_smooth.h"
 
 #define SAME 1e-12   /* relative: numbers that are stored twice */
 #define SOLVED 1e-9  /* of clearance and norm: what a located orbit may leave open, and an image may be off */
 #define BETWEEN 1e-2 /* relative: how far a junction between points may extend the frequencies of a branch */
 #define ENERGY 1e-10 /* relative, of a located orbit whose numbers are stored together */
+#define TOLD 1e-6    /* of a clearance: a touch is told from none to this, or it is said that it is not */
 #define IMAGE 1e-6   /* an orbit that is farther from its image than this is not symmetric */
 
 #define EXACT 1e-10 /* an orbit that is nearer to its image than this, solved to the last digit, is symmetric */
@@ -212,16 +214,8 @@ static real left_open(const replay *r)
 static ric_status check_faces(replay *r, ric_claims *out)
 {
     ric_check check = {.condition = 1, .faces_agree = true};
-    ric_digits digits = {0};
-    /* of a junction it is not stored: the digits allow for the most that any orbit has */
-    r->point.residual = (float)SOLVED;
-    r->depth = SOLVED;
-    ric_status status = ric_verify_digits_open(r, &digits);
     r->check = &check;
-    r->digits = &digits;
-    if (!status) status = ric_verify_replay_run(r);
-    ric_verify_digits_close(&digits);
-    r->digits = NULL;
+    ric_status status = ric_verify_replay_run(r);
     if (status || *out->finding) return status;
     if (!check.faces_agree || !(check.flight_error <= SOLVED)) out->numbers = RIC_AGREES_NO;
     if (!check.faces_agree)
@@ -232,6 +226,43 @@ static ric_status check_faces(replay *r, ric_claims *out)
     return RIC_OK;
 }
 
+/* A grazing touches: a gap is largest at its face, or is met there without speed. What a located orbit leaves open, and
+ * its digits make of a gap, may be missing. */
+static ric_status check_touch(replay *r, ric_claims *out)
+{
+    const double near = SOLVED + ric_verify_reach_slack(r, r->digits->state / r->norm);
+    ric_reached reach = {.stored = 1, .near = near};
+    for (int k = 0; k < r->n_event; k++)
+        if (ric_replay_is_touch(r, k)) return RIC_OK;
+    ric_status status = ric_verify_reach_find(r, &reach);
+    if (status) return status;
+    const bool touches = fabs(reach.nearest - 1) <= near;
+    if (touches ? near > TOLD : reach.skipped) ric_verify_digits_doubt(out, "touch");
+    else if (!touches && !*out->finding) {
+        out->numbers = RIC_AGREES_NO;
+        snprintf(out->finding, sizeof out->finding,
+                 "a grazing that touches nothing: the gap that is nearest to its face reaches %.17g of the clearance",
+                 reach.nearest);
+    }
+    return RIC_OK;
+}
+
+/* The orbit, which closes, as a motion. */
+static ric_status check_motion(replay *r, bool grazes, ric_claims *out)
+{
+    ric_digits digits = {0};
+    /* of a junction it is not stored: the digits allow for the most that any orbit has */
+    r->point.residual = (float)SOLVED;
+    r->depth = SOLVED;
+    ric_status status = ric_verify_digits_open(r, &digits);
+    r->digits = &digits;
+    if (!status) status = check_faces(r, out);
+    if (!status && grazes) status = check_touch(r, out);
+    ric_verify_digits_close(&digits);
+    r->digits = NULL;
+    return status;
+}
+
 static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_claims *out)
 {
     replay r = {0};
@@ -240,7 +271,7 @@ static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_
     if (!status) {
         const real open = left_open(&r);
         if (!(open <= SOLVED)) disagree(out, "orbit is left open by 0", 0, (double)open);
-        else status = check_faces(&r, out);
+        else status = check_motion(&r, j->kind == RIC_KIND_GRAZING, out);
     }
     ric_verify_replay_close(&r);
     return status;

@@ -99,40 +99,114 @@ static void verify_s2(void **state)
     ric_model_free(model);
 }
 
+/* What is said of an S2 orbit of that half period as a junction; false: it is none. */
+static bool claims_of_s2(ric_model *model, double h, ric_kind kind, bool *through, ric_claims *claims)
+{
+    modal m = make_modal(model);
+    int word[] = {0, 1};
+    double x[4], flights[] = {h, h};
+    ric_junction_record junction = {.state = x, .flights = flights, .word = word};
+    one_branch a;
+    if (!s2_motion(&m, h, x, x + 2, through)) return false;
+    make_atlas(&a, 2, word, 1, x, flights);
+    junction.row = (ric_junction){.id = 1,
+                                  .kind = kind,
+                                  .word = word,
+                                  .letters = 2,
+                                  .impacts = 2,
+                                  .multiple = 1,
+                                  .energy = ric_model_energy(model, x, x + 2),
+                                  .frequency = PI / h,
+                                  .state = x,
+                                  .flights = flights};
+    a.atlas.n_junction = 1;
+    a.atlas.junctions = &junction;
+    assert_int_equal(ric_verify_junction(&a.atlas, 1, claims), RIC_OK);
+    free_atlas(&a);
+    return true;
+}
+
 /* The orbit of a junction closes, has its energy, and is a motion: none that goes through a stop on its way. */
 static void verify_junctions(void **state)
 {
     (void)state;
     ric_model *model = make_two();
-    modal m = make_modal(model);
-    int word[] = {0, 1}, count[2] = {0, 0};
+    int count[2] = {0, 0};
     for (int i = 0; i < 300; i++) {
-        double x[4], h = PI / (0.3 + 0.0131 * i), flights[] = {h, h};
-        ric_junction_record junction = {.state = x, .flights = flights, .word = word};
-        one_branch a;
+        const double h = PI / (0.3 + 0.0131 * i);
         ric_claims claims;
         bool through;
-        if (!s2_motion(&m, h, x, x + 2, &through)) continue;
-        make_atlas(&a, 2, word, 1, x, flights);
-        junction.row = (ric_junction){.id = 1,
-                                      .kind = RIC_KIND_USER,
-                                      .word = word,
-                                      .letters = 2,
-                                      .impacts = 2,
-                                      .multiple = 1,
-                                      .energy = ric_model_energy(model, x, x + 2),
-                                      .frequency = PI / h,
-                                      .state = x,
-                                      .flights = flights};
-        a.atlas.n_junction = 1;
-        a.atlas.junctions = &junction;
-        assert_int_equal(ric_verify_junction(&a.atlas, 1, &claims), RIC_OK);
+        if (!claims_of_s2(model, h, RIC_KIND_USER, &through, &claims)) continue;
         if (through != (claims.numbers == RIC_AGREES_NO)) fail_msg("omega %.6g: %s", PI / h, claims.finding);
         if (through) assert_non_null(strstr(claims.finding, "the stored motion"));
         count[through]++;
-        free_atlas(&a);
     }
     assert_true(count[0] > 10 && count[1] > 5);
+    ric_model_free(model);
+}
+
+/* Largest gap over clearance of that orbit at a maximum within its flights, 0 if there is none. */
+static double s2_reach(const modal *m, double h)
+{
+    enum { SAMPLES = 400 };
+    double q[MAX_N], p[MAX_N], sum = 0, most = 0;
+    for (int i = 0; i < m->n; i++) sum += m->c[i] * m->c[i] * tan(m->omega[i] * h / 2) / m->omega[i];
+    for (int i = 0; i < m->n; i++) {
+        q[i] = m->c[i] * tan(m->omega[i] * h / 2) / (m->omega[i] * sum);
+        p[i] = -m->c[i] / sum;
+    }
+    for (int i = 1; i < SAMPLES; i++) {
+        double from = h * (i - 1) / SAMPLES, to = h * (i + 1) / SAMPLES, at = h * i / SAMPLES;
+        const double middle = fabs(modal_gap(m, 0, at, q, p));
+        if (middle < fabs(modal_gap(m, 0, from, q, p)) || middle < fabs(modal_gap(m, 0, to, q, p))) continue;
+        for (int k = 0; k < 60; k++) {
+            const double left = from + (to - from) / 3, right = to - (to - from) / 3;
+            *(fabs(modal_gap(m, 0, left, q, p)) < fabs(modal_gap(m, 0, right, q, p))
+                  ? &from
+                  : &to) = fabs(modal_gap(m, 0, left, q, p)) < fabs(modal_gap(m, 0, right, q, p)) ? left : right;
+        }
+        most = fmax(most, fabs(modal_gap(m, 0, (from + to) / 2, q, p)));
+    }
+    return most;
+}
+
+/* The half period between two at which the orbit touches a stop. */
+static double s2_grazing(const modal *m, double below, double beyond)
+{
+    for (int k = 0; k < 60; k++) {
+        const double middle = (below + beyond) / 2;
+        *(s2_reach(m, middle) > 1 ? &beyond : &below) = middle;
+    }
+    return below;
+}
+
+/* A grazing touches: one that was moved along its family is found. */
+static void verify_grazings(void **state)
+{
+    (void)state;
+    ric_model *model = make_two();
+    const modal m = make_modal(model);
+    int missed = 0, grazings = 0;
+    for (int i = 0; i < 300; i++) {
+        const double h = PI / (0.3 + 0.0131 * i), next = PI / (0.3 + 0.0131 * (i + 1)), reach = s2_reach(&m, h),
+                     then = s2_reach(&m, next);
+        ric_claims claims;
+        bool through;
+        if (!claims_of_s2(model, h, RIC_KIND_GRAZING, &through, &claims)) continue;
+        assert_int_equal(claims.numbers, RIC_AGREES_NO);
+        if (!through) assert_non_null(strstr(claims.finding, "touches nothing"));
+        missed += !through;
+        if ((reach - 1) * (then - 1) >= 0 || fmin(reach, then) < 0.8 || fmax(reach, then) > 1.4) continue;
+        const double below = reach < 1 ? h : next, touch = s2_grazing(&m, below, reach < 1 ? next : h);
+        if (!claims_of_s2(model, touch, RIC_KIND_GRAZING, &through, &claims)) continue;
+        if (claims.numbers != RIC_AGREES_YES) fail_msg("omega %.9g: %s", PI / touch, claims.finding);
+        assert_true(claims_of_s2(model, touch + 1e-6 * (below - touch), RIC_KIND_GRAZING, &through, &claims));
+        assert_int_equal(claims.numbers, RIC_AGREES_NO);
+        assert_non_null(strstr(claims.finding, "touches nothing"));
+        grazings++;
+    }
+    printf("# %d orbits that touch nothing, %d grazings\n", missed, grazings);
+    assert_true(missed > 10 && grazings > 0);
     ric_model_free(model);
 }
 
@@ -428,11 +502,17 @@ static void verify_rotations(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(verify_s2),           cmocka_unit_test(verify_junctions),
-        cmocka_unit_test(verify_digits),       cmocka_unit_test(verify_names_what_is_unchecked),
-        cmocka_unit_test(verify_condition),    cmocka_unit_test(verify_linear),
-        cmocka_unit_test(verify_touches),      cmocka_unit_test(verify_slowest_impact),
-        cmocka_unit_test(verify_slow_impacts), cmocka_unit_test(verify_rotations),
+        cmocka_unit_test(verify_s2),
+        cmocka_unit_test(verify_junctions),
+        cmocka_unit_test(verify_grazings),
+        cmocka_unit_test(verify_digits),
+        cmocka_unit_test(verify_names_what_is_unchecked),
+        cmocka_unit_test(verify_condition),
+        cmocka_unit_test(verify_linear),
+        cmocka_unit_test(verify_touches),
+        cmocka_unit_test(verify_slowest_impact),
+        cmocka_unit_test(verify_slow_impacts),
+        cmocka_unit_test(verify_rotations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,6 +11,7 @@ A fault is one number of one stored point, or a letter of a word, at a random pl
     speed      a velocity of the stored state off by a relative 1e-6
     energy, frequency, reach, approach   off by a relative 1e-6, at least by 1e-8
     word       a letter changed
+    touch      a grazing moved along the branch without the touch, to a stored point whose reach is off 1 by 1e-5 to 0.1
 
 Many faults go into one copy of an atlas, each at a point of its own, a letter or a frequency into one alone, which may
 be refused as a whole; the digest is made anew (atlas_digest.py) and verify is asked about each of these points. A fault
@@ -138,6 +139,41 @@ def open_copy(original, folder):
     return copy, db
 
 
+def plant_touches(db):
+    """Moves grazings, all that can be; ids and what was done."""
+    planted = []
+    for junction in db.execute("SELECT * FROM junction WHERE kind = 'grazing' AND word != ''").fetchall():
+        point = db.execute(
+            "SELECT point.* FROM point JOIN branch ON branch.id = point.branch WHERE branch.word = ? AND "
+            "(from_junction = ? OR to_junction = ?) AND abs(reach - 1) > 1e-5 AND abs(reach - 1) < 0.1 ORDER BY abs(reach - 1)",
+            [junction["word"], junction["id"], junction["id"]]).fetchone()
+        if point:
+            db.execute("UPDATE junction SET state = ?, flights = ?, energy = ?, frequency = ? WHERE id = ?",
+                       [point["state"], point["flights"], point["energy"], point["frequency"] / junction["multiple"], junction["id"]])
+            planted.append((junction["id"], f"{junction['label']} at a reach of {point['reach']!r}"))
+    return planted
+
+
+def judge_touches(program, original, folder, count):
+    copy, db = open_copy(original, folder)
+    planted = plant_touches(db)
+    db.commit()
+    db.close()
+    atlas_digest.update(copy)
+    rows = {row["junction"]: row for row in verify(program, str(copy))[1] if row["kind"] == "junction"} if planted else {}
+    for junction, what in planted:
+        row = rows.get(junction)  # no rows: refused as a whole
+        count["planted"] += 1
+        if row is None or not row["passed"]:
+            count["found"] += 1
+        elif "touch" in unchecked(row):
+            count["unchecked"] += 1
+            print(f"{original}: junction {junction}: cannot tell: touch: {what}")
+        else:
+            count["missed"] += 1
+            print(f"{original}: junction {junction}: not found: touch: {what}")
+
+
 def judge(program, original, copy, fault, count):
     at, kind, what, known = fault
     point = [] if kind == "word" else ["--point", str(at[1])]  # a word is that of all points of its branch
@@ -189,6 +225,7 @@ def run(program, original, places, rng, folder, count):
     for one in chosen:
         if one[1] in ALONE:
             plant_all(program, original, [one], rng, folder, count)
+    judge_touches(program, original, folder, count)
 
 
 def main():
