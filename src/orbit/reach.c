@@ -25,7 +25,9 @@
 #define ITSELF 1e-14    /* relative: what rounding may take from the largest reach when it is computed again */
 /* NO_TIME: scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding throughout */
 #define NO_TIME 1e-12
-#define LEVEL 1e-8 /* slope that counts as none, relative to the largest that D3 allows within the flight */
+/* LEVEL: slope that counts as none, relative to the largest that D3 allows within the flight, or, in one that lasts no
+ * time, to its terms added up */
+#define LEVEL 1e-8
 
 typedef struct {
     double t, s, ds;
@@ -44,6 +46,7 @@ typedef struct {
     bool mirrored; /* the orbit goes on with the mirror image of the chain: what comes to one side comes to the
                     * other */
     double D3, D4, tau;
+    double D1;               /* of a flight that lasts no time: the terms of s' there, added up */
     double blur;             /* a gap coordinate below it is no motion: terms of the modes that cancel, to rounding */
     bool own_start, own_end; /* the flight starts or ends on this contact */
     double bend_start, bend_end; /* |s''| at a mirror point of rest, where s' = 0 exactly; 0 elsewhere */
@@ -115,7 +118,7 @@ static void offer_impact(search *q, const ric_face *other, sample at)
 {
     bool kink = other->spring == 0 && !ric_model_orthogonal(q->chain->model, q->contact, other->contact);
     if (kink) offer(q, at.t, at.s, (at.s > 0) != q->closed ? 1 : -1, true);
-    else if (fabs(at.ds) < LEVEL * q->D3 * q->tau * q->tau) offer_stationary(q, at);
+    else if (fabs(at.ds) < LEVEL * (q->tau <= NO_TIME ? q->D1 : q->D3 * q->tau * q->tau)) offer_stationary(q, at);
 }
 
 static double largest(double a, double b, double c, double d)
@@ -330,6 +333,42 @@ static void search_rest(search *q)
     }
 }
 
+/* The gap of one contact at an end of a flight that lasts no time. */
+static void offer_end(search *q, const ric_face *impact, bool start)
+{
+    const double *w = start ? q->start : q->end;
+    sample at = {start ? 0 : q->tau, q->rest, 0};
+    q->D1 = 0;
+    for (int i = 0; i < q->n; i++) {
+        const double slope = q->g[i] * q->kappa[i] * w[q->n + i];
+        at.s += q->g[i] * w[i];
+        at.ds += slope;
+        q->D1 += fabs(slope);
+    }
+    offer_impact(q, impact, at);
+}
+
+/* Where a spring closes or opens at the impact on a stop, the flight between the two lasts no time and is not searched:
+ * what other gaps do at the impact would be lost, as an impact counts for the flight that ends there. */
+static void search_no_time(search *q)
+{
+    const ric_shooting *c = q->chain;
+    const ric_model *m = c->model;
+    const int k = q->flight;
+    const ric_face *begin = c->face[k] >= 0 ? &m->face[c->face[k]] : NULL;
+    const ric_face *end = c->face[k + 1] >= 0 ? &m->face[c->face[k + 1]] : NULL;
+    const bool at_start = k == 0 && c->start == RIC_MIRROR_IMPACT && begin && begin->spring == 0;
+    const bool at_end = end && end->spring == 0;
+    if (!(fabs(q->tau) < NO_TIME) || (!at_start && !at_end) || !enter_flight(q)) return;
+    for (int f = 0; f < m->n_face; f += m->face[f].mirror >= 0 ? 2 : 1) {
+        choose_faces(q, f);
+        enter_contact(q);
+        if ((begin && begin->contact == q->contact) || (end && end->contact == q->contact)) continue;
+        if (at_start) offer_end(q, begin, true);
+        if (at_end) offer_end(q, end, false);
+    }
+}
+
 static void search_all(search *q, const double *u)
 {
     const ric_shooting *c = q->chain;
@@ -341,7 +380,10 @@ static void search_all(search *q, const double *u)
     for (q->flight = 0; q->flight < c->n_flight; q->flight++) {
         q->tau = u[c->n_start + q->flight];
         if (isnan(q->tau)) q->best = HUGE_VAL;
-        if (springs) search_rest(q);
+        if (springs) {
+            search_rest(q);
+            search_no_time(q);
+        }
         if (!(q->tau > 0) || (springs && q->tau < NO_TIME)) continue;
         if (!enter_flight(q)) {
             q->best = HUGE_VAL;

@@ -207,6 +207,33 @@ static void grazings_touch(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Where a spring begins to close at the very impact on a stop, the flight between the two lasts no time. The gap of the
+ * third contact, whose normal is orthogonal, is largest at that impact, by 2 %, and belongs to no other flight. */
+static void gaps_at_an_impact_beside_a_spring(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0], [0, 0.5]]\n  stiffness: [[3.5, -1.75], [-1.75, 8]]\n  contacts:\n"
+        "    - {normal: [1, 0], law: rigid, clearance: 1.23, sides: lower}\n"
+        "    - {normal: [-1, 1], law: bilinear, clearance: 0.896, sides: both, stiffness: 3.953}\n"
+        "    - {normal: [0, 1], law: rigid, clearance: 0.666, sides: both}\n"
+        "explore: {energy: [0, 6.803], frequency: [0.348, 12.18], impacts: 5, multiply: 1, depth: 2}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b;
+        ric_point point;
+        double x[4];
+        assert_int_equal(ric_atlas_branch(atlas, id, &b), RIC_OK);
+        if (b.letters == 0) continue;
+        assert_int_equal(ric_atlas_point(atlas, id, b.n_point - 1, &point, x, NULL), RIC_OK);
+        if (fabs(point.energy - 1.57139991212) > 1e-9) continue;
+        assert_float_equal(point.reach, fabs(x[1]) * 1.23 / 0.666, 1e-12);
+        found++;
+    }
+    assert_int_equal(found, 1);
+    ric_atlas_free(atlas);
+}
+
 /* Three equal modes and two contacts that they pass at half their frequency: orbits of three impacts form families of
  * two parameters there, in which what is solved for without the touch may lie where nothing touches (reach 0.99995).
  * The simulator tells how far the gaps open over a period. */
@@ -411,6 +438,7 @@ int main(void)
         cmocka_unit_test(no_extremum_beside_an_image),
         cmocka_unit_test(solved_without_touches),
         cmocka_unit_test(grazings_touch),
+        cmocka_unit_test(gaps_at_an_impact_beside_a_spring),
         cmocka_unit_test(stored_grazings_touch),
         cmocka_unit_test(no_branch_without_length),
         cmocka_unit_test(margins_through_stiff_springs),
