@@ -167,6 +167,25 @@ typedef struct {
     double energy, frequency;
 } ric_name;
 
+/* What shakes a structure and what it loses. */
+typedef struct {
+    int n_force;
+    const double *force; /* [n_force] f of amplitude 1, physical, one number per displacement */
+    int n_ratio;
+    const double *ratios; /* [n_ratio] modal damping ratios, one for all modes or one for each; or NULL */
+    int n_matrix;
+    const double *matrix; /* [n_matrix^2] damping matrix C, physical, instead of ratios; or NULL */
+    double restitution;   /* above 0, at most 1 */
+} ric_shaking;
+
+/* Keys damping, restitution and forcing of a study. */
+typedef struct {
+    ric_shaking shaking;   /* n_force 0: no force; borrowed from the study */
+    ric_numbers amplitude; /* physical; n 0 where it is not given, as below */
+    double frequency[2];   /* rad/s, a window, or twice the same number; 0, 0: not given */
+    ric_numbers harmonic;
+} ric_forcing;
+
 typedef struct ric_study ric_study;
 
 /* Reads and checks a study; on RIC_E_INPUT ric_detail() is "FILE:LINE: key: what is wrong; what would be right". */
@@ -182,7 +201,10 @@ void ric_study_free(ric_study *study);
 const char *ric_study_title(const ric_study *study);
 /* The study as one self-contained YAML text (matrices inline), as it is kept inside an atlas. Borrowed. */
 const char *ric_study_text(const ric_study *study);
+/* The structure without losses, whatever the study says of them: its restitution is 1. */
 const ric_model *ric_study_model(const ric_study *study);
+/* Its damping and force; false: none of these keys is given, nothing is lost and nothing is shaken. */
+bool ric_study_forcing(const ric_study *study, ric_forcing *out);
 const ric_explore_options *ric_study_options(const ric_study *study);
 /* Where the structure is, for pictures: nodes, with the displacements, counted from 1, that move them along each
  * direction (0: none does), and lines between two of them, counted from 0 as in these calls. */
@@ -239,6 +261,8 @@ typedef struct {
 
 ric_status ric_simulator_create(const ric_model *model, ric_simulator **out);
 void ric_simulator_free(ric_simulator *sim);
+/* From 0 to 1, in the place of that of the model. */
+void ric_simulator_set_restitution(ric_simulator *sim, double restitution);
 /* Places the structure at (x, v) [n_dof each, scaled] at time 0. A state beyond a rigid stop is RIC_E_INPUT; springs
  * that it is beyond are closed. A state on a face that moves into it counts as just before the impact. */
 ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v);
@@ -517,16 +541,6 @@ ric_status ric_orbit_exchanges(const ric_orbit *orbit, int *n, double *speeds, d
 /* Orbits of the atlas under a harmonic force f cos(Omega t + phase) and small losses (docs/forcing.md). The atlas stays
  * that of the structure without them. */
 typedef struct ric_force ric_force;
-
-typedef struct {
-    int n_force;
-    const double *force; /* [n_force] f of amplitude 1, physical, one number per displacement */
-    int n_ratio;
-    const double *ratios; /* [n_ratio] modal damping ratios, one for all modes or one for each; or NULL */
-    int n_matrix;
-    const double *matrix; /* [n_matrix^2] damping matrix C, physical, instead of ratios; or NULL */
-    double restitution;   /* above 0, at most 1 */
-} ric_shaking;
 
 /* RIC_E_INPUT with what is wrong; what is given is copied, the atlas is borrowed. */
 ric_status ric_force_create(const ric_atlas *atlas, const ric_shaking *shaking, ric_force **out);

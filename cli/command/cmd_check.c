@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "study/study.h"
-#include "common/cli.h"
+#include "common/shaking.h"
 
 /* Everything that is shown, asked from the library once. n modes, m contacts. */
 typedef struct {
@@ -159,6 +159,13 @@ static void print_quoted(const char *before, const char *text, const char *after
     fputs(after, stdout);
 }
 
+static double restitution_of(const ric_study *study)
+{
+    ric_forcing forcing;
+    ric_study_forcing(study, &forcing);
+    return forcing.shaking.restitution;
+}
+
 static void print_head(const facts *f, const ric_study *study)
 {
     const ric_model *model = f->model;
@@ -181,7 +188,7 @@ static void print_head(const facts *f, const ric_study *study)
     }
     printf("%d degree%s of freedom, %d of them seen by the stops; %d contact%s, %d face%s; restitution %g\n", f->n,
            plural(f->n), ric_model_n_mode(model), f->m, plural(f->m), ric_model_n_face(model),
-           plural(ric_model_n_face(model)), ric_model_restitution(model));
+           plural(ric_model_n_face(model)), restitution_of(study));
     printf("scale: lengths by %g, the clearance of contact 1; energies by its square\n", ric_model_length(model));
     puts(ric_model_symmetric(model)
              ? "symmetry: x -> -x maps the structure to itself"
@@ -263,7 +270,7 @@ static void print_remarks(const facts *f)
         unseen_rigid += !f->seen[i] && f->frequency[i] == 0;
         seen_rigid += f->seen[i] && f->frequency[i] == 0;
     }
-    if (unseen || seen_rigid || ric_model_restitution(f->model) < 1) putchar('\n');
+    if (unseen || seen_rigid) putchar('\n');
     if (unseen)
         printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact orbits\n", unseen,
                plural(unseen), unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
@@ -275,9 +282,6 @@ static void print_remarks(const facts *f)
                f->m == 1 && two_sided(f)
                    ? "its family starts at the lower edge of the energy window"
                    : "no family starts from it, which takes a single contact, rigid and with both sides");
-    if (ric_model_restitution(f->model) < 1)
-        puts("restitution is below 1: the structure loses energy, so that `ricochet run` refuses it; `ricochet "
-             "simulate` takes it");
 }
 
 static ric_status print_text(const facts *f, const ric_study *study)
@@ -286,6 +290,7 @@ static ric_status print_text(const facts *f, const ric_study *study)
     print_modes(f);
     for (int i = 0; i < f->m; i++) print_contact(f, i);
     print_remarks(f);
+    if (*cli_forcing_remark(study)) printf("\n%s\n", cli_forcing_remark(study));
     if (*ric_study_remark(study)) printf("\n%s\n", ric_study_remark(study));
     return cli_windows_print(study);
 }

@@ -10,7 +10,7 @@
 static const double same_phase = 1e-7; /* rad: of orbits that are solved to 1e-11 */
 
 typedef struct {
-    const char *path;
+    const char *path, *study; /* study: of the losses and the force, NULL: that of the atlas */
     cli_shaking shaking;
     double level;
     int branch; /* 0: all */
@@ -208,14 +208,32 @@ static int report_none(const request *ask, const ric_atlas *atlas)
     return CLI_FAILED;
 }
 
-static int answer(const request *ask)
+/* What is not said by options, from the study: its force, its losses, and its amplitude, if it has one. */
+static int complete(request *ask, const ric_atlas *atlas)
 {
-    const ric_shaking shaking = cli_shaking_of(&ask->shaking);
+    const int code = cli_shaking_read(&ask->shaking, "force", ask->study, ric_atlas_study(atlas));
+    if (code) return code;
+    if (!(ask->level > 0) && ask->shaking.amplitude.n == 1) ask->level = ask->shaking.amplitude.value[0];
+    if (ask->exact && !(ask->level > 0)) return cli_wrong("force: --exact needs --level L, the amplitude of the force");
+    if (!ask->shaking.n_force)
+        return cli_wrong("force: --force is missing; give the vector f of the force, one number per displacement, for "
+                         "example --force 1,0, or section forcing of the study");
+    return CLI_DONE;
+}
+
+static int answer(request *ask)
+{
     ric_atlas *atlas = NULL;
     ric_force *force = NULL;
-    json_t *rows = json_array();
     ric_status status = ric_atlas_read(ask->path, &atlas);
-    if (!status) status = ric_force_create(atlas, &shaking, &force);
+    const int wrong = status ? cli_report(status) : complete(ask, atlas);
+    if (wrong) {
+        ric_atlas_free(atlas);
+        return wrong;
+    }
+    const ric_shaking shaking = cli_shaking_of(&ask->shaking);
+    json_t *rows = json_array();
+    status = ric_force_create(atlas, &shaking, &force);
     const int first = ask->branch ? ask->branch : 1, last = !atlas        ? 0
                                                             : ask->branch ? first
                                                                           : ric_atlas_n_branch(atlas);
@@ -254,13 +272,10 @@ static int take_request(int *argc, char **argv, request *ask)
     ask->exact = cli_take_flag(argc, argv, "--exact");
     if (!cli_take_format(argc, argv, &ask->format) || !cli_take_shaking(argc, argv, &ask->shaking, &code) ||
         !cli_take_value(argc, argv, "--branch", &branch) || !cli_take_value(argc, argv, "--energy", &energy) ||
-        !cli_take_value(argc, argv, "--level", &level) || !cli_operands(&cli_force, *argc, argv, 1))
+        !cli_take_value(argc, argv, "--study", &ask->study) || !cli_take_value(argc, argv, "--level", &level) ||
+        !cli_operands(&cli_force, *argc, argv, 1))
         return code;
     ask->path = argv[1];
-    if (ask->exact && !level) return cli_wrong("force: --exact needs --level L, the amplitude of the force");
-    if (!ask->shaking.n_force)
-        return cli_wrong("force: --force is missing; give the vector f of the force, one number per displacement, for "
-                         "example --force 1,0");
     if ((branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &id)) || !parse_energy(energy, ask) ||
         !parse_level(level, ask))
         return CLI_WRONG;
@@ -285,6 +300,7 @@ static const cli_item items[] = {
          "atlas, to first order: the least amplitude that keeps the motion up, and the two phases at which it does. "
          "One row for each stored orbit and harmonic. The atlas itself stays that of the structure without both."},
     CLI_ITEMS_SHAKING,
+    CLI_ITEM_SHAKING_STUDY,
     {.name = "--branch", .value = "ID", .text = "only this branch"},
     CLI_ITEM_AT,
     {.name = "--energy",
@@ -314,8 +330,9 @@ static const cli_item items[] = {
 const cli_command cli_force = {
     .name = "force",
     .summary = "orbits of an atlas under damping and a harmonic force",
-    .usage = "ricochet force ATLAS --force F1,F2,.. [--damping ZETA|FILE] [--restitution E] [--harmonic M]\n"
-             "           [--branch ID | --at E,OMEGA] [--energy E] [--level L [--exact]] [--json | --csv]\n",
+    .usage = "ricochet force ATLAS [--force F1,F2,..] [--damping ZETA|FILE] [--restitution E]\n"
+             "           [--harmonic M] [--study STUDY] [--branch ID | --at E,OMEGA] [--energy E]\n"
+             "           [--level L [--exact]] [--json | --csv]\n",
     .items = items,
     .example = "ricochet force study.ricochet --force 1,0 --damping 0.001 --energy 1\n",
     .run = run,

@@ -22,7 +22,6 @@ static const char model_part[] =
     "  # K positive semidefinite, both symmetric. Large ones from Matrix Market files: mass: {file: M.mtx}\n"
     "  mass: [[2, 0], [0, 1]]\n"
     "  stiffness: [[9, -1], [-1, 1]]\n"
-    "  restitution: 1           # an atlas needs 1; `ricochet simulate` takes [0, 1]\n"
     "  contacts:\n"
     "    - name: stop           # optional\n"
     "      normal: [-1, 1]      # gap coordinate s = b.x, here x2 - x1\n"
@@ -54,7 +53,13 @@ static void write_study(const char *title, FILE *out)
     ric_options_template("", out);
     fputs("\n# Names for junctions, matched by kind, energy and frequency.\n"
           "names:\n"
-          "  - {name: \"G1_0,2\", kind: grazing, energy: 0.601588369489, frequency: 0.9287310650464}\n",
+          "  - {name: \"G1_0,2\", kind: grazing, energy: 0.601588369489, frequency: 0.9287310650464}\n"
+          "\n# What the structure loses and what shakes it, for `ricochet simulate`, `force` and `response`; the atlas "
+          "is "
+          "that without.\n"
+          "# damping: 0.01           # modal ratios; or {alpha: 0.1, beta: 0.001}, or a matrix\n"
+          "# restitution: 0.95       # of all rigid stops, 0 to 1\n"
+          "# forcing: {vector: [1, 0], amplitude: 0.2, frequency: [0.3, 3.2]}\n",
           out);
 }
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "common/cli.h"
+#include "common/shaking.h"
 
 enum { SAMPLE = 64 }; /* branches whose middle point is replayed, as long as that takes no time: */
 #define QUICK 32      /* degrees of freedom; a replay begins with the simulator's own modes, which grow with the cube */
@@ -332,6 +332,8 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
     add_count(rows, "departures known", sum.known, "the branch was found another way");
     add_count(rows, "departures inadmissible", sum.inadmissible, "ghosts only");
     add_regions(rows, atlas);
+    if (*cli_forcing_remark(ric_atlas_study(atlas)))
+        add(rows, "losses and force", json_null(), cli_forcing_remark(ric_atlas_study(atlas)));
     add_refusals(rows, atlas);
     for (int i = 0; i < RIC_N_BUDGET; i++)
         if (sum.over[i]) add_count(rows, "departures not tried", sum.over[i], over[i]);

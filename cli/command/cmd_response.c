@@ -12,7 +12,7 @@ enum { LEVELS_MOST = 100 };
 typedef enum { LIST_CURVES, LIST_POINTS, LIST_EVENTS } listed;
 
 typedef struct {
-    const char *path, *out;
+    const char *path, *out, *study;
     cli_shaking shaking;
     ric_response_options options;
     double omega[2], levels[LEVELS_MOST];
@@ -188,26 +188,6 @@ static int none(const request *ask)
     return CLI_FAILED;
 }
 
-static int compute(request *ask)
-{
-    ric_atlas *atlas = NULL;
-    ric_response *r = NULL;
-    ric_status status = ric_atlas_read(ask->path, &atlas);
-    cli_catch_signals();
-    ask->options.shaking = cli_shaking_of(&ask->shaking);
-    ask->options.n_harmonic = ask->shaking.n_harmonic;
-    ask->options.harmonics = ask->shaking.harmonics;
-    ask->options.n_level = ask->n_level;
-    ask->options.levels = ask->levels;
-    if (!status) status = ric_response_run(atlas, &ask->options, ask->out, asked_to_stop, NULL);
-    ric_atlas_free(atlas);
-    if (status) return cli_report(status);
-    if ((status = ric_response_read(ask->out, &r))) return cli_report(status);
-    const int code = ric_response_n_curve(r) ? list(ask, r) : none(ask);
-    ric_response_free(r);
-    return code;
-}
-
 static bool parse_whole(const char *text, const char *what, int *out)
 {
     long value;
@@ -263,6 +243,54 @@ static bool place_windows(request *ask)
     return true;
 }
 
+static int run_response(request *ask, const ric_atlas *atlas)
+{
+    ric_response *r = NULL;
+    ric_status status;
+    cli_catch_signals();
+    ask->options.shaking = cli_shaking_of(&ask->shaking);
+    ask->options.n_harmonic = ask->shaking.n_harmonic;
+    ask->options.harmonics = ask->shaking.harmonics;
+    ask->options.n_level = ask->n_level;
+    ask->options.levels = ask->levels;
+    if ((status = ric_response_run(atlas, &ask->options, ask->out, asked_to_stop, NULL))) return cli_report(status);
+    if ((status = ric_response_read(ask->out, &r))) return cli_report(status);
+    const int code = ric_response_n_curve(r) ? list(ask, r) : none(ask);
+    ric_response_free(r);
+    return code;
+}
+
+/* What is not said by options, from the study. */
+static int complete(request *ask, const ric_atlas *atlas)
+{
+    cli_shaking *h = &ask->shaking;
+    const int code = cli_shaking_read(h, "response", ask->study, ric_atlas_study(atlas));
+    if (code) return code;
+    for (int i = 0, given = ask->n_level; !given && i < h->amplitude.n; i++) {
+        ask->levels[i] = h->amplitude.value[i];
+        ask->n_level = i + 1;
+    }
+    if (!ask->n_omega && h->frequency[1] > 0) {
+        memcpy(ask->omega, h->frequency, sizeof ask->omega);
+        ask->n_omega = h->frequency[1] > h->frequency[0] ? 2 : 1;
+    }
+    if (!h->n_force)
+        return cli_wrong(
+            "response: --force is missing; give the vector f of the force, one number per displacement, for "
+            "example --force 1,0, or section forcing of the study");
+    return place_windows(ask) ? CLI_DONE : CLI_WRONG;
+}
+
+static int compute(request *ask)
+{
+    ric_atlas *atlas = NULL;
+    const ric_status status = ric_atlas_read(ask->path, &atlas);
+    int code = status ? cli_report(status) : complete(ask, atlas);
+    if (!code) code = run_response(ask, atlas);
+    ric_atlas_free(atlas);
+    return code;
+}
+
 static int take_request(int *argc, char **argv, request *ask)
 {
     const char *omega, *level, *along, *branch, *impacts, *periods, *points, *curves, *step, *curve;
@@ -276,8 +304,8 @@ static int take_request(int *argc, char **argv, request *ask)
         !cli_take_value(argc, argv, "--impacts", &impacts) || !cli_take_value(argc, argv, "--periods", &periods) ||
         !cli_take_value(argc, argv, "--most-points", &points) ||
         !cli_take_value(argc, argv, "--most-curves", &curves) || !cli_take_value(argc, argv, "--step", &step) ||
-        !cli_take_value(argc, argv, "--curve", &curve) || !cli_take_value(argc, argv, "-o", &ask->out) ||
-        !cli_operands(&cli_response, *argc, argv, 1))
+        !cli_take_value(argc, argv, "--curve", &curve) || !cli_take_value(argc, argv, "--study", &ask->study) ||
+        !cli_take_value(argc, argv, "-o", &ask->out) || !cli_operands(&cli_response, *argc, argv, 1))
         return code;
     ask->path = argv[1];
     ric_response_options *o = &ask->options;
@@ -291,11 +319,7 @@ static int take_request(int *argc, char **argv, request *ask)
     ask->curve = number;
     if (ric_response_is(ask->path)) return CLI_DONE;
     if (!ask->out) return cli_wrong("response: -o FILE is missing, the file for the response");
-    if (!ask->shaking.n_force)
-        return cli_wrong(
-            "response: --force is missing; give the vector f of the force, one number per displacement, for "
-            "example --force 1,0");
-    return place_windows(ask) ? CLI_DONE : CLI_WRONG;
+    return CLI_DONE;
 }
 
 static int run(int argc, char **argv)
@@ -319,6 +343,7 @@ static const cli_item items[] = {
          "curves that leave are followed. They are kept in a file of their own; a run that was stopped goes on when "
          "the same call is given once more. Given such a file, lists what it has."},
     CLI_ITEMS_SHAKING,
+    CLI_ITEM_SHAKING_STUDY,
     {.name = "--along", .value = "WHAT", .words = "omega level restitution", .text = "what varies; omega unless given"},
     {.name = "--omega",
      .value = "A,B",
@@ -346,9 +371,10 @@ static const cli_item items[] = {
 const cli_command cli_response = {
     .name = "response",
     .summary = "curves of exact forced motions of the damped structure",
-    .usage = "ricochet response ATLAS --force F1,F2,.. --level L,.. --omega A,B [--damping ZETA|FILE]\n"
-             "           [--restitution E] [--harmonic M] [--along WHAT] [--branch ID] [--impacts N]\n"
-             "           [--periods N] [--most-points N] [--most-curves N] [--step H] -o FILE [--json | --csv]\n"
+    .usage = "ricochet response ATLAS [--force F1,F2,..] [--level L,..] [--omega A,B]\n"
+             "           [--damping ZETA|FILE] [--restitution E] [--harmonic M] [--study STUDY]\n"
+             "           [--along WHAT] [--branch ID] [--impacts N] [--periods N] [--most-points N]\n"
+             "           [--most-curves N] [--step H] -o FILE [--json | --csv]\n"
              "ricochet response FILE [--points | --events] [--curve ID] [--json | --csv]\n",
     .items = items,
     .example = "ricochet response s.ricochet --force 1,0 --damping 0.01 --level 0.2 --omega 1,3 -o r\n",

@@ -13,7 +13,7 @@
 #include "explore/remote.h"
 #include "study/region.h"
 #include "study/study.h"
-#include "common/cli.h"
+#include "common/shaking.h"
 
 #define MANY_MODES 200
 /* SHARE: a run lasts at least so many times as long as it takes to come to something new: one that was stopped again
@@ -281,6 +281,7 @@ static int explore(const ric_study *study, const char *name, const char *path, d
     d.before = before;
     d.same = before && !strcmp(ric_study_text(ric_atlas_study(before)), ric_study_text(study));
     if (*ric_study_remark(study)) cli_say("ricochet: %s: %s\n", name, ric_study_remark(study));
+    if (!d.quiet && *cli_forcing_remark(study)) cli_say("ricochet: %s: %s\n", name, cli_forcing_remark(study));
     cli_windows_warn(study);
     cli_catch_signals();
     ric_status status = ric_explore_with(study, path, &options, &more, &atlas);
@@ -325,10 +326,6 @@ static int run(int argc, char **argv)
     if (status) code = cli_report(status);
     else if (!strcmp(path, argv[1]))
         code = cli_wrong("run: the atlas %s would overwrite the study; choose another name with -o", path);
-    else if (ric_model_restitution(ric_study_model(study)) < 1)
-        code = cli_wrong("%s:%zu: model.restitution: %g loses energy, so that there are no families of periodic "
-                         "orbits; an atlas needs 1, `ricochet simulate` takes [0, 1]",
-                         argv[1], ric_study_restitution_line(study), ric_model_restitution(ric_study_model(study)));
     else if (too_large(study, d.seconds))
         code = cli_wrong("%s: %d modes take part in the motion, and a branch of such orbits may take minutes or hours; "
                          "give --seconds S to try for so long, or reduce the structure to the modes that matter",

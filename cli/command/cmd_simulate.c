@@ -1,4 +1,5 @@
 /* ricochet simulate STUDY: the motion from a state, found impact by impact. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +19,8 @@ typedef struct {
     ric_shaken *shaken; /* instead of it, under damping and force */
     cli_shaking shaking;
     bool is_shaken;
-    double omega, level, phase;
+    bool phased, own_force;     /* --omega, --level or --phase; --force */
+    double omega, level, phase; /* level NaN: not given */
     int n;
     long steps, struck;
     double end, length; /* length: 1, or that of the model for physical units */
@@ -67,11 +69,11 @@ static ric_status begin(simulation *s)
     ric_shaking shaking = cli_shaking_of(&s->shaking);
     ric_status status;
     if (s->is_shaken) {
-        if (!s->shaking.n_restitution) shaking.restitution = ric_model_restitution(model);
         status = ric_shaken_create(model, &shaking, s->omega, s->level, &s->shaken);
         return status ? status : ric_shaken_start(s->shaken, x, v, s->phase);
     }
     status = ric_simulator_create(model, &s->sim);
+    if (!status) ric_simulator_set_restitution(s->sim, s->shaking.restitution);
     return status ? status : ric_simulator_start(s->sim, x, v);
 }
 
@@ -155,33 +157,45 @@ static int simulate_and_print(simulation *s, cli_format format)
     return code ? code : printed;
 }
 
-/* --force, --damping, --omega, --level, --phase, --restitution: any of them asks for the shaken structure. */
 static bool take_shaking(int *argc, char **argv, simulation *s, int *code)
 {
     const char *omega, *level, *phase;
-    s->level = 1;
-    if (!cli_take_shaking(argc, argv, &s->shaking, code) || !cli_take_value(argc, argv, "--omega", &omega) ||
-        !cli_take_value(argc, argv, "--level", &level) || !cli_take_value(argc, argv, "--phase", &phase) ||
-        (omega && !cli_parse_number(omega, "--omega", &s->omega)) ||
-        (level && !cli_parse_number(level, "--level", &s->level)) ||
-        (phase && !cli_parse_number(phase, "--phase", &s->phase)))
-        return false;
-    const cli_shaking *h = &s->shaking;
-    s->is_shaken = h->n_force || h->n_ratio || h->n_matrix || h->n_restitution;
-    if ((omega || level || phase) && !h->n_force) {
-        cli_wrong("simulate: --omega, --level and --phase go with --force F1,F2,..");
-        return false;
-    }
-    if (!h->n_force || omega) return true;
-    cli_wrong("simulate: --force needs --omega W, the frequency of the force in rad/s");
-    return false;
+    s->level = NAN;
+    return cli_take_shaking(argc, argv, &s->shaking, code) && cli_take_value(argc, argv, "--omega", &omega) &&
+           cli_take_value(argc, argv, "--level", &level) && cli_take_value(argc, argv, "--phase", &phase) &&
+           (!omega || cli_parse_number(omega, "--omega", &s->omega)) &&
+           (!level || cli_parse_number(level, "--level", &s->level)) &&
+           (!phase || cli_parse_number(phase, "--phase", &s->phase)) && ((s->phased = omega || level || phase), true);
 }
 
-/* What was asked for fits the model. */
-static int check_shaking(const simulation *s)
+/* The one frequency and the one level of the force: of the options, or of the study. */
+static int place_force(simulation *s)
 {
-    ric_shaking shaking = cli_shaking_of(&s->shaking);
-    return s->is_shaken ? cli_report(ric_force_check(ric_study_model(s->study), &shaking)) : CLI_DONE;
+    const cli_shaking *h = &s->shaking;
+    if (s->omega == 0 && h->frequency[0] == h->frequency[1]) s->omega = h->frequency[0];
+    if (isnan(s->level) && h->amplitude.n > 1)
+        return cli_wrong("simulate: the study has %d amplitudes of the force; --level L says which", h->amplitude.n);
+    if (isnan(s->level)) s->level = h->amplitude.n ? h->amplitude.value[0] : 1;
+    if (s->omega == 0 && s->level != 0)
+        return cli_wrong("simulate: %s needs --omega W, the frequency of the force in rad/s%s",
+                         s->own_force ? "--force" : "the force of the study",
+                         s->own_force ? "" : "; --level 0 leaves the force out");
+    return CLI_DONE;
+}
+
+/* Options, and the study where they say nothing. A force or damping asks for the shaken structure, and so does a
+ * restitution that was given. */
+static int complete(simulation *s)
+{
+    cli_shaking *h = &s->shaking;
+    s->own_force = h->n_force;
+    if (!cli_shaking_complete(h, s->study)) return cli_report(RIC_E_NOMEM);
+    if (s->phased && !h->n_force) return cli_wrong("simulate: --omega, --level and --phase go with --force F1,F2,..");
+    s->is_shaken = h->n_force || h->n_ratio || h->n_matrix || h->n_restitution;
+    const int code = h->n_force ? place_force(s) : CLI_DONE;
+    if (code || !s->is_shaken) return code;
+    ric_shaking shaking = cli_shaking_of(h);
+    return cli_report(ric_force_check(ric_study_model(s->study), &shaking));
 }
 
 static int run(int argc, char **argv)
@@ -209,7 +223,7 @@ static int run(int argc, char **argv)
     s.n = ric_model_n_dof(ric_study_model(s.study));
     if (physical) s.length = ric_model_length(ric_study_model(s.study));
     if (!make_columns(&s)) code = cli_report(RIC_E_NOMEM);
-    else if ((code = check_shaking(&s)) == CLI_DONE)
+    else if ((code = complete(&s)) == CLI_DONE)
         code = cli_parse_state("simulate", s.n, count, texts, s.length, s.state) ? simulate_and_print(&s, format)
                                                                                  : CLI_WRONG;
 out:
@@ -220,8 +234,9 @@ out:
 
 static const cli_item items[] = {
     {.text = "Places the structure of the study at displacements X (one per degree of freedom) with velocities V "
-             "at time 0 and follows it to time T in seconds. Every impact is found, with the study's coefficient "
-             "of restitution. Lists the columns t x1.. v1.. at N + 1 equal times, or the impacts. Lengths are in "
+             "at time 0 and follows it to time T in seconds. Every impact is found. Damping, restitution and force are "
+             "those of the study where no option gives them. Lists the columns t x1.. v1.. at N + 1 equal times, or "
+             "the impacts. Lengths are in "
              "clearances of the first contact."},
     {.name = "--state",
      .value = "X.. V..",
@@ -235,9 +250,8 @@ static const cli_item items[] = {
     {.name = "--physical", .text = "state, history and impacts in the study's own units of length"},
     {.name = "--force",
      .value = "F1,F2,..",
-     .text =
-         "shaken by L f cos(W t + P) from time 0 on, physical: f, with --omega W (rad/s), --level L, 1 unless given, "
-         "and --phase P, rad"},
+     .text = "shaken by L f cos(W t + P) from time 0 on, physical: f, with --omega W (rad/s), --level L, 1 unless the "
+             "study has one, 0 for no force, and --phase P, rad"},
     {.name = "--omega", .value = "W", .text = "frequency of the force, rad/s"},
     {.name = "--level", .value = "L", .text = "amplitude of the force"},
     {.name = "--phase", .value = "P", .text = "phase of the force at time 0"},

@@ -12,6 +12,7 @@ static bool parse_harmonics(const char *text, cli_shaking *ask)
 {
     double values[CLI_HARMONICS_MOST];
     ask->n_harmonic = ask->harmonics[0] = 1;
+    ask->harmonic_given = text;
     if (!text) return true;
     if (!cli_parse_list(text, "--harmonic", CLI_HARMONICS_MOST, &ask->n_harmonic, values)) return false;
     for (int i = 0; i < ask->n_harmonic; i++) {
@@ -51,10 +52,58 @@ bool cli_take_shaking(int *argc, char **argv, cli_shaking *out, int *code)
            parse_damping(damping, out, code);
 }
 
+static double *copy_of(size_t n, const double *x)
+{
+    double *out = malloc((n + 1) * sizeof *out);
+    if (out) memcpy(out, x, n * sizeof *out);
+    return out;
+}
+
+bool cli_shaking_complete(cli_shaking *s, const ric_study *study)
+{
+    ric_forcing of;
+    if (!ric_study_forcing(study, &of)) return true;
+    const ric_shaking *h = &of.shaking;
+    if (!s->n_force) memcpy(s->force, h->force, (size_t)(s->n_force = h->n_force) * sizeof *s->force);
+    if (!s->n_ratio && !s->n_matrix) {
+        memcpy(s->ratios, h->ratios, (size_t)(s->n_ratio = h->n_ratio) * sizeof *s->ratios);
+        s->n_matrix = h->n_matrix;
+        if (h->n_matrix && !(s->matrix = copy_of((size_t)h->n_matrix * (size_t)h->n_matrix, h->matrix))) return false;
+    }
+    if (!s->n_restitution) s->restitution = h->restitution;
+    for (int i = 0; !s->harmonic_given && i < of.harmonic.n; i++) {
+        s->harmonics[i] = (int)of.harmonic.value[i];
+        s->n_harmonic = i + 1;
+    }
+    s->amplitude = of.amplitude;
+    memcpy(s->frequency, of.frequency, sizeof s->frequency);
+    return true;
+}
+
+int cli_shaking_read(cli_shaking *s, const char *command, const char *path, const ric_study *own)
+{
+    ric_study *other = NULL;
+    int code = path ? cli_read_study(path, &other) : CLI_DONE;
+    if (!code && path && !ric_model_same(ric_study_model(other), ric_study_model(own)))
+        code = cli_wrong("%s: --study %s is a study of another structure than that of the atlas", command, path);
+    if (!code && !cli_shaking_complete(s, path ? other : own)) code = cli_report(RIC_E_NOMEM);
+    ric_study_free(other);
+    return code;
+}
+
+const char *cli_forcing_remark(const ric_study *study)
+{
+    ric_forcing forcing;
+    return ric_study_forcing(study, &forcing)
+               ? "the atlas is that of the structure without losses and force; what the study says of them is taken by "
+                 "`ricochet simulate`, `force` and `response`"
+               : "";
+}
+
 ric_shaking cli_shaking_of(const cli_shaking *s)
 {
     return (ric_shaking){.n_force = s->n_force,
-                         .force = s->force,
+                         .force = s->n_force ? s->force : NULL,
                          .n_ratio = s->n_ratio,
                          .ratios = s->n_ratio ? s->ratios : NULL,
                          .n_matrix = s->n_matrix,

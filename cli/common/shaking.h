@@ -12,9 +12,19 @@ typedef struct {
     double restitution, restitutions[2];
     int n_restitution; /* as given; the last one counts where one is wanted */
     int harmonics[CLI_HARMONICS_MOST], n_harmonic;
+    bool harmonic_given;
+    ric_numbers amplitude; /* of the study; n 0: none */
+    double frequency[2];   /* of the study; 0, 0: none */
 } cli_shaking;
 
 bool cli_take_shaking(int *argc, char **argv, cli_shaking *out, int *code);
+/* What the options do not say, as the study has it. */
+bool cli_shaking_complete(cli_shaking *shaking, const ric_study *study);
+/* The same from the study of a file, which has to be that of this structure, or from `own` where path is NULL; the exit
+ * code. */
+int cli_shaking_read(cli_shaking *shaking, const char *command, const char *path, const ric_study *own);
+/* One sentence about the losses and the force of a study, which its atlas has not; "" without them. */
+const char *cli_forcing_remark(const ric_study *study);
 /* Borrows. */
 ric_shaking cli_shaking_of(const cli_shaking *shaking);
 void cli_shaking_free(cli_shaking *shaking);
@@ -31,6 +41,13 @@ void cli_shaking_free(cli_shaking *shaking);
          .text = "of all rigid stops, above 0; 1, which loses nothing, unless given"},                                 \
     {                                                                                                                  \
         .name = "--harmonic", .value = "M", .text = "harmonics m of the orbit, M or M1,M2,..; 1 unless given"          \
+    }
+
+#define CLI_ITEM_SHAKING_STUDY                                                                                         \
+    {                                                                                                                  \
+        .name = "--study", .value = "STUDY",                                                                           \
+        .text = "takes what is not given, as force, damping, restitution, levels and frequencies, from this study "    \
+                "instead of the one in the atlas"                                                                      \
     }
 
 #endif

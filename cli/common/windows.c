@@ -169,10 +169,10 @@ static const char *by(bool chosen)
     return chosen ? " (chosen)" : "";
 }
 
-/* What a run says to the study before it begins, beside losses, which `check` names elsewhere. */
+/* What a run says to the study before it begins. */
 static bool refused(const ric_study *study, char *why, size_t size)
 {
-    const bool is = ric_model_restitution(ric_study_model(study)) == 1 && ric_explore_check(study) == RIC_E_INPUT;
+    const bool is = ric_explore_check(study) == RIC_E_INPUT;
     snprintf(why, size, "%s", is ? ric_detail() : "");
     return is;
 }

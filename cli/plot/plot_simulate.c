@@ -119,6 +119,18 @@ static ric_status find_step(simulation *s)
     return status;
 }
 
+/* Impacts lose what the study says; damping and force are not drawn, which is said. */
+static void set_restitution(simulation *s)
+{
+    ric_forcing f;
+    if (!ric_study_forcing(s->study, &f)) return;
+    ric_simulator_set_restitution(s->sim, f.shaking.restitution);
+    ric_simulator_set_restitution(s->scout, f.shaking.restitution);
+    if (f.shaking.n_force || f.shaking.n_ratio || f.shaking.n_matrix)
+        cli_say("ricochet: plot simulate: this is the motion without the damping and the force of the study, which "
+                "`ricochet simulate` takes\n");
+}
+
 static ric_status follow(simulation *s)
 {
     plot_motion *m = &s->motion;
@@ -126,6 +138,7 @@ static ric_status follow(simulation *s)
     ric_status status = find_step(s);
     if (!status) status = ric_simulator_create(s->model, &s->sim);
     if (!status) status = ric_simulator_create(s->model, &s->scout);
+    if (!status) set_restitution(s);
     if (!status) status = ric_simulator_start(s->sim, s->state, s->state + m->n);
     if (!status) status = ric_simulator_start(s->scout, s->state, s->state + m->n);
     if (!status && !add_row(m, 0, s->state)) status = RIC_E_NOMEM;

@@ -373,6 +373,11 @@ void ric_simulator_modal(const ric_simulator *sim, const double *x, const double
     ric_simulator_frame_to_modal(sim, sim->open, false, state, w);
 }
 
+void ric_simulator_set_restitution(ric_simulator *sim, double restitution)
+{
+    sim->restitution = restitution;
+}
+
 ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v)
 {
     ric_status status = check_start(sim, x, v);

@@ -83,9 +83,6 @@ static ric_status check_springs(const ric_study *study)
 
 ric_status ric_explore_check(const ric_study *study)
 {
-    if (ric_model_restitution(ric_study_model(study)) != 1)
-        return ric_fail(RIC_E_INPUT, "an atlas needs restitution 1: with losses there are no families of periodic "
-                                     "orbits; `ricochet simulate` takes any");
     ric_status status = ric_graph_check_start(ric_study_model(study));
     if (!status) status = check_phases(study);
     return status ? status : check_springs(study);

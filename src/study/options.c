@@ -10,6 +10,7 @@
 #include <string.h>
 
 #define FIELD(name) offsetof(ric_explore_options, name)
+#define FORCING(name) offsetof(ric_forcing, name)
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 #define TEXT_OF(value) #value
 #define TEXT(macro) TEXT_OF(macro)
@@ -173,12 +174,57 @@ static const ric_option RIC_OPTIONS[] = {
      "relative",
      "accuracy asked for: orbits are always solved to rounding, and those of which it leaves a larger residual are "
      "counted by `run` and `report`"},
+    {"",
+     "restitution",
+     RIC_OPTION_REAL,
+     FORCING(shaking.restitution),
+     {1, 0},
+     0,
+     1,
+     false,
+     "",
+     "speed after an impact over that before, of all rigid stops; `force` and `response` take it above 0"},
+    {"forcing",
+     "amplitude",
+     RIC_OPTION_AMOUNTS,
+     FORCING(amplitude),
+     {0, 0},
+     0,
+     1e18,
+     true,
+     "force",
+     "L of the force L f cos(Omega t + phase), or a list such as [0.1, 0.2]"},
+    {"forcing",
+     "frequency",
+     RIC_OPTION_BAND,
+     FORCING(frequency),
+     {0, 0},
+     0,
+     1e12,
+     true,
+     "rad/s",
+     "Omega of the force, or a window such as [0.5, 2]"},
+    {"forcing",
+     "harmonic",
+     RIC_OPTION_WHOLES,
+     FORCING(harmonic),
+     {0, 0},
+     1,
+     10000,
+     false,
+     "frequencies of the orbit",
+     "m of Omega = m omega, or a list such as [1, 2]; 1 where it is not given"},
 };
 
 const ric_option *ric_options_list(int *n)
 {
     *n = COUNT(RIC_OPTIONS);
     return RIC_OPTIONS;
+}
+
+bool ric_option_is_forcing(const ric_option *option)
+{
+    return !strcmp(option->section, "forcing") || !strcmp(option->key, "restitution");
 }
 
 const ric_option *ric_option_find(const char *section, const char *key)
@@ -188,25 +234,29 @@ const ric_option *ric_option_find(const char *section, const char *key)
     return NULL;
 }
 
-static void *field(const ric_option *option, ric_explore_options *options)
+static void *field(const ric_option *option, void *options)
 {
     return (char *)options + option->offset;
 }
 
-static const void *const_field(const ric_option *option, const ric_explore_options *options)
+static const void *const_field(const ric_option *option, const void *options)
 {
     return (const char *)options + option->offset;
 }
 
-static void store(const ric_option *option, const double value[2], ric_explore_options *out)
+static void store(const ric_option *option, const double value[2], void *options)
 {
-    void *where = field(option, out);
+    void *where = field(option, options);
+    ric_explore_options *out = options; /* of lists that know where they are */
     switch (option->type) {
     case RIC_OPTION_REAL: *(double *)where = value[0]; break;
     case RIC_OPTION_INTEGER: *(int *)where = (int)value[0]; break;
     case RIC_OPTION_SWITCH: *(bool *)where = value[0] != 0; break;
+    case RIC_OPTION_BAND:
     case RIC_OPTION_WINDOW: memcpy(where, value, 2 * sizeof *value); break;
     case RIC_OPTION_MODES: out->n_start = 0; break;
+    case RIC_OPTION_AMOUNTS:
+    case RIC_OPTION_WHOLES:
     case RIC_OPTION_NUMBERS: ((ric_numbers *)where)->n = 0; break;
     case RIC_OPTION_CASCADE: out->n_cascade = 0; break;
     case RIC_OPTION_TONGUES: *(bool *)where = value[0] != 0; break;
@@ -216,7 +266,15 @@ static void store(const ric_option *option, const double value[2], ric_explore_o
 void ric_explore_options_init(ric_explore_options *options)
 {
     memset(options, 0, sizeof *options);
-    for (int i = 0; i < COUNT(RIC_OPTIONS); i++) store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, options);
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
+        if (!ric_option_is_forcing(&RIC_OPTIONS[i])) store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, options);
+}
+
+void ric_option_forcing_init(ric_forcing *forcing)
+{
+    memset(forcing, 0, sizeof *forcing);
+    for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
+        if (ric_option_is_forcing(&RIC_OPTIONS[i])) store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, forcing);
 }
 
 /* ----------------------------------------------------------------- numbers */
@@ -312,7 +370,8 @@ static ric_status read_number(const ric_option *option, const char *text, double
     describe_range(option, sizeof range, range);
     if (kind == RIC_TEXT_NOT_FINITE)
         return ric_fail(RIC_E_INPUT, "'%.40s' is not finite; give a number in %s", text, range);
-    bool integer = option->type == RIC_OPTION_INTEGER || option->type == RIC_OPTION_MODES;
+    bool integer = option->type == RIC_OPTION_INTEGER || option->type == RIC_OPTION_MODES ||
+                   option->type == RIC_OPTION_WHOLES;
     if (kind != RIC_TEXT_NUMBER || (integer && !ric_option_text_integer(text, &whole)))
         return ric_fail(RIC_E_INPUT, "'%.40s' is not a%s number; give one in %s", text, integer ? " whole" : "", range);
     if (*out < option->min || *out > option->max || (option->above && *out == option->min))
@@ -338,6 +397,18 @@ static ric_status read_window(const ric_option *option, bool list, int n, const 
     if (out[0] < out[1]) return RIC_OK;
     return ric_fail(RIC_E_INPUT, "the window [%.17g, %.17g] is %s; write the lower bound first", out[0], out[1],
                     out[0] == out[1] ? "empty" : "reversed");
+}
+
+/* A number stands for a window without width. */
+static ric_status read_band(const ric_option *option, bool list, int n, const char *const *texts, double out[2],
+                            int *item)
+{
+    if (list && n != 2)
+        return ric_fail(RIC_E_INPUT, "expected a number, or a window [lower, upper], for example [0.5, 2]");
+    if (list) return read_window(option, list, n, texts, out, item);
+    ric_status status = read_number(option, texts[0], &out[0]);
+    out[1] = out[0];
+    return status;
 }
 
 bool ric_option_is_auto(const double window[2])
@@ -393,11 +464,19 @@ static int compare_reals(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
+static bool is_numbers(ric_option_type type)
+{
+    return type == RIC_OPTION_NUMBERS || type == RIC_OPTION_AMOUNTS || type == RIC_OPTION_WHOLES;
+}
+
 static ric_status read_numbers(const ric_option *option, bool list, int n, const char *const *texts, ric_numbers *out,
                                int *item)
 {
     ric_numbers numbers = {.n = n};
-    if (!list) return ric_fail(RIC_E_INPUT, "expected a list of numbers; write [%.40s], or [] for none", texts[0]);
+    if (!list && option->type == RIC_OPTION_NUMBERS)
+        return ric_fail(RIC_E_INPUT, "expected a list of numbers; write [%.40s], or [] for none", texts[0]);
+    if (n == 0 && option->type != RIC_OPTION_NUMBERS)
+        return ric_fail(RIC_E_INPUT, "an empty list; give a number, or leave the key out");
     if (n > RIC_NUMBERS_MAX)
         return ric_fail(RIC_E_INPUT, "more than %d numbers; leave some for another study", RIC_NUMBERS_MAX);
     for (int i = 0; i < n; i++) {
@@ -414,14 +493,15 @@ static ric_status read_numbers(const ric_option *option, bool list, int n, const
     return RIC_OK;
 }
 
-ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts,
-                           ric_explore_options *out, int *item)
+ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts, void *options,
+                           int *item)
 {
     double value[2] = {0, 0};
     ric_status status = RIC_OK;
+    ric_explore_options *out = options;
     *item = -1;
     if (option->type == RIC_OPTION_MODES) return read_modes(option, list, n, texts, out, item);
-    if (option->type == RIC_OPTION_NUMBERS) return read_numbers(option, list, n, texts, field(option, out), item);
+    if (is_numbers(option->type)) return read_numbers(option, list, n, texts, field(option, out), item);
     if (option->type == RIC_OPTION_CASCADE)
         return read_list(option, "all", list, n, texts, COUNT(out->cascade), out->cascade, &out->n_cascade, item);
     if (option->type == RIC_OPTION_TONGUES && !list) {
@@ -429,13 +509,14 @@ ric_status ric_option_read(const ric_option *option, bool list, int n, const cha
         if (value[0] == 0 && strcmp(texts[0], "follow"))
             return ric_fail(RIC_E_INPUT, "'%.40s' is neither follow nor cross; write one of them", texts[0]);
     } else if (option->type == RIC_OPTION_WINDOW) status = read_window(option, list, n, texts, value, item);
+    else if (option->type == RIC_OPTION_BAND) status = read_band(option, list, n, texts, value, item);
     else if (list) return ric_fail(RIC_E_INPUT, "expected one value, found a list of %d", n);
     else if (option->type == RIC_OPTION_SWITCH) {
         value[0] = strcmp(texts[0], "true") ? 0 : 1;
         if (value[0] == 0 && strcmp(texts[0], "false"))
             return ric_fail(RIC_E_INPUT, "'%.40s' is neither true nor false; write one of them", texts[0]);
     } else status = read_number(option, texts[0], &value[0]);
-    if (!status) store(option, value, out);
+    if (!status) store(option, value, options);
     return status;
 }
 
@@ -457,9 +538,10 @@ static void write_list(const char *word, int n, const int *list, FILE *out)
     for (int i = 0; i < n; i++) fprintf(out, "%s%d%s", i ? ", " : "[", list[i], i + 1 == n ? "]" : "");
 }
 
-void ric_option_write(const ric_option *option, const ric_explore_options *options, FILE *out)
+void ric_option_write(const ric_option *option, const void *of, FILE *out)
 {
-    const void *where = const_field(option, options);
+    const void *where = const_field(option, of);
+    const ric_explore_options *options = of;
     const double *real = where;
     switch (option->type) {
     case RIC_OPTION_REAL: ric_option_text_write(*real, out); break;
@@ -469,6 +551,12 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
         if (ric_option_is_auto(real)) fputs("auto", out);
         else write_numbers(2, real, out);
         break;
+    case RIC_OPTION_BAND:
+        if (real[0] == real[1]) ric_option_text_write(*real, out);
+        else write_numbers(2, real, out);
+        break;
+    case RIC_OPTION_AMOUNTS:
+    case RIC_OPTION_WHOLES:
     case RIC_OPTION_NUMBERS:
         write_numbers(((const ric_numbers *)where)->n, ((const ric_numbers *)where)->value, out);
         break;
@@ -481,13 +569,15 @@ void ric_option_write(const ric_option *option, const ric_explore_options *optio
 static void write_default(const ric_option *option, size_t size, char *text)
 {
     ric_explore_options defaults;
-    FILE *out = fmemopen(text, size, "w");
+    ric_forcing forcing;
     ric_explore_options_init(&defaults);
+    ric_option_forcing_init(&forcing);
     text[0] = '\0';
-    if (out) {
-        ric_option_write(option, &defaults, out);
-        fclose(out);
-    }
+    if (!strcmp(option->section, "forcing")) return; /* what is not given is not there */
+    FILE *out = fmemopen(text, size, "w");
+    if (!out) return;
+    ric_option_write(option, ric_option_is_forcing(option) ? (const void *)&forcing : &defaults, out);
+    fclose(out);
 }
 
 void ric_options_template(const char *section, FILE *out)
@@ -495,7 +585,7 @@ void ric_options_template(const char *section, FILE *out)
     char value[64], line[96];
     for (int i = 0; i < COUNT(RIC_OPTIONS); i++) {
         const ric_option *option = &RIC_OPTIONS[i];
-        if (strcmp(option->section, section)) continue;
+        if (strcmp(option->section, section) || ric_option_is_forcing(option)) continue;
         write_default(option, sizeof value, value);
         snprintf(line, sizeof line, "%s%s: %s", section[0] ? "  " : "", option->key, value);
         fprintf(out, "%-26s # %s%s%s%s\n", line, option->help, option->unit[0] ? " (" : "", option->unit,
@@ -514,25 +604,59 @@ static const char *type_text(ric_option_type type)
     case RIC_OPTION_NUMBERS: return "list of up to " TEXT(RIC_NUMBERS_MAX) " numbers";
     case RIC_OPTION_CASCADE: return "`all` or a list";
     case RIC_OPTION_TONGUES: return "`follow` or `cross`";
+    case RIC_OPTION_BAND: return "number or [lower, upper]";
+    case RIC_OPTION_AMOUNTS: return "number, or a list of up to " TEXT(RIC_NUMBERS_MAX);
+    case RIC_OPTION_WHOLES: return "whole number, or a list of up to " TEXT(RIC_NUMBERS_MAX);
     }
     return "";
 }
 
-void ric_options_document(FILE *out)
+static void document_table(bool forcing, FILE *out)
 {
     char value[64], range[64];
-    fputs("## explore\n\n"
-          "Keys of the section `explore` of a study, and one at its top. All are optional.\n\n"
-          "| key | type | default | allowed | unit | meaning |\n|---|---|---|---|---|---|\n",
-          out);
+    fputs("| key | type | default | allowed | unit | meaning |\n|---|---|---|---|---|---|\n", out);
     for (int i = 0; i < COUNT(RIC_OPTIONS); i++) {
         const ric_option *option = &RIC_OPTIONS[i];
+        if (ric_option_is_forcing(option) != forcing) continue;
         write_default(option, sizeof value, value);
         describe_range(option, sizeof range, range);
         const bool words = option->type == RIC_OPTION_SWITCH || option->type == RIC_OPTION_TONGUES;
-        fprintf(out, "| `%s%s%s` | %s | `%s` | %s | %s | %s |\n", option->section, option->section[0] ? "." : "",
-                option->key, type_text(option->type), value, words ? "" : range, option->unit, option->help);
+        const char *quote = value[0] ? "`" : "";
+        fprintf(out, "| `%s%s%s` | %s | %s%s%s | %s | %s | %s |\n", option->section, option->section[0] ? "." : "",
+                option->key, type_text(option->type), quote, value[0] ? value : "none", quote, words ? "" : range,
+                option->unit, option->help);
     }
+}
+
+void ric_options_document(FILE *out)
+{
+    fputs("## explore\n\n"
+          "Keys of the section `explore` of a study, and one at its top. All are optional.\n\n",
+          out);
+    document_table(false, out);
+    fputs(
+        "\n## forcing\n\n"
+        "What shakes the structure, and what it loses: [damping and force](forcing.md).\n"
+        "`simulate`, `force` and `response` take it where their options say nothing else.\n"
+        "The atlas is that of the structure without losses and force, whatever stands here:\n"
+        "an atlas stays that of its study when these keys change.\n"
+        "`ricochet run` once more takes the new keys into it, and so does `--study` of `force` and `response`.\n\n"
+        "```yaml\n"
+        "damping: 0.01             # ratio of all modes; [0.01, 0.02]: of each; {alpha: 0.1, beta: 1.0e-4}: alpha M + "
+        "beta K;\n"
+        "                          # or a matrix, rows or {file: C.mtx}\n"
+        "restitution: 0.95\n"
+        "forcing:\n"
+        "  vector: [1, 0]          # f, one number per displacement; or coordinate: 1\n"
+        "  amplitude: [0.1, 0.2]\n"
+        "  frequency: [0.5, 2]\n"
+        "  harmonic: 1\n"
+        "```\n\n"
+        "`damping` takes no energy where it is not given; no ratio is negative, and a matrix is symmetric without a\n"
+        "negative eigenvalue.\n"
+        "`forcing` needs `vector` or `coordinate`.\n\n",
+        out);
+    document_table(true, out);
     fputs("\n## regions\n\n"
           "Larger budgets for a part of the plane, in a list at the top of a study;\n"
           "`ricochet view` writes such regions into its atlas.\n\n"

@@ -1,5 +1,5 @@
-/* The JSON schema of a study file, for editors: section explore is made from the list that the reader reads with,
- * what stands around it is compared with the reader by tests/cli/cli_schema.sh. Draft 2020-12. */
+/* The JSON schema of a study file, for editors: sections explore and forcing are made from the list that the reader
+ * reads with, what stands around it is compared with the reader by tests/cli/cli_schema.sh. Draft 2020-12. */
 #include "options.h"
 #include "base/room.h"
 
@@ -20,7 +20,8 @@ static void put_quoted(const char *text, FILE *out)
 /* A number within the range of an option; in YAML one with the exponent of Fortran is a text. */
 static void put_number(const ric_option *o, FILE *out)
 {
-    const bool whole = o->type == RIC_OPTION_INTEGER || o->type == RIC_OPTION_MODES || o->type == RIC_OPTION_CASCADE;
+    const bool whole = o->type == RIC_OPTION_INTEGER || o->type == RIC_OPTION_MODES || o->type == RIC_OPTION_CASCADE ||
+                       o->type == RIC_OPTION_WHOLES;
     if (!whole) fputs("{\"anyOf\": [", out);
     fprintf(out, "{\"type\": \"%s\", \"%s\": ", whole ? "integer" : "number",
             o->above ? "exclusiveMinimum" : "minimum");
@@ -67,6 +68,17 @@ static void put_type(const ric_option *o, bool region, FILE *out)
         fputs("{\"const\": \"all\"}, ", out);
         put_list(o, 1, n_cascade, out);
         break;
+    case RIC_OPTION_BAND:
+        put_number(o, out);
+        fputs(", ", out);
+        put_list(o, 2, 2, out);
+        break;
+    case RIC_OPTION_AMOUNTS:
+    case RIC_OPTION_WHOLES:
+        put_number(o, out);
+        fputs(", ", out);
+        put_list(o, 1, RIC_NUMBERS_MAX, out);
+        break;
     case RIC_OPTION_NUMBERS:
         put_list(o, 0, RIC_NUMBERS_MAX, out);
         fputs(multiples, out);
@@ -79,11 +91,14 @@ static void put_type(const ric_option *o, bool region, FILE *out)
 static void put_default(const ric_option *o, FILE *out)
 {
     ric_explore_options defaults;
+    ric_forcing forcing;
+    if (!strcmp(o->section, "forcing")) return;
     ric_explore_options_init(&defaults);
+    ric_option_forcing_init(&forcing);
     const bool word = o->type == RIC_OPTION_WINDOW || o->type == RIC_OPTION_MODES || o->type == RIC_OPTION_CASCADE ||
                       o->type == RIC_OPTION_TONGUES;
     fputs(word ? ", \"default\": \"" : ", \"default\": ", out);
-    ric_option_write(o, &defaults, out);
+    ric_option_write(o, ric_option_is_forcing(o) ? (const void *)&forcing : &defaults, out);
     if (word) fputc('"', out);
 }
 
@@ -135,7 +150,7 @@ static const char head[] =
     "\"anyOf\": [{\"type\": \"integer\", \"minimum\": 1, \"maximum\": 1000}, {\"type\": \"object\", "
     "\"required\": [\"up_to\"], \"additionalProperties\": false, \"properties\": {\"up_to\": {\"$ref\": "
     "\"#/$defs/positive\"}}}]},\n"
-    "        \"restitution\": {\"description\": \"an atlas needs 1; ricochet simulate takes all\", \"anyOf\": "
+    "        \"restitution\": {\"description\": \"as at the top of the study\", \"anyOf\": "
     "[{\"type\": \"number\", \"minimum\": 0, \"maximum\": 1}, {\"$ref\": \"#/$defs/fortran\"}], \"default\": 1}\n"
     "      }\n"
     "    },\n"
@@ -216,6 +231,23 @@ static const char drawing[] =
     "      }\n"
     "    },\n";
 
+static const char damping[] =
+    "    \"damping\": {\"description\": \"modal ratios, one for all or one for each; alpha M + beta K; or a matrix\", "
+    "\"anyOf\": [{\"$ref\": \"#/$defs/not_negative\"}, {\"type\": \"array\", \"minItems\": 1, \"maxItems\": 1000, "
+    "\"items\": {\"$ref\": \"#/$defs/not_negative\"}}, {\"type\": \"object\", \"minProperties\": 1, "
+    "\"additionalProperties\": false, \"properties\": {\"alpha\": {\"$ref\": \"#/$defs/not_negative\"}, \"beta\": "
+    "{\"$ref\": \"#/$defs/not_negative\"}}}, {\"$ref\": \"#/$defs/matrix\"}]},\n"
+    "    \"forcing\": {\n"
+    "      \"description\": \"a harmonic force, for simulate, force and response\",\n"
+    "      \"type\": \"object\",\n"
+    "      \"oneOf\": [{\"required\": [\"vector\"]}, {\"required\": [\"coordinate\"]}],\n"
+    "      \"additionalProperties\": false,\n"
+    "      \"properties\": {\n"
+    "        \"vector\": {\"description\": \"f, one number per displacement\", \"type\": \"array\", \"minItems\": 1, "
+    "\"maxItems\": 1000, \"items\": {\"$ref\": \"#/$defs/number\"}},\n"
+    "        \"coordinate\": {\"description\": \"the displacement that a unit force acts on, from 1\", \"type\": "
+    "\"integer\", \"minimum\": 1, \"maximum\": 1000},\n";
+
 static const char contacts[] =
     "  },\n"
     "  \"$defs\": {\n"
@@ -224,6 +256,7 @@ static const char contacts[] =
     "    \"number\": {\"anyOf\": [{\"type\": \"number\"}, {\"$ref\": \"#/$defs/fortran\"}]},\n"
     "    \"positive\": {\"anyOf\": [{\"type\": \"number\", \"exclusiveMinimum\": 0}, {\"$ref\": "
     "\"#/$defs/fortran\"}]},\n"
+    "    \"not_negative\": {\"anyOf\": [{\"type\": \"number\", \"minimum\": 0}, {\"$ref\": \"#/$defs/fortran\"}]},\n"
     "    \"text\": {\"type\": [\"string\", \"number\", \"boolean\"], \"maxLength\": 1000},\n"
     "    \"first_touches\": {\"description\": \"multiples of the energy at which a mode first touches a contact\", "
     "\"type\": \"object\", \"required\": [\"first_touch_of\", \"times\"], \"additionalProperties\": false, "
@@ -283,6 +316,9 @@ void ric_options_schema(FILE *out)
     for (int kind = RIC_KIND_START; kind <= RIC_KIND_USER; kind++)
         fprintf(out, "%s\"%s\"", kind == RIC_KIND_START ? "" : ", ", ric_kind_text((ric_kind)kind));
     fputs(drawing, out);
+    fputs(damping, out);
+    put_section("forcing", "        ", out);
+    fputs("      }\n    },\n", out);
     put_section("", "    ", out);
     fputs(contacts, out);
     for (int m = 3; m <= 99; m += 2) fprintf(out, "%s%d", m == 3 ? "" : ", ", m);

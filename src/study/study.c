@@ -25,22 +25,22 @@ struct ric_study {
     char *title, *text;
     size_t explore_at, explore_end; /* the explore options in `text` */
     ric_model *model;
-    size_t restitution_line;
     ric_explore_options options;
     char remark[1600]; /* "" from an atlas */
     ric_drawing drawing;
-    ric_vary vary;  /* its parts are owned; name NULL: there is none */
-    bool chosen[2]; /* the windows of energy and frequency, by the program */
+    ric_forcing forcing; /* its parts are owned */
+    ric_vary vary;       /* its parts are owned; name NULL: there is none */
+    bool chosen[2];      /* the windows of energy and frequency, by the program */
     int n_name;
     ric_name *names;
 };
 
 /* ----------------------------------------------------------------- explore */
 
-static ric_status read_option(const ric_yaml *r, const ric_option *option, const char *key, const ric_yaml_node *value,
-                              ric_explore_options *out)
+ric_status ric_study_option_read(const ric_yaml *r, const ric_option *option, const char *key,
+                                 const ric_yaml_node *value, void *out)
 {
-    enum { LONGEST = COUNT(out->start) + 1 };
+    enum { LONGEST = COUNT(((ric_explore_options *)NULL)->start) + 1 };
     const char *texts[LONGEST] = {NULL};
     char why[300];
     bool list = ric_yaml_is_list(value);
@@ -95,7 +95,7 @@ static ric_status read_multiples(const ric_yaml *r, const ric_option *option, co
         return ric_yaml_wrong(r, slots[0].value, part[0], "%.10g is no mode; give its number, from 1", mode);
     *m = (multiples){.place = slots[0].value, .mode = (int)mode};
     snprintf(m->key, sizeof m->key, "%s", part[0]);
-    return read_option(r, option, part[1], slots[1].value, out);
+    return ric_study_option_read(r, option, part[1], slots[1].value, out);
 }
 
 /* An option that may be energies; `m` tells whether they are multiples. */
@@ -106,7 +106,7 @@ static ric_status read_energies(const ric_yaml *r, const ric_option *option, con
     if (value->type == YAML_MAPPING_NODE &&
         (option == ric_option_find("explore", "energy") || option == ric_option_find("explore", "at_energy")))
         return read_multiples(r, option, key, value, out, m);
-    return read_option(r, option, key, value, out);
+    return ric_study_option_read(r, option, key, value, out);
 }
 
 static void keep_multiples(all_multiples *all, const multiples *m, int n, double *value)
@@ -351,7 +351,7 @@ static void write_options(const ric_explore_options *options, FILE *out)
     for (int top = 0; top < 2; top++) {
         if (!top) fputs("explore:\n", out);
         for (int i = 0; i < n; i++) {
-            if ((list[i].section[0] == '\0') != top) continue;
+            if (ric_option_is_forcing(&list[i]) || (list[i].section[0] == '\0') != top) continue;
             fprintf(out, "%s%s: ", top ? "" : "  ", list[i].key);
             ric_option_write(&list[i], options, out);
             fputc('\n', out);
@@ -396,6 +396,7 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
     if (raw) {
         ric_study_drawing_write(&study->drawing, out);
         ric_study_vary_write(&study->vary, raw->n, raw->n_contact, out);
+        ric_study_forcing_write(&study->forcing, out);
     } else fputs(study->text + study->explore_end, out);
     char *text = ric_buffer_take(&written);
     if (!text) return ric_no_memory("the text of the study");
@@ -408,9 +409,22 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
 
 /* ------------------------------------------------------------------- study */
 
-enum { S_TITLE, S_MODEL, S_EXPLORE, S_REGIONS, S_NAMES, S_TOLERANCE, S_DRAWING, S_VARY, S_COUNT };
-static const char *const study_keys[S_COUNT] = {"title", "model",     "explore", "regions",
-                                                "names", "tolerance", "drawing", "vary"};
+enum {
+    S_TITLE,
+    S_MODEL,
+    S_EXPLORE,
+    S_REGIONS,
+    S_NAMES,
+    S_TOLERANCE,
+    S_DRAWING,
+    S_VARY,
+    S_DAMPING,
+    S_RESTITUTION,
+    S_FORCING,
+    S_COUNT
+};
+static const char *const study_keys[S_COUNT] = {"title",   "model", "explore", "regions",     "names",  "tolerance",
+                                                "drawing", "vary",  "damping", "restitution", "forcing"};
 
 /* What the model has to say about the options. */
 static ric_status settle_options(const ric_yaml *r, const ric_yaml_node *place, const all_multiples *all,
@@ -440,8 +454,8 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     ric_explore_options_init(&study->options);
     if ((status = read_explore(r, &slots[S_EXPLORE], &start, &study->options, &relative))) return status;
     if (slots[S_TOLERANCE].key)
-        status = read_option(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value,
-                             &study->options);
+        status = ric_study_option_read(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value,
+                                       &study->options);
     if (status || (status = read_regions(r, &slots[S_REGIONS], &study->options, &relative)) ||
         (status = read_names(r, &slots[S_NAMES], study)))
         return status;
@@ -449,9 +463,10 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
     if ((status = ric_study_model_read(r, &slots[S_MODEL], raw, &study->model))) return status;
     if ((status = ric_study_drawing_read(r, &slots[S_DRAWING], raw->n, &study->drawing)) ||
-        (status = ric_study_vary_read(r, &slots[S_VARY], raw, &study->vary)))
+        (status = ric_study_vary_read(r, &slots[S_VARY], raw, &study->vary)) ||
+        (status = ric_study_forcing_read(r, &slots[S_DAMPING], &slots[S_RESTITUTION], &slots[S_FORCING], raw,
+                                         &study->forcing)))
         return status;
-    study->restitution_line = raw->restitution_line;
     snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
     if ((status = check_start(r, start, raw->n, &study->options)) ||
         (status = check_tongues(r, &slots[S_EXPLORE], study->model, &study->options)) ||
@@ -473,6 +488,7 @@ static ric_status parse(const char *text, size_t size, const char *label, const 
     if (status || (status = ric_yaml_load(&r, text, size))) goto out;
     loaded = true;
     study = ric_calloc(1, sizeof *study);
+    if (study) ric_option_forcing_init(&study->forcing);
     status = study ? read_study(&r, study, &raw) : ric_yaml_no_memory(&r);
     if (status) goto out;
     *out = study;
@@ -533,7 +549,7 @@ static ric_status raw_of(const ric_model *m, ric_raw_model *out)
                            .n_contact = ric_model_n_contact(m),
                            .mass = ric_own(ric_model_mass(m)),
                            .stiffness = ric_own(ric_model_stiffness(m)),
-                           .restitution = ric_model_restitution(m)};
+                           .restitution = 1};
     out->contacts = ric_calloc((size_t)out->n_contact + 1, sizeof *out->contacts);
     if (!out->contacts) return ric_fail(RIC_E_NOMEM, "no memory for a study of %d contacts", out->n_contact);
     for (int i = 0; i < out->n_contact && !status; i++) status = ric_model_contact(m, i, &out->contacts[i]);
@@ -549,6 +565,8 @@ ric_status ric_study_create(const ric_model *model, const ric_explore_options *o
     *out = NULL;
     if (options) made.options = *options;
     else ric_explore_options_init(&made.options);
+    ric_option_forcing_init(&made.forcing);
+    made.forcing.shaking.restitution = ric_model_restitution(model);
     made.title = ric_strdup(title ? title : "");
     ric_status status = raw_of(model, &raw);
     if (!status && !made.title) status = ric_no_memory("a study");
@@ -567,7 +585,8 @@ ric_status ric_study_override(ric_study *study, const char *section, const char 
     ric_explore_options before = study->options;
     char why[300];
     int item;
-    if (!option) return ric_fail(RIC_E_INPUT, "%s: there is no option '%s'", label, key);
+    if (!option || ric_option_is_forcing(option))
+        return ric_fail(RIC_E_INPUT, "%s: there is no option '%s'", label, key);
     ric_status status = ric_option_read(option, false, 1, &text, &study->options, &item);
     if (status == RIC_E_INPUT) {
         snprintf(why, sizeof why, "%s", ric_detail());
@@ -612,6 +631,7 @@ void ric_study_free(ric_study *study)
     free(study->names);
     ric_study_drawing_free(&study->drawing);
     ric_study_vary_free(&study->vary);
+    ric_study_forcing_free(&study->forcing);
     ric_model_free(study->model);
     free(study->title);
     free(study->text);
@@ -650,9 +670,10 @@ bool ric_study_vary(const ric_study *study, ric_vary *out)
     return study->vary.name != NULL;
 }
 
-size_t ric_study_restitution_line(const ric_study *study)
+bool ric_study_forcing(const ric_study *study, ric_forcing *out)
 {
-    return study->restitution_line;
+    *out = study->forcing;
+    return ric_study_forcing_given(out);
 }
 
 const char *ric_study_remark(const ric_study *study)

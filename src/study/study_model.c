@@ -391,8 +391,7 @@ static ric_status create_model(const ric_yaml *r, const ric_yaml_node *key, cons
 {
     static const char *const words[] = {"mass", "stiffness"};
     char why[600];
-    ric_status status = ric_model_create(raw->n, raw->mass, raw->stiffness, raw->n_contact, raw->contacts,
-                                         raw->restitution, out);
+    ric_status status = ric_model_create(raw->n, raw->mass, raw->stiffness, raw->n_contact, raw->contacts, 1, out);
     if (status != RIC_E_INPUT) return status;
     snprintf(why, sizeof why, "%s", ric_detail());
     for (int i = 0; i < COUNT(words); i++)
@@ -423,8 +422,8 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ri
     raw->restitution_line = restitution ? restitution->start_mark.line + 1 : 0;
     if (restitution && (status = ric_yaml_real(r, restitution, "model.restitution", &raw->restitution))) return status;
     if (raw->restitution < 0 || raw->restitution > 1)
-        return ric_yaml_wrong(r, restitution, "model.restitution",
-                              "%.10g is out of range; give a number in [0, 1], 1 for an atlas", raw->restitution);
+        return ric_yaml_wrong(r, restitution, "model.restitution", "%.10g is out of range; give a number in [0, 1]",
+                              raw->restitution);
     status = create_model(r, from->key, slots, raw, out);
     return status ? status : ric_study_modes_read(r, &slots[M_MODES], raw, out);
 }
@@ -476,8 +475,7 @@ void ric_study_model_write(const ric_raw_model *raw, FILE *out)
     fputs("model:\n", out);
     write_matrix("mass", raw->n, raw->mass, out);
     write_matrix("stiffness", raw->n, raw->stiffness, out);
-    fputs("  restitution: ", out);
-    ric_option_text_write(raw->restitution, out);
+    fputs("  restitution: 1", out); /* of the atlas; that of the structure stands at the top */
     if (raw->n_mode) fprintf(out, "\n  modes: %d", raw->n_mode);
     fputs("\n  contacts:\n", out);
     for (int i = 0; i < raw->n_contact; i++) {

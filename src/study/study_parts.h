@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <yaml.h>
 
+#include "options.h"
 #include "study.h"
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
@@ -121,5 +122,20 @@ void ric_study_drawing_free(ric_drawing *drawing);
 ric_status ric_study_vary_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_vary *out);
 void ric_study_vary_write(const ric_vary *vary, int n, int n_contact, FILE *out);
 void ric_study_vary_free(ric_vary *vary);
+
+/* ----------------------------------------------------------- study_forcing.c */
+
+/* Fills `out`, whose parts are owned, to be freed also on failure; takes the restitution out of `raw`. */
+ric_status ric_study_forcing_read(const ric_yaml *r, const ric_yaml_slot *damping, const ric_yaml_slot *restitution,
+                                  const ric_yaml_slot *forcing, ric_raw_model *raw, ric_forcing *out);
+void ric_study_forcing_write(const ric_forcing *forcing, FILE *out);
+bool ric_study_forcing_given(const ric_forcing *forcing);
+void ric_study_forcing_free(ric_forcing *forcing);
+
+/* ------------------------------------------------------------------- study.c */
+
+/* The value of a key into a field of *out, a ric_explore_options or a ric_forcing. */
+ric_status ric_study_option_read(const ric_yaml *r, const ric_option *option, const char *key,
+                                 const ric_yaml_node *value, void *out);
 
 #endif

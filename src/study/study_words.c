@@ -78,9 +78,10 @@ static const word WORDS[] = {
 };
 
 #define NO_DAMPING                                                                                                     \
-    "families of periodic orbits of a free motion have no damping (README); restitution below 1 is "                   \
-    "for `ricochet simulate`"
-#define NO_FORCE "families of periodic orbits are those of the free motion, without a force (README)"
+    "what a structure loses stands at the top of the study: damping: 0.01, and restitution; its atlas is that "        \
+    "without "                                                                                                         \
+    "losses"
+#define NO_FORCE "what shakes a structure is section forcing at the top of the study; its atlas is that without a force"
 #define NO_UNITS                                                                                                       \
     "there are no units: mass, stiffness and lengths are in any that fit each other, such as kg, N/m "                 \
     "and m, or t, N/mm and mm, with seconds"

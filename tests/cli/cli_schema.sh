@@ -60,6 +60,7 @@ elif what == "keys":
         ("regions", whole + f"regions: [{{{other}}}]", p["regions"]["items"]["properties"]),
         ("names", whole + f"names: [{{{other}}}]", p["names"]["items"]["properties"]),
         ("drawing", whole + f"drawing: {{{other}}}", p["drawing"]["properties"]),
+        ("forcing", whole + f"forcing: {{{other}}}", p["forcing"]["properties"]),
         ("nodes", whole + f"drawing: {{nodes: [{{{other}}}]}}", p["drawing"]["properties"]["nodes"]["items"]["properties"])):
         assert of(text) == set(known), (section, of(text) ^ set(known))
         assert not passes(text), section
@@ -73,10 +74,16 @@ else:
         explore("at_energy: {first_touch_of: 2, times: [2, 3]}"), contact("clearance: 1, sides: upper"), contact("clearance: 1, law: bilinear, stiffness: 2"),
         contact("law: power, exponent: 5, stiffness: 2"), contact("law: power, exponent: 3, length: 1, reference: 2"),
         whole.replace("contacts", "restitution: 0.5\n  modes: 2\n  contacts"), whole.replace("contacts", "modes: {up_to: 5}\n  contacts"),
+        whole + "damping: 0.01\n", whole + "damping: [0.01, 1.0D-2]\nrestitution: 0.9\n", whole + "damping: {beta: 0.1}\n",
+        whole + "damping: [[1, 0], [0, 1]]\nforcing: {vector: [1, 0], amplitude: [1, 2], frequency: [1, 2], harmonic: [1, 3]}\n",
+        whole + "forcing: {coordinate: 1, amplitude: 2, frequency: 1, harmonic: 2}\n",
         whole + "tolerance: 1e-10\n", whole + "regions:\n  - {energy: [1, 2], frequency: [1, 2], depth: 4}\n",
         whole + "names:\n  - {name: P, kind: grazing, energy: 1, frequency: 2}\n",
         whole + "drawing: {nodes: [{at: [0, 1], moves: [1, 0]}, {at: [1, 1]}], lines: [[1, 2]]}\n"]
-    bad = ["title: a\n", model, model.replace("mass", "mas") + stop, whole + "damping: 1\n", explore("energy: [1]"), explore("energy: [1, 2, 3]"), explore("energy: 5"),
+    bad = [whole + "damping: [0.01, -1]\n", whole + "damping: {}\n", whole + "damping: {gamma: 1}\n", whole + "restitution: -1\n", whole + "forcing: {amplitude: 1}\n",
+        whole + "forcing: {vector: [1, 0], coordinate: 1}\n", whole + "forcing: {coordinate: 0}\n", whole + "forcing: {coordinate: 1, amplitude: 0}\n",
+        whole + "forcing: {coordinate: 1, frequency: [1, 2, 3]}\n", whole + "forcing: {coordinate: 1, harmonic: 1.5}\n", whole + "forcing: {coordinate: 1, amplitude: []}\n",
+        "title: a\n", model, model.replace("mass", "mas") + stop, whole + "damping: -1\n", explore("energy: [1]"), explore("energy: [1, 2, 3]"), explore("energy: 5"),
         explore("energy: [-1, 2]"), explore("frequency: [0, 10]"), explore("frequency: {first_touch_of: 1, times: [0, 50]}"), explore("start: all"),
         explore("start: [0]"), explore("start: []"), explore("impacts: 0"), explore("impacts: 2.5"), explore("impacts: many"), explore("depth: -1"),
         explore("depth: true"), explore("step: 0"), explore("step: 11"), explore("tongues: leap"), explore("tongue_width: 1"), explore("symmetric: maybe"),

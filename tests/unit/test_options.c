@@ -75,10 +75,13 @@ static void every_option_has_a_place_and_words(void **state)
     const ric_option *list = ric_options_list(&n);
     (void)state;
     for (int i = 0; i < n; i++) {
-        assert_true(list[i].help[0] != '\0' && list[i].offset < sizeof(ric_explore_options));
+        const size_t size = ric_option_is_forcing(&list[i]) ? sizeof(ric_forcing) : sizeof(ric_explore_options);
+        assert_true(list[i].help[0] != '\0' && list[i].offset < size);
         assert_ptr_equal(ric_option_find(list[i].section, list[i].key), &list[i]);
         assert_true(list[i].min < list[i].max);
-        for (int j = 0; j < i; j++) assert_true(list[j].offset != list[i].offset);
+        for (int j = 0; j < i; j++)
+            assert_true(list[j].offset != list[i].offset ||
+                        ric_option_is_forcing(&list[j]) != ric_option_is_forcing(&list[i]));
     }
     assert_null(ric_option_find("explore", "no-such-option"));
 }

@@ -203,7 +203,7 @@ static void unknown_keys(void **state)
     line_refused(15, "  impact: 3", "explore.impact", SAYS("'impacts'"));
     line_refused(15, "  colour: 3", "explore.colour", SAYS("unknown key", "start, energy, frequency, impacts"));
     line_refused(4, "  damping: [[0]]", "model.damping",
-                 SAYS("unknown key", "no damping", "mass, stiffness, contacts, restitution"));
+                 SAYS("unknown key", "top of the study", "mass, stiffness, contacts, restitution"));
     line_refused(4, "  units: SI", "model.units", SAYS("unknown key", "no units", "N/mm"));
     line_refused(8, "      gap: 1", "model.contacts[1].gap", SAYS("did you mean 'clearance'"));
     line_refused(8, "      clearence: 1", "model.contacts[1].clearence", SAYS("did you mean 'clearance'"));
@@ -373,10 +373,60 @@ static void restitution_out_of_range(void **state)
     text = with_line(4, "  stiffness: [[9, -1], [-1, 1]]\n  restitution: 0.5");
     ric_study *study = NULL;
     assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_OK);
-    assert_true(ric_model_restitution(ric_study_model(study)) == 0.5);
-    assert_int_equal(ric_study_restitution_line(study), 5);
+    ric_forcing forcing;
+    assert_true(ric_study_forcing(study, &forcing) && forcing.shaking.restitution == 0.5);
+    assert_true(ric_model_restitution(ric_study_model(study)) == 1); /* of the atlas */
     ric_study_free(study);
     free(text);
+}
+
+static void damping_and_force_are_checked(void **state)
+{
+    (void)state;
+    line_refused(20, "damping: -0.01", "damping", SAYS("-0.01", "negative", "0 or more"));
+    line_refused(20, "damping: [0.01, -0.02]", "damping", SAYS("-0.02", "mode 2"));
+    line_refused(20, "damping: [0.01, 0.01, 0.01]", "damping", SAYS("3 damping ratios", "2 modes"));
+    line_refused(20, "damping: {alpha: 0.1, beta: -1}", "damping.beta", SAYS("-1", "negative"));
+    line_refused(20, "damping: {alfa: 0.1}", "damping.alfa", SAYS("alpha, beta"));
+    line_refused(20, "damping: [[1, 2], [2, 1]]", "damping", SAYS("eigenvalue -1"));
+    line_refused(20, "damping: [[1]]", "damping", SAYS("1 x 1", "2 x 2"));
+    line_refused(20, "damping: {file: none.mtx}", "damping", SAYS("none.mtx"));
+    line_refused(20, "damping: much", "damping", SAYS("much"));
+    line_refused(20, "restitution: 1.1", "restitution", SAYS("1.1", "[0, 1]"));
+    line_refused(20, "forcing: {vector: [1, 0, 0]}", "forcing.vector", SAYS("3 numbers", "2 displacements"));
+    line_refused(20, "forcing: {vector: [0, 0]}", "forcing.vector", SAYS("zero"));
+    line_refused(20, "forcing: {coordinate: 3}", "forcing.coordinate", SAYS("3", "from 1 to 2"));
+    line_refused(20, "forcing: {amplitude: 1}", "forcing", SAYS("vector", "coordinate"));
+    line_refused(20, "forcing: {vector: [1, 0], coordinate: 1}", "forcing", SAYS("one of the two"));
+    line_refused(20, "forcing: {coordinate: 1, amplitude: 0}", "forcing.amplitude", SAYS("(0"));
+    line_refused(20, "forcing: {coordinate: 1, frequency: [2, 1]}", "forcing.frequency", SAYS("reversed"));
+    line_refused(20, "forcing: {coordinate: 1, harmonic: 0.5}", "forcing.harmonic", SAYS("whole"));
+    line_refused(20, "forcing: {coordinate: 1, phase: 1}", "forcing.phase", SAYS("unknown key", "harmonic"));
+}
+
+/* What is read is what was meant, in every way to say it, and it stands in the text of the study. */
+static void damping_and_force_are_read(void **state)
+{
+    static const char *const same[] =
+        {"damping: {alpha: 0.1, beta: 0.01}\nforcing: {coordinate: 2, amplitude: 0.5, frequency: 1.5}",
+         "damping: [[0.29, -0.01], [-0.01, 0.11]]\nforcing: {vector: [0, 1], amplitude: [0.5], frequency: 1.5}"};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        char *text = with_line(20, same[i]);
+        ric_study *study = NULL, *again = NULL;
+        ric_forcing f;
+        if (ric_study_parse(text, "s", NULL, &study)) fail_msg("%s", ric_detail());
+        assert_int_equal(ric_study_parse(ric_study_text(study), "again", NULL, &again), RIC_OK);
+        assert_string_equal(ric_study_text(study), ric_study_text(again));
+        assert_true(ric_study_forcing(again, &f));
+        assert_true(f.shaking.n_matrix == 2 && f.shaking.n_force == 2 && f.shaking.restitution == 1);
+        assert_true(fabs(f.shaking.matrix[0] - 0.29) < 1e-15 && fabs(f.shaking.matrix[3] - 0.11) < 1e-15);
+        assert_true(f.shaking.force[0] == 0 && f.shaking.force[1] == 1);
+        assert_true(f.amplitude.n == 1 && f.amplitude.value[0] == 0.5 && f.frequency[1] == 1.5 && f.harmonic.n == 0);
+        ric_study_free(study);
+        ric_study_free(again);
+        free(text);
+    }
 }
 
 static void reversed_windows(void **state)
@@ -689,6 +739,8 @@ int main(void)
         cmocka_unit_test(normals_of_zeros),
         cmocka_unit_test(clearances_not_positive),
         cmocka_unit_test(restitution_out_of_range),
+        cmocka_unit_test(damping_and_force_are_checked),
+        cmocka_unit_test(damping_and_force_are_read),
         cmocka_unit_test(reversed_windows),
         cmocka_unit_test(wrong_starts),
         cmocka_unit_test(sides_and_laws),
