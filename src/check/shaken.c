@@ -217,6 +217,8 @@ ric_status ric_shaken_start_long(ric_shaken *s, const real *y, real phase)
         face_t *face = &s->face[f];
         const real gap = face->side * dot(s->n, face->b, y);
         face->closed = face->spring > 0 && gap > face->limit;
+        /* a state right after an impact, which rounding has put beyond the stop, leaves it */
+        if (!(face->spring > 0) && gap > face->limit && face->side * dot(s->n, face->b, y + s->n) < 0) s->own = f;
         if (face->spring > 0 || gap <= face->limit * (1 + STUCK)) continue;
         return ric_fail(RIC_E_INPUT, "state: face %d is passed by %.3g; start on this side of it", f,
                         (double)(gap - face->limit));

@@ -418,6 +418,29 @@ static void test_order(void **state)
     }
 }
 
+/* A state right after an impact may lie beyond its stop by rounding: it leaves, and is not struck again. */
+static void test_start_on_a_stop(void **state)
+{
+    (void)state;
+    const double one = 1, x[] = {nextafter(1, 2), -nextafter(1, 2)}, v[] = {-2, 2};
+    const ric_contact contact = {.normal = &one, .clearance = 1};
+    const ric_shaking shaking = {.restitution = 0.9};
+    ric_model *model = NULL;
+    ric_shaken *s = NULL;
+    assert_int_equal(ric_model_create(1, &one, &one, 1, &contact, 1, &model), RIC_OK);
+    assert_int_equal(ric_shaken_create(model, &shaking, 1, 0, &s), RIC_OK);
+    for (int k = 0; k < 2; k++) {
+        ric_impact impact;
+        bool hit = false;
+        assert_int_equal(ric_shaken_start(s, &x[k], &v[k], 0), RIC_OK);
+        assert_int_equal(ric_shaken_advance(s, 10, &hit, &impact), RIC_OK);
+        /* from one stop to the other: tan(t / 2) = 1 / 2 */
+        assert_true(hit && impact.face == 1 - k && fabs(impact.time - 2 * atan(0.5)) < 1e-14);
+    }
+    ric_shaken_free(s);
+    ric_model_free(model);
+}
+
 /* ------------------------------------------------------------------ refusals */
 
 static void refuses(const subject *s, const ric_force *force, double level, ric_status wanted, const char *words)
@@ -489,9 +512,9 @@ static void test_nearly_critical(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_simulated),       cmocka_unit_test(test_two_masses), cmocka_unit_test(test_one_mass),
-        cmocka_unit_test(test_order),           cmocka_unit_test(test_refused),    cmocka_unit_test(test_resonance),
-        cmocka_unit_test(test_nearly_critical),
+        cmocka_unit_test(test_simulated),       cmocka_unit_test(test_two_masses),      cmocka_unit_test(test_one_mass),
+        cmocka_unit_test(test_start_on_a_stop), cmocka_unit_test(test_order),           cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_resonance),       cmocka_unit_test(test_nearly_critical),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
