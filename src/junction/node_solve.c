@@ -32,6 +32,7 @@
 #define GRAIN 0x1p-32
 #define NO_TIME 1e-12 /* of the period: what rounding leaves of a flight between two impacts at one instant */
 #define TOUCHES 1e-13 /* of the clearance: a motion that ends so near to a stop touches it */
+#define WORSE 10      /* times what a motion is off touching: how far it may be from where it touches */
 #define BEYOND 1e-9   /* of the clearance: an orbit that goes through a stop by more is no motion */
 #define PASSES 5      /* most of them: where a place is known to less than a grain they need not come to an end */
 /* COARSE_GRAIN: the same where what vanishes is regular: the fewer orbits that differ by rounding are rounded to
@@ -327,10 +328,11 @@ static double beyond(ric_shooting *c, const double *u)
     return ric_reach(c, u, NULL) - 1;
 }
 
-/* Moves u along its curve, by no more than a place is known to, to where the motion touches: with its touches an orbit
- * may lack a symmetry that it has without them, and be known worse. */
-static void settle_touch(ric_shooting *c, double *u)
+/* Moves u along its curve to where the motion touches, by no more than a place is known to: with its touches an orbit
+ * may lack a symmetry that it has without them, and be known worse, as far as it is off touching. */
+static void settle_touch(ric_shooting *c, double *u, double off)
 {
+    const double farthest = fmin(fmax(RIC_SAME_LOCATED, WORSE * off), RIC_SAME_READ_OFF) * c->scale;
     const int size = c->n_unknown;
     double origin[size], normal[size], v[size], du[size], x0 = 0, x1 = LEAST_FIRST * c->scale, f0 = beyond(c, u),
                                                           least = fabs(f0);
@@ -338,7 +340,7 @@ static void settle_touch(ric_shooting *c, double *u)
     memcpy(origin, u, sizeof origin);
     ric_shooting_evaluate(c, u);
     ric_continuation_tangent(c, NULL, normal);
-    for (int i = 0; i < 5 && least > TOUCHES && fabs(x1) <= RIC_SAME_LOCATED * c->scale; i++) {
+    for (int i = 0; i < 5 && least > TOUCHES && fabs(x1) <= farthest; i++) {
         for (int j = 0; j < size; j++) v[j] = origin[j] + x1 * normal[j];
         if (!ric_continuation_correct(c, v, origin, normal, x1, du, &iterations)) return;
         const double f1 = beyond(c, v), next = x1 - f1 * (x1 - x0) / (f1 - f0);
@@ -360,7 +362,7 @@ ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle
     ric_periodic *solved = NULL, *out = NULL;
     bool good = !ric_periodic_to_chain(m, cycle, &chain, &u);
     const double given = good ? fabs(beyond(chain, u)) : 0;
-    if (good && (good = solve_chain(chain, u))) settle_touch(chain, u);
+    if (good && (good = solve_chain(chain, u))) settle_touch(chain, u, given);
     /* in a family of two parameters Newton's method may slide to where nothing touches: then it stays as it was */
     if (good && fabs(beyond(chain, u)) <= fmax(10 * TOUCHES, 2 * given)) solved = ric_periodic_from_chain(chain, u);
     if (solved) out = ric_periodic_canonical(m, solved);

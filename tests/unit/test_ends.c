@@ -267,6 +267,35 @@ static void stored_grazings_touch(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A free body with a spring and a stop: with its touch the orbit is known to a millionth only, and was stored where it
+ * touches nothing (reach 0.9999989). */
+static void grazings_of_free_bodies_touch(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0, 0], [0, 1.75, 0], [0, 0, 0.75]]\n"
+        "  stiffness: [[3, -3, 0], [-3, 6.75, -3.75], [0, -3.75, 3.75]]\n  contacts:\n"
+        "    - {normal: [1, -1, 0], law: bilinear, clearance: 6.65, sides: both, stiffness: 28.13}\n"
+        "    - {normal: [1, 2, 1], law: rigid, clearance: 6.65, sides: upper}\n"
+        "explore: {energy: [0, 56.83], frequency: [0.312, 8.444], impacts: 8, multiply: 2, depth: 2}\n");
+    int grazings = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        const ric_junction j = junction_of(atlas, id);
+        ric_claims claims;
+        assert_int_equal(ric_verify_junction(atlas, id, &claims), RIC_OK);
+        if (claims.numbers == RIC_AGREES_NO) fail_msg("%s: %s", j.label, claims.finding);
+        if (j.kind != RIC_KIND_GRAZING || !j.letters) continue;
+        ric_branch b;
+        ric_point end;
+        assert_int_equal(ric_atlas_branch(atlas, j.branches[0], &b), RIC_OK);
+        assert_int_equal(ric_atlas_point(atlas, b.id, b.n_point - 1, &end, NULL, NULL), RIC_OK);
+        assert_float_equal(j.energy / end.energy, 1, 1e-9);
+        grazings++;
+    }
+    assert_true(grazings > 0);
+    ric_atlas_free(atlas);
+}
+
 /* Modes of equal frequencies move together in any share: what leaves them and is lost at once is no branch, and is said
  * to be refused. */
 static void no_branch_without_length(void **state)
@@ -440,6 +469,7 @@ int main(void)
         cmocka_unit_test(grazings_touch),
         cmocka_unit_test(gaps_at_an_impact_beside_a_spring),
         cmocka_unit_test(stored_grazings_touch),
+        cmocka_unit_test(grazings_of_free_bodies_touch),
         cmocka_unit_test(no_branch_without_length),
         cmocka_unit_test(margins_through_stiff_springs),
         cmocka_unit_test(solved_again),
