@@ -128,9 +128,9 @@ sanitize: setup-tests $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet
 	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN)
 
-# The programs of tests/unit/test_*.c have one thread; these tests have ricochet start several. Open MPI, which knows nothing of the sanitizer, is left out
+# The programs of tests/unit/test_*.c have one thread, but for `threads`; these tests have ricochet start several. Open MPI, which knows nothing of the sanitizer, is left out
 # by race.supp.
-THREADED ?= cli_workers cli_regions cli_hunt cli_view cli_view_page cli_mpi
+THREADED ?= threads cli_workers cli_regions cli_hunt cli_view cli_view_page cli_mpi
 race: setup-tests $(TSAN)/build.ninja
 	@ninja -C $(TSAN) --quiet
 	@TSAN_OPTIONS=halt_on_error=1:suppressions=$(CURDIR)/tools/race.supp tools/run-tests $(TSAN) --timeout-multiplier 4 $(THREADED)

@@ -7,6 +7,15 @@
  * d^2, times in seconds, frequencies in rad/s. Matrices and vectors are dense, row-major.
  * Ownership. Inputs are copied; what a `create` or `read` returns is released by the matching `free`; free(NULL) does
  * nothing. Pointers inside a returned struct are borrowed and live as long as the object that they were asked from.
+ * Threads. The library has no state but the last message, which each thread has for itself. What is passed as const, a
+ * model, a study or an atlas, is not written to and may serve any number of threads at once, until it is freed; any
+ * other object is for one thread at a time. Functions that take `workers` start that many threads of their own, and
+ * call back as they say. Answers do not depend on how many there are. Two runs do not write one atlas: RIC_E_BUSY.
+ * Stability. Until version 1.0 any function may change with the second number of the version. From then on what is here
+ * stays, with its meaning: functions and fields are added, structs that a caller fills have an `init` that sets what
+ * is new, and the number of the shared library changes when a program has to be compiled anew. Words of messages and
+ * digits beyond those that are stated may change at any time; RIC_VERSION tells which header, ric_version() which
+ * library. The format of atlas files has a number of its own (docs/atlas-format.md).
  */
 #ifndef RICOCHET_H
 #define RICOCHET_H
