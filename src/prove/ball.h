@@ -44,6 +44,12 @@ static inline ric_ball ric_ball_mul(ric_ball a, ric_ball b)
     const double m = a.m * b.m;
     return (ric_ball){m, ric_up(fabs(a.m) * b.r + a.r * (fabs(b.m) + b.r) + fabs(m) * RIC_BALL_UNIT)};
 }
+/* Over an exact number that is not zero. */
+static inline ric_ball ric_ball_over(ric_ball a, double b)
+{
+    const double m = a.m / b;
+    return (ric_ball){m, ric_up(a.r / fabs(b) + fabs(m) * RIC_BALL_UNIT)};
+}
 /* At least |x| of every number of the ball. */
 static inline double ric_ball_most(ric_ball a)
 {

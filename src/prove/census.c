@@ -444,7 +444,8 @@ static ric_status open_pair(ric_census *s)
     if (!ric_enclosure_create(&s->e, s->model, BITS)) return ric_fail(RIC_E_INPUT, "%s", s->e.why);
     if (!ric_census_pair_create(&s->pair, &s->e, s->options.energy, LONGEST_TIME, why))
         return ric_fail(RIC_E_INPUT, "%s", why);
-    const ric_status status = set_limits(s);
+    ric_status status = set_limits(s);
+    if (!status && !ric_census_turns(&s->pair, s->limits.flight)) status = ric_no_memory("a census");
     if (status || s->limits.period[1] <= s->pair.longest_period) return status;
     return ric_fail(RIC_E_INPUT, "period: %g s are too long for a census", s->limits.period[1]);
 }
@@ -478,6 +479,7 @@ void ric_census_free(ric_census *s)
     free(s->tasks);
     free(s->orbits);
     free(s->open);
+    ric_census_pair_free(&s->pair);
     ric_enclosure_free(&s->e);
     free(s);
 }

@@ -104,26 +104,13 @@ bool ric_census_pair_create(ric_census_pair *p, const ric_enclosure *e, double e
     return slack_is_small(p, period);
 }
 
-/* ------------------------------------------------------------------- motion */
-
-void ric_census_turn(const ric_census_pair *p, double t, ric_ball cosine[2], ric_ball sine[2])
+void ric_census_pair_free(ric_census_pair *p)
 {
-    enum { BITS = 64 };
-    arb_t x, s, c;
-    arb_init(x);
-    arb_init(s);
-    arb_init(c);
-    for (int i = 0; i < 2; i++) {
-        arb_set_d(x, t);
-        arb_mul(x, x, p->e->omega + i, BITS + 16);
-        arb_sin_cos(s, c, x, BITS);
-        cosine[i] = ric_ball_of(c);
-        sine[i] = ric_ball_of(s);
-    }
-    arb_clear(x);
-    arb_clear(s);
-    arb_clear(c);
+    free(p->turns);
+    p->turns = NULL;
 }
+
+/* ------------------------------------------------------------------- motion */
 
 void ric_census_fly(const ric_ball cosine[2], const ric_ball sine[2], ric_ball w[4])
 {

@@ -31,12 +31,19 @@ typedef struct {
     ric_ball energy;       /* 1/2 |w|^2 */
     double size;           /* |w|, an upper bound */
     double longest_period; /* for which the slack holds */
+    /* cosines and sines of omega_i k spacing, 0 <= k < n_turn (census_turn.c) */
+    double spacing;
+    int n_turn;
+    ric_ball *turns; /* [n_turn * 4] cos, sin of both modes */
 } ric_census_pair;
 
 /* false, with the reason in `why`, for what a census does not do. energy: scaled (docs/theory.md); period: an upper
  * bound, in units of the enclosure. */
 bool ric_census_pair_create(ric_census_pair *p, const ric_enclosure *e, double energy, double period, char why[160]);
+void ric_census_pair_free(ric_census_pair *p);
 
+/* Makes a table of turns up to a time, without which each is asked of Arb; false: no memory. */
+bool ric_census_turns(ric_census_pair *p, double longest);
 /* cos and sin of omega_i t, exact t. */
 void ric_census_turn(const ric_census_pair *p, double t, ric_ball cosine[2], ric_ball sine[2]);
 /* w <- F(t) w, of a turn; w <- Q w. */
