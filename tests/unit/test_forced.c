@@ -407,7 +407,7 @@ static void test_order(void **state)
     static const struct {
         const char *study, *label;
         double energy;
-    } cases[] = {{two_masses, "S2+[01]", 1},       {two_masses, "S2-[01]", 3.2}, {three_masses, "A1(1)[0]", 2.2},
+    } cases[] = {{two_masses, "S2+[01]", 1},      {two_masses, "S2-[01]", 3.2}, {three_masses, "A1(1)[0]", 2.2},
                  {ten_masses, "A1(1)[0]", 0.065}, {spring, "S2+", 1.5},         {cubic, "S+", 1}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ric_atlas *atlas = explore_text(cases[i].study);
