@@ -210,7 +210,8 @@ void ric_study_free(ric_study *study);
 const char *ric_study_title(const ric_study *study);
 /* The study as one self-contained YAML text (matrices inline), as it is kept inside an atlas. Borrowed. */
 const char *ric_study_text(const ric_study *study);
-/* The structure without losses, whatever the study says of them: its restitution is 1. */
+/* The structure. Its restitution is that of section model; what stands at the top of a study is told by
+ * ric_study_forcing, and the structure is that without it. */
 const ric_model *ric_study_model(const ric_study *study);
 /* Its damping and force; false: none of these keys is given, nothing is lost and nothing is shaken. */
 bool ric_study_forcing(const ric_study *study, ric_forcing *out);

@@ -7,7 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "common/cli.h"
+#include "common/shaking.h"
 
 static const double two_pi = 6.283185307179586;
 
@@ -403,6 +403,7 @@ static int run(int argc, char **argv)
         double asked = r.options.period[1];
         ric_hunt_options_bound(&r.options, atlas ? ric_atlas_study(atlas) : study);
         if (bounded && !(atlas && asked > r.options.period[1])) r.options.period[1] = asked;
+        cli_forcing_warn(study, argv[1], "what is hunted");
         code = hunt(&r, study, &atlas);
     }
     ric_atlas_free(atlas);

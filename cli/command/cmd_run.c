@@ -281,7 +281,7 @@ static int explore(const ric_study *study, const char *name, const char *path, d
     d.before = before;
     d.same = before && !strcmp(ric_study_text(ric_atlas_study(before)), ric_study_text(study));
     if (*ric_study_remark(study)) cli_say("ricochet: %s: %s\n", name, ric_study_remark(study));
-    if (!d.quiet && *cli_forcing_remark(study)) cli_say("ricochet: %s: %s\n", name, cli_forcing_remark(study));
+    if (!d.quiet) cli_forcing_warn(study, name, "the atlas");
     cli_windows_warn(study);
     cli_catch_signals();
     ric_status status = ric_explore_with(study, path, &options, &more, &atlas);
@@ -326,6 +326,8 @@ static int run(int argc, char **argv)
     if (status) code = cli_report(status);
     else if (!strcmp(path, argv[1]))
         code = cli_wrong("run: the atlas %s would overwrite the study; choose another name with -o", path);
+    else if (ric_model_restitution(ric_study_model(study)) < 1 && ric_explore_check(study))
+        code = cli_wrong("%s:%zu: %s", argv[1], ric_study_restitution_line(study), ric_detail());
     else if (too_large(study, d.seconds))
         code = cli_wrong("%s: %d modes take part in the motion, and a branch of such orbits may take minutes or hours; "
                          "give --seconds S to try for so long, or reduce the structure to the modes that matter",

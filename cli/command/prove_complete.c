@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "prove.h"
+#include "common/shaking.h"
 
 static const double two_pi = 6.283185307179586;
 enum { MOST_WORKERS = 256, MOST_TOLD = 10 };
@@ -263,6 +264,7 @@ int prove_complete(int argc, char **argv)
     if (!take_request(&argc, argv, &r) || !cli_operands(&cli_prove, argc, argv, 1)) return CLI_WRONG;
     ric_status status = ric_study_read(argv[1], &study);
     if (status) return cli_report(status);
+    cli_forcing_warn(study, argv[1], "the census");
     r.model = ric_study_model(study);
     if (r.physical) r.length = ric_model_length(r.model);
     r.options.energy /= r.length * r.length;

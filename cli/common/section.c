@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "section.h"
+#include "shaking.h"
 
 enum { MOST_WORKERS = 256, MOST_STARTS = 10000000, MOST_IMPACTS = 1000000000 };
 
@@ -132,6 +133,7 @@ int cli_section_open(const char *path, cli_section *s)
     ric_status status = ric_study_read(path, &s->study);
     if (status == RIC_E_INPUT && !ric_atlas_read(path, &s->atlas)) status = RIC_OK;
     else if (status == RIC_E_INPUT) status = ric_study_read(path, &s->study); /* its own message again */
+    if (!status) cli_forcing_warn(s->atlas ? ric_atlas_study(s->atlas) : s->study, path, "the section");
     if (!status) s->model = s->atlas ? ric_atlas_model(s->atlas) : ric_study_model(s->study);
     return cli_report(status);
 }

@@ -91,13 +91,20 @@ int cli_shaking_read(cli_shaking *s, const char *command, const char *path, cons
     return code;
 }
 
+#define WITHOUT                                                                                                        \
+    " that of the structure without losses and force; what the study says of them is taken by `ricochet simulate`, "   \
+    "`force` and `response`"
+
 const char *cli_forcing_remark(const ric_study *study)
 {
     ric_forcing forcing;
-    return ric_study_forcing(study, &forcing)
-               ? "the atlas is that of the structure without losses and force; what the study says of them is taken by "
-                 "`ricochet simulate`, `force` and `response`"
-               : "";
+    return ric_study_forcing(study, &forcing) ? "the atlas is" WITHOUT : "";
+}
+
+void cli_forcing_warn(const ric_study *study, const char *name, const char *what)
+{
+    ric_forcing forcing;
+    if (ric_study_forcing(study, &forcing)) cli_say("ricochet: %s: %s is" WITHOUT "\n", name, what);
 }
 
 ric_shaking cli_shaking_of(const cli_shaking *s)

@@ -25,6 +25,8 @@ bool cli_shaking_complete(cli_shaking *shaking, const ric_study *study);
 int cli_shaking_read(cli_shaking *shaking, const char *command, const char *path, const ric_study *own);
 /* One sentence about the losses and the force of a study, which its atlas has not; "" without them. */
 const char *cli_forcing_remark(const ric_study *study);
+/* The same on standard error, of what else is made of the study in file `name`: "the section". */
+void cli_forcing_warn(const ric_study *study, const char *name, const char *what);
 /* Borrows. */
 ric_shaking cli_shaking_of(const cli_shaking *shaking);
 void cli_shaking_free(cli_shaking *shaking);

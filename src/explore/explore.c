@@ -83,6 +83,13 @@ static ric_status check_springs(const ric_study *study)
 
 ric_status ric_explore_check(const ric_study *study)
 {
+    const double restitution = ric_model_restitution(ric_study_model(study));
+    if (restitution != 1)
+        return ric_fail(RIC_E_INPUT,
+                        "model.restitution: %.10g loses energy, so that there are no families of periodic orbits; an "
+                        "atlas needs 1. For the atlas of the structure without losses write `restitution: %.10g` at "
+                        "the top of the study instead of in section model",
+                        restitution, restitution);
     ric_status status = ric_graph_check_start(ric_study_model(study));
     if (!status) status = check_phases(study);
     return status ? status : check_springs(study);

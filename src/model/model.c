@@ -376,9 +376,10 @@ static bool same_contact(const ric_contact *a, const ric_contact *b)
            a->exponent == b->exponent && a->length == b->length && a->reference == b->reference;
 }
 
+/* The structure, whatever is lost at its stops. */
 bool ric_model_same(const ric_model *a, const ric_model *b)
 {
-    if (a->n_dof != b->n_dof || a->n_contact != b->n_contact || a->restitution != b->restitution) return false;
+    if (a->n_dof != b->n_dof || a->n_contact != b->n_contact) return false;
     const size_t n = (size_t)a->n_dof, size = n * n * sizeof *a->M;
     bool same = !memcmp(a->M, b->M, size) && !memcmp(a->K, b->K, size) &&
                 !memcmp(a->b, b->b, (size_t)a->n_contact * n * sizeof *a->b);

@@ -25,6 +25,7 @@ struct ric_study {
     char *title, *text;
     size_t explore_at, explore_end; /* the explore options in `text` */
     ric_model *model;
+    size_t restitution_line;
     ric_explore_options options;
     char remark[1600]; /* "" from an atlas */
     ric_drawing drawing;
@@ -396,7 +397,7 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
     if (raw) {
         ric_study_drawing_write(&study->drawing, out);
         ric_study_vary_write(&study->vary, raw->n, raw->n_contact, out);
-        ric_study_forcing_write(&study->forcing, out);
+        ric_study_forcing_write(&study->forcing, raw->restitution, out);
     } else fputs(study->text + study->explore_end, out);
     char *text = ric_buffer_take(&written);
     if (!text) return ric_no_memory("the text of the study");
@@ -467,6 +468,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         (status = ric_study_forcing_read(r, &slots[S_DAMPING], &slots[S_RESTITUTION], &slots[S_FORCING], raw,
                                          &study->forcing)))
         return status;
+    study->restitution_line = raw->restitution_line;
     snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
     if ((status = check_start(r, start, raw->n, &study->options)) ||
         (status = check_tongues(r, &slots[S_EXPLORE], study->model, &study->options)) ||
@@ -549,7 +551,7 @@ static ric_status raw_of(const ric_model *m, ric_raw_model *out)
                            .n_contact = ric_model_n_contact(m),
                            .mass = ric_own(ric_model_mass(m)),
                            .stiffness = ric_own(ric_model_stiffness(m)),
-                           .restitution = 1};
+                           .restitution = ric_model_restitution(m)};
     out->contacts = ric_calloc((size_t)out->n_contact + 1, sizeof *out->contacts);
     if (!out->contacts) return ric_fail(RIC_E_NOMEM, "no memory for a study of %d contacts", out->n_contact);
     for (int i = 0; i < out->n_contact && !status; i++) status = ric_model_contact(m, i, &out->contacts[i]);
@@ -674,6 +676,11 @@ bool ric_study_forcing(const ric_study *study, ric_forcing *out)
 {
     *out = study->forcing;
     return ric_study_forcing_given(out);
+}
+
+size_t ric_study_restitution_line(const ric_study *study)
+{
+    return study->restitution_line;
 }
 
 const char *ric_study_remark(const ric_study *study)

@@ -14,6 +14,9 @@ ric_status ric_study_override(ric_study *study, const char *section, const char 
  * as are kept. */
 ric_status ric_study_add_region(ric_study *study, const ric_region *region);
 
+/* Line of model.restitution in the file it was read from, 0 if it was not given. */
+size_t ric_study_restitution_line(const ric_study *study);
+
 /* Whether the window of energy, or of frequency, was left to the program. Numbers stand in the text of the study all
  * the same, so that an atlas keeps the windows that it was made with. */
 bool ric_study_window_chosen(const ric_study *study, bool frequency);

@@ -113,7 +113,6 @@ static ric_status read_restitution(const ric_yaml *r, const ric_yaml_slot *from,
         return ric_yaml_wrong(r, from->value, "restitution",
                               "given in line %zu, too, as model.restitution; leave one out", raw->restitution_line);
     if (raw->restitution_line && !from->key) out->shaking.restitution = raw->restitution;
-    raw->restitution = 1; /* of the atlas */
     return RIC_OK;
 }
 
@@ -192,13 +191,14 @@ static void write_damping(const ric_shaking *s, FILE *out)
     }
 }
 
-/* What is not given is not written: a study without these keys has the text that it always had. */
-void ric_study_forcing_write(const ric_forcing *f, FILE *out)
+/* What is not given is not written: a study without these keys has the text that it always had. `of_model` is the
+ * restitution that stands in section model already. */
+void ric_study_forcing_write(const ric_forcing *f, double of_model, FILE *out)
 {
     const bool given[F_COUNT] =
         {[F_AMPLITUDE] = f->amplitude.n > 0, [F_FREQUENCY] = f->frequency[1] > 0, [F_HARMONIC] = f->harmonic.n > 0};
     write_damping(&f->shaking, out);
-    if (f->shaking.restitution < 1) {
+    if (f->shaking.restitution != of_model) {
         fputs("restitution: ", out);
         ric_option_text_write(f->shaking.restitution, out);
         fputc('\n', out);

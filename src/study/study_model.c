@@ -391,7 +391,8 @@ static ric_status create_model(const ric_yaml *r, const ric_yaml_node *key, cons
 {
     static const char *const words[] = {"mass", "stiffness"};
     char why[600];
-    ric_status status = ric_model_create(raw->n, raw->mass, raw->stiffness, raw->n_contact, raw->contacts, 1, out);
+    ric_status status = ric_model_create(raw->n, raw->mass, raw->stiffness, raw->n_contact, raw->contacts,
+                                         raw->restitution, out);
     if (status != RIC_E_INPUT) return status;
     snprintf(why, sizeof why, "%s", ric_detail());
     for (int i = 0; i < COUNT(words); i++)
@@ -475,7 +476,8 @@ void ric_study_model_write(const ric_raw_model *raw, FILE *out)
     fputs("model:\n", out);
     write_matrix("mass", raw->n, raw->mass, out);
     write_matrix("stiffness", raw->n, raw->stiffness, out);
-    fputs("  restitution: 1", out); /* of the atlas; that of the structure stands at the top */
+    fputs("  restitution: ", out);
+    ric_option_text_write(raw->restitution, out);
     if (raw->n_mode) fprintf(out, "\n  modes: %d", raw->n_mode);
     fputs("\n  contacts:\n", out);
     for (int i = 0; i < raw->n_contact; i++) {

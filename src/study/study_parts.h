@@ -125,10 +125,10 @@ void ric_study_vary_free(ric_vary *vary);
 
 /* ----------------------------------------------------------- study_forcing.c */
 
-/* Fills `out`, whose parts are owned, to be freed also on failure; takes the restitution out of `raw`. */
+/* Fills `out`, whose parts are owned, to be freed also on failure. */
 ric_status ric_study_forcing_read(const ric_yaml *r, const ric_yaml_slot *damping, const ric_yaml_slot *restitution,
                                   const ric_yaml_slot *forcing, ric_raw_model *raw, ric_forcing *out);
-void ric_study_forcing_write(const ric_forcing *forcing, FILE *out);
+void ric_study_forcing_write(const ric_forcing *forcing, double of_model, FILE *out);
 bool ric_study_forcing_given(const ric_forcing *forcing);
 void ric_study_forcing_free(ric_forcing *forcing);
 

@@ -15,6 +15,10 @@ says() { "$@" 2>&1 | grep -q 'the atlas is that of the structure without losses 
 ok "run says so" says "$ricochet" run "$folder/s.yaml" -o "$folder/a"
 ok "check says so" says "$ricochet" check "$folder/s.yaml"
 ok "report says so" says "$ricochet" report "$folder/a"
+says() { "$@" 2>&1 >"$folder/out" | grep -q ' is that of the structure without losses and force'; }
+ok "section says so" says "$ricochet" section "$folder/s.yaml" --energy 5 --starts 2 --impacts 10
+ok "its picture says so" says "$ricochet" plot section "$folder/s.yaml" --energy 5 --starts 2 --impacts 10 -o "$folder/p.svg"
+ok "hunt says so" says "$ricochet" hunt "$folder/s.yaml" --energy 5 --impacts 1 --period 4
 ok "the atlas without is taken by the study with" "$ricochet" run "$folder/s.yaml" -o "$folder/bare" --quiet
 same() { diff <("$ricochet" force "$1" --energy 1 --json "${@:2}") <("$ricochet" force "$folder/a" --energy 1 --force 1,0 --damping 0.01 --restitution 0.98 --level 0.2 --json); }
 ok "force takes the keys" same "$folder/a"
@@ -40,6 +44,13 @@ ends() {
     "$ricochet" "$@" >"$folder/out" 2>"$folder/err" || got=$?
     [ "$got" = "$code" ] && grep -q -e "$words" "$folder/err"
 }
+study "" | sed 's/^  contacts/  restitution: 0.98\n&/' >"$folder/m.yaml"
+ok "model.restitution is refused, with a word where it goes" ends 2 'm.yaml:4: model.restitution: 0.98.*`restitution: 0.98` at the top' run "$folder/m.yaml" -o "$folder/x"
+ok "by hunt, too" ends 2 'losses' hunt "$folder/m.yaml" --energy 5
+ok "check says so" eval '"$ricochet" check "$folder/m.yaml" | grep -q "an atlas needs 1"'
+study "restitution: 0.98\n" >"$folder/n.yaml"
+with() { "$ricochet" force "$folder/a" --energy 1 --force 1,0 --damping 0 --level 0.2 --study "$1" --json; }
+ok "force takes it" diff <(with "$folder/m.yaml") <(with "$folder/n.yaml")
 before=$(cksum "$folder/a")
 bad() { study "$2" >"$folder/bad.yaml" && ends 2 "bad.yaml:6: $1" run "$folder/bad.yaml" -o "$folder/a"; }
 ok "negative damping" bad 'damping: .*negative' 'damping: -0.01\n'

@@ -135,6 +135,10 @@ static void test_refusals(void **state)
         {"title: t\nmodel:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts:\n    - {normal: [1], clearance: 1.0, law: "
          "rigid}\n",
          "see 1 modes"},
+        {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  restitution: 0.9\n"
+         "  contacts:\n"
+         "    - {normal: [-1, 1], clearance: 1.0, law: rigid}\n",
+         "losses"},
         {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
          "    - {normal: [-1, 1], clearance: 1.0, law: bilinear, stiffness: 10}\n",
          "rigid"},

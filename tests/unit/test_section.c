@@ -420,19 +420,6 @@ static void refused(const char *text, const ric_section_options *options, const 
     ric_study_free(study);
 }
 
-/* The model of a study is without losses; one that was made by itself may have them. */
-static void losses_are_refused(const ric_section_options *options)
-{
-    const double one = 1;
-    const ric_contact contact = {.normal = &one, .clearance = 1};
-    ric_model *model = NULL;
-    ric_section *section = NULL;
-    assert_int_equal(ric_model_create(1, &one, &one, 1, &contact, 0.9, &model), RIC_OK);
-    assert_int_equal(ric_section_create(model, options, &section), RIC_E_INPUT);
-    assert_non_null(strstr(ric_detail(), "restitution"));
-    ric_model_free(model);
-}
-
 static void nonsense_is_refused(void **state)
 {
     (void)state;
@@ -459,7 +446,8 @@ static void nonsense_is_refused(void **state)
     options.given = beyond;
     refused(TWO_MASSES, &options, "beyond a stop");
     options = options_of(5, 1, 10);
-    losses_are_refused(&options);
+    refused("model: {mass: [[1]], stiffness: [[1]], restitution: 0.9, contacts: [{normal: [1], clearance: 1}]}",
+            &options, "restitution");
     refused("model: {mass: [[1, 0], [0, 1]], stiffness: [[0, 0], [0, 0]], contacts: [{normal: [1, 0], clearance: 1}, "
             "{normal: [0, 1], clearance: 1}]}",
             &options, "2 modes are free");

@@ -375,7 +375,19 @@ static void restitution_out_of_range(void **state)
     assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_OK);
     ric_forcing forcing;
     assert_true(ric_study_forcing(study, &forcing) && forcing.shaking.restitution == 0.5);
+    assert_true(ric_model_restitution(ric_study_model(study)) == 0.5);
+    assert_int_equal(ric_explore_check(study), RIC_E_INPUT);
+    /* its text is a study again, and says it once */
+    ric_study *again = NULL;
+    assert_int_equal(ric_study_parse(ric_study_text(study), "t", NULL, &again), RIC_OK);
+    assert_string_equal(ric_study_text(again), ric_study_text(study));
+    ric_study_free(again);
+    ric_study_free(study);
+    free(text);
+    text = with_line(1, "restitution: 0.5");
+    assert_int_equal(ric_study_parse(text, "s", NULL, &study), RIC_OK);
     assert_true(ric_model_restitution(ric_study_model(study)) == 1); /* of the atlas */
+    assert_int_equal(ric_explore_check(study), RIC_OK);
     ric_study_free(study);
     free(text);
 }
