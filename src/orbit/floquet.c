@@ -354,6 +354,7 @@ static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double 
         ric_fine_real part[4];
         for (int i = 0; i < 4; i++) part[i] = (ric_fine_real)x[i] + y[i];
         double bc = (double)(part[1] * part[2]), ad = (double)(part[0] * part[3]);
+        if (!isfinite(bc) || !isfinite(ad)) return; /* beyond a double, where the scaled map has its logarithm */
         error += 8 * DBL_EPSILON * fmin(1 + fabs(bc), 1 + fabs(ad));
         ric_floquet_judge_plane(f, quarter, bc, ad, x[3] * x[1], 0, error);
         return;
@@ -600,6 +601,7 @@ static void whole_fine(const ric_shooting *c, ric_floquet *f)
     for (int i = 0; i < ld; i++) trace += f->fine[i * ld + i];
     double error = fine_rounding(c, size);
     if (k == 1) {
+        if (!isfinite((double)trace)) return; /* likewise */
         error += 4 * DBL_EPSILON * fabs((double)trace);
         ric_floquet_judge_trace(f, c->sigma < 0, (double)trace, (double)f->fine[1], 0, error);
         return;

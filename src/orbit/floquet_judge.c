@@ -149,7 +149,8 @@ void ric_floquet_widen(ric_floquet *f, const double *more)
     for (int i = 0; i < f->n_pair; i++) {
         double *r = f->rho + 2 * i;
         f->each[i] += more[i];
-        if (f->each[i] <= LOST * (1 + hypot(r[0], r[1]))) {
+        /* of rho beyond a double infinite errors would be a small part */
+        if (isfinite(more[i]) && f->each[i] <= LOST * (1 + hypot(r[0], r[1]))) {
             worst = fmax(worst, f->each[i]);
             continue;
         }
