@@ -534,6 +534,9 @@ void ric_orbit_data(const ric_orbit *orbit, ric_point *point, double *state, dou
 /* Multipliers other than the trivial ones: 2 (n_mode - 1) complex numbers as re, im pairs, lambda before 1 / lambda.
  * NaN where less than three digits of a pair are left by rounding. */
 ric_status ric_orbit_multipliers(const ric_orbit *orbit, double *out);
+/* The same of stored points `first` to first + n - 1 of a branch, computed by so many threads, row by row: out
+ * [n * 4 (n_mode - 1)]; NaN also where none can be computed. */
+ric_status ric_atlas_multipliers(const ric_atlas *atlas, int branch, int first, int n, int workers, double *out);
 /* What lambda + 1 / lambda of any pair may be off by, from rounding, absolute. */
 double ric_orbit_multiplier_error(const ric_orbit *orbit);
 /* As the multipliers have it, whatever is stored with the orbit. */
@@ -623,6 +626,7 @@ typedef enum {
     RIC_RESPONSE_NEIMARK_SACKER, /* a pair of multipliers leaves the unit circle: motions of two frequencies */
     RIC_RESPONSE_GRAZING,        /* a face is touched, or met without speed: curves of other words begin */
 } ric_response_kind;
+const char *ric_response_kind_text(ric_response_kind kind);
 typedef enum {
     RIC_RESPONSE_GRAZES, /* ends at a grazing */
     RIC_RESPONSE_WINDOW,
@@ -631,6 +635,7 @@ typedef enum {
     RIC_RESPONSE_JOINS,  /* begins at an event of another curve */
     RIC_RESPONSE_FAILED,
 } ric_response_stop;
+const char *ric_response_stop_text(ric_response_stop stop);
 
 typedef struct {
     ric_shaking shaking;
@@ -701,6 +706,10 @@ int ric_response_n_event(const ric_response *response);
 ric_status ric_response_curve_at(const ric_response *response, int id, ric_response_curve *out);
 ric_status ric_response_point_at(const ric_response *response, int curve, int i, ric_response_point *out);
 ric_status ric_response_event_at(const ric_response *response, int id, ric_response_event *out);
+/* A quantity at all points of a curve, row by row, as ric_atlas_column: `name` is arclength, omega, level, restitution,
+ * period, phase, residual, largest, reach, approach or stable, each of *width 1; state, flights, multipliers, peak or
+ * rms, of the widths that they have in a point. out [n_point * *width]; with out NULL, *width alone. */
+ric_status ric_response_column(const ric_response *response, int curve, const char *name, int *width, double *out);
 
 /* An orbit of a curve replayed by the simulation above. */
 typedef struct {

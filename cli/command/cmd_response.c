@@ -22,8 +22,6 @@ typedef struct {
     cli_format format;
 } request;
 
-static const char *const stop_text[] = {"grazing", "window", "budget", "closed", "event", "failed"};
-static const char *const kind_text[] = {"fold", "branch-point", "doubling", "neimark-sacker", "grazing"};
 static const char *const stable_text[] = {"yes", "no", "undecided"};
 
 /* -------------------------------------------------------------------- rows */
@@ -98,8 +96,8 @@ static json_t *curve_row(const ric_response *r, const ric_response_curve *c)
     json_object_set_new(row, "branch", cli_id(c->branch));
     json_object_set_new(row, "from", cli_id(c->from));
     json_object_set_new(row, "to", cli_id(c->to));
-    json_object_set_new(row, "begins", json_string(stop_text[c->begin]));
-    json_object_set_new(row, "ends", json_string(stop_text[c->end]));
+    json_object_set_new(row, "begins", json_string(ric_response_stop_text(c->begin)));
+    json_object_set_new(row, "ends", json_string(ric_response_stop_text(c->end)));
     return row;
 }
 
@@ -129,7 +127,7 @@ static ric_status add_events(const ric_response *r, long curve, json_t *rows)
         if (status || (curve && e.curve != curve)) continue;
         json_t *row = json_object();
         json_object_set_new(row, "id", json_integer(e.id));
-        json_object_set_new(row, "kind", json_string(kind_text[e.kind]));
+        json_object_set_new(row, "kind", json_string(ric_response_kind_text(e.kind)));
         json_object_set_new(row, "curve", json_integer(e.curve));
         add_orbit(row, ric_model_n_dof(ric_response_model(r)), c.letters, &e.at);
         json_array_append_new(rows, row);

@@ -1,6 +1,7 @@
 #include "response.h"
 
-#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -201,5 +202,99 @@ ric_status ric_response_event_at(const ric_response *r, int id, ric_response_eve
 {
     if (id < 1 || id > r->n_event) return ric_fail(RIC_E_RANGE, "no event %d; there are %d", id, r->n_event);
     *out = r->events[id - 1].data;
+    return RIC_OK;
+}
+
+/* -------------------------------------------------------------------- texts */
+
+const char *ric_response_kind_text(ric_response_kind kind)
+{
+    switch (kind) {
+    case RIC_RESPONSE_FOLD: return "fold";
+    case RIC_RESPONSE_BRANCH_POINT: return "branch-point";
+    case RIC_RESPONSE_DOUBLING: return "doubling";
+    case RIC_RESPONSE_NEIMARK_SACKER: return "neimark-sacker";
+    case RIC_RESPONSE_GRAZING: return "grazing";
+    }
+    return "unknown";
+}
+
+const char *ric_response_stop_text(ric_response_stop stop)
+{
+    switch (stop) {
+    case RIC_RESPONSE_GRAZES: return "grazing";
+    case RIC_RESPONSE_WINDOW: return "window";
+    case RIC_RESPONSE_BUDGET: return "budget";
+    case RIC_RESPONSE_CLOSED: return "closed";
+    case RIC_RESPONSE_JOINS: return "event";
+    case RIC_RESPONSE_FAILED: return "failed";
+    }
+    return "unknown";
+}
+
+/* ------------------------------------------------------------------ columns */
+
+static const struct {
+    const char *name;
+    size_t offset;
+    int n_dof, flights; /* width: so many times n_dof, and the flights */
+} columns[] = {
+#define SCALAR(name)                                                                                                   \
+    {                                                                                                                  \
+#name, offsetof(ric_response_point, name), 0, 0                                                                \
+    }
+#define NUMBERS_OF(name, n_dof, flights)                                                                               \
+    {                                                                                                                  \
+#name, offsetof(ric_response_point, name), n_dof, flights                                                      \
+    }
+    SCALAR(arclength),
+    SCALAR(omega),
+    SCALAR(level),
+    SCALAR(restitution),
+    SCALAR(period),
+    SCALAR(phase),
+    SCALAR(residual),
+    SCALAR(largest),
+    SCALAR(reach),
+    SCALAR(approach),
+    NUMBERS_OF(state, 2, 0),
+    NUMBERS_OF(flights, 0, 1),
+    NUMBERS_OF(multipliers, 4, 0),
+    NUMBERS_OF(peak, 1, 0),
+    NUMBERS_OF(rms, 1, 0),
+};
+
+enum { N_COLUMN = sizeof columns / sizeof *columns, STABLE = N_COLUMN };
+
+static ric_status find_column(const char *name, int *out)
+{
+    char all[400] = "";
+    for (int i = 0; i < N_COLUMN; i++) {
+        if (!strcmp(name, columns[i].name)) return *out = i, RIC_OK;
+        snprintf(all + strlen(all), sizeof all - strlen(all), "%s, ", columns[i].name);
+    }
+    if (!strcmp(name, "stable")) return *out = STABLE, RIC_OK;
+    return ric_fail(RIC_E_RANGE, "no column '%s': a point of a response has %sstable", name, all);
+}
+
+ric_status ric_response_column(const ric_response *r, int curve, const char *name, int *width, double *out)
+{
+    int c = 0;
+    ric_response_curve line = {0};
+    ric_status status = ric_response_curve_at(r, curve, &line);
+    if (!status) status = find_column(name, &c);
+    if (status) return status;
+    const bool list = c != STABLE && (columns[c].n_dof || columns[c].flights);
+    const size_t n = list ? (size_t)(columns[c].n_dof * ric_model_n_dof(r->model)) +
+                                (columns[c].flights ? flights_of(line.letters) : 0)
+                          : 1;
+    *width = (int)n;
+    for (int i = 0; out && i < line.n_point; i++) {
+        const ric_response_point *p = &r->curves[curve - 1].points[i].data;
+        const char *at = (const char *)p + (c == STABLE ? 0 : columns[c].offset);
+        if (c == STABLE) out[i] = p->stable;
+        else if (list) memcpy(out + (size_t)i * n, *(const double *const *)(const void *)at, n * sizeof *out);
+        else out[i] = *(const double *)(const void *)at;
+    }
     return RIC_OK;
 }

@@ -96,6 +96,41 @@ static void test_columns_are_the_points(void **unused)
     ric_atlas_free(atlas);
 }
 
+/* Many at once, by any number of threads, are those of every orbit for itself. */
+static void test_multipliers_at_once_are_those_of_the_orbits(void **unused)
+{
+    (void)unused;
+    int compared = 0;
+    ric_atlas *atlas = explore_text(text);
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const int n = branch_of(atlas, id).n_point, tail = n / 2;
+        double *one = calloc(4 * (size_t)n, sizeof *one), *three = calloc(4 * (size_t)n, sizeof *three), alone[4];
+        assert_non_null(one);
+        assert_non_null(three);
+        assert_int_equal(ric_atlas_multipliers(atlas, id, 0, n, 1, one), RIC_OK);
+        assert_int_equal(ric_atlas_multipliers(atlas, id, tail, n - tail, 3, three + 4 * tail), RIC_OK);
+        for (int i = 0; i < n; i++) {
+            ric_orbit **orbits = NULL;
+            int found = 0;
+            assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, i, &found, &orbits), RIC_OK);
+            assert_int_equal(ric_orbit_multipliers(orbits[0], alone), RIC_OK);
+            for (int k = 0; k < 4; k++) {
+                assert_true(same(one[4 * i + k], alone[k]));
+                assert_true(i < tail || same(three[4 * i + k], alone[k]));
+                compared += isfinite(alone[k]) != 0;
+            }
+            ric_orbits_free(found, orbits);
+        }
+        free(one);
+        free(three);
+    }
+    assert_true(compared > 500);
+    assert_int_equal(ric_atlas_multipliers(atlas, 1, -1, 1, 1, NULL), RIC_E_RANGE);
+    assert_int_equal(ric_atlas_multipliers(atlas, 1, 0, 1 << 30, 1, NULL), RIC_E_RANGE);
+    assert_non_null(strstr(ric_detail(), "they run from 0"));
+    ric_atlas_free(atlas);
+}
+
 static void test_a_sample_has_the_ends_and_the_middle(void **unused)
 {
     (void)unused;
@@ -223,6 +258,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_columns_are_the_points),
+        cmocka_unit_test(test_multipliers_at_once_are_those_of_the_orbits),
         cmocka_unit_test(test_a_sample_has_the_ends_and_the_middle),
         cmocka_unit_test(test_impacts_exchange_the_momentum),
         cmocka_unit_test(test_springs_exchange_the_integral_of_their_force),
