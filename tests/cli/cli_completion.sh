@@ -67,6 +67,53 @@ ok 'bash: fixed words' offered bash named ricochet plot fep --labels ''
 ok 'bash: fixed words behind =' offered bash named ricochet plot fep --labels = na
 ok 'bash: files' offered bash "$folder/mine.ricochet" ricochet branches "$folder/mi"
 ok 'bash: no files where a number is wanted' not_offered bash "$folder/mine.ricochet" ricochet run --max-step "$folder/mi"
+
+# The same as a user has it: keys that are typed in a terminal, and what then stands on its screen.
+screen() { tmux -S "$folder/tmux" capture-pane -p -J -t "$1"; }
+appears() { # SHELL TEXT: waits for it, for two minutes
+    for _ in $(seq 1200); do
+        screen "$1" >"$folder/screen" || return 1
+        ! grep -qF -e "$2" "$folder/screen" || return 0
+        sleep 0.1
+    done
+    sed 's/^/screen: /' "$folder/screen"
+    return 1
+}
+typed() { # SHELL KEYS TEXT: the keys, and the tabulator; the line is then taken away
+    tmux -S "$folder/tmux" send-keys -t "$1" -l "$2" && tmux -S "$folder/tmux" send-keys -t "$1" Tab && appears "$1" "$3" &&
+        tmux -S "$folder/tmux" send-keys -t "$1" C-u C-l
+}
+mkdir -p "$folder/home/functions" "$folder/bin"
+ln -sf "$(realpath "$ricochet")" "$folder/bin/ricochet"
+cp "$folder/zsh" "$folder/home/functions/_ricochet"
+printf '%s\n' "PS1='ready> '" ". '$folder/bash'" >"$folder/home/bashrc"
+printf '%s\n' "PS1='ready> '" "fpath=('$folder/home/functions' \$fpath)" 'autoload -Uz compinit' "compinit -u -d '$folder/home/dump'" >"$folder/home/.zshrc"
+printf '%s\n' "source '$folder/fish'" "function fish_prompt; printf 'ready> '; end" >"$folder/home/config.fish"
+terminal_of() { # SHELL: its command, without what the user has set
+    case $1 in
+    bash) echo "bash --noprofile --rcfile '$folder/home/bashrc' -i" ;;
+    zsh) echo "zsh -d -i" ;;
+    fish) echo "fish --no-config --init-command 'source $folder/home/config.fish'" ;;
+    esac
+}
+# A server whose last session is over ends: one stays until all have been. Its surroundings are those of all sessions.
+! command -v tmux >/dev/null ||
+    env -u TMUX HOME="$folder/home" ZDOTDIR="$folder/home" XDG_CONFIG_HOME="$folder/home" XDG_DATA_HOME="$folder/home" PATH="$folder/bin:$PATH" LC_ALL=C.UTF-8 \
+        tmux -S "$folder/tmux" -f /dev/null new-session -d -s stays cat
+for shell in bash zsh fish; do
+    if ! command -v "$shell" >/dev/null || ! command -v tmux >/dev/null; then
+        left_out "$shell in a terminal" "$shell or tmux is missing"
+        continue
+    fi
+    tmux -S "$folder/tmux" new-session -d -x 200 -y 40 -s "$shell" "$(terminal_of "$shell")"
+    ok "$shell starts in a terminal" appears "$shell" 'ready>'
+    ok "$shell in a terminal: a command" typed "$shell" 'ricochet branc' 'ricochet branches'
+    ok "$shell in a terminal: a picture" typed "$shell" 'ricochet plot fe' 'ricochet plot fep'
+    ok "$shell in a terminal: an option" typed "$shell" 'ricochet run --max-st' 'ricochet run --max-step'
+    ok "$shell in a terminal: a file" typed "$shell" "ricochet branches $folder/mi" "$folder/mine.ricochet"
+    tmux -S "$folder/tmux" kill-session -t "$shell"
+done
+! command -v tmux >/dev/null || tmux -S "$folder/tmux" kill-server
 wrong() { "$ricochet" --completion tcsh 2>"$folder/out"; [ $? = 2 ] && grep -q 'there are bash, zsh and fish' "$folder/out"; }
 ok 'another shell' wrong
 finish
