@@ -6,9 +6,11 @@ from __future__ import annotations
 
 from typing import Callable, Iterable, Optional, Sequence, Union
 
+from . import _labels
 from ._atlas import Atlas, Branch, Junction
 from ._orbit import Orbit
 import matplotlib.pyplot as plt
+from matplotlib.ticker import LogLocator
 import numpy as np
 
 THIN, THICK = 0.8, 2.4  # points: unstable, stable
@@ -69,13 +71,12 @@ def branch(one: Branch, ax=None, duplicate: int = 1, **style):
 
 
 def junction(one: Junction, ax=None, label: Union[bool, str] = True, **style):
-    """A mark at a junction, with its name or label."""
+    """A mark at a junction, with its name or label, which keeps away from curves and other labels of these axes."""
     ax = _axes(ax)
     ax.plot([one.energy], [one.frequency], **{"marker": _MARKERS.get(one.kind, "."), "ms": 4, "mfc": "w", "ls": "",
                                                "color": "tab:red", "zorder": 3, **style})
     if label:
-        ax.annotate(label if isinstance(label, str) else one.title, (one.energy, one.frequency), xytext=(4, 3),
-                    textcoords="offset points", fontsize=7, annotation_clip=True)
+        _labels.label(ax, label if isinstance(label, str) else one.title, (one.energy, one.frequency))
     return ax
 
 
@@ -93,7 +94,7 @@ def fep(atlas: Atlas, ax=None, branches: Optional[Iterable[Branch]] = None, labe
     style : callable
         branch -> style of its line, such as {"color": "C1"}.
     log : bool
-        Whether the axis of energies is logarithmic.
+        Whether the axes are logarithmic.
     lines
         Style of all lines.
     """
@@ -106,10 +107,20 @@ def fep(atlas: Atlas, ax=None, branches: Optional[Iterable[Branch]] = None, labe
     for one in (one for one in atlas.junctions if one.id in ids and one.kind != "start"):
         junction(one, ax, label=wanted(one))
     if log:
-        ax.set_xscale("log")
+        _logarithmic(ax)
     ax.set_xlabel("energy / d²")
     ax.set_ylabel("frequency, rad/s")
     return ax
+
+
+def _logarithmic(ax) -> None:
+    """Both axes; frequencies span a decade or two and have their numbers at 1, 2 and 5."""
+    ax.set(xscale="log", yscale="log")
+    low, high = ax.get_ylim()
+    if high / low < 200:
+        ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        ax.yaxis.set_major_formatter("{x:g}")
+        ax.yaxis.set_minor_formatter("")
 
 
 def _wanted_labels(atlas: Atlas, labels):
@@ -158,7 +169,7 @@ def zoom(at: Junction, ax=None, energy: Optional[Sequence[float]] = None, freque
         if one.kind != "start" and window[0][0] <= one.energy <= window[0][1] and \
                 window[1][0] <= one.frequency <= window[1][1]:
             junction(one, ax)
-    ax.set(xlim=window[0], ylim=window[1], xlabel="energy / d²", ylabel="frequency, rad/s", title=at.title)
+    ax.set(xlim=window[0], ylim=window[1], xlabel="energy / d²", ylabel="frequency, rad/s", title=_labels.typeset(at.title))
     return ax
 
 

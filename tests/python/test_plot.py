@@ -9,6 +9,7 @@ from tap import raises, run
 import ricochet
 from ricochet import plot
 import matplotlib.pyplot as plt
+from matplotlib.text import Text
 import numpy as np
 
 
@@ -92,10 +93,36 @@ def test_labels(folder):
     """labels that are asked for are there"""
     atlas = atlas_in(folder)
     assert len(plot.fep(atlas, labels="all").texts) == sum(one.kind != "start" for one in atlas.junctions)
-    assert [text.get_text() for text in plot.fep(atlas, labels=["G1_0,2"]).texts] == ["G1_0,2"]
+    assert [text.get_text() for text in plot.fep(atlas, labels=["G1_0,2"]).texts] == [r"$\mathrm{G}_{0{,}2}^{(1)}$"]
+    assert plot.junction(atlas.junctions[1], label="my $ name").texts[0].get_text() == r"my \$ name"
     assert not plot.fep(atlas, labels="none").texts
     assert len(plot.fep(atlas, branches=[atlas.branch("S2-[01]")], labels="all").texts) < 8
     raises(ricochet.RangeError, "junction", atlas.junction, "G9")
+    plt.close("all")
+
+
+def boxes(ax):
+    """Where labels were drawn, in pixels."""
+    return [Text.get_window_extent(text) for text in ax.texts if ax.get_window_extent().contains(*ax.transData.transform(text.xy))]
+
+
+def test_room(folder):
+    """labels cover neither one another nor the marks, and nothing of the picture in the README is cut off"""
+    atlas = atlas_in(folder, impacts=6, multiply=1)
+    with open("README.md", encoding="utf-8") as file:
+        made = re.search(r"plt\.subplots\(.*\)", file.read())[0]
+    figure, axes = eval(made)  # as the README makes it
+    plot.fep(atlas, axes[0])
+    plot.zoom(atlas.branch("S2+[01]").junctions[1], axes[1])
+    figure.savefig(os.path.join(folder, "a.png"))
+    for ax in axes:
+        found = boxes(ax)
+        marks = [ax.transData.transform(line.get_xydata()[0]) for line in ax.get_lines() if line.get_marker() not in ("None", "")]
+        assert len(found) >= 2
+        for i, box in enumerate(found):
+            assert not any(box.overlaps(other) for other in found[:i]) and not any(box.contains(*mark) for mark in marks)
+        whole = ax.get_tightbbox()
+        assert whole.x0 >= 0 and whole.y0 >= 0 and whole.x1 <= figure.bbox.x1 and whole.y1 <= figure.bbox.y1, whole
     plt.close("all")
 
 
@@ -124,4 +151,4 @@ def test_readme(folder):
     assert {"two-masses.ricochet", "two-masses.png", "orbit.gif"} <= made, made
 
 
-run([test_axes, test_levels, test_stable_parts, test_zoom, test_labels, test_animation, test_readme])
+run([test_axes, test_levels, test_stable_parts, test_zoom, test_labels, test_room, test_animation, test_readme])
