@@ -11,11 +11,14 @@ axes of matplotlib, `ricochet.reduce` makes a small model of a finite-element on
 from ._library import (BusyError, ConflictError, Error, FileError, FormatError, InputError, Interrupted, MissingError,
                        NumericError, RangeError, ffi as _ffi, lib as _lib)
 from ._atlas import Atlas, Branch, Junction, Listing, Tongue
-from ._force import Forced, Prediction, Shaking
+from ._census import Account, Census, CensusOrbit
+from ._force import Forced, Forcing, Prediction, Shaking
 from ._hunt import Found, Hunt
+from ._locus import Locus
 from ._model import Contact, Model
 from ._orbit import Orbit
 from ._proof import Proof, Proofs
+from ._response import Response, ResponseCheck, ResponseChecks, ResponseCurve, ResponseEvent
 from ._section import Section, Track
 from ._simulation import History, Simulation
 from ._study import Progress, Study, explore
@@ -23,11 +26,12 @@ from ._verify import Check, Verification
 
 __version__ = _ffi.string(_lib.ric_version()).decode()
 
-__all__ = ["Atlas", "Branch", "BusyError", "Check", "ConflictError", "Contact", "Error", "FileError", "FormatError",
-           "Forced", "Found", "History", "Hunt", "InputError", "Interrupted", "Junction", "Listing", "MissingError", "Model", "NumericError",
-           "Orbit", "Prediction", "Progress", "Proof", "Proofs", "RangeError", "Reduction", "Section", "Shaking", "Simulation", "Study",
-           "Tongue", "Track", "Verification", "explore", "plot",
-           "reduce"]
+__all__ = ["Account", "Atlas", "Branch", "BusyError", "Census", "CensusOrbit", "Check", "ConflictError", "Contact",
+           "Error", "FileError", "Forced", "Forcing", "FormatError", "Found", "History", "Hunt", "InputError",
+           "Interrupted", "Junction", "Listing", "Locus", "MissingError", "Model", "NumericError", "Orbit",
+           "Prediction", "Progress", "Proof", "Proofs", "RangeError", "Reduction", "Response", "ResponseCheck",
+           "ResponseChecks", "ResponseCurve", "ResponseEvent", "Section", "Shaking", "Simulation", "Study", "Tongue",
+           "Track", "Verification", "explore", "plot", "reduce"]
 
 
 def __getattr__(name: str):

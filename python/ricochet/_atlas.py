@@ -3,14 +3,17 @@ from __future__ import annotations
 
 import difflib
 import os
+from functools import partial
 from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
-from ._library import RangeError, check, copy_of, detail, ffi, fields_of, filled, lib, pointer, text_of, word_of
+from ._library import InputError, RangeError, check, column_of, copy_of, ffi, fields_of, lib, pointer, text_of, word_of
 import numpy as np
 
 from ._model import Model
 from ._orbit import Orbit
 from ._show import Markup, curve, table, text_table
+
+_AT_A_TIME = 2000  # points whose multipliers are computed between two looks for Ctrl-C
 
 
 class Listing(tuple):
@@ -183,12 +186,8 @@ class Branch:
 
     def _column(self, name: str) -> np.ndarray:
         if name not in self._columns:
-            width, key = ffi.new("int *"), name.encode()
-            check(lib.ric_atlas_column(self.atlas._handle, self.id, key, width, ffi.NULL))
-            shape = (len(self), width[0]) if name in ("state", "flights") else len(self)
-            array = filled(shape, lambda out: lib.ric_atlas_column(self.atlas._handle, self.id, key, width, out))
-            array.flags.writeable = False
-            self._columns[name] = array
+            read = partial(lib.ric_atlas_column, self.atlas._handle, self.id)
+            self._columns[name] = column_of(read, len(self), name, name in ("state", "flights"))
         return self._columns[name]
 
     arclength = property(lambda self: self._column("arclength"), doc="[n_point]")
@@ -216,14 +215,13 @@ class Branch:
 
     @property
     def multipliers(self) -> np.ndarray:
-        """[n_point, 2 (n_mode - 1)] complex, computed from the stored orbits when asked for; NaN where they are lost."""
+        """[n_point, 2 (n_mode - 1)] complex, computed from the stored orbits when first asked for, on all processors; NaN
+        where they are lost."""
         if "multipliers" not in self._columns:
-            array = np.full((len(self), max(0, 2 * (self.atlas.model.n_mode - 1))), complex(np.nan, np.nan))
-            for i in range(len(self)):
-                try:
-                    array[i] = self.point(i).multipliers
-                except ArithmeticError:
-                    pass
+            array = np.empty((len(self), max(0, 2 * (self.atlas.model.n_mode - 1))), complex)
+            for first in range(0, len(self) * bool(array.size), _AT_A_TIME):
+                part = array[first:first + _AT_A_TIME].view(float)
+                check(lib.ric_atlas_multipliers(self.atlas._handle, self.id, first, len(part), os.cpu_count() or 1, pointer(part)))
             array.flags.writeable = False
             self._columns["multipliers"] = array
         return self._columns["multipliers"]
@@ -417,23 +415,111 @@ class Atlas:
         """Motions of one scaled energy on the section; see `Model.section`."""
         return self.model.section(energy, starts, impacts, **options)
 
-    def shaking(self, force, damping=None, restitution: float = 1):
+    def shaking(self, force=None, damping=None, restitution: Optional[float] = None, study=None):
         """What a harmonic force and losses make of the orbits.
+
+        What is not given is as `study`, or else the study of the atlas, has it (`Study.forcing`); nothing is lost where that
+        says nothing.
 
         Parameters
         ----------
         force : array [n_dof]
             Of amplitude 1, physical.
         damping : float, array [n_dof] or array [n_dof, n_dof]
-            A modal damping ratio for all modes, one for each, or a damping matrix, physical; none unless given.
+            A modal damping ratio for all modes, one for each, or a damping matrix, physical.
         restitution : float, above 0, at most 1
+        study : Study
 
         Returns
         -------
         Shaking
         """
         from ._force import Shaking
-        return Shaking(self, force, damping, restitution)
+        return Shaking(self, self._shaken(study, force, damping, restitution))
+
+    def _shaken(self, study, force, damping, restitution) -> dict:
+        """What is given, and the rest from a study of this structure."""
+        from ._force import completed
+        if study is not None and not lib.ric_model_same(study.model._handle, self.model._handle):
+            raise InputError("the study is one of another structure than that of the atlas")
+        return completed(study or self.study, force, damping, restitution)
+
+    def response(self, path: Union[str, os.PathLike], force=None, level=None, omega=None, damping=None, restitution=None,
+                 along: str = "omega", harmonic=None, branch: Union[None, int, str] = None, impacts: Optional[int] = None,
+                 periods: Optional[int] = None, points: Optional[int] = None, curves: Optional[int] = None,
+                 step: Optional[float] = None, study=None, progress: Optional[bool] = None):
+        """Curves of periodic motions of the damped and shaken structure, solved to rounding, into the file `path`.
+
+        Ctrl-C keeps what was done, and the same call goes on from there. What is not given of force, damping, restitution,
+        level, omega and harmonic is as `study`, or else the study of the atlas, has it.
+
+        Parameters
+        ----------
+        path : str
+            A file of its own: not that of the atlas.
+        force, damping, restitution
+            As of `shaking`.
+        level : float or array
+            Physical amplitudes of the force, with curves for each.
+        omega : float or (low, high)
+            Frequency of the force, rad/s.
+        along : "omega", "level" or "restitution"
+            What varies: that takes a window, (low, high).
+        harmonic : int or array of int
+            Of the orbits of the atlas, beside which curves begin; 1 unless given.
+        branch : int or str
+            Only beside this branch of the atlas, and without the linear motion.
+        impacts, periods : int
+            Most impacts, and most periods of the force, in a period of the motion; 12 and 4 unless given.
+        points, curves : int
+            Most of a curve, and most of all; 2000 and 200 unless given.
+        step : float
+            Longest, relative to the motion; 0.05 unless given.
+
+        Returns
+        -------
+        Response
+        """
+        from ._response import respond
+        shaken = self._shaken(study, force, damping, restitution)
+        own = (study or self.study).forcing
+        if own is not None:
+            level, omega, harmonic = (mine if mine is not None else theirs if np.size(theirs) else None for mine, theirs in
+                                      ((level, own.amplitude), (omega, own.frequency), (harmonic, own.harmonic)))
+        rest = {"branch": None if branch is None else self.branch(branch).id, "impacts": impacts, "periods": periods,
+                "points": points, "curves": curves, "step": step}
+        return respond(self, path, along, omega, level, shaken, 1 if harmonic is None else harmonic, progress, rest)
+
+    def locus(self, junction: Union[int, str, Junction], values: Sequence[float] = (), max_step: float = 0, vary=None,
+              progress: Optional[bool] = None):
+        """A junction as a parameter of the structure varies: a curve through its own folds.
+
+        Parameters
+        ----------
+        junction : int, str or Junction
+        values : sequence of float
+            Of the parameter, at which it is solved as well.
+        max_step : float
+            Largest step, relative to the range and to the orbit; the library's unless given.
+        vary : dict or Study
+            The parameter, as section vary of a study has it: name, at, from and to, and mass, stiffness or clearance, what
+            grows with it. That of the study of the atlas unless given.
+
+        Returns
+        -------
+        Locus
+        """
+        from ._locus import locus
+        return locus(self, junction, values, max_step, vary, progress)
+
+    def census(self, energy: float, impacts: int = 3, period: Optional[float] = None, **options):
+        """All periodic orbits of one scaled energy with few impacts, as a theorem; see `Model.census`.
+
+        Unless `period` is given it is the longest that the frequency window of the study allows, as in `ricochet prove
+        --complete`.
+        """
+        from ._census import bounded, census
+        return census(self.model, energy, impacts, bounded(self.study) if period is None else period, **options)
 
     def prove(self, branch: Union[None, int, str] = None, points: Optional[Sequence[int]] = None, workers: int = 1,
               progress: Optional[bool] = None):

@@ -2,12 +2,64 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Optional
+from typing import Optional, Tuple
 
-from ._library import check, ffi, fields_of, lib, pointer, text_of
+from ._library import InputError, check, copy_of, ffi, fields_of, lib, pointer, text_of
 import numpy as np
 
 _STABLE = {lib.RIC_STABLE_YES: "yes", lib.RIC_STABLE_NO: "no", lib.RIC_STABLE_UNDECIDED: "undecided"}
+
+
+@dataclass
+class Forcing:
+    """What a study says of force and losses.
+
+    force [n_dof], of amplitude 1, physical, or None; damping, modal ratios [1 or n_dof], a matrix [n_dof, n_dof], physical, or
+    None; restitution; amplitude [k], physical, perhaps none; frequency, (low, high), rad/s, twice the same number where it is
+    one, or None; harmonic [k], of the orbit, perhaps none.
+    """
+
+    force: Optional[np.ndarray]
+    damping: Optional[np.ndarray]
+    restitution: float
+    amplitude: np.ndarray
+    frequency: Optional[Tuple[float, float]]
+    harmonic: np.ndarray
+
+
+def forcing_of(raw) -> dict:
+    """Force, damping and restitution of a structure of the library; None where there is none."""
+    force = copy_of(raw.force, raw.n_force) if raw.n_force else None
+    damping = copy_of(raw.ratios, raw.n_ratio) if raw.n_ratio else None
+    if raw.n_matrix:
+        damping = copy_of(raw.matrix, raw.n_matrix**2).reshape(raw.n_matrix, -1)
+    return {"force": force, "damping": damping, "restitution": raw.restitution}
+
+
+def fill_shaking(raw, force, damping, restitution: float) -> list:
+    """Fills a structure of the library; returns what has to live as long as it."""
+    keep = [np.ascontiguousarray(force, float).ravel()] if force is not None else []
+    if keep:
+        raw.n_force, raw.force = keep[0].size, pointer(keep[0])
+    raw.restitution = restitution
+    losses = None if damping is None else np.ascontiguousarray(np.atleast_1d(damping), float)
+    if losses is not None and losses.ndim == 2:
+        if losses.shape[0] != losses.shape[1]:
+            raise ValueError(f"damping of shape {losses.shape}: one ratio, one for each mode, or a square matrix")
+        raw.n_matrix, raw.matrix = len(losses), pointer(losses)
+    elif losses is not None:
+        raw.n_ratio, raw.ratios = losses.size, pointer(losses)
+    return [*keep, losses]
+
+
+def completed(study, force, damping, restitution) -> dict:
+    """What is given, and what is None as the study has it."""
+    own = study.forcing
+    if own is not None:
+        force = own.force if force is None else force
+        damping = own.damping if damping is None else damping
+        restitution = own.restitution if restitution is None else restitution
+    return {"force": force, "damping": damping, "restitution": 1.0 if restitution is None else restitution}
 
 
 @dataclass
@@ -73,18 +125,15 @@ class Shaking:
     force : array [n_dof], physical, of amplitude 1
     """
 
-    def __init__(self, atlas, force, damping, restitution: float):
-        self.atlas, self.force = atlas, np.ascontiguousarray(force, float).ravel()
-        losses = None if damping is None else np.ascontiguousarray(np.atleast_1d(damping), float)
-        given = ffi.new("ric_shaking *", {"n_force": self.force.size, "force": pointer(self.force), "restitution": restitution})
-        if losses is not None and losses.ndim == 2:
-            if losses.shape[0] != losses.shape[1]:
-                raise ValueError(f"damping of shape {losses.shape}: one ratio, one for each mode, or a square matrix")
-            given.n_matrix, given.matrix = len(losses), pointer(losses)
-        elif losses is not None:
-            given.n_ratio, given.ratios = losses.size, pointer(losses)
+    def __init__(self, atlas, given: dict):
+        self.atlas, self.force = atlas, given["force"]
+        if self.force is None:
+            raise InputError("force is missing: the vector f, one number per displacement; the study has no section forcing")
+        self.force = np.ascontiguousarray(self.force, float).ravel()
+        raw = ffi.new("ric_shaking *")
+        self._keep = fill_shaking(raw, self.force, given["damping"], given["restitution"])
         made = ffi.new("ric_force **")
-        check(lib.ric_force_create(atlas._handle, given, made))
+        check(lib.ric_force_create(atlas._handle, raw, made))
         self._handle = ffi.gc(made[0], lib.ric_force_free)
 
     def predict(self, orbit, harmonic: int = 1, level: float = 0) -> Prediction:

@@ -226,6 +226,16 @@ def filled(shape, call, dtype=float) -> np.ndarray:
     return array
 
 
+def column_of(read, rows: int, name: str, wide: bool) -> np.ndarray:
+    """The numbers that `read(name, width, out)` has of so many rows: [rows], or [rows, width] of a wide one; not to be
+    written to."""
+    width, key = ffi.new("int *"), name.encode()
+    check(read(key, width, ffi.NULL))
+    array = filled((rows, width[0]) if wide else rows, lambda out: read(key, width, out))
+    array.flags.writeable = False
+    return array
+
+
 def fields_of(struct) -> dict:
     """The numbers, flags, enumerations and texts of a structure by their names; pointers to numbers are left out."""
     out = {}

@@ -229,7 +229,32 @@ class Model:
         from ._section import section
         return section(self, energy, starts, impacts, states, radius, rows, workers, progress)
 
-    def simulate(self, x, v, time: float, steps: int = 200, impacts: int = 1000000):
+    def census(self, energy: float, impacts: int = 3, period: Optional[float] = None, workers: int = 1,
+               seconds: Optional[float] = None, progress: Optional[bool] = None):
+        """All periodic orbits of one scaled energy with few impacts, as a theorem, by ball arithmetic. Experimental.
+
+        For structures of which rigid stops see two modes.
+
+        Parameters
+        ----------
+        energy : float, scaled
+        impacts : int
+            Of the longest words, at most 6.
+        period : float, s
+            Longest period; unless given, any.
+        workers : int
+        seconds : float
+            When these are over what was not looked at is counted as undecided.
+
+        Returns
+        -------
+        Census
+        """
+        from ._census import census
+        return census(self, energy, impacts, period, workers, seconds, progress)
+
+    def simulate(self, x, v, time: float, steps: int = 200, impacts: int = 1000000, force=None, omega: float = 0,
+                 level: float = 1, phase: float = 0, damping=None, restitution: Optional[float] = None):
         """The motion from a scaled state, found impact by impact by a simulator that knows nothing of orbits.
 
         Parameters
@@ -241,13 +266,20 @@ class Model:
             Of the history.
         impacts : int
             After so many an Error says so: a loose mass may have as many as one likes.
+        force : array [n_dof]
+            Shaken by level force cos(omega t + phase) from time 0 on, physical; omega in rad/s.
+        damping : float, array [n_dof] or array [n_dof, n_dof]
+            Modal ratios, one for all modes or one for each, or a damping matrix, physical.
+        restitution : float
+            Instead of that of the model.
 
         Returns
         -------
         Simulation
         """
-        from ._simulation import simulate
-        return simulate(self, self._vector(x, "x"), self._vector(v, "v"), time, steps, impacts)
+        from ._simulation import shaken, simulate
+        given = shaken(self, force, omega, level, phase, damping, restitution)
+        return simulate(self, self._vector(x, "x"), self._vector(v, "v"), time, steps, impacts, given)
 
     def _vector(self, value, what: str) -> np.ndarray:
         array = np.array(value, float).ravel()

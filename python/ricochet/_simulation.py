@@ -6,6 +6,7 @@ from typing import NamedTuple
 from ._library import Error, InputError, check, ffi, lib, pointer
 import numpy as np
 
+from ._force import fill_shaking
 from ._show import lines
 
 IMPACT = np.dtype([("time", float), ("face", int), ("approach", float), ("impulse", float), ("opens", bool)])
@@ -35,7 +36,7 @@ class Simulation:
     impacts : structured array with time (s), face, approach (scaled speed, negative where a spring opens), impulse
         (scaled) and opens
     reach : float
-        Largest gap over clearance outside impacts: 1 at a touch.
+        Largest gap over clearance outside impacts: 1 at a touch; NaN under damping or force.
     """
 
     def __init__(self, t, x, v, impacts, reach):
@@ -53,36 +54,61 @@ class Simulation:
         return f"{self!r}<br>{lines(self.t, self.x.T)}"
 
 
-def _start(model, x: np.ndarray, v: np.ndarray):
-    out = ffi.new("ric_simulator **")
-    check(lib.ric_simulator_create(model._handle, out))
-    sim = ffi.gc(out[0], lib.ric_simulator_free)
-    check(lib.ric_simulator_start(sim, pointer(x), pointer(v)))
-    return sim
+class _Motion:
+    """The simulator of free motions, or that of motions under damping and force."""
+
+    def __init__(self, model, x: np.ndarray, v: np.ndarray, shaken):
+        kind, out = "simulator" if shaken is None else "shaken", None
+        self._advance, self._state = getattr(lib, f"ric_{kind}_advance"), getattr(lib, f"ric_{kind}_state")
+        out = ffi.new(f"ric_{kind} **")
+        if shaken is None:
+            check(lib.ric_simulator_create(model._handle, out))
+        else:
+            check(lib.ric_shaken_create(model._handle, shaken["raw"], shaken["omega"], shaken["level"], out))
+        self.handle = ffi.gc(out[0], getattr(lib, f"ric_{kind}_free"))
+        start, phase = getattr(lib, f"ric_{kind}_start"), () if shaken is None else (shaken["phase"],)
+        check(start(self.handle, pointer(x), pointer(v), *phase))
+
+    def advance(self, time: float, found: list, most: int) -> None:
+        """To an instant, with the impacts on the way."""
+        hit, impact = ffi.new("bool *", True), ffi.new("ric_impact *")
+        while hit[0]:
+            check(self._advance(self.handle, time, hit, impact))
+            if hit[0]:
+                found.append((impact.time, impact.face, impact.approach, impact.impulse, impact.opens))
+            if len(found) > most:
+                raise Error(f"more than {most} impacts before t = {time:g} s; the last one at {impact.time:g} s")
+
+    def state(self, out: np.ndarray) -> None:
+        """Into out [2, n_dof]."""
+        self._state(self.handle, ffi.NULL, pointer(out[0]), pointer(out[1]))
 
 
-def _advance(sim, time: float, found: list, most: int) -> None:
-    hit, impact = ffi.new("bool *", True), ffi.new("ric_impact *")
-    while hit[0]:
-        check(lib.ric_simulator_advance(sim, time, hit, impact))
-        if hit[0]:
-            found.append((impact.time, impact.face, impact.approach, impact.impulse, impact.opens))
-        if len(found) > most:
-            raise Error(f"more than {most} impacts before t = {time:g} s; the last one at {impact.time:g} s")
+def shaken(model, force, omega: float, level: float, phase: float, damping, restitution):
+    """What shakes a motion, for `simulate`; None where nothing does, and nothing is lost."""
+    if force is None and damping is None and restitution is None:
+        return None
+    raw = ffi.new("ric_shaking *")
+    keep = fill_shaking(raw, force, damping, model.restitution if restitution is None else restitution)
+    check(lib.ric_force_check(model._handle, raw))
+    if force is not None and level and not omega:
+        raise InputError("force needs omega, its frequency in rad/s")
+    return {"raw": raw, "keep": keep, "omega": omega, "level": level, "phase": phase}
 
 
-def simulate(model, x: np.ndarray, v: np.ndarray, time: float, steps: int, most: int) -> Simulation:
+def simulate(model, x: np.ndarray, v: np.ndarray, time: float, steps: int, most: int, given=None) -> Simulation:
     """The motion from (x, v), at `steps` + 1 instants up to `time`. Impacts are those of a motion without steps, each of
     which costs a rounding."""
     if not time > 0 or steps < 1:
         raise InputError(f"time {time:g}, steps {steps}: motion is followed forward from time 0, in one step at least")
-    whole, found = _start(model, x, v), []
-    _advance(whole, time, found, most)
-    sim = _start(model, x, v)
+    whole, found = _Motion(model, x, v, given), []
+    whole.advance(time, found, most)
+    again = _Motion(model, x, v, given)
     times = np.array([time * k / steps for k in range(steps)] + [time])
     states = np.empty((steps + 1, 2, x.size))
     states[0] = x, v
     for k in range(1, steps + 1):
-        _advance(sim, times[k], [], most)
-        lib.ric_simulator_state(sim, ffi.NULL, pointer(states[k, 0]), pointer(states[k, 1]))
-    return Simulation(times, states[:, 0], states[:, 1], np.array(found, IMPACT), lib.ric_simulator_reach(whole))
+        again.advance(times[k], [], most)
+        again.state(states[k])
+    reach = lib.ric_simulator_reach(whole.handle) if given is None else np.nan
+    return Simulation(times, states[:, 0], states[:, 1], np.array(found, IMPACT), reach)

@@ -7,10 +7,11 @@ import re
 import time
 from typing import Callable, NamedTuple, Optional, Union
 
-from ._library import Interrupted, check, ffi, fields_of, lib, text_of
+from ._library import Interrupted, check, copy_of, ffi, fields_of, lib, text_of
 import numpy as np
 
 from ._atlas import Atlas
+from ._force import Forcing, forcing_of
 from ._model import Model
 from ._running import Bar, Job
 
@@ -25,19 +26,27 @@ class Study:
     names : list of dicts with name, kind, energy and frequency, for junctions
     regions : list of dicts, parts of the plane with larger budgets
     tolerance : float, relative
+    damping, restitution, forcing, vary, drawing
+        What the structure loses, what shakes it, a parameter of it and where it is, as these keys are in a study file
+        (docs/study.md): damping=0.01, forcing={"vector": [1, 0], "amplitude": 0.2, "frequency": [0.5, 2]}, vary={"name": "k2",
+        "at": 1, "from": 0.5, "to": 2, "stiffness": [[1, -1], [-1, 1]]}. The atlas is that of the structure without losses and
+        force.
     explore
-        Windows and budgets by the names that they have in a study file (docs/options.md): energy=[0, 20] (scaled),
+        Windows and budgets by the names that they have in a study file (docs/study.md): energy=[0, 20] (scaled),
         frequency=[0.2, 10] (rad/s), impacts=6, multiply=2, depth=3, start=[1, 2], at_energy=[1.5], step=0.03, ...
         What is not given is as in a file that does not say it.
 
     `Study.read(path)` takes a study file instead.
     """
 
-    def __init__(self, model: Model, title: Optional[str] = None, *, names=None, regions=None, tolerance=None, **explore):
+    def __init__(self, model: Model, title: Optional[str] = None, *, names=None, regions=None, tolerance=None,
+                 damping=None, restitution: Optional[float] = None, forcing: Optional[dict] = None, vary: Optional[dict] = None,
+                 drawing: Optional[dict] = None, **explore):
         out = ffi.new("ric_study **")
         check(lib.ric_study_create(model._handle, ffi.NULL, (title or "A structure").encode(), out))
         bare = ffi.gc(out[0], lib.ric_study_free)
-        keys = {"names": names, "regions": regions, "tolerance": tolerance, "explore": explore or None}
+        keys = {"names": names, "regions": regions, "tolerance": tolerance, "explore": explore or None,
+                "damping": damping, "restitution": restitution, "forcing": forcing, "vary": vary, "drawing": drawing}
         text = _with_keys(text_of(lib.ric_study_text(bare)), {key: value for key, value in keys.items() if value is not None})
         check(lib.ric_study_parse(text.encode(), b"study", b".", out))
         self._take(ffi.gc(out[0], lib.ric_study_free), None)
@@ -84,16 +93,48 @@ class Study:
         """Windows and budgets in force, by their names in the library."""
         return fields_of(lib.ric_study_options(self._handle)[0])
 
+    @property
+    def forcing(self) -> Optional[Forcing]:
+        """Its keys damping, restitution and forcing; None where it has none of them."""
+        raw = ffi.new("ric_forcing *")
+        if not lib.ric_study_forcing(self._handle, raw):
+            return None
+        window = tuple(raw.frequency) if raw.frequency[1] > 0 else None
+        return Forcing(**forcing_of(raw.shaking), amplitude=_numbers(raw.amplitude), frequency=window,
+                       harmonic=_numbers(raw.harmonic).astype(np.intc))
+
+    @property
+    def vary(self) -> Optional[dict]:
+        """Its parameter: name, at, from and to, and mass and stiffness [n_dof, n_dof] and clearance [n_contact], what grows
+        with it, None where nothing does; None without section vary."""
+        raw, n = ffi.new("ric_vary *"), self.model.n_dof
+        if not lib.ric_study_vary(self._handle, raw):
+            return None
+        out = fields_of(raw[0])
+        for name, shape in (("mass", (n, n)), ("stiffness", (n, n)), ("clearance", (len(self.model.contacts),))):
+            given = getattr(raw, name)
+            out[name] = copy_of(given, int(np.prod(shape))).reshape(shape) if given != ffi.NULL else None
+        return out
+
     def _explored(self) -> str:
         return re.search(r"^explore:\n((?: .*\n)*)", self.text, re.MULTILINE)[1]
 
+    def _losses(self) -> str:
+        """The keys of losses, force and parameter, as they stand in the text."""
+        found = re.findall(r"^(?:damping|restitution|forcing|vary):.*\n(?: .*\n)*", self.text, re.MULTILINE)
+        return "".join(found)
+
     def __repr__(self) -> str:
-        return f"Study '{self.title}'\n{self.model!r}\n{self._explored()}".rstrip()
+        return f"Study '{self.title}'\n{self.model!r}\n{self._explored()}{self._losses()}".rstrip()
 
     def _repr_html_(self) -> str:
         import html
         return (f"<b>{html.escape(self.title)}</b>{self.model._repr_html_()}"
-                f"<pre>{html.escape(self._explored())}</pre>")
+                f"<pre>{html.escape(self._explored() + self._losses())}</pre>")
+
+
+def _numbers(raw) -> np.ndarray:
+    return copy_of(raw.value, raw.n)
 
 
 def _plain(value):

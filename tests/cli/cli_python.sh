@@ -17,6 +17,7 @@ part()
 }
 part scipy test_explore
 part scipy test_around
+part numpy test_forced
 part scipy test_reduce
 part matplotlib test_plot
 

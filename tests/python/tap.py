@@ -1,5 +1,8 @@
 """TAP lines for the tests of the Python package: each is a function, and what it raises is shown."""
+import json
+import math
 import os
+import subprocess
 import sys
 import tempfile
 import traceback
@@ -22,6 +25,27 @@ def raises(kind, text, call, *arguments, **options):
         assert text in str(failure), f"'{text}' is not in: {failure}"
         return failure
     raise AssertionError(f"{kind.__name__} was not raised")
+
+
+def program(*arguments):
+    """The rows that a command of the program prints as JSON."""
+    done = subprocess.run([PROGRAM, *map(str, arguments), "--json"], capture_output=True, text=True, check=False)
+    assert done.stdout, done.stderr
+    return json.loads(done.stdout)
+
+
+def same(found, wanted, where):
+    """Equal to the bit: numbers, texts, flags, arrays; null is NaN, infinite or None."""
+    if wanted is None:
+        assert found is None or not math.isfinite(found), (where, found, wanted)
+    elif isinstance(wanted, list) and not isinstance(found, complex):
+        assert len(found) == len(wanted), (where, found, wanted)
+        for i, (a, b) in enumerate(zip(found, wanted)):
+            same(a, b, f"{where}[{i}]")
+    elif isinstance(found, complex):
+        same([found.real, found.imag], wanted, where)
+    else:
+        assert found == wanted, (where, found, wanted)
 
 
 def run(tests):

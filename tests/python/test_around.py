@@ -1,32 +1,16 @@
 """What is around the orbits: sections, forces and proofs, to the bit as the program has them."""
-import json
 import os
 import subprocess
 
-from tap import PROGRAM, Skip, raises, run
+from tap import PROGRAM, Skip, program, raises, run, same
 
 import ricochet
 import numpy as np
 
 
-def program(*arguments):
-    """The rows that a command prints as JSON."""
-    done = subprocess.run([PROGRAM, *map(str, arguments), "--json"], capture_output=True, text=True, check=False)
-    assert done.stdout, done.stderr
-    return json.loads(done.stdout)
-
-
 def explored(folder):
     path = os.path.join(folder, "a.ricochet")
     return ricochet.explore("examples/elementary/study.yaml", path)
-
-
-def same(found, wanted, where):
-    """A number of the package and one of the program; null is NaN or infinite."""
-    if wanted is None:
-        assert not np.isfinite(found), (where, found)
-    else:
-        assert found == wanted, (where, found, wanted)
 
 
 def test_section(folder):
