@@ -999,6 +999,19 @@ typedef struct {
 } ric_curve_proof;
 ric_status ric_prover_curve(ric_prover *prover, int branch, ric_curve_proof *out);
 
+/* A junction as a zero of equations of its own, at which they are regular. */
+typedef struct {
+    int junction;
+    ric_proof_state state;
+    char why[200], how[60];      /* why it is not proved; what vanishes at it */
+    int branch;                  /* in the class of which it is proved */
+    int bits;                    /* of the arithmetic that was needed */
+    double distance;             /* from the stored orbit to that of the theorem, over 1 + the size of its state */
+    double exists, unique;       /* radii: the junction is within `exists` of a centre, and no other within `unique` */
+    double energy[2], period[2]; /* intervals that hold the scaled energy, and the period in seconds of the branch */
+} ric_junction_proof;
+ric_status ric_prover_junction(ric_prover *prover, int id, ric_junction_proof *out);
+
 /* The last point as a line of JSON, "" if it was not proved; and the structure. Borrowed until the next call. */
 const char *ric_prover_certificate(const ric_prover *prover);
 const char *ric_prover_model(const ric_prover *prover);

@@ -34,8 +34,9 @@ static void keep_model(prove_list *w, const ric_prover *prover)
 
 static ric_status prove_one(prove_list *w, ric_prover *prover, prove_result *r)
 {
-    ric_status status = w->curves ? ric_prover_curve(prover, r->curve.branch, &r->curve)
-                                  : ric_prover_point(prover, r->proof.branch, r->proof.point, &r->proof);
+    ric_status status = w->curves      ? ric_prover_curve(prover, r->curve.branch, &r->curve)
+                        : w->junctions ? ric_prover_junction(prover, r->junction.junction, &r->junction)
+                                       : ric_prover_point(prover, r->proof.branch, r->proof.point, &r->proof);
     if (status) return status;
     const char *text = ric_prover_certificate(prover);
     if (*text && !(r->certificate = strdup(text))) return RIC_E_NOMEM;
@@ -69,7 +70,10 @@ static void wait_for_end(prove_list *w, int workers, pthread_t *threads)
         nanosleep(&nap, NULL);
         if (cli_stopped() || cli_seconds_since(&w->start) > w->seconds) w->stop = true;
         if (terminal && ++naps % 20 == 0)
-            fprintf(stderr, "\r\033[K%d of %d %s, %.0f s", (int)w->finished, w->n, w->curves ? "curves" : "points",
+            fprintf(stderr, "\r\033[K%d of %d %s, %.0f s", (int)w->finished, w->n,
+                    w->curves      ? "curves"
+                    : w->junctions ? "junctions"
+                                   : "points",
                     cli_seconds_since(&w->start));
     }
     for (int i = 0; i < workers; i++) pthread_join(threads[i], NULL);
@@ -262,7 +266,7 @@ static void release(prove_list *w)
 static ric_status prove_all(prove_list *w, const char *path, int workers)
 {
     const ric_status status = work_all(w, workers);
-    if (!status && !w->curves) keep(w, path);
+    if (!status && !w->curves && !w->junctions) keep(w, path);
     if (status && *w->detail) cli_say("ricochet: %s\n", w->detail);
     return status;
 }
@@ -287,6 +291,31 @@ int cli_prove_atlas(const char *path, int workers, FILE *out)
     return code;
 }
 
+static ric_status list_all(prove_list *w, int branch, long point)
+{
+    if (w->junctions) return prove_junctions_add(w);
+    return w->curves ? prove_curves_add(w, branch) : list_points(w, branch, point);
+}
+
+static int print(const prove_list *w, cli_format format, bool verbose)
+{
+    if (w->junctions) return prove_junctions_print(w, format, verbose);
+    return w->curves ? prove_curves_print(w, format, verbose) : print_all(w, format, verbose);
+}
+
+/* What does not go together. */
+static bool fits(const prove_list *w, const char *branch, const char *point, const char *path)
+{
+    if (w->curves && (point || path))
+        cli_wrong("prove: --curves is about branches: it takes no --point, and has no certificates (-o)");
+    else if (w->junctions && (w->curves || branch || point || path))
+        cli_wrong("prove: --junctions is about all junctions of an atlas: it takes no --curves, --branch or --point, "
+                  "and has no certificates (-o)");
+    else if (point && !branch) cli_wrong("prove: --point needs --branch ID, whose points it counts");
+    else return true;
+    return false;
+}
+
 static int run(int argc, char **argv)
 {
     cli_format format;
@@ -297,6 +326,7 @@ static int run(int argc, char **argv)
     if (cli_take_flag(&argc, argv, "--complete")) return prove_complete(argc, argv);
     const bool verbose = cli_take_flag(&argc, argv, "--verbose");
     w.curves = cli_take_flag(&argc, argv, "--curves");
+    w.junctions = cli_take_flag(&argc, argv, "--junctions");
     if (!prove_complete_only(&argc, argv) || !cli_take_format(&argc, argv, &format) ||
         !cli_take_value(&argc, argv, "--branch", &text) || !cli_take_value(&argc, argv, "--point", &point_text) ||
         !cli_take_value(&argc, argv, "-o", &path) || !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
@@ -306,15 +336,13 @@ static int run(int argc, char **argv)
         (seconds_text && !cli_parse_number(seconds_text, "--seconds", &w.seconds)))
         return CLI_WRONG;
     if (!(w.seconds > 0)) return cli_wrong("prove: --seconds: %s is no time; give a number above 0", seconds_text);
-    if (w.curves && (point_text || path))
-        return cli_wrong("prove: --curves is about branches: it takes no --point, and has no certificates (-o)");
-    if (point_text && !text) return cli_wrong("prove: --point needs --branch ID, whose points it counts");
+    if (!fits(&w, text, point_text, path)) return CLI_WRONG;
     ric_status status = ric_atlas_read(argv[1], &atlas);
     w.atlas = atlas;
-    if (!status) status = w.curves ? prove_curves_add(&w, (int)branch) : list_points(&w, (int)branch, point);
+    if (!status) status = list_all(&w, (int)branch, point);
     int code = status ? cli_report(status) : prove_all(&w, argv[1], (int)workers) ? CLI_FAILED : CLI_DONE;
     if (code == CLI_DONE && path) code = write_certificates(&w, path);
-    if (code == CLI_DONE) code = w.curves ? prove_curves_print(&w, format, verbose) : print_all(&w, format, verbose);
+    if (code == CLI_DONE) code = print(&w, format, verbose);
     release(&w);
     ric_atlas_free(atlas);
     return code;
@@ -344,6 +372,12 @@ static const cli_item items[] = {
              "where they meet; steps to ends that are junctions are left out. Columns branch, label, verdict, tubes, "
              "from, to (whether its first and last points are on it, too), stable, unstable (proved on these shares of "
              "its length), approach, why"},
+    {.name = "--junctions",
+     .text =
+         "junctions as zeros of equations of their own, each the only one nearby: impacts of no speed and gaps that "
+         "touch, where branches end; turns of energy and period; where a mirror is broken, and where multipliers "
+         "pass a root of unity, so that branches cross. Columns junction, label, kind, verdict, branch (in the "
+         "class of which), how (what vanishes), distance, exists, unique, why"},
     {.name = "--complete",
      .text = "experimental, of a STUDY of rigid stops that see two modes: all periodic orbits of one energy with few "
              "impacts. Flight times are divided into boxes, each proved to have no orbit or to lie where exactly one "
@@ -365,7 +399,8 @@ static const cli_item items[] = {
     {.name = "--jobs", .value = "WORKERS", .text = "the same"},
     {.name = "--seconds", .value = "S", .text = "stop after that time and show what was done"},
     {.name = "--verbose", .text = "a row for every point as well"},
-    {.text = "The exit code is 1 if a curve is not proved, or a point that is no end of a branch, 3 if the time was "
+    {.text = "The exit code is 1 if a curve or a junction is not proved, or a point that is no end of a branch, 3 if "
+             "the time was "
              "over, 130 after "
              "Ctrl-C."},
     CLI_ITEM_JSON,
@@ -381,6 +416,7 @@ const cli_command cli_prove = {
              "                      [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose] [--json | --csv]\n"
              "ricochet prove ATLAS --curves [--branch ID | --at E,OMEGA] [-j WORKERS] [--seconds S]\n"
              "                      [--json | --csv]\n"
+             "ricochet prove ATLAS --junctions [-j WORKERS] [--seconds S] [--json | --csv]\n"
              "ricochet prove STUDY --complete --energy E [--impacts N] [--period T] [-j WORKERS]\n"
              "                      [--seconds S] [--physical] [--hz] [--sort COLUMN]\n"
              "                      [--json | --csv | --wide]\n",

@@ -11,13 +11,15 @@
 typedef struct {
     bool done, kept;
     ric_proof proof;
-    ric_curve_proof curve; /* in its place where curves are proved */
-    char *certificate;     /* NULL or "": none */
+    ric_curve_proof curve;       /* in its place where curves are proved, */
+    ric_junction_proof junction; /* or junctions */
+    char *certificate;           /* NULL or "": none */
 } prove_result;
 
 typedef struct {
     const ric_atlas *atlas;
-    bool curves; /* proves branches, not points */
+    bool curves;    /* proves branches, not points; */
+    bool junctions; /* or junctions */
     prove_result *results;
     int n;
     char *model; /* first line of the certificates */
@@ -35,6 +37,9 @@ int prove_tell_rest(const prove_list *w, int done, const char *what);
 /* Branches that are proved as curves, into the list; and what came of them. */
 ric_status prove_curves_add(prove_list *w, int branch);
 int prove_curves_print(const prove_list *w, cli_format format, bool verbose);
+/* Junctions, the same. */
+ric_status prove_junctions_add(prove_list *w);
+int prove_junctions_print(const prove_list *w, cli_format format, bool verbose);
 /* prove --complete STUDY ..: a command of its own. */
 int prove_complete(int argc, char **argv);
 /* Without --complete: false, with a message, if one of its options is given. */

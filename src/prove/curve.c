@@ -70,7 +70,7 @@ static bool tube_stands(ric_curve *x, const ric_tube *t)
     ric_monodromy multipliers;
     ric_passage_init(&passage);
     ric_monodromy_init(&multipliers);
-    const bool stands = ric_passage_prove(&passage, &t->hull, x->e, &(ric_family){t->hull.u, t->middle, t->half});
+    const bool stands = ric_passage_prove(&passage, &t->hull, x->e, &(ric_family){t->hull.u, t->middle, t->half, NULL});
     snprintf(x->why, sizeof x->why, "%s", passage.why);
     if (stands) {
         ric_monodromy_enclose(&multipliers, &t->hull, x->e, t->hull.u);

@@ -140,8 +140,7 @@ int ric_equation_pivot(const ric_enclosure *e, int face)
     return largest;
 }
 
-/* The n conditions of a mirror point as rows on (q, p): B [n * 2n]; `gap` is what the first one of an impact equals. */
-static void mirror_rows(const ric_enclosure *e, ric_chain_end kind, int face, arb_mat_t B, arb_t gap)
+void ric_equation_mirror(const ric_enclosure *e, ric_chain_end kind, int face, arb_mat_t B, arb_t gap)
 {
     slong n = e->n, row = 1;
     arb_mat_zero(B);
@@ -185,7 +184,7 @@ static void put_start(const ric_enclosure *e, const ric_chain *c, ric_equation_g
     arb_mat_init(B, c->n, 2 * c->n);
     arb_mat_init(D, 2 * c->n, c->size);
     put_unit(D, 2 * c->n);
-    mirror_rows(e, c->start, c->face[0], B, gap);
+    ric_equation_mirror(e, c->start, c->face[0], B, gap);
     put_mirror(e, B, gap, ric_chain_block(c, 0), D, g);
     arb_mat_clear(B);
     arb_mat_clear(D);
@@ -231,7 +230,7 @@ static void put_end(const ric_enclosure *e, const ric_chain *c, ric_equation_gro
     ric_equation_flight(e, block, block + 2 * n, D, flown);
     if (ric_chain_general(c)) put_closure(e, c, D, flown, g);
     else {
-        mirror_rows(e, c->end, c->face[c->m], B, gap);
+        ric_equation_mirror(e, c->end, c->face[c->m], B, gap);
         put_mirror(e, B, gap, flown, D, g);
     }
     arb_mat_clear(D);
@@ -316,9 +315,8 @@ void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosu
 
 /* -------------------------------------------------------- second derivatives */
 
-/* Of F(tau) w in the direction (v, theta) and one left open, by (w, tau): theta F', and F' v + theta F'' w. D: the
- * first derivatives; out [2n * 2n + 1]. F' is (F of p; -L F of q). */
-static void second_of_flight(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, arb_srcptr along, arb_mat_t out)
+/* theta F', and F' v + theta F'' w; F' is (F of p; -L F of q). */
+void ric_equation_bend(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, arb_srcptr along, arb_mat_t out)
 {
     slong n = e->n;
     arb_srcptr theta = along + 2 * n;
@@ -380,10 +378,10 @@ static void second_of_block(ric_equations *q, const ric_chain *c, const ric_encl
     arb_mat_init(second, 2 * n, 2 * n + 1);
     arb_mat_init(B, n, 2 * n);
     ric_equation_flight(e, w, w + 2 * n, D, flown);
-    second_of_flight(e, D, w, v, second);
+    ric_equation_bend(e, D, w, v, second);
     if (last && ric_chain_general(c)) second_of_closure(e, c, D, second, along, g);
     else if (last) {
-        mirror_rows(e, c->end, c->face[c->m], B, gap);
+        ric_equation_mirror(e, c->end, c->face[c->m], B, gap);
         arb_mat_mul(g->J, B, second, e->prec);
     } else {
         reflect_columns(e, c->face[k + 1], second);

@@ -43,6 +43,11 @@ static inline ric_equation_group *ric_equation_plane(const ric_equations *q)
 
 /* The derivatives of F0(tau) w by w and tau, out [2n * 2n + 1], and the flown state [2n]. */
 void ric_equation_flight(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_mat_t out, arb_ptr flown);
+/* The second derivatives of F0(tau) w in the direction along = (v, theta) [2n + 1] and one left open, by (w, tau), out
+ * [2n * 2n + 1]; D: the first ones, of ric_equation_flight. */
+void ric_equation_bend(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, arb_srcptr along, arb_mat_t out);
+/* The n conditions of a mirror point as rows on (q, p): B [n * 2n]; `gap` is what the first one of an impact equals. */
+void ric_equation_mirror(const ric_enclosure *e, ric_chain_end kind, int face, arb_mat_t B, arb_t gap);
 /* The component of a normal that tangential velocities are measured by: the largest. */
 int ric_equation_pivot(const ric_enclosure *e, int face);
 

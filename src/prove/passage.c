@@ -15,6 +15,8 @@ typedef struct {
     arb_srcptr middle, half; /* of an arc, from there on; or w, NULL */
     arb_srcptr c;            /* normal */
     int side;
+    bool slow;               /* impacts may be of exactly no speed: h'' > 0 opens the gap beside them */
+    arb_srcptr touch;        /* a time at which h = h' = 0, or NULL */
     arb_t d;                 /* clearance > 0 */
     arb_t bend, jerk, slack; /* bounds of |h''|, |h'''|; of what flights leave open of h and its derivatives */
     arb_ptr flown, other;    /* [2n] scratch */
@@ -76,6 +78,8 @@ static void gap_place(gap *g, const ric_wall *wall, bool image, const ric_family
     g->half = u->half ? u->half + at : NULL;
     g->c = ric_enclosure_c(g->e, wall->contact);
     g->side = image ? -wall->side : wall->side;
+    g->slow = u->half || u->touch;
+    g->touch = NULL;
     arb_set(g->d, wall->gap);
     if (wall->side < 0) arb_neg(g->d, g->d);
     gap_bend(g, slack);
@@ -117,8 +121,9 @@ static void gap_at(const gap *g, const arb_t mid, arb_ptr h)
 }
 
 /* h > 0 on a part of length 2 r as h(mid) - |h'(mid)| r - bend r^2 / 2 > 0. Behind an impact, where h is zero and h' is
- * not negative whatever else is open of the states, also as h' > 0, and before one as h' < 0; along an arc as h'' > 0,
- * too: of one orbit alone whose impacts are that slow rounding would decide. */
+ * not negative whatever else is open of the states, also as h' > 0, and before one as h' < 0; along an arc, or where an
+ * impact is a touch, as h'' > 0, too: of any other orbit whose impacts are that slow rounding would decide. Around a
+ * touch in flight h'' > 0 closes it there alone. */
 static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb_t r)
 {
     const slong prec = g->e->prec;
@@ -136,7 +141,8 @@ static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb
     arb_mul(x, g->jerk, r, prec);
     arb_add_error(h + 2, x);
     const bool one = p->opens != p->closes;
-    const bool open = arb_is_positive(h) || (one && g->half && arb_is_positive(h + 2)) ||
+    const bool touches = g->touch && arb_le(p->from, g->touch) && arb_le(g->touch, p->to);
+    const bool open = arb_is_positive(h) || (((one && g->slow) || touches) && arb_is_positive(h + 2)) ||
                       (one && p->opens && arb_is_positive(h + 1)) || (one && p->closes && arb_is_negative(h + 1));
     _arb_vec_clear(h, 3);
     arb_clear(x);
@@ -197,6 +203,12 @@ static bool approaches(ric_passage *p, const ric_enclosure *e, int face, arb_src
     return positive;
 }
 
+static bool is_touch(const ric_chain *c, const ric_family *u, int block)
+{
+    if (!u->touch || u->touch->impact < 0) return false;
+    return block == u->touch->impact || (ric_chain_general(c) && block == c->m && u->touch->impact == 0);
+}
+
 /* The impact that a chain begins with, from the velocities behind it, turned. */
 static bool begins_with_approach(ric_passage *p, const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
 {
@@ -209,6 +221,15 @@ static bool begins_with_approach(ric_passage *p, const ric_chain *c, const ric_e
     _arb_vec_clear(back, e->n);
     arb_clear(zero);
     return positive;
+}
+
+/* A face is the image of another one of its contact. */
+static bool touches_in(const gap *g, const ric_family *u, int flight)
+{
+    const ric_touch *t = u->touch;
+    if (!t || t->impact >= 0 || t->flight != flight) return false;
+    const ric_wall *wall = &g->e->wall[t->face];
+    return ric_enclosure_c(g->e, wall->contact) == g->c && (t->image ? -wall->side : wall->side) == g->side;
 }
 
 static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, const ric_family *u, arb_ptr flown)
@@ -225,11 +246,12 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
     for (int f = 0; f < e->n_face && stands; f++)
         for (int image = 0; image <= ric_chain_imaged(c) && stands; image++) {
             gap_place(g, &e->wall[f], image, u, at, slack);
+            if (touches_in(g, u, k)) g->touch = u->touch->time;
             snprintf(p->why, sizeof p->why, "face %d%s is not proved to stay open in flight %d", f,
                      image ? ", or its image," : "", k + 1);
             stands = stays_open(g, c->face[k], c->face[k + 1], tau);
         }
-    if (stands && c->face[k + 1] >= 0) {
+    if (stands && c->face[k + 1] >= 0 && !is_touch(c, u, k + 1)) {
         snprintf(p->why, sizeof p->why, "the impact behind flight %d is not proved to approach", k + 1);
         gap_place(g, &e->wall[c->face[k + 1]], false, u, at, slack);
         stands = approaches(p, e, c->face[k + 1], flown + c->n, g->slack);
@@ -256,7 +278,7 @@ bool ric_passage_prove(ric_passage *p, const ric_chain *c, const ric_enclosure *
     gap_init(&g, e);
     arb_ptr flown = _arb_vec_init(2 * c->n);
     snprintf(p->why, sizeof p->why, "the first impact is not proved to approach");
-    p->done = begins_with_approach(p, c, e, u->hull);
+    p->done = is_touch(c, u, 0) || begins_with_approach(p, c, e, u->hull);
     for (int k = 0; k < c->m && p->done; k++) p->done = flight_stands(p, c, &g, k, u, flown);
     _arb_vec_clear(flown, 2 * c->n);
     gap_clear(&g);

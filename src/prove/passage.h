@@ -15,8 +15,18 @@ typedef struct {
  * changes from one orbit to the next is then told from how far they are apart. */
 typedef struct {
     arb_srcptr hull;
-    arb_srcptr middle, half; /* NULL, NULL: one orbit */
+    arb_srcptr middle, half;       /* NULL, NULL: one orbit */
+    const struct ric_touch *touch; /* of a grazing orbit, or NULL */
 } ric_family;
+
+/* Where an orbit is known to touch: an impact of exactly no speed, or a time in flight at which a gap is exactly zero
+ * and goes no farther. It is closed there alone if h'' > 0 around it. */
+typedef struct ric_touch {
+    int impact;       /* block that begins with it, m: the end of the chain; -1: it is in flight */
+    int flight, face; /* of one in flight */
+    bool image;
+    arb_srcptr time;
+} ric_touch;
 
 void ric_passage_init(ric_passage *p);
 void ric_passage_clear(ric_passage *p);

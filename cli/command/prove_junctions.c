@@ -1,0 +1,71 @@
+/* ricochet prove ATLAS --junctions: junctions as zeros of equations of their own. */
+#define _POSIX_C_SOURCE 200809L
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "prove.h"
+
+static const char *const state_text[] = {"proved", "not proved", "left out"};
+
+ric_status prove_junctions_add(prove_list *w)
+{
+    const int n = ric_atlas_n_junction(w->atlas);
+    w->results = calloc((size_t)n + 1, sizeof *w->results);
+    if (!w->results) return RIC_E_NOMEM;
+    for (int id = 1; id <= n; id++) w->results[w->n++].junction.junction = id;
+    return RIC_OK;
+}
+
+static json_t *interval(const double x[2])
+{
+    json_t *both = json_array();
+    for (int i = 0; i < 2; i++) json_array_append_new(both, cli_number(x[i]));
+    return both;
+}
+
+static void add_row(json_t *rows, const ric_junction_proof *p, const ric_junction *junction)
+{
+    const bool proved = p->state == RIC_PROOF_DONE;
+    json_t *row = json_object();
+    json_object_set_new(row, "junction", json_integer(p->junction));
+    json_object_set_new(row, "label", json_string(junction->label));
+    json_object_set_new(row, "kind", json_string(ric_kind_text(junction->kind)));
+    json_object_set_new(row, "verdict", json_string(state_text[p->state]));
+    json_object_set_new(row, "branch", proved ? json_integer(p->branch) : json_null());
+    json_object_set_new(row, "how", json_string(proved ? p->how : ""));
+    json_object_set_new(row, "distance", cli_number(proved ? p->distance : NAN));
+    json_object_set_new(row, "exists", cli_number(proved ? p->exists : NAN));
+    json_object_set_new(row, "unique", cli_number(proved ? p->unique : NAN));
+    json_object_set_new(row, "why", json_string(p->why));
+    if (proved) {
+        json_object_set_new(row, "energy", interval(p->energy));
+        json_object_set_new(row, "period", interval(p->period));
+    }
+    json_array_append_new(rows, row);
+}
+
+int prove_junctions_print(const prove_list *w, cli_format format, bool verbose)
+{
+    static const char columns[] = "junction label kind verdict branch how distance exists unique why";
+    int count[3] = {0}, done = 0;
+    json_t *rows = json_array();
+    if (!rows) return cli_report(RIC_E_NOMEM);
+    for (int i = 0; i < w->n; i++) {
+        const ric_junction_proof *p = &w->results[i].junction;
+        ric_junction row;
+        if (!w->results[i].done || ric_atlas_junction(w->atlas, p->junction, &row)) continue;
+        done++;
+        count[p->state]++;
+        add_row(rows, p, &row);
+        if (p->state == RIC_PROOF_NONE && format == CLI_TEXT && !verbose)
+            cli_say("ricochet: junction %d %s is not proved: %s\n", p->junction, row.label, p->why);
+    }
+    int code = format != CLI_TEXT || verbose ? cli_print_rows(rows, columns, format) : CLI_DONE;
+    json_decref(rows);
+    FILE *out = format == CLI_TEXT ? stdout : stderr;
+    cli_tell(out, "%d of %d junctions proved; %d left out\n", count[RIC_PROOF_DONE],
+             count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], count[RIC_PROOF_LEFT_OUT]);
+    if (!code) code = prove_tell_rest(w, done, "junctions");
+    return code ? code : count[RIC_PROOF_NONE] ? CLI_FAILED : CLI_DONE;
+}

@@ -1,0 +1,387 @@
+/* Junctions as theorems: docs/proofs.md states them. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "atlas/room.h"
+#include "augmented.h"
+#include "base/room.h"
+#include "likeness.h"
+#include "passage.h"
+#include "prover_junction.h"
+
+enum { MOST_QUESTIONS = 4 };
+
+#define CLOSE 1e-6 /* a gap, in the first clearance, that is looked at as one that touches */
+#define SLOW 1e-5  /* speed of an impact, in d and 2^-time s, that is looked at as a touch; the equations decide */
+
+static double middle(const arb_t x)
+{
+    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
+}
+
+/* ----------------------------------------------------------------- questions */
+
+/* What may be at a point of a branch between its ends. A turn by 2 pi p / q in a period is one by half of it, or by
+ * that and pi, in half a period of a symmetric orbit. */
+static int ask_inside(const ric_junction *row, const ric_chain *c, ric_augmented_question *ask)
+{
+    int n = 0;
+    const bool general = ric_chain_general(c);
+    const int p = row->rotation[0], q = row->rotation[1];
+    switch (row->kind) {
+    case RIC_KIND_EXTREMUM: ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_ENERGY}; break;
+    case RIC_KIND_PERIOD_EXTREMUM: ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_PERIOD}; break;
+    case RIC_KIND_BRANCH_POINT:
+        if (general && c->sign < 0) ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_DOUBLE};
+        for (int k = 1; k < 4 && !general; k++)
+            ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK, .broken = {k & 1, k >> 1}};
+        break;
+    case RIC_KIND_MULTIPLICATION:
+        if (q == 2 && general && c->sign > 0) ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_DOUBLE};
+        if (general || q == 0) break;
+        if (q == 2 && !ric_chain_symmetric(c))
+            for (int k = 1; k < 3; k++)
+                ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK, .broken = {k & 1, k >> 1}};
+        else if (ric_chain_symmetric(c))
+            for (int k = 0; k < 2; k++)
+                ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_TURN, .p = p + k * q, .q = 2 * q};
+        else ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_TURN, .p = p, .q = q};
+        break;
+    default: break;
+    }
+    return n;
+}
+
+static double speed_at(const ric_chain *c, const ric_enclosure *e, int face, arb_srcptr p)
+{
+    arb_t x;
+    arb_init(x);
+    ric_chain_along(e, face, p, x);
+    const double speed = fabs(middle(x));
+    arb_clear(x);
+    (void)c;
+    return speed;
+}
+
+/* The slowest impact of a chain, if it is all but a touch. */
+static bool ask_slowest(const ric_chain *c, const ric_enclosure *e, ric_augmented_question *ask)
+{
+    double least = SLOW;
+    arb_ptr flown = _arb_vec_init(2 * e->n);
+    for (int k = 0; k <= c->m; k++) {
+        if (c->face[k] < 0 || (k == c->m && ric_chain_general(c))) continue;
+        arb_srcptr block = ric_chain_block(c, k < c->m ? k : c->m - 1);
+        if (k == c->m) ric_chain_fly(e, block, block + 2 * e->n, flown);
+        const double speed = speed_at(c, e, c->face[k], (k < c->m ? block : flown) + e->n);
+        if (!(speed < least)) continue;
+        least = speed;
+        *ask = (ric_augmented_question){.kind = RIC_AUGMENTED_SPEED, .place = k};
+    }
+    _arb_vec_clear(flown, 2 * e->n);
+    return least < SLOW;
+}
+
+/* h = gap - s of a face, or its image, at a time of a flight, and h'. */
+static void gap_at(const ric_enclosure *e, const ric_wall *wall, bool image, arb_srcptr w, double t, double h[2])
+{
+    const int side = image ? -wall->side : wall->side;
+    arb_ptr flown = _arb_vec_init(2 * e->n);
+    arb_t time, x;
+    arb_init(time);
+    arb_init(x);
+    arb_set_d(time, t);
+    ric_chain_fly(e, w, time, flown);
+    for (int k = 0; k < 2; k++) {
+        arb_dot(x, NULL, 0, ric_enclosure_c(e, wall->contact), 1, flown + k * e->n, 1, e->n, e->prec);
+        h[k] = -side * middle(x);
+    }
+    h[0] += wall->side * middle(wall->gap);
+    arb_clear(time);
+    arb_clear(x);
+    _arb_vec_clear(flown, 2 * e->n);
+}
+
+/* The flight, face and time at which a gap is least away from the impacts of its own face. */
+static bool ask_nearest(const ric_chain *c, const ric_enclosure *e, ric_augmented_question *ask)
+{
+    enum { PARTS = 64, HALVINGS = 60 };
+    double least = CLOSE;
+    for (int k = 0; k < c->m; k++)
+        for (int f = 0; f < e->n_face; f++)
+            for (int image = 0; image <= ric_chain_imaged(c); image++) {
+                arb_srcptr w = ric_chain_block(c, k);
+                const double tau = middle(w + 2 * e->n);
+                double h[2], before[2];
+                gap_at(e, &e->wall[f], image, w, tau / PARTS, before);
+                for (int i = 2; i <= PARTS; i++) {
+                    double from = (i - 1) * tau / PARTS, to = i * tau / PARTS;
+                    gap_at(e, &e->wall[f], image, w, to, h);
+                    const bool minimum = before[1] < 0 && h[1] >= 0;
+                    memcpy(before, h, sizeof h);
+                    for (int l = 0; l < HALVINGS && minimum; l++) {
+                        gap_at(e, &e->wall[f], image, w, (from + to) / 2, h);
+                        if (h[1] < 0) from = (from + to) / 2;
+                        else to = (from + to) / 2;
+                    }
+                    if (!minimum || !(fabs(h[0]) < least)) continue;
+                    least = fabs(h[0]);
+                    *ask = (ric_augmented_question){.kind = RIC_AUGMENTED_TOUCH,
+                                                    .place = k,
+                                                    .face = f,
+                                                    .image = image,
+                                                    .time = (from + to) / 2};
+                }
+            }
+    return least < CLOSE;
+}
+
+/* ------------------------------------------------------------------- proofs */
+
+static void interval(const arb_t x, double out[2])
+{
+    arf_t bound;
+    arf_init(bound);
+    arb_get_lbound_arf(bound, x, 64);
+    out[0] = arf_get_d(bound, ARF_RND_FLOOR);
+    arb_get_ubound_arf(bound, x, 64);
+    out[1] = arf_get_d(bound, ARF_RND_CEIL);
+    arf_clear(bound);
+}
+
+static void measure(const ric_augmented *x, ric_junction_proof *out)
+{
+    const ric_enclosure *e = x->e;
+    double both[2];
+    arb_t y;
+    arb_init(y);
+    ric_chain_energy(e, x->z, y);
+    arb_mul_2exp_si(y, y, 2 * e->time - e->mass);
+    interval(y, out->energy);
+    arb_zero(y);
+    for (int k = 0; k < x->c.m; k++) arb_add(y, y, x->z + (slong)k * x->c.size + 2 * e->n, e->prec);
+    arb_mul_ui(y, y, (ulong)ric_chain_copies(&x->c), e->prec);
+    arb_mul_2exp_si(y, y, -e->time);
+    interval(y, out->period);
+    arb_clear(y);
+    interval(x->exists, both);
+    out->exists = both[1];
+    interval(x->unique, both);
+    out->unique = both[0];
+    out->bits = (int)e->prec;
+}
+
+static void describe(const ric_augmented *x, ric_junction_proof *out)
+{
+    static const char *const kinds[] = {"the energy turns", "the period turns"};
+    const ric_augmented_question *a = &x->ask;
+    switch (a->kind) {
+    case RIC_AUGMENTED_ENERGY:
+    case RIC_AUGMENTED_PERIOD: snprintf(out->how, sizeof out->how, "%s", kinds[a->kind]); break;
+    case RIC_AUGMENTED_BREAK:
+        snprintf(out->how, sizeof out->how, "a motion breaks %s",
+                 a->broken[0] && a->broken[1] ? "both mirrors"
+                 : a->broken[0]               ? "the first mirror"
+                                              : "the last mirror");
+        break;
+    case RIC_AUGMENTED_TURN: snprintf(out->how, sizeof out->how, "multipliers turn by %d/%d", a->p, a->q); break;
+    case RIC_AUGMENTED_DOUBLE: snprintf(out->how, sizeof out->how, "a motion closes with the other sign"); break;
+    case RIC_AUGMENTED_SPEED: snprintf(out->how, sizeof out->how, "an impact has no speed"); break;
+    case RIC_AUGMENTED_TOUCH: snprintf(out->how, sizeof out->how, "a gap touches in flight %d", a->place + 1); break;
+    }
+}
+
+static bool stands(const ric_augmented *x, ric_junction_proof *out)
+{
+    const ric_augmented_question *a = &x->ask;
+    const ric_touch touch = {.impact = a->kind == RIC_AUGMENTED_SPEED ? a->place : -1,
+                             .flight = a->place,
+                             .face = a->face,
+                             .image = a->image,
+                             .time = x->z + x->n_orbit};
+    ric_passage passage;
+    ric_passage_init(&passage);
+    const bool done = ric_passage_prove(&passage, &x->c, x->e,
+                                        &(ric_family){.hull = x->z,
+                                                      .touch = a->kind >= RIC_AUGMENTED_SPEED ? &touch : NULL});
+    snprintf(out->why, sizeof out->why, "%s", passage.why);
+    ric_passage_clear(&passage);
+    return done;
+}
+
+static bool is_near(const double x[2], double stored)
+{
+    return fabs(x[0] - stored) <= RIC_PROVER_NEAR * fabs(stored) &&
+           fabs(x[1] - stored) <= RIC_PROVER_NEAR * fabs(stored);
+}
+
+/* What is stored is the orbit that was proved. */
+static bool agrees(const ric_augmented *x, const ric_junction *row, ric_junction_proof *out)
+{
+    const double turn = 8 * atan(1), multiple = row->multiple;
+    const double period[2] = {turn / out->period[1] / multiple, turn / out->period[0] / multiple};
+    out->distance = ric_likeness_distance(&x->c, x->e, row->letters, row->word, row->state, row->flights);
+    const bool near = is_near(out->energy, row->energy) && is_near(period, row->frequency);
+    if (!near) snprintf(out->why, sizeof out->why, "the stored energy or frequency is not that of the junction");
+    else if (!(out->distance <= RIC_PROVER_NEAR))
+        snprintf(out->why, sizeof out->why, "the stored orbit is not that of the junction, %.1e away", out->distance);
+    return near && out->distance <= RIC_PROVER_NEAR;
+}
+
+bool ric_prover_junction_at(const ric_junction *row, const ric_chain *c, const ric_enclosure *e,
+                            const ric_augmented_question *ask, ric_augmented *x, ric_junction_proof *out)
+{
+    bool done = ric_augmented_prove(x, c, e, ask);
+    if (!done) snprintf(out->why, sizeof out->why, "%s", x->why);
+    if (done) measure(x, out);
+    done = done && stands(x, out) && agrees(x, row, out);
+    if (done) describe(x, out);
+    if (done) *out->why = 0;
+    return done;
+}
+
+/* --------------------------------------------------------------- on a branch */
+
+/* The chain at a share of the way between two stored points. */
+static ric_status chain_between(ric_walk *w, double at, ric_chain *out, bool *made)
+{
+    ric_point a = {0}, b = {0};
+    ric_status status = RIC_OK;
+    int i = 0;
+    *made = false;
+    while (!status && i < w->branch.n_point && !(status = ric_walk_point(w, i, &b)) && b.arclength < at) {
+        a = b;
+        i++;
+    }
+    if (status || i == 0 || i == w->branch.n_point) return status;
+    ric_chain other = {0};
+    bool both = false;
+    status = ric_walk_chain(w, i - 1, out, made);
+    if (!status) status = ric_walk_chain(w, i, &other, &both);
+    *made = *made && both && ric_chain_same_class(out, &other);
+    arb_t share, x;
+    arb_init(share);
+    arb_init(x);
+    arb_set_d(share, (at - a.arclength) / (b.arclength - a.arclength));
+    for (slong k = 0; k < (slong)out->m * out->size && *made; k++) {
+        arb_sub(x, other.u + k, out->u + k, w->e->prec);
+        arb_addmul(out->u + k, x, share, w->e->prec);
+        arb_get_mid_arb(out->u + k, out->u + k);
+    }
+    arb_clear(share);
+    arb_clear(x);
+    ric_chain_free(&other);
+    return status;
+}
+
+ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, double at, ric_augmented *x,
+                                      ric_junction_proof *out)
+{
+    ric_augmented_question ask[MOST_QUESTIONS];
+    ric_chain c = {0};
+    bool made;
+    ric_status status = chain_between(w, at, &c, &made);
+    const int n = made ? ask_inside(row, &c, ask) : 0;
+    if (!n) snprintf(out->why, sizeof out->why, "there are no equations for this kind in the class of its branch");
+    for (int i = 0; i < n; i++) {
+        ric_augmented_free(x);
+        if (!ric_prover_junction_at(row, &c, w->e, &ask[i], x, out)) continue;
+        out->state = RIC_PROOF_DONE;
+        break;
+    }
+    ric_chain_free(&c);
+    return status;
+}
+
+ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool last, ric_augmented *x,
+                                   ric_junction_proof *out)
+{
+    ric_augmented_question ask;
+    ric_chain c = {0};
+    bool made;
+    ric_status status = ric_walk_chain(w, last ? w->branch.n_point - 1 : 0, &c, &made);
+    if (made && (ask_slowest(&c, w->e, &ask) || ask_nearest(&c, w->e, &ask))) {
+        ric_augmented_free(x);
+        if (ric_prover_junction_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
+    } else snprintf(out->why, sizeof out->why, "no impact and no gap is all but a touch");
+    ric_chain_free(&c);
+    return status;
+}
+
+/* On one of its branches. */
+static ric_status on_branch(ric_prover *p, const ric_junction *row, int id, int level, ric_junction_proof *out)
+{
+    ric_walk w;
+    ric_augmented x = {0};
+    ric_status status = ric_walk_open(&w, p, id, level);
+    const bool end = row->kind == RIC_KIND_GRAZING;
+    if (!status && w.branch.letters > 0 && !(status = ric_walk_class(&w)) && w.like.u) {
+        if (end && w.branch.from == row->id) status = ric_prover_junction_end(&w, row, false, &x, out);
+        if (!status && end && out->state && w.branch.to == row->id)
+            status = ric_prover_junction_end(&w, row, true, &x, out);
+        for (int i = 0; i < w.branch.n_junction && !status && out->state && !end; i++)
+            if (w.branch.junctions[i] == row->id)
+                status = ric_prover_junction_inside(&w, row, w.branch.junction_at[i], &x, out);
+        out->branch = id;
+    }
+    ric_augmented_free(&x);
+    ric_walk_close(&w);
+    return status;
+}
+
+/* Whether equations for it are asked on a branch: those of a multiplication on the one that is multiplied. */
+static bool is_asked(const ric_prover *p, const ric_junction *row, int id, int letters)
+{
+    ric_branch branch;
+    if (ric_atlas_branch(p->atlas, id, &branch) || branch.letters != letters) return false;
+    return row->kind != RIC_KIND_MULTIPLICATION || ric_junction_level(row, &branch) == row->multiple;
+}
+
+/* Its branches, those with the longest words first: there all touches are impacts. */
+static ric_status on_branches(ric_prover *p, const ric_junction *row, int level, ric_junction_proof *out)
+{
+    ric_status status = RIC_OK;
+    int longest = 0;
+    ric_branch branch;
+    for (int k = 0; k < row->n_branch; k++)
+        if (!ric_atlas_branch(p->atlas, row->branches[k], &branch) && branch.letters > longest)
+            longest = branch.letters;
+    for (int letters = longest; letters > 0; letters--)
+        for (int k = 0; k < row->n_branch && !status && out->state != RIC_PROOF_DONE; k++)
+            if (is_asked(p, row, row->branches[k], letters)) status = on_branch(p, row, row->branches[k], level, out);
+    return status;
+}
+
+static const char *left_out(const ric_prover *p, const ric_junction *row)
+{
+    if (p->left_out) return p->left_out;
+    switch (row->kind) {
+    case RIC_KIND_START:
+    case RIC_KIND_USER: return "an ordinary orbit";
+    case RIC_KIND_CORNER: return "a corner: not yet";
+    default: return NULL;
+    }
+}
+
+ric_status ric_prover_junction(ric_prover *p, int id, ric_junction_proof *out)
+{
+    ric_junction row;
+    ric_status status = ric_atlas_junction(p->atlas, id, &row);
+    *out = (ric_junction_proof){.junction = id, .state = RIC_PROOF_NONE, .distance = HUGE_VAL};
+    *p->certificate = 0;
+    if (status) return status;
+    const char *why = left_out(p, &row);
+    if (why) {
+        out->state = RIC_PROOF_LEFT_OUT;
+        snprintf(out->why, sizeof out->why, "%s", why);
+        return RIC_OK;
+    }
+    snprintf(out->why, sizeof out->why, "no branch with impacts passes it or ends there");
+    for (int level = 0; level < 2 && !status && out->state != RIC_PROOF_DONE; level++) {
+        const ric_enclosure *e = ric_prover_enclosure(p, level);
+        if (p->at[level].good) status = on_branches(p, &row, level, out);
+        else snprintf(out->why, sizeof out->why, "%s", e->why);
+    }
+    return status;
+}

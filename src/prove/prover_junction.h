@@ -1,0 +1,19 @@
+/* A junction on one of its branches: between its ends, or at one of them. */
+#ifndef RIC_PROVE_PROVER_JUNCTION_H
+#define RIC_PROVE_PROVER_JUNCTION_H
+
+#include "atlas/room.h"
+#include "augmented.h"
+#include "walk.h"
+
+/* Asks one question near the centre of a chain, and compares with what is stored; `x` is to be freed in any case. */
+bool ric_prover_junction_at(const ric_junction *row, const ric_chain *c, const ric_enclosure *e,
+                            const ric_augmented_question *ask, ric_augmented *x, ric_junction_proof *out);
+/* At an arclength of a branch, and at one of its ends where it grazes. Where out->state is RIC_PROOF_DONE then `x` is
+ * the proof; it is 0 or another one before, and to be freed in any case. */
+ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, double at, ric_augmented *x,
+                                      ric_junction_proof *out);
+ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool last, ric_augmented *x,
+                                   ric_junction_proof *out);
+
+#endif
