@@ -221,6 +221,10 @@ static plot_point data_at(const fep *f, int i)
 
 /* ------------------------------------------------------------------- window */
 
+/* A linear mode on which nothing happens is shown up to so many times beyond the frequencies at which something does.
+ */
+#define NEIGHBOUR 3.0
+
 typedef struct {
     double lo, hi;
 } span;
@@ -229,6 +233,12 @@ static void span_add(span *s, double value)
 {
     s->lo = fmin(s->lo, value);
     s->hi = fmax(s->hi, value);
+}
+
+static void span_join(span *s, span other)
+{
+    s->lo = fmin(s->lo, other.lo);
+    s->hi = fmax(s->hi, other.hi);
 }
 
 /* Whether a value lies in a window that the user gave. */
@@ -261,13 +271,44 @@ static ric_status add_part(const fep *f, const fep_source *s, const fep_part *pa
     return status;
 }
 
-static ric_status find_window(const fep *f, span *energy, span *frequency)
+/* The linear motion of a mode that touches no contact within the windows: a level line on which nothing happens. */
+static bool is_idle(const fep_source *s, const fep_part *part)
+{
+    ric_branch branch;
+    return !ric_atlas_branch(s->atlas, part->branch, &branch) && ric_branch_linear(s->model, &branch) && !branch.from &&
+           !branch.to && branch.n_junction == 0;
+}
+
+static bool near_span(const span *s, double value)
+{
+    return value >= s->lo / NEIGHBOUR && value <= s->hi * NEIGHBOUR;
+}
+
+/* Of a structure of many modes most are idle, and would press what happens to the foot of the picture: those far from
+ * it are left out where no window was given. */
+static ric_status find_window(fep *f, span *energy, span *frequency)
 {
     ric_status status = RIC_OK;
     *energy = *frequency = (span){INFINITY, -INFINITY};
-    for (int k = 0; k < f->n_source; k++)
-        for (int i = 0; status == RIC_OK && i < f->sources[k].n_part; i++)
-            status = add_part(f, &f->sources[k], &f->sources[k].parts[i], energy, frequency);
+    for (int idle = 0; idle < 2; idle++) {
+        const span lively = *frequency;
+        for (int k = 0; k < f->n_source; k++)
+            for (int i = 0; status == RIC_OK && i < f->sources[k].n_part; i++) {
+                const fep_source *s = &f->sources[k];
+                span e = {INFINITY, -INFINITY}, w = e;
+                if (is_idle(s, &s->parts[i]) != idle) continue;
+                status = add_part(f, s, &s->parts[i], &e, &w);
+                if (status != RIC_OK || !(w.hi >= w.lo)) continue;
+                if (idle && lively.hi >= lively.lo && !(near_span(&lively, w.lo) && near_span(&lively, w.hi))) {
+                    f->n_idle++;
+                    f->idle[0] = f->n_idle == 1 ? w.lo : fmin(f->idle[0], w.lo);
+                    f->idle[1] = f->n_idle == 1 ? w.hi : fmax(f->idle[1], w.hi);
+                    continue;
+                }
+                span_join(energy, e);
+                span_join(frequency, w);
+            }
+    }
     for (int i = 0; i < f->data.n; i++) {
         const plot_point p = data_at(f, i);
         if (!wanted(f->options->has_energy, f->options->energy, p.x) ||
@@ -566,6 +607,18 @@ static int draw_panels(fep *f, double legend, bool final, int *missing)
     return code;
 }
 
+/* Linear modes that are not shown. */
+static void report_idle(const fep *f)
+{
+    const double unit = f->panels[0].y.unit;
+    const bool one = f->n_idle == 1;
+    if (f->n_idle == 0 || f->options->has_frequency) return;
+    cli_say("ricochet: %d linear mode%s no contact in the windows and %s not shown, at %g to %g %s; --frequency shows "
+            "%s\n",
+            f->n_idle, one ? " touches" : "s touch", one ? "is" : "are", f->idle[0] * unit, f->idle[1] * unit,
+            f->options->common->hertz ? "Hz" : "rad/s", one ? "it" : "them");
+}
+
 static int draw(fep *f)
 {
     const plot_options *common = f->options->common;
@@ -586,6 +639,7 @@ static int draw(fep *f)
         cli_say("ricochet: %d junctions are not marked, where they would hide the curve; --marks all draws them, "
                 "--zoom and --energy make room\n",
                 f->unmarked);
+    report_idle(f);
     report_unused(f);
     plot_page_title(f->page, common, NULL);
     plot_legend(f->page, n_entry, entries, 12, plot_page_width(f->page) - 12, legend + 4);

@@ -77,6 +77,8 @@ typedef struct {
     int no_margin;   /* reference labels without a place */
     int unmarked;    /* junctions of the first panel whose marks would hide the curve */
     char remark[64]; /* of the legend, on them */
+    int n_idle;      /* linear modes left out, where nothing happens, and their frequencies */
+    double idle[2];
 } fep;
 
 /* plot_fep.c. NULL when memory ran out. */

@@ -89,6 +89,13 @@ P
 }
 ok 'a chain in mm, t, s' picture chain 50
 ok 'a drone arm of beam elements' picture drone 10
+idle() { # modes on which nothing happens do not press the picture to its foot, and it says so
+    "$ricochet" plot fep "$folder/drone.ricochet" -o "$folder/drone.svg" 2>"$folder/said" || return 1
+    grep '9 linear modes touch no contact in the windows and are not shown, at 8796' "$folder/said" &&
+        ! grep -q '678' "$folder/drone.svg" && "$ricochet" plot fep "$folder/drone.ricochet" --frequency 100:1e6 -o "$folder/drone.svg" 2>"$folder/said" &&
+        ! grep 'not shown, at' "$folder/said"
+}
+ok 'a picture shows where something happens' idle
 ok 'two masses and a cubic spring' picture cubic 3
 ok 'a loose gear' picture gear 50
 ok 'a free mass' picture free 1
