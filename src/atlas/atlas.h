@@ -42,6 +42,7 @@ struct ric_atlas {
     int n_branch, n_junction;
     ric_branch_record *branches;    /* [n_branch], id = index + 1 */
     ric_junction_record *junctions; /* [n_junction], id = index + 1 */
+    char *labels; /* lines "KEY LABEL" of all that finished atlases of this file have shown, or NULL */
     int n_proof;
     ric_proof_record *proofs; /* by branch and point */
 };

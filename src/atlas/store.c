@@ -263,6 +263,32 @@ ric_status ric_store_starts_get(ric_store *store, char **text)
     return ric_store_get_meta(store->file, "starts", text);
 }
 
+/* Those of the tables, of a file that does not keep them yet. */
+static ric_status labels_of_tables(ric_database file, char **text)
+{
+    ric_atlas *atlas = NULL;
+    ric_buffer out;
+    ric_status status = ric_store_read_tables(file, &atlas);
+    if (!status && !ric_buffer_open(&out)) status = ric_store_fail_memory();
+    if (!status) {
+        for (int i = 0; i < atlas->n_junction; i++)
+            fprintf(out.file, "%s %s\n", atlas->junctions[i].row.key, atlas->junctions[i].row.label);
+        if (!(*text = ric_buffer_take(&out))) status = ric_store_fail_memory();
+    }
+    ric_atlas_free(atlas);
+    return status;
+}
+
+ric_status ric_store_labels_get(ric_store *store, char **text)
+{
+    char *finished = NULL;
+    ric_status status = ric_store_get_meta(store->file, "labels", text);
+    if (!status && !*text) status = ric_store_get_meta(store->file, "finished", &finished);
+    if (!status && finished && !strcmp(finished, "1")) status = labels_of_tables(store->file, text);
+    free(finished);
+    return status;
+}
+
 /* The end of a transaction that changed the tables: all of it, with the digest that goes with them, or nothing. */
 static ric_status conclude(ric_database file, ric_status status)
 {
@@ -340,6 +366,7 @@ ric_status ric_store_write_junctions(ric_store *store, ric_status before, const 
     if (!status) status = ric_store_put_junctions(file, atlas);
     if (!status) status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced, atlas->n_blind);
     if (!status) status = ric_store_put_gaps(file, atlas);
+    if (!status && atlas->labels) status = ric_store_put_meta(file, "labels", atlas->labels);
     return conclude(file, status);
 }
 

@@ -36,6 +36,10 @@ ric_status ric_store_commit(ric_store *store);
 ric_status ric_store_starts_get(ric_store *store, char **text);
 ric_status ric_store_starts_add(ric_store *store, const char *lines);
 
+/* What finished atlases of this file have called their junctions, as lines "KEY LABEL": *text = NULL where there are
+ * none; free(*text). */
+ric_status ric_store_labels_get(ric_store *store, char **text);
+
 /* Replaces the tables of branches, points and junctions by those of `atlas` in one transaction. */
 ric_status ric_store_write(ric_store *store, const ric_atlas *atlas);
 /* The same in two steps, so that the junctions need not be known yet when the branches are written. The second one ends

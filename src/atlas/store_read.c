@@ -391,6 +391,7 @@ static ric_status read_study(ric_database file, ric_atlas *atlas)
         status = ric_store_fail_damaged(file.path, "table meta, row finished: neither 0 nor 1");
         goto out;
     }
+    if ((status = ric_store_get_meta(file, "labels", &atlas->labels))) goto out;
     status = ric_study_parse(study, file.path, ".", &atlas->study);
     if (status && status != RIC_E_NOMEM) status = ric_store_fail_damaged(file.path, "its study cannot be read");
     if (!status) status = check_study(file, study, ric_study_model(atlas->study));

@@ -103,14 +103,16 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     ric_store *store = NULL;
     ric_graph *graph = NULL;
     ric_atlas *atlas = NULL;
-    char *starts = NULL;
+    char *starts = NULL, *labels = NULL;
     ric_status written = RIC_OK, status = RIC_OK;
     if (out) *out = NULL;
     if ((status = ric_explore_check(study))) return status;
     if ((status = ric_store_open(path, study, &store))) goto out;
+    if ((status = ric_store_labels_get(store, &labels))) goto out;
     if ((status = ric_stored_work_check(store, study))) goto out;
     if ((status = ric_graph_create(study, store, &graph))) goto out;
     graph->crew = more->crew;
+    graph->labels = labels;
     if ((status = ric_store_starts_get(store, &starts))) goto out;
     status = ric_starts_parse(ric_study_model(study), starts, &graph->starts);
     if (status == RIC_E_FORMAT) status = ric_store_refuse(store, "meta", "starts", ric_detail());
@@ -132,6 +134,7 @@ out:
     ric_graph_free(graph);
     ric_store_close(store);
     free(starts);
+    free(labels);
     return status;
 }
 

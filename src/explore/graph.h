@@ -46,8 +46,9 @@ struct ric_graph {
     ric_limits limits;
     ric_limits deep; /* the same with the largest multiply of a region: for branches that come there */
     ric_budgets largest;
-    ric_store *store;           /* traces of an earlier run; may be NULL */
-    ric_node_cache recall;      /* what workers have computed */
+    ric_store *store;      /* traces of an earlier run; may be NULL */
+    const char *labels;    /* that finished atlases of the file have shown (junction_labels.c); borrowed, may be NULL */
+    ric_node_cache recall; /* what workers have computed */
     const ric_remote *crew;     /* NULL: nobody beside the threads of this process */
     const ric_run_options *run; /* of the present exploration; may be NULL */
     ric_progress progress;

@@ -1,7 +1,6 @@
 #include "base/room.h"
 #include "rows_parts.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,18 +8,6 @@
 /* Relative, energy and frequency together: a name of the study belongs to the nearest junction within this distance, as
  * places are read off printed figures. */
 #define NAMED 2e-3
-
-static const char *letter(ric_kind kind)
-{
-    switch (kind) {
-    case RIC_KIND_GRAZING: return "G";
-    case RIC_KIND_CORNER: return "K";
-    case RIC_KIND_PERIOD_EXTREMUM: return "P";
-    case RIC_KIND_START: return "O";
-    case RIC_KIND_USER: return "U";
-    default: return "C";
-    }
-}
 
 static void count_departures(const ric_node *node, ric_junction_record *r)
 {
@@ -163,92 +150,6 @@ int ric_junction_row_order(const void *p, const void *q)
     const ric_junction_row *k = p, *l = q;
     if (k->node && l->node && (order = ric_graph_node_order(k->node, l->node))) return order;
     return k->index - l->index;
-}
-
-/* Junctions of one family share all of their label but its number. */
-static int family_order(const void *p, const void *q)
-{
-    const ric_junction_row *k = *(ric_junction_row *const *)p, *l = *(ric_junction_row *const *)q;
-    const ric_junction *a = &k->record.row, *b = &l->record.row;
-    int order = strcmp(letter(a->kind), letter(b->kind));
-    if (order) return order;
-    bool grazing = a->kind == RIC_KIND_GRAZING;
-    const int mine[2] = {grazing ? a->impacts * a->multiple : a->a, grazing ? a->grazings * a->multiple : a->b};
-    const int yours[2] = {grazing ? b->impacts * b->multiple : b->a, grazing ? b->grazings * b->multiple : b->b};
-    return mine[0] != yours[0]   ? (mine[0] < yours[0] ? -1 : 1)
-           : mine[1] != yours[1] ? (mine[1] < yours[1] ? -1 : 1)
-                                 : 0;
-}
-
-static int label_order(const void *p, const void *q)
-{
-    int order = family_order(p, q), a = (*(ric_junction_row *const *)p)->record.row.id,
-        b = (*(ric_junction_row *const *)q)->record.row.id;
-    return order ? order : a - b;
-}
-
-static char *junction_label(const ric_junction *row, int number)
-{
-    char text[64];
-    const char *l = letter(row->kind);
-    if (row->kind == RIC_KIND_GRAZING)
-        snprintf(text, sizeof text, "G%d_%d,%d", number, row->impacts * row->multiple, row->grazings * row->multiple);
-    else if (*l == 'C' && row->b == 0) snprintf(text, sizeof text, "C%d_??", number); /* not measured yet */
-    else if (*l == 'C') snprintf(text, sizeof text, "C%d_%d%d%s", number, row->a, row->b, row->decided ? "" : "?");
-    else snprintf(text, sizeof text, "%s%d", l, number);
-    return ric_strdup(text);
-}
-
-static int by_text(const void *p, const void *q)
-{
-    return strcmp(*(const char *const *)p, *(const char *const *)q);
-}
-
-/* Whether the name of a junction is a label of its family: then it is its label, too. */
-static bool is_own_label(const ric_junction *row)
-{
-    const char *first = row->name + strcspn(row->name, "0123456789");
-    const long number = strtol(first, NULL, 10);
-    char *label = number > 0 && number < INT_MAX ? junction_label(row, (int)number) : NULL;
-    const bool own = label && !strcmp(label, row->name);
-    free(label);
-    return own;
-}
-
-/* The label of a junction with the next number that makes no name of `names`, sorted. */
-static char *next_label(const ric_junction *row, int n_name, const char **names, int *number)
-{
-    for (;;) {
-        char *label = junction_label(row, ++*number);
-        if (!label || !bsearch(&label, names, (size_t)n_name, sizeof *names, by_text)) return label;
-        free(label);
-    }
-}
-
-ric_status ric_junction_rows_label(int n, ric_junction_row *marks)
-{
-    ric_junction_row **list = ric_malloc((size_t)(n + 1) * sizeof *list);
-    const char **names = ric_malloc((size_t)(n + 1) * sizeof *names);
-    ric_status status = list && names ? RIC_OK : ric_no_rows();
-    int n_name = 0;
-    for (int i = 0; i < n && !status; i++) {
-        list[i] = &marks[i];
-        if (*marks[i].record.row.name) names[n_name++] = marks[i].record.row.name;
-    }
-    if (!status) {
-        qsort(list, (size_t)n, sizeof *list, label_order);
-        qsort(names, (size_t)n_name, sizeof *names, by_text);
-    }
-    for (int i = 0, number = 0; i < n && !status; i++) {
-        ric_junction_record *r = &list[i]->record;
-        if (i > 0 && family_order(&list[i - 1], &list[i]) != 0) number = 0;
-        r->label = is_own_label(&r->row) ? ric_strdup(r->row.name) : next_label(&r->row, n_name, names, &number);
-        r->row.label = r->label;
-        if (!r->label) status = ric_no_rows();
-    }
-    free(names);
-    free(list);
-    return status;
 }
 
 ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_row *marks)

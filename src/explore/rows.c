@@ -187,12 +187,13 @@ ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ri
     if ((status = bind_branches(g, study, n_sheet, sheets, n_mark, atlas))) goto out;
     status = ric_junction_rows_measure(g, n_mark, marks, &atlas->finished);
     if (!status) status = ric_junction_rows_name(study, n_mark, marks);
-    if (!status) status = ric_junction_rows_label(n_mark, marks);
     if (status) goto out;
     for (int i = 0; i < n_mark; i++) atlas->junctions[i] = marks[i].record;
     atlas->n_junction = n_mark;
     n_sheet = n_mark = 0;
-    if ((status = ric_keys_make(atlas)) || (status = ric_links_make(atlas))) goto out;
+    if ((status = ric_keys_make(atlas)) || (status = ric_junction_labels_give(g->labels, atlas)) ||
+        (status = ric_links_make(atlas)))
+        goto out;
     *out = atlas;
     atlas = NULL;
 out:

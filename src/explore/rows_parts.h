@@ -72,9 +72,11 @@ int ric_junction_row_order(const void *p, const void *q);
 /* C_ab of one junction after the other; those that a stop leaves unmeasured have a = b = 0, and then *all is false. */
 ric_status ric_junction_rows_measure(ric_graph *graph, int n, ric_junction_row *marks, bool *all);
 
-/* Labels: within a family junctions are numbered in the order of their ids; one whose name is a label of its family has
- * that, and no other has a label that is a name. Names come first. */
-ric_status ric_junction_rows_label(int n, ric_junction_row *marks);
+/* Labels of all junctions, which have their keys and names: within a family they are numbered in the order of their
+ * ids; one whose name is a label of its family has that, and no other has a label that is a name. What `kept`, lines of
+ * an earlier atlas of this file or NULL, says of a key stays; labels of a finished atlas are kept in it for the next.
+ */
+ric_status ric_junction_labels_give(const char *kept, ric_atlas *atlas);
 
 /* Names of the study: the nearest junction of the right kind, within what the digits of a printed number leave open. */
 ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_row *marks);

@@ -159,6 +159,7 @@ static ric_status explore_side(ric_hunt *h, const ric_atlas *a, const bool *want
                               : ric_no_memory("the comparison with an atlas");
     if (!status) {
         graph->only_given = true;
+        graph->labels = a->labels;
         status = ric_starts_parse(ric_atlas_model(a), lines, &graph->starts);
     }
     if (!status) status = ric_graph_explore(graph, &run);

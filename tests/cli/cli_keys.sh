@@ -93,4 +93,23 @@ studies=(examples/elementary/study.yaml)
 long_form && studies=(examples/*/study.yaml)
 ok 'keys stay with other budgets, steps and workers' tools/keys --program "$ricochet" "${studies[@]}"
 
+# Labels, too, once a finished atlas has shown them.
+studies=(elementary three-masses two-springs fractal-base stop-and-spring)
+long_form && studies=($(ls examples))
+ok 'labels stay with their keys while an atlas grows' python3 tests/support/labels_last.py "$ricochet" "$folder" 100 \
+    $(printf 'examples/%s/study.yaml ' "${studies[@]}")
+older() { # an atlas of before, which does not keep them, has them in its tables
+    sed 's/^  depth:.*/  depth: 2/' examples/elementary/study.yaml >"$folder/small.yaml"
+    rm -f "$folder/old.ricochet"
+    "$ricochet" run "$folder/small.yaml" -o "$folder/old.ricochet" --quiet || return 1
+    python3 -c 'import sqlite3, sys; a = sqlite3.connect(sys.argv[1]); a.execute("DELETE FROM meta WHERE key = '"'labels'"'"); a.commit()' "$folder/old.ricochet"
+    python3 tools/attack/atlas_digest.py "$folder/old.ricochet" >/dev/null
+    "$ricochet" junctions "$folder/old.ricochet" --csv | cut -d, -f2,4 | sort >"$folder/shown"
+    sed '/^names:/,/^[a-z]/d' examples/elementary/study.yaml >"$folder/large.yaml"
+    "$ricochet" run "$folder/large.yaml" -o "$folder/old.ricochet" --quiet || return 1
+    "$ricochet" junctions "$folder/old.ricochet" --csv | cut -d, -f2,4 | sort >"$folder/now"
+    [ "$(comm -12 "$folder/shown" "$folder/now" | wc -l)" = "$(wc -l <"$folder/shown")" ]
+}
+ok 'those of an older file' older
+
 finish
