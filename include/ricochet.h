@@ -90,6 +90,13 @@ bool ric_model_symmetric(const ric_model *model); /* x -> -x maps the structure 
                                                    * sides */
 double ric_model_length(const ric_model *model);  /* d of the first contact: clearance or length, 1 for a power law
                                                    * given by its stiffness */
+/* Names of the units of the numbers of a structure, all of them "" where nobody has said them. */
+#define RIC_UNIT_NAME 16 /* bytes of one, its end included */
+typedef struct {
+    char length[RIC_UNIT_NAME], time[RIC_UNIT_NAME], force[RIC_UNIT_NAME];
+} ric_units;
+const ric_units *ric_model_units(const ric_model *model);
+void ric_model_name_units(ric_model *model, const ric_units *units);
 double ric_model_restitution(const ric_model *model);
 /* Raw data, borrowed: mass [n*n], stiffness [n*n]. */
 const double *ric_model_mass(const ric_model *model);

@@ -326,7 +326,7 @@ static int run(int argc, char **argv)
                          "branches %s` lists them",
                          argv[1]);
     ric_status status = ric_atlas_read(argv[1], &atlas);
-    l.d = atlas && physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
+    l.d = atlas ? cli_unit_of_lengths(ric_atlas_model(atlas), physical) : 1;
     l.choice.hertz = hertz;
     int code = status                            ? cli_report(status)
                : request.given && request.branch ? print_followed(atlas, &request, &l)

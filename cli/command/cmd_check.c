@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "study/study.h"
 #include "common/shaking.h"
@@ -17,7 +18,10 @@ typedef struct {
     double *compliance;         /* [m * n], cumulative */
     double *locked;             /* [m * (n - 1)] */
     int *face;                  /* [m] first face of a contact */
+    bool physical;              /* energies of first touch are those of the study */
     bool hertz;                 /* frequencies are shown in Hz */
+    double unit;                /* that energies of first touch are multiplied by: 1, or d^2 */
+    const ric_units *names;     /* of units, "" where the study says none */
 } facts;
 
 static void facts_free(facts *f)
@@ -114,7 +118,7 @@ static json_t *mode_row(const facts *f, int i)
     json_object_set_new(row, "frequency", cli_number(shown(f, f->frequency[i])));
     json_object_set_new(row, "seen", json_boolean(f->seen[i]));
     json_object_set_new(row, "rigid", json_boolean(f->frequency[i] == 0));
-    json_object_set_new(row, "grazing_energy", cli_number(f->energy[i]));
+    json_object_set_new(row, "grazing_energy", cli_number(f->unit * f->energy[i]));
     json_object_set_new(row, "grazing_contact", f->contact[i] < 0 ? json_null() : json_integer(f->contact[i] + 1));
     for (int j = 0; j < f->m; j++) {
         set_numbered(row, "normal", j + 1, f->normal[(size_t)j * (size_t)f->n + (size_t)i]);
@@ -137,6 +141,13 @@ static int print_rows(const facts *f, const ric_study *study, cli_format format)
         json_t *end;
         json_array_foreach(json_object_get(json_array_get(rows, (size_t)i), "window_frequency"), k, end)
             json_real_set(end, shown(f, json_real_value(end)));
+    }
+    for (int i = 0; i < f->n && f->physical; i++) {
+        json_t *row = json_array_get(rows, (size_t)i), *end, *onset = json_object_get(row, "onset");
+        size_t k;
+        json_array_foreach(json_object_get(row, "window_energy"), k, end)
+            json_real_set(end, f->unit * json_real_value(end));
+        if (json_is_real(onset)) json_real_set(onset, f->unit * json_real_value(onset));
     }
     const int code = status ? cli_report(status) : cli_print_rows(rows, NULL, format);
     json_decref(rows);
@@ -198,10 +209,40 @@ static void print_head(const facts *f, const ric_study *study)
                parts);
 }
 
+/* What the energies of first touch are, of which the study may say more. */
+static void touch_title(const facts *f, size_t size, char *out)
+{
+    const bool named = f->physical && *f->names->length;
+    snprintf(out, size, "first touch at %s%s%s%s%s", f->physical ? "energy" : "scaled energy", named ? ", " : "",
+             named ? f->names->force : "", named ? " " : "", named ? f->names->length : "");
+}
+
+/* With the unit of mass that follows from the others, by which mistakes in units show. */
+static void print_units(const facts *f)
+{
+    static const struct {
+        const char *length, *force, *mass;
+    } masses[] = {{"m", "N", "kg"},      {"mm", "N", "t"},       {"m", "kN", "t"},     {"mm", "mN", "kg"},
+                  {"cm", "N", "100 kg"}, {"mm", "kN", "1000 t"}, {"m", "MN", "1000 t"}};
+    const char *mass = NULL;
+    if (!*f->names->length) return;
+    for (size_t i = 0; i < sizeof masses / sizeof *masses; i++)
+        if (!strcmp(masses[i].length, f->names->length) && !strcmp(masses[i].force, f->names->force))
+            mass = masses[i].mass;
+    printf(
+        "units: lengths in %s, forces in %s, time in %s; so masses in %s %s^2/%s%s%s, stiffness in %s/%s, energies in "
+        "%s %s\n",
+        f->names->length, f->names->force, f->names->time, f->names->force, f->names->time, f->names->length,
+        mass ? ", which is " : "", mass ? mass : "", f->names->force, f->names->length, f->names->force,
+        f->names->length);
+}
+
 static void print_modes(const facts *f)
 {
+    char title[100];
+    touch_title(f, sizeof title, title);
     printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", f->hertz ? "frequency Hz" : "omega rad/s", "period s", "seen",
-           is_smooth(f) ? "" : "first touch at scaled energy");
+           is_smooth(f) ? "" : title);
     for (int i = 0; i < f->n; i++) {
         printf("%5d  %#14.10g  ", i + 1, shown(f, f->frequency[i]));
         if (f->frequency[i] > 0) printf("%#14.8g  ", 2 * acos(-1) / f->frequency[i]);
@@ -209,7 +250,7 @@ static void print_modes(const facts *f)
         printf("%-6s ", f->seen[i] ? "yes" : "no");
         if (is_smooth(f))
             puts(f->frequency[i] == 0 ? "rigid motion" : f->seen[i] ? "starts a branch at energy 0" : "stays linear");
-        else if (f->contact[i] >= 0) printf("%16.10g, contact %d\n", f->energy[i], f->contact[i] + 1);
+        else if (f->contact[i] >= 0) printf("%16.10g, contact %d\n", f->unit * f->energy[i], f->contact[i] + 1);
         else printf("%16s%s\n", "never", f->frequency[i] == 0 ? ", rigid motion" : "");
     }
 }
@@ -239,8 +280,12 @@ static void print_contact(const facts *f, int contact)
     if (!is_smooth(f)) {
         printf("\ncontact %d", contact + 1);
         print_quoted(" '", about.name, "'");
-        printf(": %s, clearance %g, %s", sides[about.sides], about.clearance, faces);
-        if (about.law == RIC_LAW_BILINEAR) printf(", a spring of stiffness %g beyond\n", about.stiffness);
+        const bool named = *f->names->length;
+        printf(": %s, clearance %g%s%s, %s", sides[about.sides], about.clearance, named ? " " : "", f->names->length,
+               faces);
+        if (about.law == RIC_LAW_BILINEAR)
+            printf(", a spring of stiffness %g%s%s%s%s beyond\n", about.stiffness, named ? " " : "", f->names->force,
+                   named ? "/" : "", f->names->length);
         else printf("\n");
     }
     if (!is_smooth(f)) printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", if_locked);
@@ -287,6 +332,7 @@ static void print_remarks(const facts *f)
 static ric_status print_text(const facts *f, const ric_study *study)
 {
     print_head(f, study);
+    print_units(f);
     print_modes(f);
     for (int i = 0; i < f->m; i++) print_contact(f, i);
     print_remarks(f);
@@ -303,12 +349,15 @@ static int run(int argc, char **argv)
     ric_study *study = NULL;
     facts f = {0};
     int code;
-    const bool hertz = cli_take_flag(&argc, argv, "--hz");
+    const bool hertz = cli_take_flag(&argc, argv, "--hz"), physical = cli_take_flag(&argc, argv, "--physical");
     if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_check, argc, argv, 1)) return CLI_WRONG;
     if ((code = cli_read_study(argv[1], &study))) return code;
     const ric_status status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f) : RIC_E_NOMEM;
     code = cli_report(status);
     f.hertz = hertz;
+    f.physical = physical;
+    f.names = ric_model_units(ric_study_model(study));
+    f.unit = physical ? ric_model_length(f.model) * ric_model_length(f.model) : 1;
     if (!status && format == CLI_TEXT) code = cli_report(print_text(&f, study));
     else if (!status) code = print_rows(&f, study, format);
     facts_free(&f);
@@ -327,6 +376,9 @@ static const cli_item items[] = {
     {.name = "STUDY",
      .text = "a file, or - for standard input; files that it names are then looked for from the folder of the call"},
     {.name = "--hz", .text = "frequencies in Hz; the sentences on windows keep rad/s"},
+    {.name = "--physical",
+     .text = "energies of first touch, and in --json the windows, in the units of the study; the sentences on windows "
+             "keep scaled ones"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -335,7 +387,7 @@ static const cli_item items[] = {
 const cli_command cli_check = {
     .name = "check",
     .summary = "show what a study's model is: frequencies, modal normals, first touches",
-    .usage = "ricochet check STUDY|- [--hz] [--json | --csv]\n",
+    .usage = "ricochet check STUDY|- [--physical] [--hz] [--json | --csv]\n",
     .items = items,
     .example = "ricochet check examples/elementary/study.yaml\n"
                "ricochet check - <examples/elementary/study.yaml\n",

@@ -390,7 +390,7 @@ static int run(int argc, char **argv)
     int code;
     if (!take_request(&argc, argv, &r, &bounded) || !cli_operands(&cli_hunt, argc, argv, 1)) return CLI_WRONG;
     ric_status status = read_files(&r, argv[1], &study, &atlas);
-    r.d = !status && r.physical ? ric_model_length(ric_study_model(study)) : 1;
+    r.d = status ? 1 : cli_unit_of_lengths(ric_study_model(study), r.physical);
     for (int i = 0; i < 2; i++) r.energy[i] /= r.d * r.d;
     r.options.energy = r.energy[0];
     if (status) code = cli_report(status);

@@ -168,7 +168,7 @@ static double unit_of(const request *ask, const ric_model *model)
 static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *atlas, int *found, bool *too_long)
 {
     const ric_model *model = ric_atlas_model(atlas);
-    double d = ask->physical ? ric_model_length(model) : 1;
+    const double d = cli_unit_of_lengths(model, ask->physical);
     const double value = ask->value / unit_of(ask, model);
     ric_orbit **orbits = NULL;
     int n = 0;

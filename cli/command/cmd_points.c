@@ -171,7 +171,7 @@ static int list(const char *path, int id, bool physical, bool ghost, cli_format 
     if (status) goto out;
     const int n_mode = ric_model_n_mode(ric_atlas_model(atlas));
     l.atlas = atlas;
-    l.d = physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
+    l.d = cli_unit_of_lengths(ric_atlas_model(atlas), physical);
     l.n_multiplier = format != CLI_TEXT && n_mode > 2 ? 2 * (n_mode - 1) : 0;
     l.multipliers = calloc(2 * (size_t)l.n_multiplier + 1, sizeof *l.multipliers);
     code = !l.multipliers ? cli_report(RIC_E_NOMEM) : ghost ? add_ghosts(&l, path) : cli_report(add_points(&l));

@@ -173,7 +173,7 @@ static int run(int argc, char **argv)
         !cli_operands(&cli_section_command, argc, argv, 1))
         return CLI_WRONG;
     int code = cli_section_open(argv[1], &s);
-    const double d = !code && physical ? ric_model_length(s.model) : 1;
+    const double d = code ? 1 : cli_unit_of_lengths(s.model, physical);
     request.options.rows = !starts;
     if (!code) code = cli_section_follow(&request, d, &s);
     if (code == CLI_DONE || code == CLI_LIMIT || code == CLI_INTERRUPTED) {

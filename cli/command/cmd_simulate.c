@@ -221,7 +221,7 @@ static int run(int argc, char **argv)
         goto out;
     }
     s.n = ric_model_n_dof(ric_study_model(s.study));
-    if (physical) s.length = ric_model_length(ric_study_model(s.study));
+    if (physical) s.length = cli_unit_of_lengths(ric_study_model(s.study), true);
     if (!make_columns(&s)) code = cli_report(RIC_E_NOMEM);
     else if ((code = complete(&s)) == CLI_DONE)
         code = cli_parse_state("simulate", s.n, count, texts, s.length, s.state) ? simulate_and_print(&s, format)

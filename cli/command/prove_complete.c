@@ -266,7 +266,7 @@ int prove_complete(int argc, char **argv)
     if (status) return cli_report(status);
     cli_forcing_warn(study, argv[1], "the census");
     r.model = ric_study_model(study);
-    if (r.physical) r.length = ric_model_length(r.model);
+    if (r.physical) r.length = cli_unit_of_lengths(r.model, true);
     r.options.energy /= r.length * r.length;
     ric_hunt_options_init(&window);
     ric_hunt_options_bound(&window, study);

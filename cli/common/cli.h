@@ -133,6 +133,9 @@ bool cli_choose(json_t *rows, const cli_choice *choice);
 
 /* Frequencies of rows, all columns that are called so, in Hz instead of rad/s. */
 void cli_in_hertz(json_t *rows);
+/* What lengths of a list are multiplied by, energies by its square: 1, or where numbers of the study are asked for d of
+ * the structure; then what the units are called, if the study says so, is a line on stderr. */
+double cli_unit_of_lengths(const ric_model *model, bool physical);
 #define CLI_ITEM_HZ                                                                                                    \
     {                                                                                                                  \
         .name = "--hz", .text = "frequencies in Hz, also that of --frequency; sentences keep omega, rad/s"             \

@@ -611,9 +611,18 @@ char *cli_table_names(const ric_table *table, cli_format format)
     return b.failed ? NULL : b.text;
 }
 
+double cli_unit_of_lengths(const ric_model *model, bool physical)
+{
+    const ric_units *names = ric_model_units(model);
+    if (physical && *names->length)
+        cli_say("ricochet: lengths in %s, speeds in %s/%s, energies in %s %s\n", names->length, names->length,
+                names->time, names->force, names->length);
+    return physical ? ric_model_length(model) : 1;
+}
+
 static ric_status add_rows(json_t *rows, const cli_listing *listing, const ric_atlas *atlas, bool physical)
 {
-    const double d = physical ? ric_model_length(ric_atlas_model(atlas)) : 1;
+    const double d = cli_unit_of_lengths(ric_atlas_model(atlas), physical);
     if (listing->rows) return listing->rows(atlas, d, listing->user, rows);
     for (int id = 1; id <= listing->count(atlas); id++) {
         json_t *row = json_object();

@@ -199,6 +199,10 @@ static ric_status make_about(export_table *table, const ric_atlas *atlas)
     json_object_set_new(row, "program", json_sprintf("ricochet %s", ric_version()));
     json_object_set_new(row, "n_dof", json_integer(ric_model_n_dof(model)));
     json_object_set_new(row, "length", json_real(ric_model_length(model)));
+    const ric_units *units = ric_model_units(model);
+    json_object_set_new(row, "unit_length", json_string(units->length));
+    json_object_set_new(row, "unit_time", json_string(units->time));
+    json_object_set_new(row, "unit_force", json_string(units->force));
     json_object_set_new(row, "finished", json_boolean(ric_atlas_finished(atlas)));
     json_array_append_new(rows, row);
     const bool done = add_rows(table, rows);

@@ -231,6 +231,9 @@ plot_units plot_units_of(const plot_options *options, const ric_model *model);
 /* E, or H where contacts give way and hold energy themselves; the title of an axis of one or more of them. */
 const char *plot_energy_letter(const ric_model *model);
 void plot_energy_title(const plot_options *options, int n, const ric_model *const *models, size_t size, char *out);
+/* Of a displacement, or of a speed with "/s" for `per`. */
+void plot_length_title(const plot_options *options, const ric_model *model, const char *what, const char *per,
+                       size_t size, char *out);
 const char *plot_frequency_title(const plot_options *options);
 /* E = .., ω = .. */
 void plot_place_text(const plot_options *options, const ric_model *model, double energy, double frequency, size_t size,

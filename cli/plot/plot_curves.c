@@ -84,6 +84,11 @@ static void set_unit(quantity *q, const plot_options *common, const ric_atlas *a
     if (q->kind == ENERGY)
         plot_energy_title(common, 1, (const ric_model *const[]){ric_atlas_model(atlas)}, sizeof q->title, q->title);
     if (q->kind == FREQUENCY) snprintf(q->title, sizeof q->title, "%s", plot_frequency_title(common));
+    const char *length = ric_model_units(ric_atlas_model(atlas))->length;
+    const bool named = common->physical && *length;
+    const size_t end = strlen(q->title);
+    if (named && q->kind == DISPLACEMENT) snprintf(q->title + end, sizeof q->title - end, " (%s)", length);
+    if (named && q->kind == SPEED) snprintf(q->title + end, sizeof q->title - end, " (%s/s)", length);
 }
 
 /* Whether it is a smooth function of the arclength: the largest gap and the least speed have corners, a rotation number

@@ -265,8 +265,9 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
         entries[i] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
     }
     draw_data(o, &panel);
-    plot_panel_frame(o->page, &panel, numbers ? "" : NULL,
-                     o->common->physical ? "displacement" : "scaled displacement");
+    char title[64];
+    plot_length_title(o->common, o->motion->model, "displacement", "", sizeof title, title);
+    plot_panel_frame(o->page, &panel, numbers ? "" : NULL, title);
     plot_legend(o->page, o->n_shown, entries, box.left, box.right, box.top + 34);
 }
 
@@ -407,7 +408,8 @@ static void draw_portrait(orbit *o, int i, plot_box box)
 {
     const int coordinate = o->shown[i];
     double x[2] = {INFINITY, -INFINITY}, v[2] = {INFINITY, -INFINITY};
-    char across[24], up[24];
+    const char *length = o->common->physical ? ric_model_units(o->motion->model)->length : "";
+    char across[64], up[64];
     plot_motion_range(o->motion, plot_read_x, coordinate, &x[0], &x[1]);
     plot_motion_range(o->motion, plot_read_v, coordinate, &v[0], &v[1]);
     plot_range_widen(false, 0.07, &x[0], &x[1]);
@@ -420,8 +422,8 @@ static void draw_portrait(orbit *o, int i, plot_box box)
         plot_panel_dot(o->page, &panel, PLOT_DATA + 1 + (plot_stroke)i,
                        (plot_point){plot_table_at(&o->data, row, 1 + i) / o->unit.length,
                                     plot_table_at(&o->data, row, 1 + o->n_shown + i) / o->unit.length});
-    snprintf(across, sizeof across, "x_{%d}", coordinate + 1);
-    snprintf(up, sizeof up, "v_{%d}", coordinate + 1);
+    snprintf(across, sizeof across, "x_{%d}%s%s%s", coordinate + 1, *length ? " (" : "", length, *length ? ")" : "");
+    snprintf(up, sizeof up, "v_{%d}%s%s%s", coordinate + 1, *length ? " (" : "", length, *length ? "/s)" : "");
     plot_panel_frame(o->page, &panel, across, up);
     for (int k = 0; k < o->motion->n_event; k++) {
         const plot_event *e = &o->motion->events[k];

@@ -1,4 +1,6 @@
 /* Units of what a picture shows: as stored, or as the study has them, and frequencies in rad/s or in Hz. */
+#include <string.h>
+
 #include "plot.h"
 
 static const double turn = 6.28318530717958647692; /* rad */
@@ -29,8 +31,24 @@ void plot_energy_title(const plot_options *options, int n, const ric_model *cons
     bool some[2] = {false};
     for (int i = 0; i < n; i++) some[gives_way(models[i])] = true;
     const char *letters = some[0] && some[1] ? "E, H" : some[1] ? "H" : "E";
-    if (options->physical) snprintf(out, size, "energy %s, in units of the study", letters);
+    const ric_units *names = ric_model_units(models[0]);
+    bool named = options->physical && *names->length != '\0';
+    for (int i = 1; i < n && named; i++) {
+        const ric_units *other = ric_model_units(models[i]);
+        named = !strcmp(names->length, other->length) && !strcmp(names->force, other->force);
+    }
+    if (named) snprintf(out, size, "energy %s (%s %s)", letters, names->force, names->length);
+    else if (options->physical) snprintf(out, size, "energy %s, in units of the study", letters);
     else snprintf(out, size, "scaled energy %s", letters);
+}
+
+void plot_length_title(const plot_options *options, const ric_model *model, const char *what, const char *per,
+                       size_t size, char *out)
+{
+    const char *name = ric_model_units(model)->length;
+    if (!options->physical) snprintf(out, size, "scaled %s", what);
+    else if (*name) snprintf(out, size, "%s (%s%s)", what, name, per);
+    else snprintf(out, size, "%s", what);
 }
 
 const char *plot_frequency_title(const plot_options *options)

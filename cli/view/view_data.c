@@ -340,6 +340,14 @@ static json_t *describe_model(const ric_model *model)
     json_object_set_new(object, "dofs", json_integer(n));
     json_object_set_new(object, "modes", json_integer(ric_model_n_mode(model)));
     json_object_set_new(object, "length", cli_number(ric_model_length(model)));
+    const ric_units *units = ric_model_units(model);
+    if (*units->length) {
+        json_t *names = json_object();
+        json_object_set_new(names, "length", json_string(units->length));
+        json_object_set_new(names, "time", json_string(units->time));
+        json_object_set_new(names, "force", json_string(units->force));
+        json_object_set_new(object, "units", names);
+    }
     json_object_set_new(object, "onset", cli_number(ric_model_onset(model, NULL)));
     json_object_set_new(object, "symmetric", json_boolean(ric_model_symmetric(model)));
     json_object_set_new(object, "frequencies",

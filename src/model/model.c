@@ -411,6 +411,14 @@ bool ric_model_symmetric(const ric_model *m)
 {
     return m->symmetric;
 }
+const ric_units *ric_model_units(const ric_model *m)
+{
+    return &m->units;
+}
+void ric_model_name_units(ric_model *m, const ric_units *units)
+{
+    m->units = *units;
+}
 double ric_model_length(const ric_model *m)
 {
     const ric_contact *first = &m->contact[0];

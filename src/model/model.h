@@ -37,6 +37,7 @@ struct ric_model {
     bool *seen;            /* [n_dof] */
     int n_part;
     bool symmetric;
+    ric_units units; /* names, for what is shown */
     /* scaled frame of the seen modes */
     int n;              /* seen modes */
     int *mode;          /* [n] index among all modes */

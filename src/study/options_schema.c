@@ -229,6 +229,19 @@ static const char drawing[] =
     "        \"clearance\": {\"description\": \"added to the clearance of each contact as it grows by one\", "
     "\"type\": \"array\", \"items\": {\"$ref\": \"#/$defs/number\"}}\n"
     "      }\n"
+    "    },\n"
+    "    \"units\": {\n"
+    "      \"description\": \"what units are called where physical numbers are shown\",\n"
+    "      \"type\": \"object\",\n"
+    "      \"required\": [\"length\", \"force\"],\n"
+    "      \"additionalProperties\": false,\n"
+    "      \"properties\": {\n"
+    "        \"length\": {\"description\": \"of displacements and clearances, such as mm\", \"type\": \"string\", "
+    "\"minLength\": 1, \"maxLength\": 15},\n"
+    "        \"time\": {\"const\": \"s\"},\n"
+    "        \"force\": {\"description\": \"such as N\", \"type\": \"string\", \"minLength\": 1, "
+    "\"maxLength\": 15}\n"
+    "      }\n"
     "    },\n";
 
 static const char damping[] =

@@ -386,6 +386,7 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
         fputs("title: ", out);
         ric_yaml_write(study->title, out);
         fputc('\n', out);
+        if (study->model) ric_study_units_write(ric_model_units(study->model), out);
         ric_study_model_write(raw, out);
     } else fwrite(study->text, 1, study->explore_at, out);
     ric_buffer_sync(&written);
@@ -422,10 +423,11 @@ enum {
     S_DAMPING,
     S_RESTITUTION,
     S_FORCING,
+    S_UNITS,
     S_COUNT
 };
-static const char *const study_keys[S_COUNT] = {"title",   "model", "explore", "regions",     "names",  "tolerance",
-                                                "drawing", "vary",  "damping", "restitution", "forcing"};
+static const char *const study_keys[S_COUNT] = {"title",   "model", "explore", "regions",     "names",   "tolerance",
+                                                "drawing", "vary",  "damping", "restitution", "forcing", "units"};
 
 /* What the model has to say about the options. */
 static ric_status settle_options(const ric_yaml *r, const ric_yaml_node *place, const all_multiples *all,
@@ -445,6 +447,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
 {
     all_multiples relative = {.n = 0};
     ric_yaml_slot slots[S_COUNT];
+    ric_units units;
     const ric_yaml_node *root = ric_yaml_root(r), *start = NULL;
     ric_status status = ric_yaml_map(r, root, "", S_COUNT, study_keys, slots);
     if (status) return status;
@@ -458,11 +461,12 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         status = ric_study_option_read(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value,
                                        &study->options);
     if (status || (status = read_regions(r, &slots[S_REGIONS], &study->options, &relative)) ||
-        (status = read_names(r, &slots[S_NAMES], study)))
+        (status = read_names(r, &slots[S_NAMES], study)) || (status = ric_study_units_read(r, &slots[S_UNITS], &units)))
         return status;
     if (!slots[S_MODEL].key)
         return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
     if ((status = ric_study_model_read(r, &slots[S_MODEL], raw, &study->model))) return status;
+    ric_model_name_units(study->model, &units);
     if ((status = ric_study_drawing_read(r, &slots[S_DRAWING], raw->n, &study->drawing)) ||
         (status = ric_study_vary_read(r, &slots[S_VARY], raw, &study->vary)) ||
         (status = ric_study_forcing_read(r, &slots[S_DAMPING], &slots[S_RESTITUTION], &slots[S_FORCING], raw,
@@ -570,6 +574,7 @@ ric_status ric_study_create(const ric_model *model, const ric_explore_options *o
     ric_option_forcing_init(&made.forcing);
     made.forcing.shaking.restitution = ric_model_restitution(model);
     made.title = ric_strdup(title ? title : "");
+    made.model = ric_own(model); /* borrowed: of it the names of units are written */
     ric_status status = raw_of(model, &raw);
     if (!status && !made.title) status = ric_no_memory("a study");
     if (!status) status = write_text(&made, &raw);

@@ -123,6 +123,12 @@ ric_status ric_study_vary_read(const ric_yaml *r, const ric_yaml_slot *from, ric
 void ric_study_vary_write(const ric_vary *vary, int n, int n_contact, FILE *out);
 void ric_study_vary_free(ric_vary *vary);
 
+/* ------------------------------------------------------------- study_units.c */
+
+/* All names are "" without the section. */
+ric_status ric_study_units_read(const ric_yaml *r, const ric_yaml_slot *from, ric_units *out);
+void ric_study_units_write(const ric_units *units, FILE *out);
+
 /* ----------------------------------------------------------- study_forcing.c */
 
 /* Fills `out`, whose parts are owned, to be freed also on failure. */

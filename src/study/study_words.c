@@ -83,8 +83,8 @@ static const word WORDS[] = {
     "losses"
 #define NO_FORCE "what shakes a structure is section forcing at the top of the study; its atlas is that without a force"
 #define NO_UNITS                                                                                                       \
-    "there are no units: mass, stiffness and lengths are in any that fit each other, such as kg, N/m "                 \
-    "and m, or t, N/mm and mm, with seconds"
+    "names of units stand at the top of the study: units: {length: mm, force: N}; nothing is converted by them, and "  \
+    "mass, stiffness and lengths are in any that fit each other, such as t, N/mm and mm, with seconds"
 
 static const word NOTHING[] = {
     {"damping", NO_DAMPING},

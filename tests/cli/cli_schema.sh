@@ -61,6 +61,7 @@ elif what == "keys":
         ("names", whole + f"names: [{{{other}}}]", p["names"]["items"]["properties"]),
         ("drawing", whole + f"drawing: {{{other}}}", p["drawing"]["properties"]),
         ("forcing", whole + f"forcing: {{{other}}}", p["forcing"]["properties"]),
+        ("units", whole + f"units: {{{other}}}", p["units"]["properties"]),
         ("nodes", whole + f"drawing: {{nodes: [{{{other}}}]}}", p["drawing"]["properties"]["nodes"]["items"]["properties"])):
         assert of(text) == set(known), (section, of(text) ^ set(known))
         assert not passes(text), section
@@ -77,10 +78,12 @@ else:
         whole + "damping: 0.01\n", whole + "damping: [0.01, 1.0D-2]\nrestitution: 0.9\n", whole + "damping: {beta: 0.1}\n",
         whole + "damping: [[1, 0], [0, 1]]\nforcing: {vector: [1, 0], amplitude: [1, 2], frequency: [1, 2], harmonic: [1, 3]}\n",
         whole + "forcing: {coordinate: 1, amplitude: 2, frequency: 1, harmonic: 2}\n",
+        whole + "units: {length: mm, force: N}\n", whole + "units: {length: m, time: s, force: kN}\n",
         whole + "tolerance: 1e-10\n", whole + "regions:\n  - {energy: [1, 2], frequency: [1, 2], depth: 4}\n",
         whole + "names:\n  - {name: P, kind: grazing, energy: 1, frequency: 2}\n",
         whole + "drawing: {nodes: [{at: [0, 1], moves: [1, 0]}, {at: [1, 1]}], lines: [[1, 2]]}\n"]
-    bad = [whole + "damping: [0.01, -1]\n", whole + "damping: {}\n", whole + "damping: {gamma: 1}\n", whole + "restitution: -1\n", whole + "forcing: {amplitude: 1}\n",
+    bad = [whole + "units: {length: mm}\n", whole + "units: mm\n", whole + "units: {length: mm, force: N, time: ms}\n", whole + "units: {length: 5, force: N}\n",
+        whole + "units: {length: mm, force: ''}\n", whole + "damping: [0.01, -1]\n", whole + "damping: {}\n", whole + "damping: {gamma: 1}\n", whole + "restitution: -1\n", whole + "forcing: {amplitude: 1}\n",
         whole + "forcing: {vector: [1, 0], coordinate: 1}\n", whole + "forcing: {coordinate: 0}\n", whole + "forcing: {coordinate: 1, amplitude: 0}\n",
         whole + "forcing: {coordinate: 1, frequency: [1, 2, 3]}\n", whole + "forcing: {coordinate: 1, harmonic: 1.5}\n", whole + "forcing: {coordinate: 1, amplitude: []}\n",
         "title: a\n", model, model.replace("mass", "mas") + stop, whole + "damping: -1\n", explore("energy: [1]"), explore("energy: [1, 2, 3]"), explore("energy: 5"),

@@ -20,6 +20,43 @@ ok 'two masses and a cubic spring' study cubic 3
 named() { "$ricochet" junctions "$folder/cubic.ricochet" --csv | grep ',P,'; }
 ok 'the name is found' named
 
+# Names of units stand beside physical numbers, and nothing else changes.
+sed '/^units:/d' "$folder/rotor.yaml" >"$folder/nameless.yaml"
+named() { # PATTERN ARGUMENT...: output or stderr has it
+    local pattern=$1
+    shift
+    "$ricochet" "$@" >"$folder/said" 2>&1 && grep -q -e "$pattern" "$folder/said" || { head -20 "$folder/said"; return 1; }
+}
+same_numbers() {
+    "$ricochet" run "$folder/nameless.yaml" >/dev/null 2>&1
+    cmp <(tables "$folder/nameless.ricochet") <(tables "$folder/rotor.ricochet")
+}
+ok 'units change no number' same_numbers
+ok 'an atlas with units goes on without them' "$ricochet" run "$folder/nameless.yaml" -o "$folder/rotor.ricochet" --quiet
+ok 'and with them' "$ricochet" run "$folder/rotor.yaml" --quiet
+ok 'check says which mass belongs to them' named 'masses in N s^2/mm, which is t, stiffness in N/mm, energies in N mm' check "$folder/rotor.yaml"
+ok 'check shows physical energies' named 'first touch at energy, N mm' check "$folder/rotor.yaml" --physical
+ok 'lists name units' named 'lengths in mm, speeds in mm/s, energies in N mm' branches "$folder/rotor.ricochet" --physical
+for what in points orbit; do ok "$what, too" named 'energies in N mm' $what "$folder/rotor.ricochet" --branch 3 $([ $what = orbit ] && echo --point 1) --physical; done
+ok 'export has them' bash -c '"$0" export "$1/rotor.ricochet" -o "$1/out.csv" && grep -q ",mm,s,N," "$1/out.csv"' "$ricochet" "$folder"
+ok 'so does the page' bash -c '"$0" view "$1/rotor.ricochet" --save "$1/page.html" >/dev/null 2>&1; grep -q "\"force\": *\"N\"" "$1/page.html"' "$ricochet" "$folder"
+if command -v gnuplot >/dev/null; then
+    drawn() { "$ricochet" plot "$2" "$folder/rotor.ricochet" --physical "${@:3}" -o "$folder/out.svg" && grep -q "$1" "$folder/out.svg"; }
+    ok 'and the axes of pictures' drawn '(N mm)' fep
+    ok 'of displacements' drawn 'displacement (mm)' orbit --branch 3 --point 1
+    ok 'of speeds' drawn '(mm/s)' curves --branch 3 --x energy --y v1
+fi
+nonsense() { # PATTERN UNITS
+    sed "s/^units:.*/units: $2/" "$folder/rotor.yaml" >"$folder/try.yaml"
+    "$ricochet" check "$folder/try.yaml" >/dev/null 2>"$folder/said"
+    [ $? = 2 ] && grep -e "$1" "$folder/said" || { cat "$folder/said"; return 1; }
+}
+ok 'a force is no length' nonsense 'try.yaml:2: units.length: N is no unit of length, but of force' '{length: N, force: N}'
+ok 'a mass is no force' nonsense 'units.force: kg is no unit of force; write one, such as N' '{length: mm, force: kg}'
+ok 'a number is no name' nonsense 'is no name of a unit' '{length: 5, force: N}'
+ok 'one is not enough' nonsense 'units.force: missing' '{length: mm}'
+ok 'time is in seconds' nonsense 'frequencies are in rad/s' '{length: mm, force: N, time: ms}'
+
 from_input() { diff <("$ricochet" check "$folder/rotor.yaml" --json) <("$ricochet" check - --json <"$folder/rotor.yaml"); }
 ok 'a study on standard input' from_input
 wrong_input() { # PATTERN TEXT

@@ -72,6 +72,7 @@ export interface Model {
   dofs: number;
   modes: number;
   length: number;
+  units?: { length: string; time: string; force: string }; // where the study names them
   onset: number | null; // scaled energy of the first touch
   symmetric: boolean;
   frequencies: number[];

@@ -1,5 +1,5 @@
-/* Units of what is shown. Numbers arrive scaled: lengths by the clearance d of the first contact, energies by d^2, and in rad/s. A study names no units: its own
- * are shown as numbers alone. */
+/* Units of what is shown. Numbers arrive scaled: lengths by the clearance d of the first contact, energies by d^2, and in rad/s. Where a study
+ * names its units the names stand beside physical numbers. */
 import type { Model } from "./api";
 
 export type Scale = "scaled" | "physical" | "relative";
@@ -22,14 +22,15 @@ export interface Units {
 
 export function unitsOf(model: Model, scale: Scale, hertz: boolean): Units {
   const d = scale === "physical" ? model.length : 1;
+  const names = scale === "physical" ? model.units : undefined;
   return {
     scale,
     length: d,
     energy: scale === "relative" && model.onset ? 1 / model.onset : d * d,
     frequency: hertz ? 0.5 / Math.PI : 1,
-    energyTitle: { scaled: "energy E, scaled by d²", physical: "energy E, in units of the study", relative: "energy E, over that of the first touch" }[scale],
-    energyNote: { scaled: " (scaled)", physical: "", relative: " (over first touch)" }[scale],
-    lengthNote: scale === "physical" ? "" : " (scaled)",
+    energyTitle: { scaled: "energy E, scaled by d²", physical: names ? `energy E, ${names.force} ${names.length}` : "energy E, in units of the study", relative: "energy E, over that of the first touch" }[scale],
+    energyNote: { scaled: " (scaled)", physical: names ? ` (${names.force} ${names.length})` : "", relative: " (over first touch)" }[scale],
+    lengthNote: scale === "physical" ? (names ? ` (${names.length}, s)` : "") : " (scaled)",
     frequencyTitle: hertz ? "frequency f, Hz" : "frequency ω, rad/s",
     frequencySign: hertz ? "f" : "ω",
     frequencyUnit: hertz ? "Hz" : "rad/s",
