@@ -8,7 +8,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. $(wildcard tests/*/.) bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench sanitize race memcheck faults fuzz attack clean
+.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench sanitize race memcheck memcheck-python package-check faults fuzz attack clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -26,6 +26,8 @@ help:
 	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
 	@echo "make race      build with checks for data races in $(TSAN)/ and run what has threads"
 	@echo "make memcheck  run the test programs and all commands under valgrind (Debian: valgrind)"
+	@echo "make memcheck-python  run the tests of the Python package under valgrind"
+	@echo "make package-check    build the packages for Debian, and install, use and remove them in a clean root (Debian: mmdebstrap; as root)"
 	@echo "make faults    let every allocation and every writing call of a run fail once"
 	@echo "make attack    judge the atlases of 2,000 random structures, ATTACK='-n 60 --seed 1' for fewer"
 	@echo "make fuzz      build the fuzzing harnesses in $(FUZZ)/ and run each for SECONDS=60 (Debian: clang-14, libclang-rt-14-dev)"
@@ -100,8 +102,9 @@ test:
 check: setup-tests build
 	@tools/run-tests $(BUILD) --no-suite slow
 
+long: export RICOCHET_TEST_LONG = 1
 long: setup-tests build
-	@RICOCHET_TEST_LONG=1 tools/run-tests $(BUILD) --timeout-multiplier 4
+	@tools/run-tests $(BUILD) --timeout-multiplier 4
 
 TIMES ?= 10
 BUSY ?= 2
@@ -127,6 +130,7 @@ bench: build
 sanitize: setup-tests $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet
 	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN)
+	@tools/memcheck-python -address $(ASAN) || [ $$? = 77 ]
 
 # The programs of tests/unit/test_*.c have one thread, but for `threads`; these tests have ricochet start several. Open MPI, which knows nothing of the sanitizer, is left out
 # by race.supp.
@@ -138,6 +142,12 @@ race: setup-tests $(TSAN)/build.ninja
 memcheck: setup-tests build
 	@command -v valgrind >/dev/null || { echo 'valgrind is missing (Debian: valgrind)'; exit 1; }
 	@tools/memcheck.sh $(BUILD)
+
+memcheck-python: setup-tests build
+	@tools/memcheck-python -valgrind $(BUILD)
+
+package-check: setup-tests
+	@tools/package-check
 
 faults: setup-tests build
 	@FAULTS_ALL=1 RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_faults.sh

@@ -167,6 +167,7 @@ def test_of(study):
         check_verification(atlas)
         check_simulation(study, atlas)
 
+    test.__name__ = f"test_{name}"
     test.__doc__ = f"{name}: the numbers of the package are those of the program"
     return test
 

@@ -36,6 +36,20 @@ def read_mat():
     return {t: from_columns({c: column(file[t][0, 0][c]) for c in file[t].dtype.names}) for t in
             ("about", "branches", "points", "junctions", "graph")}
 
+def read_octave():
+    """What tests/support/export_octave.m has written of a MAT file."""
+    out, lines = {}, iter(open(path, encoding="ascii").read().splitlines())
+    for head in lines:
+        table, name, kind, rows, width = head.split()
+        rows, width = int(rows), int(width)
+        if kind == "cell":
+            value = [bytes.fromhex(next(lines)).decode() for _ in range(rows * width)]
+        else:
+            value = np.array([struct.unpack(">d", bytes.fromhex(next(lines)))[0] for _ in range(rows * width)])
+            value = value if width == 1 else value.reshape(rows, width)
+        out.setdefault(table, {})[name] = value
+    return {table: from_columns(columns) for table, columns in out.items()}
+
 def read_csv():
     out = {}
     for part in open(path, encoding="utf-8", newline="").read().split("# ")[1:]:
@@ -62,7 +76,7 @@ def same(value, stored, what):
 def same_list(values, blob, what):
     assert struct.pack(f"<{len(values)}d", *map(float, values)) == blob, what
 
-tables = {"h5": read_h5, "mat": read_mat, "csv": read_csv}[path.rpartition(".")[2]]()
+tables = {"h5": read_h5, "mat": read_mat, "octave": read_octave, "csv": read_csv}[path.rpartition(".")[2]]()
 assert set(tables) == {"about", "branches", "points", "junctions", "graph"}, set(tables)
 compared = 0
 rows = list(atlas.execute("SELECT * FROM point ORDER BY branch, point"))
