@@ -46,7 +46,7 @@ class ResponseCurve:
     are read once, by one copy, and cannot be written to.
     """
 
-    _HEADING = ["id", "word", "periods", "level", "points", "from", "to", "stable share", "begins", "ends"]
+    _HEADING = ["id", "word", "periods", "level", "points", "lowest", "highest", "stable share", "begins", "ends"]
 
     def __init__(self, response: Response, number: int):
         self.response, self._columns = response, {}

@@ -117,7 +117,7 @@ class Study:
         return out
 
     def _explored(self) -> str:
-        return re.search(r"^explore:\n((?: .*\n)*)", self.text, re.MULTILINE)[1]
+        return re.search(r"^explore:\n(?: .*\n)*", self.text, re.MULTILINE)[0]
 
     def _losses(self) -> str:
         """The keys of losses, force and parameter, as they stand in the text."""

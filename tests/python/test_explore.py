@@ -270,6 +270,24 @@ def test_copies(folder):
     assert orbit.at(0.1)[0].shape == (2,) and study.model.n_dof == 2 and noise
 
 
+def test_older(folder):
+    """a file of a program that counted less is opened; one of a newer format, and one without a number, are refused"""
+    atlas = ricochet.explore(two_masses(energy=[0, 20], impacts=2, multiply=1), os.path.join(folder, "a.ricochet"))
+
+    def changed(name, *calls):
+        path = shutil.copy(atlas.path, os.path.join(folder, name))
+        with contextlib.closing(sqlite3.connect(path)) as file:
+            for call in calls:
+                file.execute(call)
+            file.commit()
+        return path
+    old = changed("old", "DELETE FROM meta WHERE key IN ('n_dof', 'unplaced', 'blind')")
+    subprocess.run([sys.executable, "tools/attack/atlas_digest.py", old], check=True, capture_output=True)
+    assert repr(ricochet.Atlas(old).branches) == repr(atlas.branches)
+    raises(ricochet.FormatError, "use a newer ricochet", ricochet.Atlas, changed("new", "PRAGMA user_version = 2"))
+    raises(ricochet.FormatError, "damaged", ricochet.Atlas, changed("none", "PRAGMA user_version = 0"))
+
+
 def test_few_packages(folder):
     """the package needs neither SciPy nor matplotlib until it is asked for what they do"""
     code = ("import sys; sys.modules['scipy'] = sys.modules['matplotlib'] = None\n"
@@ -306,4 +324,4 @@ def test_linear_algebra(folder):
 
 
 run([test_same_atlas, test_matrices, test_all_digits, test_interrupt, test_kernel, test_stops, test_errors, test_several, test_flags,
-     test_shows, test_copies, test_few_packages, test_bar, test_linear_algebra])
+     test_shows, test_copies, test_older, test_few_packages, test_bar, test_linear_algebra])
