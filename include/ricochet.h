@@ -592,6 +592,18 @@ typedef struct {
  * amplitude, 0: that of the threshold. */
 ric_status ric_force_predict(const ric_force *force, int branch, const ric_orbit *orbit, int harmonic, double level,
                              ric_prediction *out);
+/* Where the threshold along a branch is least, a force at which a detached resonance is born, or largest, one at which
+ * two of them join. */
+typedef struct {
+    ric_prediction at; /* of the threshold there */
+    double arclength;  /* of the branch */
+    bool birth;
+    double error; /* of its energy and frequency, relative; NaN: it is not located, `at` is the stored point next to it */
+} ric_force_extreme;
+/* In the order of the branch, as far as its stored points show them; an end of the branch is none. *n of them, NULL or
+ * freed by ric_force_extremes_free. */
+ric_status ric_force_extremes(const ric_force *force, int branch, int harmonic, int *n, ric_force_extreme **out);
+void ric_force_extremes_free(ric_force_extreme *list);
 /* The model of the atlas, borrowed. */
 const ric_model *ric_force_model(const ric_force *force);
 

@@ -16,7 +16,7 @@ typedef struct {
     int branch; /* 0: all */
     int n_energy;
     double energy[2]; /* one, or a window */
-    bool exact;
+    bool exact, isolas;
     cli_format format;
 } request;
 
@@ -153,12 +153,34 @@ static ric_status add_found(const request *ask, const ric_force *force, const ri
     return status;
 }
 
+/* Extrema of the threshold along a branch, in the window of energies. */
+static ric_status add_isolas(const request *ask, const ric_force *force, const ric_branch *b, json_t *rows)
+{
+    ric_status status = RIC_OK;
+    for (int i = 0; i < ask->shaking.n_harmonic && !status; i++) {
+        ric_force_extreme *list = NULL;
+        int n = 0;
+        status = ric_force_extremes(force, b->id, ask->shaking.harmonics[i], &n, &list);
+        for (int k = 0; k < n && !status; k++) {
+            if (ask->n_energy == 2 && !(list[k].at.energy >= ask->energy[0] && list[k].at.energy <= ask->energy[1]))
+                continue;
+            json_t *row = prediction_row(b, &list[k].at);
+            json_object_set_new(row, "event", json_string(list[k].birth ? "birth" : "join"));
+            json_object_set_new(row, "located", cli_number(list[k].error));
+            json_array_append_new(rows, row);
+        }
+        ric_force_extremes_free(list);
+    }
+    return status;
+}
+
 /* At an energy, all orbits there; else the stored points, those of a window. */
 static ric_status add_branch(const request *ask, const ric_force *force, const ric_atlas *atlas, int id, json_t *rows)
 {
     ric_branch b;
     ric_point p;
     ric_status status = ric_atlas_branch(atlas, id, &b);
+    if (!status && ask->isolas) return add_isolas(ask, force, &b, rows);
     if (!status && ask->n_energy == 1) return add_found(ask, force, atlas, &b, RIC_AT_ENERGY, ask->energy[0], rows);
     for (int i = 0; i < b.n_point && !status; i++) {
         status = ric_atlas_point(atlas, id, i, &p, NULL, NULL);
@@ -176,7 +198,9 @@ static int print(const request *ask, const json_t *rows)
     static const char columns[] = "branch key energy frequency harmonic omega threshold loss_damping loss_impacts "
                                   "phases stable trusted";
     static const char exact[] = "branch key energy harmonic omega state flights phase multipliers stable residual";
-    return cli_print_rows(rows, ask->exact ? exact : columns, ask->format);
+    static const char isolas[] = "branch key event threshold energy frequency harmonic omega loss_damping loss_impacts "
+                                 "stable trusted located";
+    return cli_print_rows(rows, ask->isolas ? isolas : ask->exact ? exact : columns, ask->format);
 }
 
 /* Whether one of the forced orbits that were asked for is there. */
@@ -238,7 +262,11 @@ static int answer(request *ask)
                                                             : ask->branch ? first
                                                                           : ric_atlas_n_branch(atlas);
     for (int id = first; id <= last && !status; id++) status = add_branch(ask, force, atlas, id, rows);
-    int code = status ? cli_report(status) : json_array_size(rows) ? print(ask, rows) : report_none(ask, atlas);
+    int code = status                                 ? cli_report(status)
+               : json_array_size(rows) || ask->isolas ? print(ask, rows)
+                                                      : report_none(ask, atlas);
+    if (code == CLI_DONE && ask->isolas && !json_array_size(rows))
+        cli_say("ricochet: the threshold has no least or largest value inside these branches\n");
     if (code == CLI_DONE && ask->exact && !some_found(rows)) code = CLI_FAILED;
     json_decref(rows);
     ric_force_free(force);
@@ -270,6 +298,7 @@ static int take_request(int *argc, char **argv, request *ask)
     long id = 0;
     int code = CLI_WRONG;
     ask->exact = cli_take_flag(argc, argv, "--exact");
+    ask->isolas = cli_take_flag(argc, argv, "--isolas");
     if (!cli_take_format(argc, argv, &ask->format) || !cli_take_shaking(argc, argv, &ask->shaking, &code) ||
         !cli_take_value(argc, argv, "--branch", &branch) || !cli_take_value(argc, argv, "--energy", &energy) ||
         !cli_take_value(argc, argv, "--study", &ask->study) || !cli_take_value(argc, argv, "--level", &level) ||
@@ -280,6 +309,9 @@ static int take_request(int *argc, char **argv, request *ask)
         !parse_level(level, ask))
         return CLI_WRONG;
     ask->branch = (int)id;
+    if (ask->isolas && (ask->exact || ask->n_energy == 1))
+        return cli_wrong("force: --isolas finds energies by itself; leave %s out",
+                         ask->exact ? "--exact" : "--energy E, or give a window A,B");
     return CLI_DONE;
 }
 
@@ -311,6 +343,9 @@ static const cli_item items[] = {
      .text =
          "solves the forced problem itself at --level, from both phases: state right after the first impact, flights, "
          "phase, all multipliers, stable, residual; under a power law the state is that at phase 0"},
+    {.name = "--isolas",
+     .text = "only where the threshold along a branch is least, `birth` of a detached resonance as the level grows, or "
+             "largest, `join` of two, located to the error `located`, relative"},
     {.name = "threshold", .text = "least amplitude L of the force L f, physical; null where the force does no work"},
     {.name = "loss_damping", .text = "energy per period, scaled, lost by damping; loss_impacts: at impacts"},
     {.name = "phases",
@@ -332,7 +367,7 @@ const cli_command cli_force = {
     .summary = "orbits of an atlas under damping and a harmonic force",
     .usage = "ricochet force ATLAS [--force F1,F2,..] [--damping ZETA|FILE] [--restitution E]\n"
              "           [--harmonic M] [--study STUDY] [--branch ID | --at E,OMEGA] [--energy E]\n"
-             "           [--level L [--exact]] [--json | --csv]\n",
+             "           [--level L [--exact]] [--isolas] [--json | --csv]\n",
     .items = items,
     .example = "ricochet force study.ricochet --force 1,0 --damping 0.001 --energy 1\n",
     .run = run,

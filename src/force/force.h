@@ -38,5 +38,7 @@ typedef struct {
  * contact (force_balance.c). */
 ric_status ric_force_balance_of(const ric_force *force, const ric_orbit *orbit, bool linear, int harmonic,
                                 ric_force_balance *out);
+/* Whether the force does work on it, or what there is of it is rounding (force_predict.c). */
+bool ric_force_predict_works(const ric_force_balance *sum);
 
 #endif

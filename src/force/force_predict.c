@@ -135,6 +135,11 @@ static void find_phases(double level, double work, double loss, double log_t, ri
     p->phases[1] = remainder(middle - way * angle, RIC_TWO_PI);
 }
 
+bool ric_force_predict_works(const ric_force_balance *sum)
+{
+    return hypot(sum->work[0], sum->work[1]) > (NO_WORK + sum->error) * sum->size;
+}
+
 ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *orbit, int harmonic, double level,
                              ric_prediction *out)
 {
@@ -149,7 +154,7 @@ ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *or
     ric_orbit_data(orbit, &point, NULL, NULL, NULL);
     const course way = course_of(f->atlas, &b, point.arclength);
     const double loss = sum.damping + sum.impacts, work = hypot(sum.work[0], sum.work[1]), log_t = way.log_t;
-    const bool works = work > (NO_WORK + sum.error) * sum.size;
+    const bool works = ric_force_predict_works(&sum);
     *out = (ric_prediction){.energy = point.energy,
                             .frequency = point.frequency,
                             .harmonic = harmonic,

@@ -1,8 +1,10 @@
+#include "orbit_at.h"
+
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "atlas/room.h"
-#include "orbit/room.h"
 #include "model/room.h"
 #include "base/room.h"
 #include "stored.h"
@@ -24,7 +26,7 @@ struct ric_orbit {
     ric_stability stable; /* as they have it */
 };
 
-static void orbit_free(ric_orbit *o)
+void ric_orbit_at_free(ric_orbit *o)
 {
     if (!o) return;
     ric_periodic_free(o->cycle);
@@ -36,7 +38,7 @@ static void orbit_free(ric_orbit *o)
 
 void ric_orbits_free(int n, ric_orbit **orbits)
 {
-    for (int i = 0; orbits && i < n; i++) orbit_free(orbits[i]);
+    for (int i = 0; orbits && i < n; i++) ric_orbit_at_free(orbits[i]);
     free(orbits);
 }
 
@@ -77,7 +79,7 @@ static ric_status finish(const ric_model *m, ric_shooting *c, const double *u, c
     o = NULL;
 out:
     ric_floquet_release(&floquet);
-    orbit_free(o);
+    ric_orbit_at_free(o);
     return status;
 }
 
@@ -181,6 +183,75 @@ out:
     return status;
 }
 
+/* Three neighbouring stored points as unknowns of one problem. */
+typedef struct {
+    ric_periodic *cycle[3];
+    ric_shooting *chain[3];
+    double *u[3];
+    ric_point point[3];
+} trio;
+
+static void trio_free(trio *t)
+{
+    for (int k = 0; k < 3; k++) {
+        ric_periodic_free(t->cycle[k]);
+        ric_shooting_free(t->chain[k]);
+        free(t->u[k]);
+    }
+}
+
+static ric_status trio_create(const ric_atlas *a, const ric_branch *b, const int points[3], trio *t)
+{
+    ric_status status = RIC_OK;
+    *t = (trio){0};
+    for (int k = 0; k < 3 && !status; k++) status = ric_stored_cycle(a, b, points[k], &t->point[k], &t->cycle[k]);
+    if (!status) status = ric_stored_symmetries(a, b, points[1], t->cycle[1]);
+    for (int k = 0; k < 3 && !status; k++) {
+        if (k != 1) ric_periodic_take_symmetries(t->cycle[k], t->cycle[1]);
+        status = ric_stored_chain(ric_atlas_model(a), b, points[k], t->cycle[k], &t->chain[k], &t->u[k]);
+    }
+    return status;
+}
+
+/* Newton's method in the plane, from the parabola through the three. */
+static bool solve_across(const trio *t, double x, double *u)
+{
+    const int size = t->chain[1]->n_unknown;
+    double normal[size], du[size], length = 0, middle = 0;
+    int iterations;
+    for (int k = 0; k < size; k++) normal[k] = t->u[2][k] - t->u[0][k];
+    length = sqrt(ric_dot(size, normal, normal));
+    for (int k = 0; k < size; k++) {
+        normal[k] /= length;
+        middle += normal[k] * (t->u[1][k] - t->u[0][k]) / length;
+    }
+    for (int k = 0; k < size; k++)
+        u[k] = t->u[0][k] * (x - middle) * (x - 1) / middle + t->u[1][k] * x * (1 - x) / (middle * (1 - middle)) +
+               t->u[2][k] * x * (x - middle) / (1 - middle);
+    return ric_continuation_correct(t->chain[1], u, t->u[0], normal, x * length, du, &iterations);
+}
+
+ric_status ric_orbit_at_chord(const ric_atlas *a, const ric_branch *b, const int points[3], double x, ric_orbit **out)
+{
+    const ric_model *m = ric_atlas_model(a);
+    trio t;
+    ric_turn turn;
+    *out = NULL;
+    ric_status status = trio_create(a, b, points, &t);
+    double *u = status ? NULL : ric_calloc((size_t)t.chain[1]->n_unknown, sizeof *u);
+    if (!status && !u) status = ric_no_memory("an orbit");
+    if (!status && !ric_turn_find(m, t.chain[1], t.u[1], t.cycle[1], &turn)) status = unfit(b);
+    if (!status && !solve_across(&t, x, u))
+        status = ric_fail(RIC_E_NUMERIC, "no orbit converged beside point %d of branch %d", points[1], b->id);
+    if (!status) {
+        t.point[0].arclength += x * (t.point[2].arclength - t.point[0].arclength);
+        status = finish(m, t.chain[1], u, &turn, &t.point[0], out);
+    }
+    trio_free(&t);
+    free(u);
+    return status;
+}
+
 /* ----------------------------------------------------------- linear modes */
 
 static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitude2, int i, ric_orbit **out)
@@ -196,7 +267,7 @@ static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitu
                             ? ric_atlas_point(a, b->id, i, &o->point, o->state, o->flights)
                             : ric_no_memory("an orbit");
     if (status) {
-        orbit_free(o);
+        ric_orbit_at_free(o);
         return status;
     }
     double factor = sqrt(amplitude2); /* of the stored state */

@@ -2,6 +2,7 @@
 #ifndef RIC_REQUEST_ROOM_H
 #define RIC_REQUEST_ROOM_H
 
+#include "orbit_at.h"
 #include "stored.h"
 
 #endif

@@ -53,5 +53,16 @@ assert all((r["state"] is None) == (r["fault"] != "") for r in rows)'
 ok "and named" grep -q "no forced orbit is found: a stop is passed" "$folder/err"
 ok "exact without a level" ends 2 "level" "$atlas" --force 1,0 --damping 0.001 --exact
 ok "exact below the threshold" ends 1 "below the threshold" "$atlas" --force 1,0 --damping 0.001 --energy 1 --level 0.001 --exact --branch 3
+isolas() { "$ricochet" force "$atlas" --damping 0.01 --restitution 0.9 --isolas "$@" --json >"$folder/rows" 2>"$folder/err"; }
+ok "births of detached resonances" isolas --force 1,-0.1
+ok "are located" rows 'first = next(r for r in rows if r["branch"] == 3)
+assert first["event"] == "birth" and first["located"] < 1e-10 and abs(first["threshold"] / 0.307289004661 - 1) < 1e-10
+assert abs(first["energy"] / 0.744310129805 - 1) < 1e-10 and all(r["event"] in ("birth", "join") for r in rows)'
+ok "a window has those inside" isolas --force 1,-0.1 --energy 0.7,0.8
+ok "and no others" rows 'assert rows and all(0.7 < r["energy"] < 0.8 for r in rows)'
+ok "none is an answer" isolas --force 1,-0.1 --branch 1
+ok "that is said" grep -q "no least or largest" "$folder/err"
+ok "no single energy" ends 2 "leave --energy" "$atlas" --force 1,0 --damping 0.01 --isolas --energy 1
+ok "nor exact orbits" ends 2 "leave --exact" "$atlas" --force 1,0 --damping 0.01 --isolas --exact --level 1
 ok "the atlas is what it was" test "$before" = "$(cksum "$atlas")"
 finish
