@@ -329,6 +329,12 @@ static const cli_item items[] = {
      .text = "the motion of a study from a state, as `ricochet simulate` follows it, drawn as an orbit is"},
     {.name = "--state", .value = "X.. V..", .text = "2n numbers, displacements and velocities at time 0"},
     {.name = "--time", .value = "T", .text = "where to stop"},
+    {.name = "--force", .value = "F1,F2,..", .text = "this and the next five as of `simulate`, or those of the study"},
+    {.name = "--omega", .value = "W", .text = "frequency of the force, rad/s"},
+    {.name = "--level", .value = "L", .text = "amplitude of the force; 0 leaves it out"},
+    {.name = "--phase", .value = "P", .text = "phase of the force at time 0"},
+    {.name = "--damping", .value = "ZETA|FILE", .text = "modal ratios, or a file with the matrix"},
+    {.name = "--restitution", .value = "E", .text = "instead of the study's"},
     {.name = "--coordinates", .value = "LIST", .text = "which coordinates to show, at most 4"},
     {.name = "--data", .value = "FILE.csv", .text = "dots at times of your own, as of an orbit"},
     {.name = "law",
@@ -414,7 +420,8 @@ const cli_command cli_plot = {
              "           [--seconds S] -o FILE\n"
              "ricochet plot locus ATLAS --junction J... [--study FILE] [--y NAME] [--values A,B,..]\n"
              "           [--max-step H] [--window A:B,C:D] -o FILE\n"
-             "ricochet plot simulate STUDY --state X.. V.. --time T [--coordinates LIST]\n"
+             "ricochet plot simulate STUDY --state X.. V.. --time T [--force F1,F2,.. --omega W] [--level L]\n"
+             "           [--phase P] [--damping ZETA|FILE] [--restitution E] [--coordinates LIST]\n"
              "           [--data FILE.csv] -o FILE\n"
              "ricochet plot law STUDY|ATLAS... [--key TEXT] -o FILE\n"
              "ricochet plot model STUDY|ATLAS... -o FILE\n"

@@ -17,10 +17,7 @@ typedef struct {
     ric_study *study;
     ric_simulator *sim;
     ric_shaken *shaken; /* instead of it, under damping and force */
-    cli_shaking shaking;
-    bool is_shaken;
-    bool phased, own_force;     /* --omega, --level or --phase; --force */
-    double omega, level, phase; /* level NaN: not given */
+    cli_drive drive;
     int n;
     long steps, struck;
     double end, length; /* length: 1, or that of the model for physical units */
@@ -58,7 +55,7 @@ static bool make_columns(simulation *s)
 
 static void state_of(simulation *s)
 {
-    if (s->is_shaken) ric_shaken_state(s->shaken, NULL, s->state, s->state + s->n);
+    if (s->drive.is_shaken) ric_shaken_state(s->shaken, NULL, s->state, s->state + s->n);
     else ric_simulator_state(s->sim, NULL, s->state, s->state + s->n);
 }
 
@@ -66,20 +63,16 @@ static ric_status begin(simulation *s)
 {
     const ric_model *model = ric_study_model(s->study);
     const double *x = s->state, *v = x + s->n;
-    ric_shaking shaking = cli_shaking_of(&s->shaking);
-    ric_status status;
-    if (s->is_shaken) {
-        status = ric_shaken_create(model, &shaking, s->omega, s->level, &s->shaken);
-        return status ? status : ric_shaken_start(s->shaken, x, v, s->phase);
-    }
-    status = ric_simulator_create(model, &s->sim);
-    if (!status) ric_simulator_set_restitution(s->sim, s->shaking.restitution);
+    if (s->drive.is_shaken) return cli_drive_start(&s->drive, model, s->state, &s->shaken);
+    ric_status status = ric_simulator_create(model, &s->sim);
+    if (!status) ric_simulator_set_restitution(s->sim, s->drive.shaking.restitution);
     return status ? status : ric_simulator_start(s->sim, x, v);
 }
 
 static ric_status advance_to(simulation *s, double t, bool *hit, ric_impact *impact)
 {
-    return s->is_shaken ? ric_shaken_advance(s->shaken, t, hit, impact) : ric_simulator_advance(s->sim, t, hit, impact);
+    return s->drive.is_shaken ? ric_shaken_advance(s->shaken, t, hit, impact)
+                              : ric_simulator_advance(s->sim, t, hit, impact);
 }
 
 static void add_state(simulation *s, double t)
@@ -142,7 +135,7 @@ static void simulation_free(simulation *s)
     json_decref(s->rows);
     ric_simulator_free(s->sim);
     ric_shaken_free(s->shaken);
-    cli_shaking_free(&s->shaking);
+    cli_shaking_free(&s->drive.shaking);
     ric_study_free(s->study);
 }
 
@@ -155,47 +148,6 @@ static int simulate_and_print(simulation *s, cli_format format)
     if (code == CLI_WRONG) return code;
     int printed = cli_print_rows(s->rows, s->impacts ? impact_columns : NULL, format);
     return code ? code : printed;
-}
-
-static bool take_shaking(int *argc, char **argv, simulation *s, int *code)
-{
-    const char *omega, *level, *phase;
-    s->level = NAN;
-    return cli_take_shaking(argc, argv, &s->shaking, code) && cli_take_value(argc, argv, "--omega", &omega) &&
-           cli_take_value(argc, argv, "--level", &level) && cli_take_value(argc, argv, "--phase", &phase) &&
-           (!omega || cli_parse_number(omega, "--omega", &s->omega)) &&
-           (!level || cli_parse_number(level, "--level", &s->level)) &&
-           (!phase || cli_parse_number(phase, "--phase", &s->phase)) && ((s->phased = omega || level || phase), true);
-}
-
-/* The one frequency and the one level of the force: of the options, or of the study. */
-static int place_force(simulation *s)
-{
-    const cli_shaking *h = &s->shaking;
-    if (s->omega == 0 && h->frequency[0] == h->frequency[1]) s->omega = h->frequency[0];
-    if (isnan(s->level) && h->amplitude.n > 1)
-        return cli_wrong("simulate: the study has %d amplitudes of the force; --level L says which", h->amplitude.n);
-    if (isnan(s->level)) s->level = h->amplitude.n ? h->amplitude.value[0] : 1;
-    if (s->omega == 0 && s->level != 0)
-        return cli_wrong("simulate: %s needs --omega W, the frequency of the force in rad/s%s",
-                         s->own_force ? "--force" : "the force of the study",
-                         s->own_force ? "" : "; --level 0 leaves the force out");
-    return CLI_DONE;
-}
-
-/* Options, and the study where they say nothing. A force or damping asks for the shaken structure, and so does a
- * restitution that was given. */
-static int complete(simulation *s)
-{
-    cli_shaking *h = &s->shaking;
-    s->own_force = h->n_force;
-    if (!cli_shaking_complete(h, s->study)) return cli_report(RIC_E_NOMEM);
-    if (s->phased && !h->n_force) return cli_wrong("simulate: --omega, --level and --phase go with --force F1,F2,..");
-    s->is_shaken = h->n_force || h->n_ratio || h->n_matrix || h->n_restitution;
-    const int code = h->n_force ? place_force(s) : CLI_DONE;
-    if (code || !s->is_shaken) return code;
-    ric_shaking shaking = cli_shaking_of(h);
-    return cli_report(ric_force_check(ric_study_model(s->study), &shaking));
 }
 
 static int run(int argc, char **argv)
@@ -211,7 +163,7 @@ static int run(int argc, char **argv)
     bool physical = cli_take_flag(&argc, argv, "--physical");
     s.impacts = cli_take_flag(&argc, argv, "--impacts");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--time", &end) ||
-        !cli_take_value(&argc, argv, "--steps", &steps) || !take_shaking(&argc, argv, &s, &code) ||
+        !cli_take_value(&argc, argv, "--steps", &steps) || !cli_take_drive(&argc, argv, &s.drive, &code) ||
         !cli_take_state(&argc, argv, "simulate", &count, texts) || !cli_operands(&cli_simulate, argc, argv, 1) ||
         !parse_times(&s, end, steps))
         goto out;
@@ -223,7 +175,7 @@ static int run(int argc, char **argv)
     s.n = ric_model_n_dof(ric_study_model(s.study));
     if (physical) s.length = cli_unit_of_lengths(ric_study_model(s.study), true);
     if (!make_columns(&s)) code = cli_report(RIC_E_NOMEM);
-    else if ((code = complete(&s)) == CLI_DONE)
+    else if ((code = cli_drive_complete(&s.drive, "simulate", s.study)) == CLI_DONE)
         code = cli_parse_state("simulate", s.n, count, texts, s.length, s.state) ? simulate_and_print(&s, format)
                                                                                  : CLI_WRONG;
 out:

@@ -122,3 +122,52 @@ void cli_shaking_free(cli_shaking *s)
 {
     free(s->matrix);
 }
+
+/* --------------------------------------------------------------- one motion */
+
+bool cli_take_drive(int *argc, char **argv, cli_drive *d, int *code)
+{
+    const char *omega, *level, *phase;
+    d->level = NAN;
+    return cli_take_shaking(argc, argv, &d->shaking, code) && cli_take_value(argc, argv, "--omega", &omega) &&
+           cli_take_value(argc, argv, "--level", &level) && cli_take_value(argc, argv, "--phase", &phase) &&
+           (!omega || cli_parse_number(omega, "--omega", &d->omega)) &&
+           (!level || cli_parse_number(level, "--level", &d->level)) &&
+           (!phase || cli_parse_number(phase, "--phase", &d->phase)) && ((d->phased = omega || level || phase), true);
+}
+
+/* The one frequency and the one level of the force: of the options, or of the study. */
+static int place_force(cli_drive *d, const char *command)
+{
+    const cli_shaking *h = &d->shaking;
+    if (d->omega == 0 && h->frequency[0] == h->frequency[1]) d->omega = h->frequency[0];
+    if (isnan(d->level) && h->amplitude.n > 1)
+        return cli_wrong("%s: the study has %d amplitudes of the force; --level L says which", command, h->amplitude.n);
+    if (isnan(d->level)) d->level = h->amplitude.n ? h->amplitude.value[0] : 1;
+    if (d->omega == 0 && d->level != 0)
+        return cli_wrong("%s: %s needs --omega W, the frequency of the force in rad/s%s", command,
+                         d->own_force ? "--force" : "the force of the study",
+                         d->own_force ? "" : "; --level 0 leaves the force out");
+    return CLI_DONE;
+}
+
+int cli_drive_complete(cli_drive *d, const char *command, const ric_study *study)
+{
+    cli_shaking *h = &d->shaking;
+    d->own_force = h->n_force;
+    if (!cli_shaking_complete(h, study)) return cli_report(RIC_E_NOMEM);
+    if (d->phased && !h->n_force)
+        return cli_wrong("%s: --omega, --level and --phase go with --force F1,F2,..", command);
+    d->is_shaken = h->n_force || h->n_ratio || h->n_matrix || h->n_restitution;
+    const int code = h->n_force ? place_force(d, command) : CLI_DONE;
+    if (code || !d->is_shaken) return code;
+    ric_shaking shaking = cli_shaking_of(h);
+    return cli_report(ric_force_check(ric_study_model(study), &shaking));
+}
+
+ric_status cli_drive_start(const cli_drive *d, const ric_model *model, const double *state, ric_shaken **out)
+{
+    const ric_shaking shaking = cli_shaking_of(&d->shaking);
+    const ric_status status = ric_shaken_create(model, &shaking, d->omega, d->level, out);
+    return status ? status : ric_shaken_start(*out, state, state + ric_model_n_dof(model), d->phase);
+}

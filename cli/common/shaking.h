@@ -31,6 +31,20 @@ void cli_forcing_warn(const ric_study *study, const char *name, const char *what
 ric_shaking cli_shaking_of(const cli_shaking *shaking);
 void cli_shaking_free(cli_shaking *shaking);
 
+/* One motion under damping and force, from a state: what `simulate` and `plot simulate` take. */
+typedef struct {
+    cli_shaking shaking;
+    bool is_shaken;             /* under damping or force, or a restitution that was given */
+    bool phased, own_force;     /* --omega, --level or --phase; --force */
+    double omega, level, phase; /* level NaN: not given */
+} cli_drive;
+
+bool cli_take_drive(int *argc, char **argv, cli_drive *out, int *code);
+/* Options, and the study where they say nothing; `command` for messages. The exit code. */
+int cli_drive_complete(cli_drive *drive, const char *command, const ric_study *study);
+/* The shaken structure at a state [2n] at time 0. */
+ric_status cli_drive_start(const cli_drive *drive, const ric_model *model, const double *state, ric_shaken **out);
+
 #define CLI_ITEMS_SHAKING                                                                                              \
     {.name = "--force", .value = "F1,F2,..", .text = "the vector f, one number per displacement, physical"},           \
         {.name = "--damping",                                                                                          \

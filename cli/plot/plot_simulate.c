@@ -6,20 +6,57 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/shaking.h"
 #include "plot.h"
 
 enum { ROWS = 4000, ROWS_MAX = 40000, IMPACTS_MAX = 20000 };
 
+/* Under damping and force, or without. */
+typedef struct {
+    ric_simulator *free;
+    ric_shaken *shaken;
+} follower;
+
 typedef struct {
     ric_study *study;
     const ric_model *model;
-    ric_simulator *sim, *scout; /* the second one is sent ahead to the next impact */
-    double *state;              /* [2 n] */
-    double end, step;           /* where to stop; between rows */
-    bool stopped;               /* the motion came to an end before, which was said */
-    int room;                   /* of the pieces */
+    cli_drive drive;
+    follower sim, scout; /* the second one is sent ahead to the next impact */
+    double *state;       /* [2 n] */
+    double end, step;    /* where to stop; between rows */
+    bool stopped;        /* the motion came to an end before, which was said */
+    int room;            /* of the pieces */
     plot_motion motion;
 } simulation;
+
+static ric_status advance(const follower *f, double t, bool *hit, ric_impact *impact)
+{
+    ric_impact own;
+    if (!f->shaken) return ric_simulator_advance(f->free, t, hit, impact);
+    return ric_shaken_advance(f->shaken, t, hit, impact ? impact : &own);
+}
+
+static void state_of(const follower *f, double *x, double *v)
+{
+    if (f->shaken) ric_shaken_state(f->shaken, NULL, x, v);
+    else ric_simulator_state(f->free, NULL, x, v);
+}
+
+static void release(follower *f)
+{
+    ric_simulator_free(f->free);
+    ric_shaken_free(f->shaken);
+}
+
+/* At the state of the motion, at time 0. Impacts lose what the study says, as in simulate. */
+static ric_status start(const simulation *s, follower *f)
+{
+    if (s->drive.is_shaken) return cli_drive_start(&s->drive, s->model, s->state, &f->shaken);
+    const ric_status status = ric_simulator_create(s->model, &f->free);
+    if (status) return status;
+    ric_simulator_set_restitution(f->free, s->drive.shaking.restitution);
+    return ric_simulator_start(f->free, s->state, s->state + s->motion.n);
+}
 
 static bool add_row(plot_motion *m, double time, const double *state)
 {
@@ -75,9 +112,9 @@ static ric_status sample(simulation *s, double from, double to)
     for (long k = (long)floor(from / step) + 1; status == RIC_OK; k++) {
         const double t = fmin((double)k * step, to);
         bool hit = true;
-        while (status == RIC_OK && hit) status = ric_simulator_advance(s->sim, t, &hit, NULL);
+        while (status == RIC_OK && hit) status = advance(&s->sim, t, &hit, NULL);
         if (status) break;
-        ric_simulator_state(s->sim, NULL, s->state, s->state + m->n);
+        state_of(&s->sim, s->state, s->state + m->n);
         if (!add_row(m, t, s->state)) return RIC_E_NOMEM;
         if (t >= to) break;
     }
@@ -91,7 +128,7 @@ static ric_status follow_piece(simulation *s, double *now)
     const double before = 1e-10 * s->end; /* so near an impact the state is that of the impact, to the eye */
     ric_impact impact;
     bool hit = false;
-    ric_status status = ric_simulator_advance(s->scout, s->end, &hit, &impact);
+    ric_status status = advance(&s->scout, s->end, &hit, &impact);
     if (status) return status;
     const double to = hit ? fmax(*now, impact.time - before) : s->end;
     if (!hit || to > *now) status = sample(s, *now, to);
@@ -101,10 +138,10 @@ static ric_status follow_piece(simulation *s, double *now)
     if (!add_event(m, &impact)) return RIC_E_NOMEM;
     bool struck = false;
     while (status == RIC_OK && !struck) {
-        status = ric_simulator_advance(s->sim, impact.time + before, &struck, NULL);
+        status = advance(&s->sim, impact.time + before, &struck, NULL);
         if (!struck) break;
     }
-    ric_simulator_state(s->sim, NULL, s->state, s->state + m->n);
+    state_of(&s->sim, s->state, s->state + m->n);
     return status == RIC_OK && !add_row(m, impact.time, s->state) ? RIC_E_NOMEM : status;
 }
 
@@ -119,28 +156,13 @@ static ric_status find_step(simulation *s)
     return status;
 }
 
-/* Impacts lose what the study says; damping and force are not drawn, which is said. */
-static void set_restitution(simulation *s)
-{
-    ric_forcing f;
-    if (!ric_study_forcing(s->study, &f)) return;
-    ric_simulator_set_restitution(s->sim, f.shaking.restitution);
-    ric_simulator_set_restitution(s->scout, f.shaking.restitution);
-    if (f.shaking.n_force || f.shaking.n_ratio || f.shaking.n_matrix)
-        cli_say("ricochet: plot simulate: this is the motion without the damping and the force of the study, which "
-                "`ricochet simulate` takes\n");
-}
-
 static ric_status follow(simulation *s)
 {
     plot_motion *m = &s->motion;
     double now = 0;
     ric_status status = find_step(s);
-    if (!status) status = ric_simulator_create(s->model, &s->sim);
-    if (!status) status = ric_simulator_create(s->model, &s->scout);
-    if (!status) set_restitution(s);
-    if (!status) status = ric_simulator_start(s->sim, s->state, s->state + m->n);
-    if (!status) status = ric_simulator_start(s->scout, s->state, s->state + m->n);
+    if (!status) status = start(s, &s->sim);
+    if (!status) status = start(s, &s->scout);
     if (!status && !add_row(m, 0, s->state)) status = RIC_E_NOMEM;
     while (!status && now < s->end && m->n_event <= IMPACTS_MAX) status = follow_piece(s, &now);
     if (m->n_event > IMPACTS_MAX) {
@@ -181,7 +203,8 @@ static int run(simulation *s, const plot_options *common, const char *path, int 
     s->motion.open = true;
     s->motion.period = s->end;
     const double length = plot_units_of(common, s->model).length;
-    int code = take_state(s, count, texts, length);
+    int code = cli_drive_complete(&s->drive, "plot simulate", s->study);
+    if (code == CLI_DONE) code = take_state(s, count, texts, length);
     if (code != CLI_DONE) return code;
     const ric_status status = follow(s);
     if (s->stopped) return CLI_FAILED;
@@ -204,11 +227,13 @@ int plot_simulate(int argc, char **argv, const plot_options *common)
     int count = 0, code = CLI_WRONG;
     if (!texts) return cli_report(RIC_E_NOMEM);
     if (cli_take_value(&argc, argv, "--time", &end) && cli_take_value(&argc, argv, "--coordinates", &coordinates) &&
-        cli_take_value(&argc, argv, "--data", &data) && cli_take_state(&argc, argv, "plot simulate", &count, texts) &&
-        cli_operands(&cli_plot, argc, argv, 1) && cli_parse_end("plot simulate", end, &s.end))
+        cli_take_value(&argc, argv, "--data", &data) && cli_take_drive(&argc, argv, &s.drive, &code) &&
+        cli_take_state(&argc, argv, "plot simulate", &count, texts) && cli_operands(&cli_plot, argc, argv, 1) &&
+        cli_parse_end("plot simulate", end, &s.end))
         code = run(&s, common, argv[1], count, texts, coordinates, data);
-    ric_simulator_free(s.sim);
-    ric_simulator_free(s.scout);
+    release(&s.sim);
+    release(&s.scout);
+    cli_shaking_free(&s.drive.shaking);
     plot_motion_free(&s.motion);
     ric_study_free(s.study);
     free(s.state);

@@ -37,6 +37,11 @@ ok "simulate takes the keys" simulated
 free() { diff <("$ricochet" simulate "$folder/s.yaml" --state 0 0 1 2 --time 9 --level 0 --damping 0 --restitution 1 --csv | tail -1 | cut -c1-12) <("$ricochet" simulate "$folder/bare.yaml" --state 0 0 1 2 --time 9 --csv | tail -1 | cut -c1-12); }
 ok "and lets go of them" free
 
+drawn() { "$ricochet" plot simulate "$folder/$1" --state 0 0 1 2 --time 9 --omega 1.2 "${@:3}" -o "$folder/$2.gp"; }
+ok "plot simulate takes options" drawn bare.yaml shaken --force 1,0 --level 0.2 --damping 0.01 --restitution 0.98
+ok "and takes the keys" eval 'drawn s.yaml keys && diff <(grep "^[-0-9]" "$folder/shaken.gp") <(grep "^[-0-9]" "$folder/keys.gp")'
+ok "and lets go of them" eval 'drawn s.yaml free --level 0 --damping 0 --restitution 1 && ! diff -q "$folder/free.gp" "$folder/keys.gp" >"$folder/out"'
+
 # ends CODE WORDS ARGUMENT...: the exit code, and the message
 ends() {
     local code=$1 words=$2 got=0

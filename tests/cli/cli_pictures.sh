@@ -320,10 +320,12 @@ check(any(t[2].startswith("scaled energy H") for t in p.texts), p.texts)
 END
 
 # ------------------------------------------------------- motions and measurements
+for motion in motion shaken; do
 start=(--state 0.1 -0.2 0 2.5 --time 20)
+[ "$motion" = motion ] || start+=(--force 1,0 --omega 1.2 --level 0.4 --phase 0.3 --damping 0.02 --restitution 0.9)
 "$ricochet" simulate examples/stop-and-spring/study.yaml "${start[@]}" --steps 60 --csv >"$folder/own.csv"
-ok 'the motion of a study, with what was measured' draw motion simulate examples/stop-and-spring/study.yaml "${start[@]}" --data "$folder/own.csv"
-ok 'goes through all dots, and marks every impact' sees motion <<END
+ok "the $motion of a study, with what was measured" draw "$motion" simulate examples/stop-and-spring/study.yaml "${start[@]}" --data "$folder/own.csv"
+ok 'goes through all dots, and marks every impact' sees "$motion" <<END
 import json, subprocess
 rows = json.loads(subprocess.run(["$ricochet", "simulate", "examples/stop-and-spring/study.yaml", *"${start[*]}".split(), "--impacts", "--json"],
                                  capture_output=True, check=True).stdout)
@@ -334,6 +336,7 @@ for dots, curve, portrait in (("data of the first", "first", "portrait of the fi
 lines = {line[0][0] for line in p.lines["grid"]}
 check(len(check_dots) > 200 and max(check_dots) < 0.35 and len(lines) == len({row["t"] for row in rows}) > 5, len(check_dots), max(check_dots), len(lines), len(rows))
 END
+done
 ok 'a state of another length is refused' refuses simulate examples/elementary/study.yaml --state 1 2 --time 3
 ok 'a motion without an end, too' refuses simulate examples/elementary/study.yaml --state 0 0 1 2
 ok 'an orbit in units of the study with data' draw measured orbit "$folder/mixed.ricochet" --branch 3 --energy 20 --data "$folder/own.csv"
