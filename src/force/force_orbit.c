@@ -12,7 +12,7 @@
 #define CONVERGED 1e-11 /* residual, relative to 1 + |state| */
 #define LAST 1e-13      /* Newton's step, relative: the next one is rounding */
 
-enum { NEWTON_MOST = 40, HALVINGS_MOST = 12 };
+enum { NEWTON_MOST = 40, HALVINGS_MOST = 12, CROSSINGS_MOST = 12 };
 
 /* ------------------------------------------------------------------- orbits */
 
@@ -193,15 +193,25 @@ static void triangular(int rows, int columns, size_t w, double *A)
     }
 }
 
+/* Rows of flight k, with the right sides psi [m] of the last flight, 0 of others, instead of the residual. */
+static bool fill_with(ric_force_orbit *o, int k, ric_force_along along, double scale, const double *psi, double *rows)
+{
+    const size_t w = width(o);
+    if (!fill(o, k, along, scale, rows)) return false;
+    for (int i = 0; psi && i < o->m; i++) rows[(size_t)i * w + w - 1] = k == o->N - 1 ? psi[i] : 0;
+    return true;
+}
+
 /* All flights but the first eliminated: in stage k (1 .. N - 1) of `room` the triangular rows of flight k; in S [m * (m
- * + 2)] what is left of the first flight, the parameter and minus the residual. */
-static bool eliminate(ric_force_orbit *o, ric_force_along along, double scale, double *S, double *residual)
+ * + 2)] what is left of the first flight, the parameter and minus the residual, or psi unless it is NULL. */
+static bool eliminate(ric_force_orbit *o, ric_force_along along, double scale, const double *psi, double *S,
+                      double *residual)
 {
     const int m = o->m;
     const size_t w = width(o), block = (size_t)m * w, next = 2 * (size_t)m;
     double *carry = o->room;
     *residual = 0;
-    if (!fill(o, 0, along, scale, carry)) return false;
+    if (!fill_with(o, 0, along, scale, psi, carry)) return false;
     for (int i = 0; i < m; i++) *residual = fmax(*residual, fabs(carry[(size_t)i * w + w - 1]));
     if (o->N > 1)
         for (int i = 0; i < m; i++) { /* flight 0 is the first: its columns lie there, and the next is on turn */
@@ -214,7 +224,7 @@ static bool eliminate(ric_force_orbit *o, ric_force_along along, double scale, d
     for (int k = 1; k < o->N; k++) {
         double *A = o->room + (size_t)k * 2 * block, *fresh = A + block;
         memcpy(A, carry, block * sizeof *A);
-        if (!fill(o, k, along, scale, fresh)) return false;
+        if (!fill_with(o, k, along, scale, psi, fresh)) return false;
         for (int i = 0; i < m; i++) *residual = fmax(*residual, fabs(fresh[(size_t)i * w + w - 1]));
         triangular(2 * m, m, w, A);
         carry = fresh;
@@ -337,7 +347,7 @@ bool ric_force_orbit_solve(ric_force_orbit *o, ric_force_along along, double sca
     o->residual = INFINITY;
     memcpy(best, o->u, all * sizeof *best);
     for (; k < NEWTON_MOST; k++) {
-        if (!eliminate(o, along, scale, S, &now)) break;
+        if (!eliminate(o, along, scale, NULL, S, &now)) break;
         const double off = row ? aim - ric_dot(m, row, o->u) - row[m] * *parameter / scale : 0, size = size_of(o);
         now = fmax(now, fabs(off)) / size;
         if (now < o->residual) {
@@ -363,7 +373,7 @@ bool ric_force_orbit_tangent(ric_force_orbit *o, ric_force_along along, double s
     double residual, *S = left(o), length = 0;
     const int m = o->m;
     const size_t all = (size_t)o->N * (size_t)m;
-    if (!eliminate(o, along, scale, S, &residual) || !solve_first(o, S, row, false, 1, out)) return false;
+    if (!eliminate(o, along, scale, NULL, S, &residual) || !solve_first(o, S, row, false, 1, out)) return false;
     for (int i = 0; i < m; i++) length += out[i] * out[i];
     length = sqrt(length + out[all] * out[all]);
     for (size_t i = 0; i <= all; i++) out[i] /= length;
@@ -375,7 +385,7 @@ bool ric_force_orbit_aside(ric_force_orbit *o, ric_force_along along, double sca
 {
     const int m = o->m, size = m + 1;
     double residual, *S = left(o), A[size * size], values[size], U[1], Vt[size * size], super[size];
-    if (!eliminate(o, along, scale, S, &residual)) return false;
+    if (!eliminate(o, along, scale, NULL, S, &residual)) return false;
     for (int i = 0; i < m; i++) memcpy(A + i * size, S + i * (m + 2), (size_t)size * sizeof *A);
     memcpy(A + m * size, tangent, (size_t)size * sizeof *A);
     if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, A, size, values, U, size, Vt, size, super)))
@@ -385,4 +395,183 @@ bool ric_force_orbit_aside(ric_force_orbit *o, ric_force_along along, double sca
     back(o, false, out);
     *second = values[m] / values[0];
     return true;
+}
+
+/* ------------------------------------------------------------- branch points */
+
+/* At a branch point the equations F(y) = 0 of the curve have two directions, and an orbit is known by them to the third
+ * root of rounding only. Unfolded, F + b psi = 0 with psi outside of the range, and with two coordinates a = T y of the
+ * kernel given, they are regular: y and b are analytic in a, the curves are those where b is 0, and they cross where
+ * its two derivatives are, too (method of Lyapunov and Schmidt; Govaerts, Numerical Methods for Bifurcations of
+ * Dynamical Equilibria, SIAM 2000). */
+typedef struct {
+    ric_force_along along;
+    double scale;
+    double *psi;  /* [m] right sides of the last flight */
+    double *rows; /* [2 (m + 1)] T */
+    double *top;  /* [m] psi in the rows of the last stage */
+    double aim[2], b, slope[2];
+} unfolding;
+
+/* Solves [S p; T 0] x = r, all m + 2 numbers. */
+static bool bordered(int m, const double *S, const double *p, const double *rows, double *x)
+{
+    const int size = m + 2;
+    double A[size * size];
+    lapack_int pivot[size];
+    for (int i = 0; i < m; i++) {
+        memcpy(A + i * size, S + i * size, (size_t)(m + 1) * sizeof *A);
+        A[i * size + m + 1] = p[i];
+    }
+    for (int j = 0; j < 2; j++) {
+        memcpy(A + (m + j) * size, rows + j * (m + 1), (size_t)(m + 1) * sizeof *A);
+        A[(m + j) * size + m + 1] = 0;
+    }
+    return !ric_lapack(LAPACKE_dgesv(LAPACK_ROW_MAJOR, size, 1, A, size, pivot, x, 1));
+}
+
+/* psi as it comes out of the elimination, p [m]. */
+static bool eliminate_psi(ric_force_orbit *o, const unfolding *f, double *p)
+{
+    const int m = o->m;
+    const size_t w = width(o);
+    double *S = left(o), unused;
+    if (!eliminate(o, f->along, f->scale, f->psi, S, &unused)) return false;
+    for (int i = 0; i < m; i++) {
+        p[i] = S[i * (m + 2) + m + 1];
+        if (o->N > 1) f->top[i] = o->room[((size_t)(o->N - 1) * 2 * (size_t)m + (size_t)i) * w + w - 1];
+    }
+    return true;
+}
+
+/* T from the kernel of the orbit, and of the unit vectors of the last flight the one that is farthest from the range.
+ */
+static bool unfold(ric_force_orbit *o, unfolding *f)
+{
+    const int m = o->m;
+    double residual, *S = left(o), A[m * (m + 1)], U[m * m], Vt[(m + 1) * (m + 1)], values[m], super[m], p[m], most = 0;
+    if (!eliminate(o, f->along, f->scale, NULL, S, &residual)) return false;
+    for (int i = 0; i < m; i++) memcpy(A + i * (m + 1), S + i * (m + 2), (size_t)(m + 1) * sizeof *A);
+    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m + 1, A, m + 1, values, U, m, Vt, m + 1, super)))
+        return false;
+    memcpy(f->rows, Vt + (m - 1) * (m + 1), 2 * (size_t)(m + 1) * sizeof *Vt);
+    int best = 0;
+    for (int i = 0; i < m; i++) {
+        double part = 0;
+        memset(f->psi, 0, (size_t)m * sizeof *f->psi);
+        f->psi[i] = 1;
+        if (!eliminate_psi(o, f, p)) return false;
+        for (int j = 0; j < m; j++) part += U[j * m + m - 1] * p[j];
+        if (fabs(part) > most) {
+            most = fabs(part);
+            best = i;
+        }
+    }
+    memset(f->psi, 0, (size_t)m * sizeof *f->psi);
+    f->psi[best] = 1;
+    for (int j = 0; j < 2; j++)
+        f->aim[j] = ric_dot(m, f->rows + j * (m + 1), o->u) +
+                    f->rows[j * (m + 1) + m] * *ric_force_orbit_parameter(o, f->along) / f->scale;
+    return most > 0;
+}
+
+/* One step of Newton's method on the unfolded equations; its length, NaN: none. b and its derivatives are those where
+ * the step begins. */
+static double unfolded_step(ric_force_orbit *o, unfolding *f)
+{
+    const int m = o->m;
+    const size_t w = width(o), all = (size_t)o->N * (size_t)m;
+    double *S = left(o), *x = step_of(o), *parameter = ric_force_orbit_parameter(o, f->along), p[m], r[m + 2], e[m + 2],
+           unused;
+    if (!eliminate_psi(o, f, p) || !eliminate(o, f->along, f->scale, NULL, S, &unused)) return NAN;
+    for (int i = 0; i < m; i++) r[i] = S[i * (m + 2) + m + 1];
+    for (int j = 0; j < 2; j++) {
+        const double *row = f->rows + j * (m + 1);
+        r[m + j] = f->aim[j] - ric_dot(m, row, o->u) - row[m] * *parameter / f->scale;
+        memset(e, 0, sizeof e);
+        e[m + j] = 1;
+        if (!bordered(m, S, p, f->rows, e)) return NAN;
+        f->slope[j] = e[m + 1];
+    }
+    if (!bordered(m, S, p, f->rows, r)) return NAN;
+    f->b = r[m + 1];
+    for (int i = 0; i < m && o->N > 1; i++)
+        o->room[((size_t)(o->N - 1) * 2 * (size_t)m + (size_t)i) * w + w - 1] -= f->b * f->top[i];
+    memcpy(x, r, (size_t)m * sizeof *x);
+    x[all] = r[m];
+    back(o, true, x);
+    for (size_t i = 0; i < all; i++) o->u[i] += x[i];
+    *parameter += x[all] * f->scale;
+    return fmax(longest(all, x), fabs(x[all]));
+}
+
+static bool unfolded(ric_force_orbit *o, unfolding *f)
+{
+    double last = INFINITY;
+    for (int k = 0; k < NEWTON_MOST; k++) {
+        const double length = unfolded_step(o, f), size = size_of(o);
+        if (!isfinite(length) || !(*ric_force_orbit_parameter(o, f->along) > 0)) return false;
+        if (length < LAST * size || (length < CONVERGED * size && length >= last / 2)) return true;
+        last = length;
+    }
+    return false;
+}
+
+/* Derivatives of b at a + off, from the orbit `base`. */
+static bool slopes_at(ric_force_orbit *o, unfolding *f, const ric_force_orbit *base, int j, double off, double *out)
+{
+    ric_force_orbit_take(o, base);
+    f->aim[j] += off;
+    const bool found = unfolded(o, f);
+    f->aim[j] -= off;
+    memcpy(out, f->slope, sizeof f->slope);
+    return found;
+}
+
+/* One step towards the place where both derivatives of b are 0; its length, NaN: none. */
+static double towards_crossing(ric_force_orbit *o, ric_force_orbit *base, unfolding *f)
+{
+    const double h = RIC_DIFFERENCE * size_of(base);
+    double H[2][2], g[2], up[2], down[2];
+    for (int j = 0; j < 2; j++) {
+        if (!slopes_at(o, f, base, j, h, up) || !slopes_at(o, f, base, j, -h, down)) return NAN;
+        for (int i = 0; i < 2; i++) H[i][j] = (up[i] - down[i]) / (2 * h);
+    }
+    if (!slopes_at(o, f, base, 0, 0, g)) return NAN;
+    const double det = H[0][0] * H[1][1] - H[0][1] * H[1][0],
+                 move[] = {-(H[1][1] * g[0] - H[0][1] * g[1]) / det, -(H[0][0] * g[1] - H[1][0] * g[0]) / det};
+    ric_force_orbit_take(base, o);
+    for (int j = 0; j < 2; j++) f->aim[j] += move[j];
+    if (!unfolded(base, f)) return NAN;
+    return hypot(move[0], move[1]);
+}
+
+bool ric_force_orbit_branch_point(ric_force_orbit *o, ric_force_along along, double scale)
+{
+    const size_t m = (size_t)o->m;
+    ric_force_orbit *base = ric_force_orbit_copy(o), *trial = ric_force_orbit_copy(o);
+    double *room = ric_calloc(2 * m + 2 * (m + 1), sizeof *room), last = INFINITY, residual = INFINITY;
+    unfolding f = {.along = along, .scale = scale, .psi = room};
+    bool found = false;
+    if (base && trial && room) {
+        f.top = room + m;
+        f.rows = room + 2 * m;
+        bool begun = unfold(base, &f);
+        for (int k = 0; begun && k < CROSSINGS_MOST && !found; k++) {
+            const double length = towards_crossing(trial, base, &f);
+            if (!isfinite(length)) break;
+            found = length < LAST * size_of(base) || (length < CONVERGED * size_of(base) && length >= last / 2);
+            last = length;
+        }
+        found = found && eliminate(base, along, scale, NULL, left(base), &residual) &&
+                residual < CONVERGED * size_of(base);
+    }
+    if (found) {
+        base->residual = residual / size_of(base);
+        ric_force_orbit_take(o, base);
+    }
+    ric_force_orbit_free(base);
+    ric_force_orbit_free(trial);
+    free(room);
+    return found;
 }

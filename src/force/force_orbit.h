@@ -71,5 +71,8 @@ bool ric_force_orbit_tangent(ric_force_orbit *o, ric_force_along along, double s
  * smallest singular value but one, relative, 0 at a crossing. */
 bool ric_force_orbit_aside(ric_force_orbit *o, ric_force_along along, double scale, const double *tangent, double *out,
                            double *second);
+/* To the branch point next to the orbit, which lies beside it on a curve: known to rounding, where curve and orbit by
+ * themselves are known to the third root of it. False: it is not found, and the orbit is what it was. */
+bool ric_force_orbit_branch_point(ric_force_orbit *o, ric_force_along along, double scale);
 
 #endif

@@ -15,6 +15,7 @@
 #define SAME 1e-7      /* relative: an orbit met again */
 #define LOCATED 1e-13  /* of a step: where an event is */
 #define ON_CIRCLE 1e-4 /* multipliers at a place of Neimark and Sacker */
+#define BESIDE 0.1     /* of a step: how far from where it was seen a branch point is */
 #define OPEN 0.5       /* gaps wider than that part of the clearance tell nothing */
 
 enum { QUICK = 5, LOCATE_MOST = 100, STEP_WORK = 10000 /* multiplications of a step, about */ };
@@ -214,6 +215,39 @@ static bool on_circle(const tracer *t, const probe *p)
     return nearest < ON_CIRCLE;
 }
 
+/* Along the direction at a to other unknowns and value of the parameter; phases modulo a turn. */
+static double way(const tracer *t, const probe *a, const double *u, double value)
+{
+    const int m = t->o->m;
+    double sum = a->orbit.tangent[m] * (value - parameter(t, &a->orbit)) / t->options->scale;
+    for (int i = 0; i < m; i++) {
+        const double off = u[i] - a->orbit.u[i];
+        sum += a->orbit.tangent[i] * (i == 2 * t->o->n ? remainder(off, RIC_TWO_PI) : off);
+    }
+    return sum;
+}
+
+/* From a place where a multiplier is 1 within its rounding to the branch point itself, if that lies beside it. The
+ * direction stays: there are two at a branch point. */
+static void settle_branch_point(const tracer *t, const probe *from, double h, probe *p)
+{
+    ric_force_orbit *o = t->o;
+    ric_response_orbit *at = &p->orbit;
+    double multipliers[4 * o->n], rounding;
+    ric_response_trace_put(at, o);
+    if (!ric_force_orbit_branch_point(o, t->options->along, t->options->scale) ||
+        !(apart(t, at->u, parameter(t, at)) < BESIDE * h) ||
+        ric_force_motion_multipliers(o, multipliers, &rounding, NULL))
+        return;
+    memcpy(at->u, o->u, t->all * sizeof *at->u);
+    memcpy(at->multipliers, multipliers, sizeof multipliers);
+    at->drive = o->drive;
+    at->residual = o->residual;
+    at->rounding = rounding;
+    at->stable = ric_force_motion_judge(o->n, multipliers, rounding, &at->largest);
+    at->arclength = from->orbit.arclength + way(t, from, o->u, parameter(t, at));
+}
+
 /* Doubles the room of an array that is full. */
 static bool make_room(void **array, int n, int *room, size_t each)
 {
@@ -253,6 +287,7 @@ static bool find_events(tracer *t, const probe *a, const probe *b, double h, boo
             return false;
         }
         if (found && what == BY_MARGIN) end = p.orbit.arclength;
+        if (found && what == BY_ONE) settle_branch_point(t, a, h, &p);
         if (found && p.orbit.arclength <= end && (what != BY_PAIRS || on_circle(t, &p)) &&
             !keep_event(t, kinds[what], &p)) {
             ric_response_trace_orbit_free(&p.orbit);
@@ -279,18 +314,6 @@ static bool keep_point(tracer *t, const probe *p)
     copy.orbit.multipliers = kept.multipliers;
     out->points[out->n_point++] = copy.orbit;
     return true;
-}
-
-/* Along the direction at a to other unknowns and value of the parameter; phases modulo a turn. */
-static double way(const tracer *t, const probe *a, const double *u, double value)
-{
-    const int m = t->o->m;
-    double sum = a->orbit.tangent[m] * (value - parameter(t, &a->orbit)) / t->options->scale;
-    for (int i = 0; i < m; i++) {
-        const double off = u[i] - a->orbit.u[i];
-        sum += a->orbit.tangent[i] * (i == 2 * t->o->n ? remainder(off, RIC_TWO_PI) : off);
-    }
-    return sum;
 }
 
 /* At the edge of the window that lies between a and the orbit in t->o. */

@@ -63,6 +63,11 @@ ok "another step" curves --level 0.2 --step 0.02 -o "$folder/b"
 ok "gives the same events" rows '
 def of(name): return sorted((e["kind"], e["omega"]) for e in read(name) if e["kind"] in ("grazing", "fold") and not 1.38 < e["omega"] < 1.39)
 assert len(of("events")) == len(of("others")) and all(a[0] == b[0] and abs(a[1] / b[1] - 1) < 1e-10 for a, b in zip(of("events"), of("others")))'
+ok "branch points are located to rounding, a multiplier is 1 there" rows '
+def of(name): return sorted((e["omega"], min(abs(complex(*m) - 1) for m in e["multipliers"])) for e in read(name) if e["kind"] == "branch-point")
+a, b = of("events"), of("others")
+assert len(a) >= 2 and len(a) == len(b) and all(abs(x[0] / y[0] - 1) < 1e-13 for x, y in zip(a, b)), (a, b)
+assert all(x[1] < 1e-11 for x in a + b), (a, b)'
 before_a=$(cksum "$folder/a")
 ok "the same call once more" curves --level 0.2 -o "$folder/a"
 ok "changes nothing" test "$before_a" = "$(cksum "$folder/a")"
