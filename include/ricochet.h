@@ -667,6 +667,7 @@ typedef struct {
     const int *harmonics;
     int branch;           /* only beside this branch of the atlas; 0: all, and the linear motion */
     int impacts, periods; /* largest numbers of a word, and of periods of the force of an orbit */
+    int once_in;          /* at a grazing also motions that impact there once in up to so many of its periods */
     int points, curves;   /* most of a curve, and of all */
     double step;          /* longest, relative to the orbit */
 } ric_response_options;
@@ -688,6 +689,9 @@ const ric_model *ric_response_model(const ric_response *response);
 const ric_response_options *ric_response_asked(const ric_response *response);
 /* Whether all that was asked for has been done. */
 bool ric_response_finished(const ric_response *response);
+/* How many starts were left out because the equations have no solution there, as at the frequency of a mode that is not
+ * damped, and the first reason, "" without one. */
+int ric_response_skipped(const ric_response *response, const char **why);
 
 typedef struct {
     double arclength;

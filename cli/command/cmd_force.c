@@ -107,12 +107,18 @@ static ric_status solve_both(const request *ask, const ric_force *force, const r
     const size_t n = (size_t)ric_model_n_dof(ric_force_model(force)), letters = (size_t)b->letters;
     double *room = calloc(7 * n + letters + 1, sizeof *room), *first = room + 6 * n + letters + 1;
     double first_phase = NAN;
+    char why[512];
     forced x = {.state = room, .multipliers = room + 2 * n, .flights = room + 6 * n};
     ric_status status = room ? RIC_OK : RIC_E_NOMEM;
     for (int k = 0; k < p->n_phase && !status; k++) {
         status = ric_force_solve(force, orbit, p->harmonic, ask->level, p->phases[k], &x.data, x.state, x.flights,
                                  x.multipliers);
-        if (!status && k == 1 && same_orbit((int)n, &x, first, first_phase))
+        if (status == RIC_E_NUMERIC) { /* this orbit cannot be forced so; others can */
+            snprintf(why, sizeof why, "%s", ric_detail());
+            x.data.fault = why;
+            status = RIC_OK;
+        }
+        if (!status && k == 1 && !*x.data.fault && same_orbit((int)n, &x, first, first_phase))
             x.data.fault = "both phases lead to one orbit";
         if (!status && *x.data.fault) say_fault(b, p, k, x.data.fault);
         if (!status) json_array_append_new(rows, forced_row(force, b, p, &x));

@@ -156,6 +156,13 @@ static int list(const request *ask, const ric_response *r)
     return code;
 }
 
+static void say_skipped(const ric_response *r)
+{
+    const char *why;
+    const int n = ric_response_skipped(r, &why);
+    if (n) cli_say("ricochet: %d start%s left out: %s\n", n, n == 1 ? " was" : "s were", why);
+}
+
 static int list_file(const request *ask, const char *path)
 {
     ric_response *r = NULL;
@@ -164,6 +171,7 @@ static int list_file(const request *ask, const char *path)
     if (!code && ask->curve > ric_response_n_curve(r))
         code = cli_wrong("response: no curve %ld; %s has %d", ask->curve, path, ric_response_n_curve(r));
     if (!code) code = list(ask, r);
+    if (!code) say_skipped(r);
     if (!code && !ric_response_finished(r))
         cli_say("ricochet: %s is not finished; give the call that began it once more\n", path);
     ric_response_free(r);
@@ -178,8 +186,9 @@ static bool asked_to_stop(void *user)
     return cli_stopped();
 }
 
-static int none(const request *ask)
+static int none(const request *ask, const ric_response *r)
 {
+    say_skipped(r);
     cli_say(
         "ricochet: no forced orbit was found in the window; `ricochet force %s` lists the thresholds of all orbits\n",
         ask->path);
@@ -253,7 +262,8 @@ static int run_response(request *ask, const ric_atlas *atlas)
     ask->options.levels = ask->levels;
     if ((status = ric_response_run(atlas, &ask->options, ask->out, asked_to_stop, NULL))) return cli_report(status);
     if ((status = ric_response_read(ask->out, &r))) return cli_report(status);
-    const int code = ric_response_n_curve(r) ? list(ask, r) : none(ask);
+    const int code = ric_response_n_curve(r) ? list(ask, r) : none(ask, r);
+    if (ric_response_n_curve(r)) say_skipped(r);
     ric_response_free(r);
     return code;
 }
@@ -291,7 +301,7 @@ static int compute(request *ask)
 
 static int take_request(int *argc, char **argv, request *ask)
 {
-    const char *omega, *level, *along, *branch, *impacts, *periods, *points, *curves, *step, *curve;
+    const char *omega, *level, *along, *branch, *impacts, *periods, *points, *curves, *step, *curve, *once;
     int code = CLI_WRONG;
     long number = 0;
     if (cli_take_flag(argc, argv, "--points")) ask->what = LIST_POINTS;
@@ -300,7 +310,7 @@ static int take_request(int *argc, char **argv, request *ask)
         !cli_take_value(argc, argv, "--omega", &omega) || !cli_take_value(argc, argv, "--level", &level) ||
         !cli_take_value(argc, argv, "--along", &along) || !cli_take_value(argc, argv, "--branch", &branch) ||
         !cli_take_value(argc, argv, "--impacts", &impacts) || !cli_take_value(argc, argv, "--periods", &periods) ||
-        !cli_take_value(argc, argv, "--most-points", &points) ||
+        !cli_take_value(argc, argv, "--once-in", &once) || !cli_take_value(argc, argv, "--most-points", &points) ||
         !cli_take_value(argc, argv, "--most-curves", &curves) || !cli_take_value(argc, argv, "--step", &step) ||
         !cli_take_value(argc, argv, "--curve", &curve) || !cli_take_value(argc, argv, "--study", &ask->study) ||
         !cli_take_value(argc, argv, "-o", &ask->out) || !cli_operands(&cli_response, *argc, argv, 1))
@@ -311,8 +321,9 @@ static int take_request(int *argc, char **argv, request *ask)
         (omega && !cli_parse_list(omega, "--omega", 2, &ask->n_omega, ask->omega)) ||
         (level && !cli_parse_list(level, "--level", LEVELS_MOST, &ask->n_level, ask->levels)) ||
         !parse_whole(branch, "--branch", &o->branch) || !parse_whole(impacts, "--impacts", &o->impacts) ||
-        !parse_whole(periods, "--periods", &o->periods) || !parse_whole(points, "--most-points", &o->points) ||
-        !parse_whole(curves, "--most-curves", &o->curves) || (step && !cli_parse_number(step, "--step", &o->step)))
+        !parse_whole(periods, "--periods", &o->periods) || !parse_whole(once, "--once-in", &o->once_in) ||
+        !parse_whole(points, "--most-points", &o->points) || !parse_whole(curves, "--most-curves", &o->curves) ||
+        (step && !cli_parse_number(step, "--step", &o->step)))
         return CLI_WRONG;
     ask->curve = number;
     if (ric_response_is(ask->path)) return CLI_DONE;
@@ -353,6 +364,9 @@ static const cli_item items[] = {
     {.name = "--periods",
      .value = "N",
      .text = "largest number of periods of the force in one of the motion: 4 unless given"},
+    {.name = "--once-in",
+     .value = "N",
+     .text = "at a grazing also motions that impact there once in up to N of its periods: 1, in each, unless given"},
     {.name = "--most-points", .value = "N", .text = "most orbits of a curve: 2000 unless given"},
     {.name = "--most-curves", .value = "N", .text = "most curves: 200 unless given"},
     {.name = "--step", .value = "H", .text = "longest step, relative to the motion: 0.05 unless given"},
@@ -371,8 +385,8 @@ const cli_command cli_response = {
     .summary = "curves of exact forced motions of the damped structure",
     .usage = "ricochet response ATLAS [--force F1,F2,..] [--level L,..] [--omega A,B]\n"
              "           [--damping ZETA|FILE] [--restitution E] [--harmonic M] [--study STUDY]\n"
-             "           [--along WHAT] [--branch ID] [--impacts N] [--periods N] [--most-points N]\n"
-             "           [--most-curves N] [--step H] -o FILE [--json | --csv]\n"
+             "           [--along WHAT] [--branch ID] [--impacts N] [--periods N] [--once-in N]\n"
+             "           [--most-points N] [--most-curves N] [--step H] -o FILE [--json | --csv]\n"
              "ricochet response FILE [--points | --events] [--curve ID] [--json | --csv]\n",
     .items = items,
     .example = "ricochet response s.ricochet --force 1,0 --damping 0.01 --level 0.2 --omega 1,3 -o r\n",

@@ -314,9 +314,9 @@ ric_status ric_force_motion_measure(const ric_force_orbit *o, ric_force_measures
 ric_status ric_force_motion_strobe(const ric_force_orbit *o, double theta, double *z)
 {
     const int n = o->n;
-    const double first = ric_force_orbit_theta(o, 0);
-    theta = first + remainder(theta - first, RIC_TWO_PI);
-    if (theta < first) theta += RIC_TWO_PI;
+    const double first = ric_force_orbit_theta(o, 0), whole = o->harmonic * RIC_TWO_PI;
+    theta = first + remainder(theta - first, whole);
+    if (theta < first) theta += whole;
     for (int k = 0; k < o->N; k++) {
         const double *u = ric_force_orbit_node(o, k), t = (theta - u[2 * n]) / o->drive.omega;
         if (t > u[2 * n + 1] && k + 1 < o->N) continue;

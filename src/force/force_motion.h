@@ -31,7 +31,8 @@ typedef struct {
 } ric_force_measures;
 ric_status ric_force_motion_measure(const ric_force_orbit *o, ric_force_measures *out);
 
-/* State [2n] at phase theta (a multiple of 2 pi later than the first not before event 0): of the stroboscopic map. */
+/* State [2n] at phase theta, or whole periods of the orbit earlier or later, of which event 0 begins one: of the
+ * stroboscopic map. */
 ric_status ric_force_motion_strobe(const ric_force_orbit *o, double theta, double *z);
 
 /* Scaled public state and seconds, [2 n_dof], from and to the units of the solver. */

@@ -16,6 +16,7 @@ void ric_response_defaults(ric_response_options *out)
                                   .harmonics = &fundamental,
                                   .impacts = 12,
                                   .periods = 4,
+                                  .once_in = 1,
                                   .points = 2000,
                                   .curves = 200,
                                   .step = 0.05};
@@ -46,6 +47,7 @@ void ric_response_free(ric_response *r)
     free(r->matrix);
     free(r->levels);
     free(r->harmonics);
+    free(r->skipped);
     ric_study_free(r->study);
     free(r);
 }
@@ -169,6 +171,12 @@ const ric_response_options *ric_response_asked(const ric_response *r)
 bool ric_response_finished(const ric_response *r)
 {
     return r->finished;
+}
+
+int ric_response_skipped(const ric_response *r, const char **why)
+{
+    *why = r->skipped ? r->skipped : "";
+    return r->n_skipped;
 }
 
 int ric_response_n_curve(const ric_response *r)

@@ -25,10 +25,13 @@ typedef struct {
 struct ric_response {
     ric_study *study; /* owned; of a response that is read */
     const ric_model *model;
+    const ric_atlas *atlas; /* borrowed; of a response that is computed */
     ric_response_options asked;
     double *force, *ratios, *matrix, *levels;
     int *harmonics;
     bool finished;
+    int n_skipped; /* starts that cannot be, and the first reason */
+    char *skipped;
     int n_curve, n_event, n_task;
     ric_response_line *curves;
     ric_response_mark *events;
@@ -53,7 +56,8 @@ bool ric_response_did(const ric_response *r, const char *key);
 
 typedef struct ric_response_file ric_response_file;
 /* Opens the file of a response or makes it; what it has is read into r. `text` says what was asked for: RIC_E_CONFLICT
- * if it is of something else. */
+ * if it is of something else, or of another structure. Another study of the same structure takes the place of the one
+ * before: what its atlas has anew is still to be done. */
 ric_status ric_response_store_open(const char *path, const char *text, const char *study, ric_response *r,
                                    ric_response_file **out);
 /* Curves and events from these ids on, and that the task is done, in one transaction. */

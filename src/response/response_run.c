@@ -140,6 +140,25 @@ static bool same_motion(const driver *d, const ric_force_orbit *a, const ric_for
     return false;
 }
 
+/* Whether a motion of several periods of the force repeats itself earlier: it is one of fewer, traversed more than
+ * once, as the predictions beside duplicates lead to. */
+static bool repeats(const ric_force_orbit *o)
+{
+    const int size = 2 * o->n;
+    double z[size], x[size];
+    if (o->harmonic < 2 || ric_force_motion_strobe(o, 0, z)) return false;
+    for (int k = 1; 2 * k <= o->harmonic; k++) {
+        double most = 0, length = 1;
+        if (o->harmonic % k || ric_force_motion_strobe(o, RIC_TWO_PI * k, x)) continue;
+        for (int j = 0; j < size; j++) {
+            most = fmax(most, fabs(z[j] - x[j]));
+            length = fmax(length, 1 + fabs(z[j]));
+        }
+        if (most < SAME * length) return true;
+    }
+    return false;
+}
+
 static double value_of(const driver *d, const ric_response_point *p)
 {
     return d->trace.along == RIC_ALONG_OMEGA   ? p->omega / d->medium->time
@@ -279,17 +298,31 @@ static ric_status take_start(driver *d, ric_force_orbit *o, int branch, bool *ta
     ric_status status = ric_response_trace_margin(o, &margin);
     const double value = *ric_force_orbit_parameter(o, d->trace.along);
     *taken = !status && margin > 0 && value >= d->trace.window[0] && value <= d->trace.window[1];
-    if (*taken && !known_curve(d, o)) return follow(d, o, NULL, branch, 0);
+    if (*taken && !repeats(o) && !known_curve(d, o)) return follow(d, o, NULL, branch, 0);
     ric_force_orbit_free(o);
     return status;
 }
 
 /* ------------------------------------------------------------------- starts */
 
-/* Errors of a start, as a resonance, are no reason to stop. */
-static ric_status forgive(ric_status status)
+/* Errors of a start, as a resonance, are no reason to stop; they are counted, and the first one is kept. */
+static ric_status forgive(driver *d, ric_status status)
 {
-    return status == RIC_E_NUMERIC ? RIC_OK : status;
+    if (status != RIC_E_NUMERIC) return status;
+    d->r->n_skipped++;
+    if (!d->r->skipped) d->r->skipped = ric_strdup(ric_detail());
+    return d->r->skipped ? RIC_OK : ric_no_memory("a response");
+}
+
+/* Whether the structure has a steady answer with the springs of each flight: Newton's method would only say that it
+ * does not converge. */
+static ric_status answers(const driver *d, const ric_force_orbit *o)
+{
+    const ric_force_frame *frame;
+    ric_status status = RIC_OK;
+    for (int k = 0; k < o->N && !status && !d->medium->smooth; k++)
+        status = ric_force_frame_find(d->medium, o->closed[k], o->drive.omega, &frame);
+    return status;
 }
 
 static ric_status start_linear(driver *d)
@@ -301,10 +334,12 @@ static ric_status start_linear(driver *d)
         double omega = d->r->asked.omega / d->medium->time, level = d->level;
         if (d->trace.along == RIC_ALONG_OMEGA) omega = d->trace.window[end];
         if (d->trace.along == RIC_ALONG_LEVEL) level = d->trace.window[end];
-        status = forgive(ric_force_start_linear(d->medium, omega, level, &o));
+        status = forgive(d, ric_force_start_linear(d->medium, omega, level, &o));
         if (!o) continue;
+        const ric_status resonant = answers(d, o);
+        if (!status) status = forgive(d, resonant);
         if (d->trace.along == RIC_ALONG_RESTITUTION) o->drive.restitution = d->trace.window[end];
-        if (!status && ric_force_orbit_solve(o, d->trace.along, d->trace.scale, NULL, 0, NULL))
+        if (!status && !resonant && ric_force_orbit_solve(o, d->trace.along, d->trace.scale, NULL, 0, NULL))
             status = take_start(d, o, 0, &taken);
         else ric_force_orbit_free(o);
         o = NULL;
@@ -321,8 +356,10 @@ static ric_status start_beside(driver *d, int branch, const ric_orbit *orbit, in
     for (int k = 0; k < p.n_phase && !status; k++) {
         ric_force_orbit *o = NULL;
         bool one = false;
-        status = forgive(ric_force_start_from(d->medium, orbit, harmonic, level, p.phases[k], &o));
-        if (o && !status && ric_force_start_settle(o)) status = forgive(take_start(d, o, branch, &one));
+        ric_status possible = ric_force_start_from(d->medium, orbit, harmonic, level, p.phases[k], &o);
+        if (!possible) possible = answers(d, o);
+        status = forgive(d, possible);
+        if (o && !possible && ric_force_start_settle(o)) status = forgive(d, take_start(d, o, branch, &one));
         else ric_force_orbit_free(o);
         *taken = *taken || one;
     }
@@ -435,7 +472,7 @@ static bool has_left(const driver *d, const ric_force_orbit *o, int event)
 static ric_status depart(driver *d, ric_force_orbit *o, const double *direction, int branch, int event)
 {
     if (!o) return RIC_OK;
-    if (impacts_of(o) > d->r->asked.impacts || has_left(d, o, event) || known_curve(d, o)) {
+    if (impacts_of(o) > d->r->asked.impacts || has_left(d, o, event) || repeats(o) || known_curve(d, o)) {
         ric_force_orbit_free(o);
         return RIC_OK;
     }
@@ -450,7 +487,29 @@ static ric_status leave_grazing(driver *d, ric_force_orbit *o, int branch, int e
     ric_status status = ric_response_word_touches(o, touches, &n);
     for (unsigned set = 0; n > 0 && set < 1u << n && !status; set++) {
         ric_force_orbit *x = ric_response_word_change(o, &d->trace, n, touches, set, direction);
-        status = forgive(depart(d, x, direction, branch, event));
+        status = forgive(d, depart(d, x, direction, branch, event));
+    }
+    return status;
+}
+
+/* Motions of several periods of the one that grazes, with the impact in one of them only: near a grazing these begin,
+ * too, and beside a resonance of the force with the free motion they are the ones that are stable (Nordmark,
+ * Nonlinearity 14 (2001); Ghosh and Simpson, arXiv 2510.16218). */
+static ric_status leave_grazing_once(driver *d, const ric_force_orbit *o, int branch, int event)
+{
+    ric_response_touch touches[RIC_TOUCHES_MOST];
+    int n = 0;
+    double direction[o->m + 1];
+    ric_status status = RIC_OK;
+    for (int copies = 2; copies <= d->r->asked.once_in && copies * o->harmonic <= d->r->asked.periods && !status;
+         copies++) {
+        ric_force_orbit *longer = ric_response_word_repeat(o, copies);
+        status = longer ? ric_response_word_touches(longer, touches, &n) : ric_no_memory("a response");
+        for (int i = 0; i < n / copies && !status; i++) {
+            ric_force_orbit *x = ric_response_word_change(longer, &d->trace, n, touches, 1u << i, direction);
+            status = forgive(d, depart(d, x, direction, branch, event));
+        }
+        ric_force_orbit_free(longer);
     }
     return status;
 }
@@ -507,7 +566,7 @@ static ric_status leave_aside(driver *d, ric_force_orbit *o, int branch, int eve
         return RIC_OK;
     for (int side = 0; side < sides && !status; side++) {
         ric_force_orbit *x = ric_response_word_aside(o, &d->trace, row, copies, side ? -1 : 1, direction);
-        if (x && !known_curve(d, x)) status = forgive(follow(d, x, direction, branch, event));
+        if (x && !known_curve(d, x)) status = forgive(d, follow(d, x, direction, branch, event));
         else ric_force_orbit_free(x);
     }
     return status;
@@ -522,6 +581,7 @@ static ric_status leave(driver *d, int event)
     ric_status status = RIC_OK;
     if (!o) return ric_trust(RIC_OK);
     if (kind == RIC_RESPONSE_GRAZING) status = leave_grazing(d, o, branch, event);
+    if (kind == RIC_RESPONSE_GRAZING && !status) status = leave_grazing_once(d, o, branch, event);
     if (kind == RIC_RESPONSE_BRANCH_POINT || kind == RIC_RESPONSE_DOUBLING)
         status = leave_aside(d, o, branch, event, kind);
     ric_force_orbit_free(o);
@@ -548,11 +608,17 @@ static ric_status start_all(driver *d, int place)
     for (int id = first; id <= last && !status; id++)
         for (int h = 0; h < (id ? a->n_harmonic : 1) && !status; h++) {
             const int curve = d->r->n_curve + 1, event = d->r->n_event + 1;
-            snprintf(key, sizeof key, "level %d branch %d harmonic %d", place, id, id ? a->harmonics[h] : 1);
-            if (ric_response_did(d->r, key)) continue;
+            if (id) status = ric_atlas_branch(d->atlas, id, &b);
+            snprintf(key, sizeof key, "level %d branch %s harmonic %d", place, id && !status ? b.key : "-",
+                     id ? a->harmonics[h] : 1);
+            if (status || ric_response_did(d->r, key)) continue;
             if (id == 0) status = start_linear(d);
-            else status = ric_atlas_branch(d->atlas, id, &b);
             const bool moves = id && !status && !(b.letters == 0 && d->medium->model->n_face);
+            if (id && a->branch && !status && !moves)
+                status = forgive(d, ric_fail(RIC_E_NUMERIC,
+                                             "branch %d is a linear mode, which meets no stop: its forced motion is "
+                                             "that of the linear structure, which is followed where no branch is named",
+                                             id));
             if (moves)
                 status = a->along == RIC_RESPONSE_OMEGA ? along_omega(d, &b, a->harmonics[h])
                                                         : at_omega(d, &b, a->harmonics[h]);
@@ -609,6 +675,7 @@ static ric_status open_driver(const ric_atlas *atlas, const ric_response_options
     if (!status) status = ric_force_medium_create(d->force, &d->medium);
     if (status) return status;
     d->r = ric_response_create(d->medium->model);
+    if (d->r) d->r->atlas = atlas;
     char *text = d->r && ric_response_take(d->r, o) ? ric_response_store_text(d->r) : NULL;
     if (!text) return ric_no_memory("a response");
     status = ric_response_store_open(path, text, ric_study_text(ric_atlas_study(atlas)), d->r, &d->file);

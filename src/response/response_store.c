@@ -78,8 +78,8 @@ char *ric_response_store_text(const ric_response *r)
     write_numbers(text.file, "window", 2, o->window);
     write_numbers(text.file, "omega", 1, &o->omega);
     write_numbers(text.file, "step", 1, &o->step);
-    fprintf(text.file, "along %d\nbranch %d\nimpacts %d\nperiods %d\npoints %d\ncurves %d\nharmonics", (int)o->along,
-            o->branch, o->impacts, o->periods, o->points, o->curves);
+    fprintf(text.file, "along %d\nbranch %d\nimpacts %d\nperiods %d\nonce %d\npoints %d\ncurves %d\nharmonics",
+            (int)o->along, o->branch, o->impacts, o->periods, o->once_in, o->points, o->curves);
     for (int i = 0; i < o->n_harmonic; i++) fprintf(text.file, " %d", o->harmonics[i]);
     fputc('\n', text.file);
     return ric_buffer_take(&text);
@@ -136,6 +136,7 @@ static ric_status asked_from(const char *text, const ric_response_file *f, ric_r
     o->branch = (int)read_number(text, "branch");
     o->impacts = (int)read_number(text, "impacts");
     o->periods = (int)read_number(text, "periods");
+    o->once_in = (int)read_number(text, "once");
     o->points = (int)read_number(text, "points");
     o->curves = (int)read_number(text, "curves");
     o->shaking.force = r->force;
@@ -165,6 +166,19 @@ static ric_status get_meta(const ric_response_file *f, const char *key, char **o
     } else if (code != SQLITE_DONE) status = failed(f);
     sqlite3_finalize(query);
     return status;
+}
+
+/* How many starts were left out, and why: "2 the force has ...". */
+static ric_status get_skipped(const ric_response_file *f, ric_response *r)
+{
+    char *text = NULL, *why;
+    ric_status status = get_meta(f, "skipped", &text);
+    if (status || !text) return status;
+    r->n_skipped = (int)strtol(text, &why, 10);
+    free(r->skipped);
+    r->skipped = ric_strdup(*why ? why + 1 : why);
+    free(text);
+    return r->skipped ? RIC_OK : ric_no_memory("a response");
 }
 
 static int word_of(const char *text, int letters, int **out)
@@ -369,6 +383,7 @@ ric_status ric_response_read(const char *path, ric_response **out)
         r->finished = finished;
         status = asked_from(asked, f, r);
     }
+    if (!status) status = get_skipped(f, r);
     if (!status) status = read_rows(f, r);
     free(study);
     free(asked);
@@ -404,6 +419,64 @@ static ric_status begin_file(const ric_response_file *f, const char *text, const
     return status ? status : run(f, "COMMIT");
 }
 
+/* ------------------------------------------------------------ another study */
+
+/* The key of a branch of the atlas, by which it is known where other budgets have given it another number. */
+static ric_status put_branch(const ric_response_file *f, const ric_atlas *atlas, int id)
+{
+    char name[32];
+    ric_branch b;
+    ric_status status = ric_atlas_branch(atlas, id, &b);
+    snprintf(name, sizeof name, "branch %d", id);
+    return status ? status : put_meta(f, name, b.key);
+}
+
+static int branch_of_key(const ric_atlas *atlas, const char *key)
+{
+    ric_branch b;
+    for (int id = 1; key && id <= ric_atlas_n_branch(atlas); id++)
+        if (!ric_atlas_branch(atlas, id, &b) && strcmp(b.key, key) == 0) return id;
+    return 0;
+}
+
+/* Numbers of branches as they are in the atlas of now, 0 of what it does not have. */
+static ric_status renumber(const ric_response_file *f, ric_response *r)
+{
+    ric_status status = RIC_OK;
+    for (int i = 0; i < r->n_curve && !status; i++) {
+        char name[32], sql[96], *key = NULL;
+        int *branch = &r->curves[i].data.branch;
+        snprintf(name, sizeof name, "branch %d", *branch);
+        status = get_meta(f, name, &key);
+        *branch = branch_of_key(r->atlas, key);
+        free(key);
+        snprintf(sql, sizeof sql, "UPDATE curve SET branch = %d WHERE id = %d", *branch, i + 1);
+        if (!status) status = run(f, sql);
+    }
+    if (!status) status = run(f, "DELETE FROM meta WHERE key LIKE 'branch %'");
+    for (int i = 0; i < r->n_curve && !status; i++)
+        if (r->curves[i].data.branch) status = put_branch(f, r->atlas, r->curves[i].data.branch);
+    return status;
+}
+
+/* The study `text` takes the place of the one before, if it is of the same structure. */
+static ric_status change_study(const ric_response_file *f, const char *before, const char *text, ric_response *r)
+{
+    ric_study *old = NULL;
+    ric_status status = ric_study_parse(before, f->path, NULL, &old);
+    if (!status && !ric_model_same(ric_study_model(old), r->model))
+        status = ric_fail(RIC_E_CONFLICT, "%s: has the response of another structure; name another file", f->path);
+    ric_study_free(old);
+    if (!status) status = run(f, "BEGIN IMMEDIATE");
+    if (status) return status;
+    status = put_meta(f, "study", text);
+    if (!status) status = renumber(f, r);
+    if (!status) status = run(f, "DELETE FROM meta WHERE key = 'finished'");
+    if (!status) return run(f, "COMMIT");
+    sqlite3_exec(f->db, "ROLLBACK", NULL, NULL, NULL);
+    return status;
+}
+
 ric_status ric_response_store_open(const char *path, const char *text, const char *study, ric_response *r,
                                    ric_response_file **out)
 {
@@ -416,11 +489,18 @@ ric_status ric_response_store_open(const char *path, const char *text, const cha
     if (!status) status = get_meta(f, "asked", &before);
     if (!status) status = get_meta(f, "study", &of);
     if (!status) status = get_meta(f, "finished", &finished);
-    if (!status && (!before || !of || strcmp(before, text) != 0 || strcmp(of, study) != 0))
-        status = ric_fail(RIC_E_CONFLICT,
-                          "%s: has the response of another structure, force or window; name another file", path);
+    if (!status && (!before || !of)) status = damaged(f, "no study");
+    if (!status && strcmp(before, text) != 0)
+        status =
+            ric_fail(RIC_E_CONFLICT,
+                     "%s: has the response to another force, damping, window, budget or step; name another file, or "
+                     "give the call again that began it",
+                     path);
+    if (!status) status = get_skipped(f, r);
     if (!status) status = read_rows(f, r);
-    r->finished = finished;
+    const bool other = !status && strcmp(of, study) != 0;
+    if (other) status = change_study(f, of, study, r);
+    r->finished = finished && !other;
     free(before);
     free(of);
     free(finished);
@@ -501,17 +581,31 @@ static ric_status put_event(const ric_response_file *f, const ric_response_mark 
     return status;
 }
 
+static ric_status put_skipped(const ric_response_file *f, const ric_response *r)
+{
+    ric_buffer text;
+    if (!r->n_skipped) return RIC_OK;
+    if (!ric_buffer_open(&text)) return ric_no_memory("a response");
+    fprintf(text.file, "%d %s", r->n_skipped, r->skipped);
+    char *value = ric_buffer_take(&text);
+    const ric_status status = value ? put_meta(f, "skipped", value) : ric_no_memory("a response");
+    free(value);
+    return status;
+}
+
 ric_status ric_response_store_put(ric_response_file *f, const ric_response *r, int curve, int event, const char *task)
 {
     const int n = ric_model_n_dof(r->model);
     ric_status status = run(f, "BEGIN IMMEDIATE");
     for (int i = curve - 1; i < r->n_curve && !status; i++) {
         status = put_curve(f, &r->curves[i]);
+        if (!status && r->curves[i].data.branch) status = put_branch(f, r->atlas, r->curves[i].data.branch);
         if (!status) status = put_points(f, &r->curves[i], ric_response_numbers(n, r->curves[i].data.letters));
     }
     for (int i = event - 1; i < r->n_event && !status; i++)
         status = put_event(f, &r->events[i],
                            ric_response_numbers(n, r->curves[r->events[i].data.curve - 1].data.letters));
+    if (!status) status = put_skipped(f, r);
     sqlite3_stmt *q = NULL;
     if (!status && sqlite3_prepare_v2(f->db, "INSERT OR REPLACE INTO task VALUES (?)", -1, &q, NULL))
         status = failed(f);

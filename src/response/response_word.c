@@ -262,7 +262,7 @@ ric_force_orbit *ric_response_word_change(const ric_force_orbit *o, const ric_re
 
 /* -------------------------------------------------------------------- aside */
 
-static ric_force_orbit *repeated(const ric_force_orbit *o, int copies)
+ric_force_orbit *ric_response_word_repeat(const ric_force_orbit *o, int copies)
 {
     ric_force_orbit *out;
     const int N = o->N * copies;
@@ -285,7 +285,7 @@ static ric_force_orbit *repeated(const ric_force_orbit *o, int copies)
 ric_force_orbit *ric_response_word_aside(const ric_force_orbit *o, const ric_response_trace_options *options,
                                          const double *tangent, int copies, double sign, double *direction)
 {
-    ric_force_orbit *out = repeated(o, copies);
+    ric_force_orbit *out = ric_response_word_repeat(o, copies);
     const int m = o->m;
     const size_t all = (size_t)o->N * (size_t)copies * (size_t)m;
     double *aside = ric_calloc(all + 1, sizeof *aside), second, margin, size = 1;

@@ -22,6 +22,9 @@ ric_status ric_response_word_touches(const ric_force_orbit *o, ric_response_touc
 ric_force_orbit *ric_response_word_change(const ric_force_orbit *o, const ric_response_trace_options *options, int n,
                                           const ric_response_touch *touches, unsigned set, double *direction);
 
+/* The same orbit as one of `copies` times the period. NULL: no memory. */
+ric_force_orbit *ric_response_word_repeat(const ric_force_orbit *o, int copies);
+
 /* The same along the second direction at a branch point (copies 1) or a doubling (2); sign: which side. */
 ric_force_orbit *ric_response_word_aside(const ric_force_orbit *o, const ric_response_trace_options *options,
                                          const double *tangent, int copies, double sign, double *direction);

@@ -89,8 +89,30 @@ ok "to the end" curves --level 0.2 -o "$folder/c"
 ok "as if it had not been stopped" cmp "$folder/points.a" "$folder/points.c"
 ok "along the level" "$ricochet" response "$atlas" --force 1,0 --damping 0.01 --along level --level 0.01,0.3 --omega 1.3 -o "$folder/level"
 ok "along the restitution" "$ricochet" response "$atlas" --force 1,0 --damping 0.01 --along restitution --restitution 0.8,1 --omega 1.3 --level 0.3 -o "$folder/e"
-ok "another force, the same file" ends 1 "name another file" "$atlas" --force 1,1 --damping 0.01 --omega 0.3,3.2 --level 0.2 -o "$folder/a"
+ok "another force, the same file" ends 1 "another force.*name another file" "$atlas" --force 1,1 --damping 0.01 --omega 0.3,3.2 --level 0.2 -o "$folder/a"
 ok "a file that is an atlas" ends 1 "not a response" "$atlas" --force 1,1 --damping 0.01 --omega 0.3,3.2 --level 0.2 -o "$atlas"
+study() { printf 'model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts: [{normal: [-1, 1], clearance: 1}]\nexplore: {energy: [0, 10], depth: %s, impacts: 4}\n%s' "$1" "${2-}"; }
+study 1 >"$folder/s.yaml"
+"$ricochet" run "$folder/s.yaml" -o "$folder/s" --quiet
+few() { "$ricochet" response "$folder/s" --force 1,0 --damping 0.01 --level 0.5 --omega 1,1.6 -o "$folder/s.response" "$@"; }
+few --json >"$folder/before"
+study 0 'damping: 0.3
+' >"$folder/s.yaml"
+"$ricochet" run "$folder/s.yaml" -o "$folder/s" --quiet
+ok "a response goes on when the atlas has grown and its study has other keys" few --json
+"$ricochet" response "$folder/s.response" --json >"$folder/after"
+ok "with all that was there, and what the new branches lead to" rows '
+before, after = read("before"), read("after")
+assert len(after) > len(before) > 0
+assert [(c["word"], c["points"], c["lowest"]) for c in before] == [(c["word"], c["points"], c["lowest"]) for c in after[:len(before)]]'
+keys() { "$ricochet" branches "$folder/s" --json >"$folder/branches"; rows 'assert {c["branch"] for c in read("after") if c["branch"]} <= {b["id"] for b in read("branches")}'; }
+ok "numbers of branches are those of the atlas" keys
+sed 's/\[2, 0\]/[2.5, 0]/' "$folder/s.yaml" >"$folder/t.yaml"
+"$ricochet" run "$folder/t.yaml" -o "$folder/t" --quiet
+ok "another structure, the same file" ends 1 "another structure" "$folder/t" --force 1,0 --damping 0.01 --level 0.5 --omega 1,1.6 -o "$folder/s.response"
+ok "a grazing at which an impact comes once in two periods" bash -c "printf 'model:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts: [{normal: [1], clearance: 1, sides: upper}]\nexplore: {energy: [0, 10], depth: 1, impacts: 2}\n' >'$folder/o.yaml' &&
+    '$ricochet' run '$folder/o.yaml' -o '$folder/o' --quiet &&
+    '$ricochet' response '$folder/o' --force 1 --damping 0.02 --restitution 0.9 --along level --level 0.02,0.6 --omega 0.81 --once-in 2 -o '$folder/once' --csv | grep -q '^[0-9]*,0,1,2,'"
 ok "no file" ends 2 "-o FILE is missing" "$atlas" --force 1,0 --damping 0.01 --omega 1,2 --level 0.2
 ok "a negative damping" ends 2 negative "$atlas" --force 1,0 --damping -0.01 --omega 1,2 --level 0.2 -o "$folder/n"
 ok "a force of the wrong length" ends 2 "3 numbers" "$atlas" --force 1,0,0 --damping 0.01 --omega 1,2 --level 0.2 -o "$folder/n"
