@@ -598,7 +598,7 @@ typedef struct {
     ric_prediction at; /* of the threshold there */
     double arclength;  /* of the branch */
     bool birth;
-    double error; /* of its energy and frequency, relative; NaN: it is not located, `at` is the stored point next to it */
+    double error; /* of its energy and frequency, relative; NaN: not located, `at` is the stored point next to it */
 } ric_force_extreme;
 /* In the order of the branch, as far as its stored points show them; an end of the branch is none. *n of them, NULL or
  * freed by ric_force_extremes_free. */
