@@ -100,6 +100,7 @@ static bool open_browser(const char *address)
 
 typedef struct {
     view_listen where;
+    const char *response; /* a file, or NULL */
     long workers;
     bool browser;
 } view_options;
@@ -156,9 +157,25 @@ static void block_signals(bool block)
     pthread_sigmask(block ? SIG_BLOCK : SIG_UNBLOCK, &set, NULL);
 }
 
+/* Exact curves, of this structure and along the frequency. */
+static int open_response(const char *path, view_shelf *shelf, ric_response **out)
+{
+    if (!path) return CLI_DONE;
+    const ric_status status = ric_response_read(path, out);
+    if (status) return cli_report(status);
+    view_data *data = view_data_take(shelf);
+    const bool same = ric_model_same(ric_response_model(*out), ric_atlas_model(data->atlas));
+    view_data_release(shelf, data);
+    if (!same) return cli_wrong("view: %s is the response of another structure than that of the atlas", path);
+    if (ric_response_asked(*out)->along != RIC_RESPONSE_OMEGA)
+        return cli_wrong("view: %s is not along the frequency; the page draws amplitudes over that", path);
+    return CLI_DONE;
+}
+
 static int serve(const char *path, const char *other, const view_options *o)
 {
     view_listen where = o->where;
+    ric_response *response = NULL;
     view_shelf *shelf = NULL;
     view_grower *grower = NULL;
     view_server *server = NULL;
@@ -171,6 +188,9 @@ static int serve(const char *path, const char *other, const view_options *o)
         code = cli_report(status);
         goto out;
     }
+    if ((code = open_response(o->response, shelf, &response))) goto out;
+    where.response = response;
+    code = CLI_FAILED;
     cli_catch_signals();
     signal(SIGPIPE, SIG_IGN); /* a browser may close a connection at any time */
     block_signals(true);
@@ -190,6 +210,7 @@ out:
     view_grower_free(grower);
     view_shelf_close(shelf);
     view_shelf_close(where.other);
+    ric_response_free(response);
     return code;
 }
 
@@ -224,6 +245,7 @@ static int run(int argc, char **argv)
     long number = FIRST_PORT;
     view_options o = {.workers = 1, .browser = !cli_take_flag(&argc, argv, "--no-browser")};
     if (!cli_take_value(&argc, argv, "--port", &port) || !cli_take_value(&argc, argv, "--save", &name) ||
+        !cli_take_value(&argc, argv, "--response", &o.response) ||
         !cli_take_value(&argc, argv, "--listen", &o.where.address) || !cli_take_value(&argc, argv, "-j", &workers) ||
         !cli_operands(&cli_view, argc, argv, argc == 3 ? 2 : 1) ||
         (port && !cli_parse_integer(port, "--port", 0, 65535, &number)) ||
@@ -240,6 +262,7 @@ static int run(int argc, char **argv)
         return CLI_FAILED;
     }
     if (name && argc == 3) return cli_wrong("view: --save writes a page of one atlas");
+    if (name && o.response) return cli_wrong("view: --save writes no response; leave --response out");
     if (name) return save(argv[1], name);
     o.where.port = (int)number;
     o.where.exact = port != NULL;
@@ -271,6 +294,9 @@ static const cli_item items[] = {
      .value = "ADDRESS",
      .text = "an address other than 127.0.0.1: others can then read the atlas. Nothing is encrypted"},
     {.name = "--no-browser", .text = "print the address only"},
+    {.name = "--response",
+     .value = "FILE",
+     .text = "a file of `ricochet response` along the frequency: its exact curves are drawn over what is predicted"},
     {.name = "--save",
      .value = "FILE.html",
      .text = "write the page with the atlas into one file instead, which opens without a server or a network"},
@@ -281,7 +307,8 @@ static const cli_item items[] = {
 const cli_command cli_view = {
     .name = "view",
     .summary = "look at an atlas in the browser",
-    .usage = "ricochet view ATLAS [OTHER] [--port P] [--listen ADDRESS] [--no-browser] [-j WORKERS]\n"
+    .usage = "ricochet view ATLAS [OTHER] [--response FILE] [--port P] [--listen ADDRESS] [--no-browser]\n"
+             "           [-j WORKERS]\n"
              "ricochet view ATLAS --save FILE.html\n",
     .items = items,
     .example = "ricochet view study.ricochet\n",

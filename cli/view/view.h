@@ -92,9 +92,13 @@ typedef struct {
     double force[VIEW_FORCE_NUMBERS], ratios[VIEW_FORCE_NUMBERS], restitution;
 } view_force_request;
 
-/* What `ricochet force` says of stored points of a branch, at most VIEW_FORCE_POINTS of them, as columns. */
+/* What `ricochet force` says of stored points of a branch, at most VIEW_FORCE_POINTS of them, as columns, and of its
+ * --isolas. */
 enum { VIEW_FORCE_POINTS = 160 };
 ric_status view_force(const ric_atlas *atlas, const view_force_request *request, json_t **out);
+/* The curves of a response along the frequency, and of what: {finished, force: [], damping: [] (ratios; none: a
+ * matrix), restitution, curves: [{id, level, impacts, periods, closed, omega: [], stable: [], peaks: [[]]}]}. */
+json_t *view_response(const ric_response *response);
 
 /* ------------------------------------------------------------ saved page (view_save.c) */
 
@@ -171,10 +175,11 @@ view_answer view_answer_of(ric_status status, json_t *json);
 typedef struct view_server view_server;
 
 typedef struct {
-    const char *address; /* NULL: 127.0.0.1 */
-    view_shelf *other;   /* an atlas to compare with; NULL: none */
-    int port;            /* 0: any free one */
-    bool exact;          /* no other port will do */
+    const char *address;          /* NULL: 127.0.0.1 */
+    view_shelf *other;            /* an atlas to compare with; NULL: none */
+    const ric_response *response; /* exact curves beside the prediction; NULL: none */
+    int port;                     /* 0: any free one */
+    bool exact;                   /* no other port will do */
 } view_listen;
 
 /* Whether a text is an address in numbers: names are not asked for. */

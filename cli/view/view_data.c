@@ -405,6 +405,18 @@ static json_t *describe_regions(const ric_explore_options *o)
     return array;
 }
 
+/* Damping and force of the study, as far as the page asks for them; null without. */
+static json_t *describe_forcing(const ric_study *study)
+{
+    ric_forcing f;
+    if (!ric_study_forcing(study, &f)) return json_null();
+    const ric_shaking *s = &f.shaking;
+    return json_pack("{s:o,s:o,s:o,s:o,s:o}", "force", numbers(s->n_force, s->force, 1), "damping",
+                     numbers(s->n_ratio, s->ratios, 1), "restitution", cli_number(s->restitution), "harmonic",
+                     json_integer(f.harmonic.n ? (json_int_t)f.harmonic.value[0] : 1), "levels",
+                     numbers(f.amplitude.n, f.amplitude.value, 1));
+}
+
 static json_t *junctions(const ric_atlas *atlas)
 {
     json_t *array = json_array();
@@ -426,6 +438,7 @@ json_t *view_describe(const view_data *data)
     json_object_set_new(object, "finished", json_boolean(ric_atlas_finished(data->atlas)));
     json_object_set_new(object, "model", describe_model(ric_atlas_model(data->atlas)));
     json_object_set_new(object, "drawing", drawing(study));
+    json_object_set_new(object, "forcing", describe_forcing(study));
     json_object_set_new(object, "budgets", describe_budgets(ric_study_options(study)));
     json_object_set_new(object, "regions", describe_regions(ric_study_options(study)));
     json_object_set(object, "branches", data->rows);

@@ -56,6 +56,23 @@ static ric_status add_points(const ric_atlas *atlas, const columns *c)
     return status;
 }
 
+/* Extrema of the threshold: where detached resonances are born and join. */
+static ric_status add_turns(const columns *c, json_t *turns)
+{
+    ric_force_extreme *list = NULL;
+    int n = 0;
+    const ric_status status = ric_force_extremes(c->force, c->ask->branch, c->ask->harmonic, &n, &list);
+    for (int i = 0; i < n; i++) {
+        const ric_prediction *p = &list[i].at;
+        json_array_append_new(turns, json_pack("{s:b,s:o,s:o,s:o,s:o,s:s,s:o}", "birth", list[i].birth, "arclength",
+                                               cli_number(list[i].arclength), "energy", cli_number(p->energy), "omega",
+                                               cli_number(p->omega), "threshold", cli_number(p->threshold), "why",
+                                               p->why, "error", cli_number(list[i].error)));
+    }
+    ric_force_extremes_free(list);
+    return status;
+}
+
 ric_status view_force(const ric_atlas *atlas, const view_force_request *r, json_t **out)
 {
     const ric_shaking shaking = {.n_force = r->n_force,
@@ -75,11 +92,47 @@ ric_status view_force(const ric_atlas *atlas, const view_force_request *r, json_
     ric_status status = ric_force_create(atlas, &shaking, &force);
     c.force = force;
     if (!status) status = add_points(atlas, &c);
+    json_t *turns = json_array();
+    if (!status) status = add_turns(&c, turns);
     ric_force_free(force);
-    *out = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "arclength", c.arclength, "energy", c.energy, "omega", c.omega,
-                     "threshold", c.threshold, "stable", c.stable, "why", c.trusted, "amplitudes", c.amplitudes);
+    *out = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "turns", turns, "arclength", c.arclength, "energy", c.energy,
+                     "omega", c.omega, "threshold", c.threshold, "stable", c.stable, "why", c.trusted, "amplitudes",
+                     c.amplitudes);
     if (!status) return RIC_OK;
     json_decref(*out);
     *out = NULL;
     return status;
+}
+
+/* ----------------------------------------------------------- exact response */
+
+/* A curve: omega, stable and the peaks of its orbits, displacement by displacement. */
+static json_t *response_curve(const ric_response *r, int id)
+{
+    ric_response_curve c;
+    ric_response_point p;
+    if (ric_response_curve_at(r, id, &c)) return json_null();
+    const int n = ric_model_n_dof(ric_response_model(r));
+    json_t *omega = json_array(), *stable = json_array(), *peaks = json_array();
+    for (int j = 0; j < n; j++) json_array_append_new(peaks, json_array());
+    for (int i = 0; i < c.n_point && !ric_response_point_at(r, id, i, &p); i++) {
+        json_array_append_new(omega, cli_number(p.omega));
+        json_array_append_new(stable, json_integer(p.stable));
+        for (int j = 0; j < n; j++) json_array_append_new(json_array_get(peaks, (size_t)j), cli_number(p.peak[j]));
+    }
+    return json_pack("{s:i,s:o,s:i,s:i,s:b,s:o,s:o,s:o}", "id", c.id, "level", cli_number(c.level), "impacts",
+                     c.impacts, "periods", c.harmonic, "closed", c.end == RIC_RESPONSE_CLOSED, "omega", omega, "stable",
+                     stable, "peaks", peaks);
+}
+
+json_t *view_response(const ric_response *r)
+{
+    json_t *curves = json_array();
+    for (int id = 1; id <= ric_response_n_curve(r); id++) json_array_append_new(curves, response_curve(r, id));
+    const ric_shaking *s = &ric_response_asked(r)->shaking;
+    json_t *force = json_array(), *damping = json_array();
+    for (int i = 0; i < s->n_force; i++) json_array_append_new(force, cli_number(s->force[i]));
+    for (int i = 0; i < s->n_ratio; i++) json_array_append_new(damping, cli_number(s->ratios[i]));
+    return json_pack("{s:o,s:b,s:o,s:o,s:o}", "curves", curves, "finished", ric_response_finished(r), "force", force,
+                     "damping", damping, "restitution", cli_number(s->restitution));
 }

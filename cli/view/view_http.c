@@ -47,6 +47,7 @@ typedef struct {
 
 struct view_server {
     view_shelf *shelf, *other; /* other: that it is compared with, or NULL */
+    const ric_response *response;
     view_grower *grower;
     struct MHD_Daemon *daemon;
     view_lines *lines;
@@ -392,6 +393,7 @@ static enum MHD_Result answer_atlas(view_server *server, struct MHD_Connection *
     if (atlas) {
         json_t *description = view_describe(data);
         json_object_set_new(description, "other", json_boolean(server->other && shelf != server->other));
+        json_object_set_new(description, "response", json_boolean(server->response));
         return reply_json(connection, MHD_HTTP_OK, description, tag);
     }
     return refuse(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
@@ -418,6 +420,8 @@ static enum MHD_Result answer_get(view_server *server, struct MHD_Connection *co
         if (!strcmp(path, file->path)) return reply_file(connection, file);
     if (route) return compute(server, connection, route, data);
     if (!strcmp(path, "/api/status")) return reply_json(connection, MHD_HTTP_OK, server_status(server, data), NULL);
+    if (!strcmp(path, "/api/response") && server->response)
+        return reply_json(connection, MHD_HTTP_OK, view_response(server->response), NULL);
     if (!strncmp(path, other, sizeof other - 1)) return answer_other(server, connection, path + sizeof other - 1);
     if (!strncmp(path, api, sizeof api - 1))
         return answer_atlas(server, connection, path + sizeof api - 1, server->shelf, data);
@@ -669,6 +673,7 @@ view_server *view_server_start(view_shelf *shelf, view_grower *grower, const vie
     server->shelf = shelf;
     server->grower = grower;
     server->other = where->other;
+    server->response = where->response;
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
     server->stray = server->any = server->own = (bucket){.burst = 1000, .rate = 500, .left = 1000, .last = now};

@@ -122,6 +122,12 @@ assert len(part['energy']) == len(part['frequency']) == 7 and part['arclength'] 
 ok 'as many as were asked for, in their order' on_curve
 ok 'a section' gives 200 "${with_token[@]}" "$url/api/section?energy=5&starts=3&impacts=20&orbits=1"
 ok 'thresholds' gives 200 "${with_token[@]}" "$url/api/force?branch=3&harmonic=1&restitution=0.99&force=1,0&damping=0.001"
+located() { python3 -c "
+import json
+turns = json.load(open('$folder/body'))['turns']
+assert turns and all(t['error'] < 1e-9 and t['birth'] for t in turns), turns"; }
+ok 'with births of detached resonances' located
+ok 'no response was given' gives 404 "$url/api/response"
 ok 'bases' gives 200 "${with_token[@]}" "$url/api/bases"
 ok 'cascades' gives 200 "${with_token[@]}" "$url/api/cascades"
 
@@ -250,6 +256,34 @@ ok 'elsewhere than on the loopback it warns' grep -q WARNING "$folder/err"
 ok 'there, addresses are hosts' gives 200 -H "Host: 192.168.0.1:$port" "http://127.0.0.1:$port/"
 ok 'names are not' gives 421 -H "Host: evil.example:$port" "http://127.0.0.1:$port/"
 finish_server INT
+
+# ------------------------------------------------------------------- response
+
+curves() { "$ricochet" response "$atlas" --force 1,0 --damping 0.01 -o "$folder/$1" --csv "${@:2}" >"$folder/$1.csv"; }
+ok 'a response' curves r --level 0.2 --omega 1.1,1.3
+ok 'one along the level' curves l --along level --level 0.1,0.2 --omega 1.2
+{ sed 's/^tolerance/damping: 0.02\nrestitution: 0.9\nforcing: {vector: [1, 0.5], amplitude: 0.3}\n&/' examples/elementary/study.yaml; } >"$folder/f.yaml"
+"$ricochet" run "$folder/f.yaml" -o "$folder/f.ricochet" --quiet 2>/dev/null
+start "$folder/f.ricochet" --port 0 --response "$folder/r"
+ok 'the page is told damping and force of the study' eval 'gives 200 "$url/api/atlas" && python3 -c "
+import json
+d = json.load(open(\"$folder/body\"))
+assert d[\"response\"] and d[\"forcing\"] == {\"force\": [1, 0.5], \"damping\": [0.02], \"restitution\": 0.9, \"harmonic\": 1, \"levels\": [0.3]}, d[\"forcing\"]"'
+exact() { python3 -c "
+import csv, json
+answer = json.load(open('$folder/body'))
+curves = answer['curves']
+assert answer['finished'] and answer['force'] == [1, 0] and answer['damping'] == [0.01] and answer['restitution'] == 1
+told = list(csv.DictReader(open('$folder/r.csv')))
+assert len(curves) == len(told) > 0
+for c, t in zip(curves, told):
+    assert len(c['omega']) == int(t['points']) and abs(min(c['omega']) - float(t['lowest'])) < 1e-9 and len(c['peaks'][1]) == len(c['omega'])"; }
+ok 'and the exact curves' eval 'gives 200 "$url/api/response" && exact'
+finish_server INT
+ok 'a response along the level' refuses 2 'not along the frequency' "$ricochet" view "$atlas" --no-browser --port 0 --response "$folder/l"
+"$ricochet" run examples/stop-and-spring/study.yaml -o "$folder/s.ricochet" --quiet 2>/dev/null
+ok 'a response of another structure' refuses 2 'another structure' "$ricochet" view "$folder/s.ricochet" --no-browser --port 0 --response "$folder/r"
+ok 'a saved page has none' refuses 2 'leave --response out' "$ricochet" view "$atlas" --save "$folder/x.html" --response "$folder/r"
 
 full() { # an address that nobody reads is said elsewhere
     "$ricochet" view "$atlas" --no-browser --port 0 >/dev/full 2>"$folder/err" &

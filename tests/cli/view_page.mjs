@@ -434,7 +434,7 @@ async function sections(page, shot, atlas) {
 }
 
 // Thresholds of a harmonic force as `ricochet force` has them, and what resonates at a level.
-async function forcing(page, shot, atlas) {
+async function forcing(page, shot, atlas, response) {
   await page.click("[data-tab=force]");
   await page.click(".force .primary");
   await page.waitForFunction(() => window.ricochet().force.branches > 12 && !window.ricochet().force.busy, null, { timeout: GUARD });
@@ -453,6 +453,10 @@ async function forcing(page, shot, atlas) {
   const inside = (s) => parts.some((part) => s >= part.from - 1e-12 && s <= part.to + 1e-12);
   ok("what is below the level is lit, and nothing else", parts.length > 5 && points.every((p, i) => inside(p.arclength) === told[i].threshold <= level), `${level}`);
   await shot("force");
+  await page.selectOption("select[aria-label='Exact curves']", "0.2");
+  const shown2 = await page.evaluate(() => ({ curves: window.ricochet().force.exact, level: window.ricochet().force.level }));
+  ok("exact curves of a response are drawn at their level", shown2.curves === rows("response", response).length && near(shown2.level, 0.2), JSON.stringify(shown2));
+  await shot("exact");
 }
 
 async function saving(page) {
@@ -526,7 +530,9 @@ async function demo(browser) {
   } catch {
     // built without it, or the ends of the branch are not proved
   }
-  const server = await serve(atlas);
+  const response = `${folder}/e.response`;
+  run("response", atlas, "--force", "1,0", "--damping", "0.01", "--level", "0.2", "--omega", "0.5,3", "-o", response);
+  const server = await serve(atlas, "--response", response);
   const { context, page, errors, shot } = await open(browser, server.url, "demo");
   ok("the token is not left in the address line", !page.url().includes("token"));
   await looking(page, shot, atlas);
@@ -536,7 +542,7 @@ async function demo(browser) {
   await units(page, shot, atlas);
   await comparing(page, shot, atlas);
   await sections(page, shot, atlas);
-  await forcing(page, shot, atlas);
+  await forcing(page, shot, atlas, response);
   await accessible(page);
   await zooming(page, shot);
   await growing(page, shot, atlas);

@@ -103,8 +103,10 @@ export interface Description {
   title: string;
   finished: boolean;
   other?: boolean; // there is an atlas to compare with
+  response?: boolean; // and exact curves of the shaken structure
   model: Model;
   drawing: Drawing | null;
+  forcing: { force: number[]; damping: number[]; restitution: number; harmonic: number; levels: number[] } | null; // of the study
   budgets: Budgets;
   regions: Budgets[]; // where larger ones hold; -1: as elsewhere
   branches: BranchRow[];
@@ -264,7 +266,41 @@ export interface ForceRow {
   stable: number[];
   why: string[]; // what forbids to trust it; ""
   amplitudes: number[][];
+  turns: ForceTurn[];
 }
+
+// Where a detached resonance is born, a minimum of the threshold, or joins another, a maximum.
+export interface ForceTurn {
+  birth: boolean;
+  arclength: number;
+  energy: number;
+  omega: number;
+  threshold: number;
+  why: string;
+  error: number | null; // null: it is known to a stored point only
+}
+
+// Exact motions at one level of the force, over its frequency.
+export interface ResponseCurve {
+  id: number;
+  level: number;
+  impacts: number;
+  periods: number;
+  closed: boolean;
+  omega: number[];
+  stable: number[];
+  peaks: number[][]; // of each displacement
+}
+
+export interface ResponseAnswer {
+  finished: boolean;
+  force: number[];
+  damping: number[]; // empty: a matrix
+  restitution: number;
+  curves: ResponseCurve[];
+}
+
+export const getResponse = () => request<ResponseAnswer>("/api/response");
 
 export const getForce = (branch: number, of: { force: number[]; damping: number[]; restitution: number; harmonic: number }) =>
   request<ForceRow>(`/api/force?branch=${branch}&harmonic=${of.harmonic}&restitution=${of.restitution}&force=${of.force.join(",")}&damping=${of.damping.join(",")}`);

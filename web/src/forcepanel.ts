@@ -1,6 +1,6 @@
 /* What a harmonic force and small losses make of the atlas, to first order (docs/forcing.md): along every branch the threshold F*, the least amplitude of the
  * force that keeps a motion up. At a level the parts of branches below it light up, and the response is drawn beside. */
-import { getForce, mayCompute, type ForceRow } from "./api";
+import { getForce, getResponse, mayCompute, type ForceRow, type ForceTurn, type ResponseCurve } from "./api";
 import type { Atlas } from "./atlas";
 import { button, el } from "./dom";
 import { branchRuns, toHtml } from "./labels";
@@ -24,12 +24,6 @@ export interface ForceEvents {
   order(ids: number[]): number[]; // those in view first
 }
 
-interface Turn {
-  branch: number;
-  i: number;
-  birth: boolean; // a minimum of the threshold, else a maximum
-}
-
 export class ForcePanel {
   readonly root = el("section", { class: "force" });
   private rows = new Map<number, ForceRow>();
@@ -47,6 +41,9 @@ export class ForcePanel {
   private canvas = el("canvas", { class: "figure response" });
   private answers = el("div", { hidden: true });
   private turns = el("div", { class: "ways" });
+  private exact = el("select", { ariaLabel: "Exact curves" });
+  private exactOf = el("small", {});
+  private curves: ResponseCurve[] = [];
   private least = 0;
   private most = 0;
 
@@ -60,6 +57,7 @@ export class ForcePanel {
     const { dofs } = this.atlas().description.model;
     this.force.value = Array.from({ length: dofs }, (_, i) => (i === 0 ? 1 : 0)).join(", ");
     this.output.max = String(dofs);
+    this.takeStudy();
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", "Amplitude against the frequency of the force");
     this.root.append(el("h2", { textContent: "Force" }),
@@ -68,15 +66,55 @@ export class ForcePanel {
       el("div", { class: "steps" }, this.go), this.note,
       this.answers);
     this.answers.append(el("label", { class: "level" }, el("span", {}, "Level L ", this.levelText), this.level),
-      el("figure", {}, el("figcaption", {}, "Response", el("label", { class: "chosen" }, "amplitude of x ", this.output)), this.canvas), this.turns);
+      el("figure", {}, el("figcaption", {}, "Response", el("label", { class: "chosen" }, "amplitude of x ", this.output)), this.canvas), el("label", { class: "chosen", hidden: true }, "exact curves ", this.exact, " ", this.exactOf), this.turns);
     if (saved) this.root.replaceChildren(el("h2", { textContent: "Force" }), el("p", { textContent: "A saved page computes no thresholds: ricochet view ATLAS does." }));
     this.level.oninput = () => this.light();
     this.output.oninput = () => this.draw();
+    this.exact.oninput = () => this.chooseExact();
+    if (!saved && this.atlas().description.response) void this.loadExact();
     new ResizeObserver(() => this.draw()).observe(this.canvas);
+  }
+
+  // What the study says of damping and force.
+  private takeStudy(): void {
+    const f = this.atlas().description.forcing;
+    if (!f) return;
+    if (f.force.length) this.force.value = f.force.join(", ");
+    if (f.damping.length) this.damping.value = f.damping.join(", ");
+    this.restitution.value = String(f.restitution);
+    this.harmonic.value = String(f.harmonic);
   }
 
   show(): void {
     this.light();
+  }
+
+  /* ----------------------------------------------------------------- exact */
+
+  private async loadExact(): Promise<void> {
+    try {
+      const answer = await getResponse();
+      this.curves = answer.curves;
+      // they are of what was asked for then, whatever stands in the fields
+      this.exactOf.textContent = `f ${answer.force.join(", ")}; damping ${answer.damping.join(", ") || "matrix"}; restitution ${answer.restitution}${answer.finished ? "" : "; not finished"}`;
+    } catch (e) {
+      this.note.textContent = (e as Error).message;
+      return;
+    }
+    const levels = [...new Set(this.curves.map((c) => c.level))].sort((a, b) => a - b);
+    this.exact.replaceChildren(el("option", { value: "", textContent: "none" }), ...levels.map((l) => el("option", { value: String(l), textContent: `at level ${l}` })));
+    this.exact.parentElement!.hidden = !levels.length;
+  }
+
+  // The level of the exact curves is that of the prediction, too.
+  private chooseExact(): void {
+    const level = Number(this.exact.value);
+    if (this.exact.value && this.least > 0) this.level.value = String(Math.min(1, Math.max(0, Math.log(level / this.least) / Math.log(this.most / this.least))));
+    this.light();
+  }
+
+  private chosen(): ResponseCurve[] {
+    return this.exact.value ? this.curves.filter((c) => c.level === Number(this.exact.value)) : [];
   }
 
   // Another atlas: nothing of before holds.
@@ -166,29 +204,22 @@ export class ForcePanel {
 
   // Where detached resonances are born, and where they meet others: extrema of the threshold along a branch.
   private listTurns(): void {
-    const found: Turn[] = [];
-    for (const [branch, r] of this.rows)
-      for (let i = 1; i + 1 < r.threshold.length; i++) {
-        const [a, f, b] = [r.threshold[i - 1], r.threshold[i], r.threshold[i + 1]];
-        if (a === null || f === null || b === null || (f - a) * (b - f) >= 0) continue;
-        found.push({ branch, i, birth: f < a });
-      }
-    found.sort((p, q) => this.rows.get(p.branch)!.threshold[p.i]! - this.rows.get(q.branch)!.threshold[q.i]!);
+    const found = [...this.rows].flatMap(([branch, r]) => r.turns.map((turn) => ({ branch, turn })));
+    found.sort((p, q) => p.turn.threshold - q.turn.threshold);
     const u = this.units();
-    const list = found.slice(0, 60).map(({ branch, i, birth }) => {
-      const r = this.rows.get(branch)!;
+    const list = found.slice(0, 60).map(({ branch, turn }) => {
       const b = this.atlas().branch(branch);
-      const small = el("small", { textContent: `L ${Number(r.threshold[i]!.toPrecision(4))} at E ${Number((u.energy * r.energy[i]).toPrecision(4))}, Ω ${Number((u.frequency * r.omega[i]).toPrecision(5))} ${u.frequencyUnit}${r.why[i] ? `; not to be trusted: ${r.why[i]}` : ""}` });
-      return el("button", { type: "button", class: "way", title: "Go there, at this level", onclick: () => this.goTurn(branch, i) }, el("span", {}, `${birth ? "born" : "joins"}: `, toHtml(branchRuns(b.label, b.word))), small);
+      const digits = turn.error === null ? 4 : 8;
+      const small = el("small", { textContent: `L ${Number(turn.threshold.toPrecision(digits))} at E ${Number((u.energy * turn.energy).toPrecision(digits))}, Ω ${Number((u.frequency * turn.omega).toPrecision(digits))} ${u.frequencyUnit}${turn.error === null ? "; to a stored point" : ""}${turn.why ? `; not to be trusted: ${turn.why}` : ""}` });
+      return el("button", { type: "button", class: "way", title: "Go there, at this level", onclick: () => this.goTurn(branch, turn) }, el("span", {}, `${turn.birth ? "born" : "joins"}: `, toHtml(branchRuns(b.label, b.word))), small);
     });
-    this.turns.replaceChildren(...(list.length ? [el("h3", { textContent: "Where resonances are born and join, to a stored point" }), ...list] : []), ...(found.length > 60 ? [el("p", { class: "sub", textContent: `and ${found.length - 60} more at higher levels` })] : []));
+    this.turns.replaceChildren(...(list.length ? [el("h3", { textContent: "Where resonances are born and join" }), ...list] : []), ...(found.length > 60 ? [el("p", { class: "sub", textContent: `and ${found.length - 60} more at higher levels` })] : []));
   }
 
-  private goTurn(branch: number, i: number): void {
-    const r = this.rows.get(branch)!;
-    this.level.value = String(Math.min(1, Math.max(0, Math.log((1.02 * r.threshold[i]!) / this.least) / Math.log(this.most / this.least))));
+  private goTurn(branch: number, turn: ForceTurn): void {
+    this.level.value = String(Math.min(1, Math.max(0, Math.log((1.02 * turn.threshold) / this.least) / Math.log(this.most / this.least))));
     this.light();
-    this.events.go(branch, r.arclength[i]);
+    this.events.go(branch, turn.arclength);
   }
 
   /* -------------------------------------------------------------- response */
@@ -213,7 +244,8 @@ export class ForcePanel {
     const [l, t, w, h] = [3.6 * this.size(), 8, width - 3.6 * this.size() - 8, height - 8 - 2.7 * this.size()];
     const j = Math.min(this.atlas().description.model.dofs, Math.max(1, Math.trunc(this.output.valueAsNumber) || 1)) - 1;
     const lists = [...this.rows].map(([id, r]) => ({ id, r, x: r.omega.map((o) => Math.log10(u.frequency * o)), y: r.amplitudes.map((a) => Math.log10(u.length * Math.max(a[j], 1e-12))) }));
-    const known = lists.flatMap(({ x, y }) => x.map((v, i) => [v, y[i]])).filter(([, y]) => y > -11);
+    const exact = this.chosen().map((c) => ({ c, x: c.omega.map((o) => Math.log10(u.frequency * o)), y: c.peaks[j].map((a) => Math.log10(u.length * Math.max(a, 1e-12))) }));
+    const known = [...lists, ...exact].flatMap(({ x, y }) => x.map((v, i) => [v, y[i]])).filter(([, y]) => y > -11);
     if (!known.length) return;
     const extent = (k: number): [number, number] => {
       let [lo, hi] = [Infinity, -Infinity];
@@ -250,11 +282,18 @@ export class ForcePanel {
           };
           pen.path([...at(part.from), ...at(part.to)], { stroke: p.lit, width: part.stable ? 3.2 : 1.6, dash: part.trusted ? undefined : [2, 3] });
         }
+      // exact motions: drawn through where they are stable, in dashes elsewhere
+      for (const { c, x, y } of exact)
+        for (let i = 0, k = 0; i + 1 < x.length; i = k) {
+          const stable = c.stable[i] === 1;
+          for (k = i + 1; k + 1 < x.length && (c.stable[k] === 1) === stable; k++);
+          pen.path(x.slice(i, k + 1).flatMap((v, n) => [X(v), Y(y[i + n])]), { stroke: p.ink, width: stable ? 1.6 : 1, dash: stable ? undefined : [4, 3] });
+        }
     });
   }
 
   // For tests.
   probe() {
-    return { branches: this.rows.size, level: this.value, row: (id: number) => this.rows.get(id), parts: (id: number) => (this.rows.has(id) ? this.partsOf(id, this.rows.get(id)!) : []), busy: this.busy };
+    return { branches: this.rows.size, level: this.value, row: (id: number) => this.rows.get(id), parts: (id: number) => (this.rows.has(id) ? this.partsOf(id, this.rows.get(id)!) : []), busy: this.busy, exact: this.chosen().length };
   }
 }
