@@ -14,7 +14,11 @@
 #define BLURRED 1e-3  /* relative: two orbits at branch points */
 #define NO_SPEED 1e-6 /* scaled: of an impact whose multipliers are infinite */
 
-enum { STARTS = 3 /* of a run of stored orbits above the threshold */, KEY_MAX = 96 };
+enum {
+    STARTS = 3,    /* of a run of stored orbits above the threshold */
+    SETS_MOST = 4, /* touches of a grazing of which all sets are tried */
+    KEY_MAX = 96
+};
 
 typedef struct {
     const ric_atlas *atlas;
@@ -485,7 +489,7 @@ static ric_status leave_grazing(driver *d, ric_force_orbit *o, int branch, int e
     int n;
     double direction[o->m + 1];
     ric_status status = ric_response_word_touches(o, touches, &n);
-    for (unsigned set = 0; n > 0 && set < 1u << n && !status; set++) {
+    for (unsigned set = 0; n > 0 && n <= SETS_MOST && set < 1u << n && !status; set++) {
         ric_force_orbit *x = ric_response_word_change(o, &d->trace, n, touches, set, direction);
         status = forgive(d, depart(d, x, direction, branch, event));
     }

@@ -5,7 +5,7 @@
 
 #include "response_trace.h"
 
-enum { RIC_TOUCHES_MOST = 4 }; /* at one time of the period or another; a symmetric orbit has two */
+enum { RIC_TOUCHES_MOST = 16 }; /* at one time of the period or another; a symmetric orbit has two in each */
 
 /* What has no speed at a grazing: an event of the word, or a face that is touched in flight. */
 typedef struct {
