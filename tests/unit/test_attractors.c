@@ -1,5 +1,7 @@
 /* Where the shaken masses end up from random starts: on curves that were computed, stable parts of them, or on motions
- * that are not periodic, which are counted. */
+ * that are not periodic, which are counted; below the birth of a detached resonance, where it is an isola, and above
+ * the level at which it joins. RICOCHET_ATTRACTORS names a file in which each start is written down, and is not taken
+ * again (tools/attractors). */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,7 +16,10 @@
 #include "explored.h"
 #include "sample.h"
 
-enum { SETTLE = 700, MORE = 6, PERIODS = 16, MOST = 64 };
+enum { SETTLE = 700, MORE = 6, PERIODS = 16, MOST = 64, STARTS = 125 };
+
+#define RESTITUTION 0.9
+#define SAME 1e-5 /* states of one motion that has settled to 1e-7 */
 
 static const double two_pi = 6.283185307179586;
 static const char
@@ -36,7 +41,7 @@ typedef struct {
 
 static ric_shaking shaking_of(double e)
 {
-    static const double force[] = {1, 0}, zeta = 0.01;
+    static const double force[] = {1, -0.1}, zeta = 0.01;
     return (ric_shaking){.n_force = 2, .force = force, .n_ratio = 1, .ratios = &zeta, .restitution = e};
 }
 
@@ -110,7 +115,8 @@ static void add_side(const ric_atlas *atlas, double level, double e, double omeg
     ric_response_free(r);
 }
 
-/* Its number of periods, 0: it is not periodic, -1: it cannot be followed; and its state at phase 0. */
+/* Its number of periods, 0: it is not periodic, -1: it cannot be followed; and its state at phase 0. What is left of a
+ * slow mode may repeat nearly after more periods than the motion has: the first of them that is near counts. */
 static int settle(const ric_model *model, const ric_shaking *shaking, double omega, double level, unsigned *seed,
                   double *out)
 {
@@ -128,7 +134,8 @@ static int settle(const ric_model *model, const ric_shaking *shaking, double ome
         for (int k = 0; k <= PERIODS && found == 0; k++) {
             double time;
             ric_shaken_state(s, &time, strobe[k], strobe[k] + 2);
-            if (k > 0 && apart(strobe[k], strobe[0], 1) < 1e-7) found = k;
+            if (k > 0 && apart(strobe[k], strobe[0], 1) < 1e-7)
+                for (found = 1; apart(strobe[found], strobe[0], 1) > SAME;) found++;
             else if (!turn(s, &begun, omega, 1)) found = -1;
         }
     }
@@ -145,7 +152,7 @@ static bool known(const motions *all, int periods, const double *at, double *nea
     for (int i = 0; i < all->n; i++)
         for (int k = 0; k < all->m[i].periods; k++)
             if (all->m[i].periods == periods) *near = fmin(*near, apart(at, all->m[i].strobe[k], 1));
-    return *near < 1e-5;
+    return *near < SAME;
 }
 
 /* Mirror images: x -> -x at the opposite phase. Their strobes are those half a period later, turned round; so the image
@@ -176,46 +183,158 @@ static void add_images(const ric_model *model, double omega, double level, doubl
     }
 }
 
+/* ------------------------------------------------------------------- starts */
+
+typedef enum { ON_CURVE, WILD, LOST, UNKNOWN, OUTCOMES } outcome;
+static const char *const outcome_text[] = {"curve", "not-periodic", "rests", "unknown"};
+
+/* One level and frequency. */
+typedef struct {
+    double level, omega;
+    int starts, count[OUTCOMES];
+    motions *all;
+} place;
+
+/* Outcomes of an earlier run: those starts are done. */
+static void read_log(const char *path, place *p, bool *done)
+{
+    FILE *file = path ? fopen(path, "r") : NULL;
+    double level, omega;
+    int start;
+    char word[32];
+    while (file && fscanf(file, "%lf %lf %d %31s", &level, &omega, &start, word) == 4)
+        for (int i = 0; i < OUTCOMES; i++) {
+            if (level != p->level || omega != p->omega || start < 0 || start >= p->starts || done[start]) continue;
+            if (strcmp(word, outcome_text[i]) != 0) continue;
+            p->count[i]++;
+            done[start] = true;
+        }
+    if (file) fclose(file);
+}
+
+static void write_log(const char *path, const place *p, int start, outcome what)
+{
+    FILE *file = path ? fopen(path, "a") : NULL;
+    if (!file) return;
+    fprintf(file, "%.17g %.17g %d %s\n", p->level, p->omega, start, outcome_text[what]);
+    fclose(file);
+}
+
+static outcome one_start(const ric_model *model, const place *p, int start)
+{
+    const ric_shaking shaking = shaking_of(RESTITUTION);
+    unsigned seed = 7 + 1000 * (unsigned)start;
+    double at[4], near;
+    const int periods = settle(model, &shaking, p->omega, p->level, &seed, at);
+    if (periods < 0) return LOST;
+    if (periods == 0) return WILD;
+    if (known(p->all, periods, at, &near)) return ON_CURVE;
+    print_message("level %g, omega %g: start %d: an attractor of %d periods is on no curve, the nearest is %.3g away: "
+                  "%.10g %.10g %.10g %.10g\n",
+                  p->level, p->omega, start, periods, near, at[0], at[1], at[2], at[3]);
+    return UNKNOWN;
+}
+
+static void all_starts(const ric_atlas *atlas, place *p)
+{
+    const ric_model *model = ric_atlas_model(atlas);
+    const char *path = getenv("RICOCHET_ATTRACTORS");
+    bool done[STARTS] = {false};
+    read_log(path, p, done);
+    if (p->count[ON_CURVE] + p->count[WILD] + p->count[LOST] == p->starts)
+        return; /* of an earlier run, which said so */
+    assert_non_null(p->all = calloc(1, sizeof *p->all));
+    add_side(atlas, p->level, RESTITUTION, p->omega, 0.4, p->all);
+    add_side(atlas, p->level, RESTITUTION, p->omega, 3, p->all);
+    add_images(model, p->omega, p->level, RESTITUTION, p->all);
+    for (int i = 0; i < p->starts; i++) {
+        if (done[i]) continue;
+        const outcome what = one_start(model, p, i);
+        p->count[what]++;
+        write_log(path, p, i, what);
+    }
+    print_message("level %g, omega %g: %d starts, %d on curves, %d not periodic, %d at rest on a stop, %d unknown; %d "
+                  "orbits there\n",
+                  p->level, p->omega, p->starts, p->count[ON_CURVE], p->count[WILD], p->count[LOST], p->count[UNKNOWN],
+                  p->all->n);
+    free(p->all);
+    assert_int_equal(p->count[UNKNOWN], 0);
+}
+
 static void test_attractors(void **state)
 {
     (void)state;
-    static const struct {
-        double level, omega, e;
-    } cases[] = {{0.2, 1.2, 0.9}, {0.1, 1.2, 0.9}, {0.35, 1.3, 0.9}};
-    const int starts = long_form() ? 500 : 6, n_case = long_form() ? 3 : 1;
+    static const double levels[] = {0.4, 0.25, 0.6}, omegas[] = {1.2, 1.0, 1.35, 1.1, 2.3};
     ric_atlas *atlas = explore_text(study);
-    const ric_model *model = ric_atlas_model(atlas);
-    for (int c = 0; c < n_case; c++) {
-        const ric_shaking shaking = shaking_of(cases[c].e);
-        motions *all = calloc(1, sizeof *all);
-        unsigned seed = 7;
-        int on_curve = 0, wild = 0, lost = 0;
-        assert_non_null(all);
-        add_side(atlas, cases[c].level, cases[c].e, cases[c].omega, 0.4, all);
-        add_side(atlas, cases[c].level, cases[c].e, cases[c].omega, 3, all);
-        add_images(model, cases[c].omega, cases[c].level, cases[c].e, all);
-        for (int i = 0; i < starts; i++) {
-            double at[4], near;
-            const int periods = settle(model, &shaking, cases[c].omega, cases[c].level, &seed, at);
-            if (periods < 0) lost++;
-            else if (periods == 0) wild++;
-            else if (known(all, periods, at, &near)) on_curve++;
-            else
-                print_message("level %g, omega %g: start %d: an attractor of %d periods is on no curve, the nearest is "
-                              "%.3g away: %.10g %.10g %.10g %.10g\n",
-                              cases[c].level, cases[c].omega, i, periods, near, at[0], at[1], at[2], at[3]);
+    for (int i = 0; i < (long_form() ? 3 : 1); i++)
+        for (int j = 0; j < (long_form() ? 5 : 1); j++) {
+            place p = {.level = levels[i], .omega = omegas[j], .starts = long_form() ? STARTS : 6};
+            all_starts(atlas, &p);
         }
-        print_message("level %g, omega %g: %d starts, %d on curves, %d not periodic, %d come to rest on a stop; %d "
-                      "orbits there\n",
-                      cases[c].level, cases[c].omega, starts, on_curve, wild, lost, all->n);
-        assert_int_equal(on_curve + wild + lost, starts);
-        free(all);
+    ric_atlas_free(atlas);
+}
+
+/* -------------------------------------------------------------------- isola */
+
+/* Curves of one impact on either side in a period of the force, around 1.2 rad/s: how many, how many of them closed,
+ * and how many begin or end at a grazing. */
+static void around(const ric_atlas *atlas, double level, int *curves, int *closed, int *grazing, double window[2])
+{
+    char path[] = "/tmp/ricochet-response-XXXXXX";
+    const int fd = mkstemp(path);
+    ric_response_options o;
+    ric_response *r = NULL;
+    assert_true(fd >= 0);
+    close(fd);
+    ric_response_defaults(&o);
+    o.shaking = shaking_of(RESTITUTION);
+    o.window[0] = 0.5;
+    o.window[1] = 1.7;
+    o.n_level = 1;
+    o.levels = &level;
+    o.impacts = 2;
+    o.periods = 1;
+    if (ric_response_run(atlas, &o, path, NULL, NULL) || ric_response_read(path, &r)) fail_msg("%s", ric_detail());
+    unlink(path);
+    *curves = *closed = *grazing = 0;
+    for (int id = 1; id <= ric_response_n_curve(r); id++) {
+        ric_response_curve c;
+        ric_response_point p;
+        double from = INFINITY, to = 0;
+        ric_response_curve_at(r, id, &c);
+        for (int i = 0; i < c.n_point && !ric_response_point_at(r, id, i, &p); i++) {
+            from = fmin(from, p.omega);
+            to = fmax(to, p.omega);
+        }
+        if (c.letters != 2 || from > 1.2 || to < 1.2) continue;
+        ++*curves;
+        *closed += c.end == RIC_RESPONSE_CLOSED;
+        *grazing += c.begin == RIC_RESPONSE_GRAZES || c.end == RIC_RESPONSE_GRAZES;
+        window[0] = from;
+        window[1] = to;
     }
+    ric_response_free(r);
+}
+
+/* Below the birth that is predicted for S2+, between it and the join at the grazing of mode 1, and above. */
+static void test_isola(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(study);
+    int curves, closed, grazing;
+    double window[2];
+    around(atlas, 0.25, &curves, &closed, &grazing, window);
+    assert_int_equal(curves, 0);
+    around(atlas, 0.4, &curves, &closed, &grazing, window);
+    assert_true(curves == 1 && closed == 1);
+    assert_true(window[0] < 0.976 && window[0] > 0.974 && window[1] > 1.403 && window[1] < 1.405);
+    around(atlas, 0.6, &curves, &closed, &grazing, window);
+    assert_true(curves == 1 && closed == 0 && grazing == 1);
     ric_atlas_free(atlas);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_attractors)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_isola), cmocka_unit_test(test_attractors)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
