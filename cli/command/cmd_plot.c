@@ -201,6 +201,9 @@ static const cli_item items[] = {
      .text = "main: marks of junctions as long as they leave the curve visible, and no extrema of the period; the "
              "legend counts the others; all; asked: those with --label or --mark; none: only these and those with a "
              "name in the study"},
+    {.name = "--letters",
+     .value = "A,B,..",
+     .text = "what panels are called instead of a, b, ..; nothing between two commas: none"},
     {.name = "--frame", .value = "[NAME: ]A:B,C:D", .text = "a dashed frame around these energies and frequencies"},
     {.name = "--label", .value = "NAME", .text = "only this junction or branch has a label; may be repeated"},
     {.name = "--mark", .value = "ORBIT", .text = "a dot, or the mark of a junction, with a name of its own"},
@@ -310,7 +313,7 @@ static const cli_item items[] = {
     {.name = "--samples", .value = "N", .text = "how many instants, 24 unless given"},
     {.name = "--orbits", .value = "N", .text = "how many orbits of each segment, 40 unless given"},
     {.name = "--dof", .value = "I", .text = "the displacement; the last one unless given"},
-    {.name = "--stretch", .text = "all segments equally wide instead of by the frequency passed"},
+    {.name = "--stretch", .text = "all segments equally wide, each by the part of its frequency passed"},
     {.name = "section",
      .picture = true,
      .text = "a study or an atlas: motions of one energy on the section of a face, a dot for each impact (displacement "

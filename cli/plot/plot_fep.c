@@ -101,7 +101,8 @@ static int parse_options(int *argc, char **argv, fep_options *o)
     if (!cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency) ||
         !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels) ||
         !cli_take_value(argc, argv, "--marks", &marks) || !cli_take_value(argc, argv, "--data", &o->data) ||
-        !cli_take_value(argc, argv, "--duplicates", &duplicates) || take_zooms(argc, argv, o) != CLI_DONE ||
+        !cli_take_value(argc, argv, "--duplicates", &duplicates) ||
+        !cli_take_value(argc, argv, "--letters", &o->letters) || take_zooms(argc, argv, o) != CLI_DONE ||
         take_frames(argc, argv, o) != CLI_DONE)
         return CLI_WRONG;
     o->duplicates = 1;
@@ -152,6 +153,14 @@ plot_tag *fep_new_tag(fep *f)
     }
     f->tags[f->n_tag] = (plot_tag){.leader = true};
     return &f->tags[f->n_tag++];
+}
+
+bool fep_in_zoom(const fep *f, plot_point data)
+{
+    bool inside = false;
+    for (int i = 1; f->panel == f->panels && i < f->n_panel; i++)
+        inside = inside || plot_panel_inside(&f->panels[i], data);
+    return inside;
 }
 
 bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, int junction)
@@ -503,6 +512,20 @@ static double usual_height(int n)
     return of_panels[n - 1];
 }
 
+/* What panel i is called: its letter in brackets, or nothing if --letters has none for it. */
+static void panel_letter(const fep *f, int i, size_t size, char *out)
+{
+    const char *text = f->options->letters;
+    out[0] = '\0';
+    if (!text) {
+        snprintf(out, size, "(%c)", 'a' + i);
+        return;
+    }
+    for (; i > 0 && *text; text++) i -= *text == ',';
+    const int length = (int)strcspn(text, ",");
+    if (i == 0 && length > 0) snprintf(out, size, "(%.*s)", length, text);
+}
+
 /* A window in a panel, with what it is called. */
 static void draw_window(fep *f, const double window[4], const char *name)
 {
@@ -534,8 +557,8 @@ static void draw_windows(fep *f)
     for (int k = 1; k < f->n_panel; k++) {
         const plot_panel *zoom = &f->panels[k];
         const double window[4] = {zoom->x.lo, zoom->x.hi, zoom->y.lo, zoom->y.hi};
-        char letter[8];
-        snprintf(letter, sizeof letter, "(%c)", 'a' + k);
+        char letter[24];
+        panel_letter(f, k, sizeof letter, letter);
         draw_window(f, window, letter);
     }
     for (int k = 0; k < o->n_frame; k++) {
@@ -593,15 +616,16 @@ static int draw_panels(fep *f, double legend, bool final, int *missing)
     lay_out(f, legend);
     f->no_margin = f->unmarked = 0;
     for (int i = 0; i < f->n_panel && code == CLI_DONE; i++) {
-        char letter[8];
+        char letter[24], name[48];
         f->n_tag = f->n_group = 0;
         code = draw_panel(f, i);
         if (code != CLI_DONE || !final) continue;
-        snprintf(letter, sizeof letter, "(%c)", 'a' + i);
+        panel_letter(f, i, sizeof letter, letter);
+        plot_text_escape(letter, sizeof name, name);
         frame(f);
-        if (f->n_panel > 1)
+        if (f->n_panel > 1 && *letter)
             plot_page_text(f->page, (plot_point){f->panel->x.from - 50, f->panel->y.to + 17}, PLOT_LEFT, type + 1,
-                           "#000000", false, letter);
+                           "#000000", false, name);
         *missing += plot_place_tags(f->page, plot_panel_box(f->panel), f->n_tag, f->tags, type);
     }
     return code;

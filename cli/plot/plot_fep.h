@@ -31,6 +31,7 @@ typedef struct {
     fep_marks marks;
     int n_zoom;
     double zoom[FEP_MAX_PANEL][4]; /* energies, frequencies */
+    const char *letters; /* of the panels, between commas; NULL: a, b, .. */
     int n_frame;
     double frame[FEP_MAX_PANEL][4]; /* windows of other pictures, with their names */
     const char *frame_name[FEP_MAX_PANEL];
@@ -83,6 +84,8 @@ typedef struct {
 
 /* plot_fep.c. NULL when memory ran out. */
 plot_tag *fep_new_tag(fep *f);
+/* Whether a place is drawn larger in another panel than the first, which is being drawn: its label is there. */
+bool fep_in_zoom(const fep *f, plot_point data);
 /* Whether a name was asked for with --label; notes that it was found. */
 bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, int junction);
 

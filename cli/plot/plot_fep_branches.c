@@ -151,6 +151,12 @@ static bool wants_label(fep *f, const fep_source *s, const ric_branch *branch, i
     return f->options->labels != LABELS_MAIN || k == 1 || (branch->mode && branch->depth);
 }
 
+/* Whether the step before knot i of a curve is drawn larger in another panel. */
+static bool zoomed(const fep *f, const plot_track *t, int i)
+{
+    return fep_in_zoom(f, t->knots[i - 1].at) || fep_in_zoom(f, t->knots[i].at);
+}
+
 /* Label of the k-duplicate of a branch: may stand at any of a few places along its visible part. */
 static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, int k_duplicate, const plot_track *t)
 {
@@ -167,6 +173,7 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
         const double step = visible_piece(f, t, i, &a, &b);
         for (; k < PLACES && step > 0 && done + step >= next / PLACES * length; next++, k++) {
             const double part = (next / PLACES * length - done) / step;
+            if (zoomed(f, t, i)) continue;
             plot_tag tag = {.at = {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}, .clear = 3, .group = group};
             tag.weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
             tag.colour = plot_text_colour(f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->tint

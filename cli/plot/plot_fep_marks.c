@@ -73,6 +73,7 @@ typedef struct {
     int id, n_branch;
     const int *branches;
     bool named, asked, drawn; /* the first two: however crowded its place is */
+    bool elsewhere;           /* has its label in another panel */
 } spot;
 
 static int lighter(const void *a, const void *b)
@@ -118,8 +119,9 @@ static int thin_spots(fep *f, int n, spot *spots)
                 fits = ++near < MOST;
         spots[i].drawn = fits || (spots[i].named && f->options->marks != MARKS_ASKED) || spots[i].asked;
         drawn += spots[i].drawn;
+        if (f->panel == f->panels && f->options->marks == MARKS_MAIN)
+            f->unmarked += !spots[i].drawn && !spots[i].elsewhere;
     }
-    if (f->panel == f->panels && f->options->marks == MARKS_MAIN) f->unmarked += n - drawn;
     return drawn;
 }
 
@@ -131,7 +133,7 @@ static void draw_spots(fep *f, const fep_source *s, int n, spot *spots)
         ric_junction junction;
         if (!spots[i].drawn || ric_atlas_junction(s->atlas, spots[i].id, &junction) != RIC_OK) continue;
         rank--;
-        plot_tag *tag = labelled(f, &spots[i], rank) ? fep_new_tag(f) : NULL;
+        plot_tag *tag = !spots[i].elsewhere && labelled(f, &spots[i], rank) ? fep_new_tag(f) : NULL;
         const double radius = drawn < 40 || rank < 60 ? large : small;
         plot_page_mark(f->page, plot_junction_mark(junction.kind), spots[i].at, radius);
         f->kinds[junction.kind] = true;
@@ -171,7 +173,8 @@ ric_status fep_draw_junctions(fep *f, fep_source *s)
                           junction.branches,
                           junction.name && *junction.name,
                           fep_label_asked(f, s, "", 0, id),
-                          false};
+                          false,
+                          fep_in_zoom(f, place)};
         n += wanted(f, &spots[n]);
     }
     if (status == RIC_OK) {
@@ -298,10 +301,11 @@ int fep_draw_marks(fep *f, fep_source *s)
         const plot_point data = {choice.energy, choice.frequency / choice.periods};
         if (!plot_panel_inside(f->panel, data)) continue;
         asked->used = true;
-        plot_tag *tag = fep_new_tag(f);
         const plot_point at = plot_panel_at(f->panel, data);
         if (choice.kind < 0) plot_page_mark(f->page, PLOT_DOT, at, 3.8);
         else plot_page_mark(f->page, plot_junction_mark((ric_kind)choice.kind), at, 3.8);
+        if (fep_in_zoom(f, data)) continue;
+        plot_tag *tag = fep_new_tag(f);
         if (!tag) return cli_report(RIC_E_NOMEM);
         tag->at = at;
         tag->clear = 3.8;

@@ -134,14 +134,21 @@ static leader_line leader_to(const plot_tag *tag, plot_box box)
     return (leader_line){{tag->at.x + dx / length * start, tag->at.y + dy / length * start}, nearest};
 }
 
+/* What of a line lies beyond the first pixels, which belong to the own mark or curve, and marks that share its place.
+ */
+static leader_line beyond_own(leader_line line, double own)
+{
+    const double length = hypot(line.from.x - line.to.x, line.from.y - line.to.y),
+                 part = fmin(1, own / fmax(length, 1e-9));
+    line.from.x += (line.to.x - line.from.x) * part;
+    line.from.y += (line.to.y - line.from.y) * part;
+    return line;
+}
+
 /* Cost of the leader, or infinity where it would meet a label, another mark or a leader. */
 static double leader_cost(const placing *p, const plot_tag *tag, leader_line line)
 {
-    const double start = hypot(line.from.x - line.to.x, line.from.y - line.to.y);
-    /* The first pixel belongs to the own mark, and to marks that share its place. */
-    leader_line rest = line;
-    rest.from.x += (line.to.x - line.from.x) * fmin(1, 2 / fmax(start, 1e-9));
-    rest.from.y += (line.to.y - line.from.y) * fmin(1, 2 / fmax(start, 1e-9));
+    const leader_line rest = beyond_own(line, 2);
     if (!plot_page_free_line(p->page, rest.from, rest.to)) return INFINITY;
     for (int i = 0; i < p->n_leader; i++)
         if (lines_cross(line, p->leaders[i])) return INFINITY;
@@ -173,7 +180,10 @@ static double box_cost(const placing *p, const plot_tag *tag, plot_box box, doub
     for (int i = 0; i < p->n_leader; i++)
         if (crosses_box(p->leaders[i], wide)) return INFINITY;
     distance += 4 * crowding(p->page, wide);
-    if (gap < 9) return distance;
+    if (gap < 9) { /* a curve between the label and its own would seem to be the one that is meant */
+        const double ink = leader_ink(p->page, beyond_own(leader_to(tag, box), 0.5));
+        return ink > 2 ? INFINITY : distance + 6 * ink;
+    }
     return tag->leader ? distance + leader_cost(p, tag, leader_to(tag, box)) : INFINITY;
 }
 

@@ -390,6 +390,14 @@ static int fill_segment(const sheet *s, const sheet_part *p, column *columns, co
     return CLI_DONE;
 }
 
+/* The frequency that a segment passes. */
+static double passed(const sheet_part *p)
+{
+    double sum = 0;
+    for (int k = 1; k < p->n; k++) sum += fabs(2 * pi / p->motions[k].period - 2 * pi / p->motions[k - 1].period);
+    return sum / p->k;
+}
+
 static int make_columns(const sheet *s, column *columns)
 {
     double way = 0;
@@ -400,12 +408,22 @@ static int make_columns(const sheet *s, column *columns)
         if (code != CLI_DONE) return code;
         for (int k = 0; k < p->n; k++) {
             const double now = 2 * pi / p->motions[k].period, before = k ? 2 * pi / p->motions[k - 1].period : now;
-            way += k == 0 ? 0 : s->stretch ? 1. / (p->n - 1) : fabs(now - before) / p->k;
+            way += fabs(now - before) / p->k / (s->stretch && passed(p) > 0 ? passed(p) : 1);
             columns[k].way = way;
         }
         last = columns[p->n - 1].x;
     }
     return CLI_DONE;
+}
+
+/* What stands above a segment: through how many periods it goes, and what it passes where the axis does not say so. */
+static void name_part(const sheet *s, const sheet_part *p, size_t size, char *out)
+{
+    const int used = snprintf(out, size, p->k > 1 ? "%d periods" : "%d period", p->k);
+    const plot_units unit = plot_units_of(s->common, ric_atlas_model(s->from.atlas[0]));
+    if (s->stretch && used > 0 && (size_t)used < size)
+        snprintf(out + used, size - (size_t)used, ", %.3g %s", passed(p) * unit.frequency,
+                 s->common->hertz ? "Hz" : "rad/s");
 }
 
 static int draw_columns(sheet *s, int n, const column *columns)
@@ -442,14 +460,14 @@ static int draw_columns(sheet *s, int n, const column *columns)
         }
         plot_tag *tag = &tags[i];
         *tag = (plot_tag){.at = {x, panel.y.to + 12}, .weight = -i, .colour = "#000000"};
-        snprintf(tag->text, sizeof tag->text, s->parts[i].k > 1 ? "%d periods" : "%d period", s->parts[i].k);
+        name_part(s, &s->parts[i], sizeof tag->text, tag->text);
     }
     free(line);
     plot_place_tags(s->page, (plot_box){panel.x.from - 30, panel.y.to + 4, panel.x.to, panel.y.to + 40}, s->n, tags,
                     type);
     snprintf(text, sizeof text, "x_{%ld}(k T/%ld),  x_{%ld}(0) = 0", s->dof, s->samples, s->dof);
     plot_panel_frame(s->page, &panel,
-                     s->stretch         ? "way along the segments, each of length 1"
+                     s->stretch         ? "part of the frequency passed, for each segment"
                      : s->common->hertz ? "frequency passed on the way (Hz)"
                                         : "frequency passed on the way (rad/s)",
                      text);

@@ -227,6 +227,23 @@ END
 }
 ok 'needs no gnuplot, and draws the same picture with it' by_hand
 
+# ------------------------------------------------------------------ panels
+ok 'a panel without a letter and one with another' draw letters fep "$folder/two.ricochet" --zoom 0.57:0.63,0.9:1.02 --letters ,c \
+    --label C1_31 --label C1_32 --label 'S2-[01]'
+ok 'are lettered so' sees letters <<'END'
+names = [t[2] for t in p.texts if t[2].startswith("(")]
+check(names == ["(c)", "(c)"], names)  # the zoom, and its window in the first panel
+END
+ok 'what a zoom shows has its label there' sees letters <<'END'
+places = {index: [t[0] > p.width / 2 for t in p.texts if t[2] == index and t[3] < 10] for index in ("31", "32")}
+check(places == {"31": [True], "32": [False]}, places, p.texts)
+END
+ok 'a strobe with segments of equal width' draw strobe strobe "$folder/two.ricochet" --segment '2:S2+[01]|C1_31 C1_32' \
+    --segment 'S2+[01]|C1_32 G1_2,4' --orbits 40 --samples 4 --stretch
+ok 'says what each passes' sees strobe <<'END'
+check(p.has("2 periods, 0.21 rad/s") and p.has("1 period, 0.285 rad/s"), p.texts)
+END
+
 # ------------------------------------------------------------------ colours
 ok 'six atlases in a picture' draw six fep "$folder/two.ricochet" --branch 1 "$folder/two.ricochet" --branch 2 "$folder/two.ricochet" --branch 3 \
     "$folder/two.ricochet" --branch 4 "$folder/two.ricochet" --branch 5 "$folder/two.ricochet" --branch 6 --marks none --labels none
