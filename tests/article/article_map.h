@@ -174,6 +174,97 @@ static verdict any_row_can_go(finding *f, const char *arg)
     return stated(n > 30 && !wrong);
 }
 
+/* lambda + 1 / lambda of the return map of (z, t), eq. 40 to 46, of an orbit that begins right after an impact: its
+ * block of z has the eigenvalues 0, 1, lambda, 1 / lambda. *slowest: the least speed of an impact. */
+static double map_pair(int n, const double *s, double *slowest)
+{
+    double z[4], product[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}, trace = 0;
+    memcpy(z, s, sizeof z);
+    *slowest = INFINITY;
+    for (int i = 0; i < n; i++) {
+        double phi[4][4], out[4][4], f[4], speed;
+        map_flow(s[4 + i] * s[4 + n], phi);
+        map_apply(phi, z);
+        f[0] = z[2], f[1] = z[3];
+        f[2] = -(9 * z[0] - z[1]) / MAP_MASS_1, f[3] = -(z[1] - z[0]) / MAP_MASS_2;
+        speed = f[1] - f[0];
+        *slowest = fmin(*slowest, fabs(speed));
+        for (int k = 0; k < 4; k++) { /* H' z dt + H dz with dt = -(gap of H dz) / speed; then the velocities turn */
+            double y[4] = {0}, dt;
+            for (int a = 0; a < 4; a++)
+                for (int b = 0; b < 4; b++) y[a] += phi[a][b] * product[b][k];
+            dt = -(y[1] - y[0]) / speed;
+            for (int a = 0; a < 4; a++) y[a] += f[a] * dt;
+            map_impact(y);
+            for (int a = 0; a < 4; a++) out[a][k] = y[a];
+        }
+        memcpy(product, out, sizeof product);
+        map_impact(z);
+    }
+    for (int k = 0; k < 4; k++) trace += product[k][k];
+    return trace - 1;
+}
+
+/* Stored traces and flags of stability against those of the article's return map. */
+static verdict stability_of_return_map(finding *f, const char *arg)
+{
+    int n = 0, flags = 0, wrong = 0;
+    double worst = 0;
+    (void)arg;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas_of(ELEMENTARY)); id++) {
+        ric_branch b = branch(ELEMENTARY, id);
+        for (int i = 1; i + 1 < b.n_point; i++) {
+            double s[MAP_SIZE], side[MAP_IMPACTS], slowest;
+            ric_point p = point(ELEMENTARY, id, i);
+            if (!map_unknowns(ELEMENTARY, &b, i, s, side)) continue;
+            double pair = map_pair(b.impacts, s, &slowest), stored = 2 * sinh(p.trace);
+            if (slowest < 1e-3) continue; /* the map has entries of one over it */
+            n++;
+            worst = fmax(worst, fabs(pair - stored) / (1 + fabs(stored)));
+            if (fabs(fabs(pair) - 2) < 1e-6 || p.stable == RIC_STABLE_UNDECIDED) continue;
+            flags++;
+            wrong += (fabs(pair) < 2) != (p.stable == RIC_STABLE_YES);
+        }
+    }
+    say(f,
+        "lambda + 1 / lambda of the article's map, written out anew, are those stored at %d points to 1e-6: %s; of %d "
+        "flags of stability %d are not those of |lambda + 1 / lambda| < 2",
+        n, worst < 1e-6 ? "yes" : "no", flags, wrong);
+    return stated(n > 500 && flags > 500 && !wrong && worst < 1e-6);
+}
+
+/* Share of the energy that the masses have against each other at the impacts of a stored orbit, their mean. */
+static double share_of_relative_motion(int which, int b, int i)
+{
+    double state[4], flights[40], phi[4][4], sum = 0;
+    ric_point p;
+    int n = branch(which, b).impacts;
+    assert_in_range(n, 1, 40);
+    assert_int_equal(ric_atlas_point(atlas_of(which), b, i, &p, state, flights), RIC_OK);
+    for (int k = 0; k < n; k++) {
+        map_flow(flights[k], phi);
+        map_apply(phi, state);
+        sum += (state[3] - state[2]) * (state[3] - state[2]);
+        map_impact(state);
+    }
+    return MAP_MASS_1 * MAP_MASS_2 / (MAP_MASS_1 + MAP_MASS_2) / 2 * sum / n / p.energy;
+}
+
+/* The stored point of a branch next to its branch point of the least energy. */
+static int beside_branch_point(int which, int b)
+{
+    ric_branch row = branch(which, b);
+    double least = INFINITY, place = 0;
+    int best = 0;
+    for (int k = 0; k < row.n_junction; k++) {
+        ric_junction j = junction(which, row.junctions[k]);
+        if (j.kind == RIC_KIND_BRANCH_POINT && j.energy < least) least = j.energy, place = row.junction_at[k];
+    }
+    for (int i = 1; i < row.n_point; i++)
+        if (fabs(point(which, b, i).arclength - place) < fabs(point(which, b, best).arclength - place)) best = i;
+    return best;
+}
+
 /* Trace of the return map of S2[01] at a frequency, less 2: lambda + 1 / lambda. The orbit is in closed form: in each
  * flight both modes are odd about the middle, and the impulse is that of the stop. */
 static double s2_trace(double frequency)

@@ -127,6 +127,33 @@ static verdict sticking_beyond(finding *f, const char *arg)
     return three ? AS_STATED : fourth ? OTHERWISE : NEITHER;
 }
 
+/* At the C_32 of S_2k and the last one of S_2j the share of the relative motion falls from level to level. */
+static verdict becomes_one_mass(finding *f, const char *arg)
+{
+    bool falls = true;
+    double last = 1;
+    (void)arg;
+    for (int k = 3; k <= 17; k += 2) {
+        int b = reversible_branch(FAR, chattering(k));
+        if (!b) return NEITHER;
+        double share = share_of_relative_motion(FAR, b, beside_branch_point(FAR, b));
+        say(f, "%s%.2g", k > 3 ? ", " : "S_2k, k = 3, 5 .. 17: ", share);
+        falls = falls && share < last;
+        last = share;
+    }
+    falls = falls && last < 0.02;
+    last = 1;
+    for (int j = 2; j <= 11; j++) {
+        int b = reversible_branch(FAR, sticking(j));
+        if (!b) return NEITHER;
+        double share = share_of_relative_motion(FAR, b, beside_branch_point(FAR, b));
+        say(f, "%s%.2g", j > 2 ? ", " : "; S_2j, j = 2, 3 .. 11: ", share);
+        falls = falls && share < last;
+        last = share;
+    }
+    return stated(falls && last < 0.01);
+}
+
 /* The path behind S2 lies between the maxima of S_2k and the minima of S_2j. */
 static verdict path_is_clamped(finding *f, const char *arg)
 {
@@ -274,11 +301,35 @@ static verdict tripling_of_a4(finding *f, const char *arg)
         char labels[256];
         int from = count == 2 ? far_end(TRIPLED, b.id, id) : end ? b.to : b.from;
         int steps = hops(TRIPLED, from, g, false, true, count == 2 ? own[1 - end] : b.id, labels, sizeof labels);
-        say(f, "%s%s, %s to ", end ? "; " : "", b.label, labels);
+        say(f, "%s%s, %s", end ? " and " : "", b.label, labels);
         ways += steps >= 0;
     }
+    say(f, " to ");
     say_junction(f, TRIPLED, g);
     return stated(ways == 2);
+}
+
+/* The stable part of A12, which leaves the doubling of S6 and has the multiplication 1/4: as stated it begins where A12
+ * does; otherwise A12 is unstable there, and stable from a fold, where the multipliers are 1, to a doubling. */
+static verdict multipliers_begin_again(finding *f, const char *arg)
+{
+    int b = reversible_branch(CASCADE, "S6[010101]"), id = 0, list[4], four = 0, doubling = 0, fold[2];
+    (void)arg;
+    if (!b || multiplications(CASCADE, b, 1, 2, &id) != 1 || families(CASCADE, id, list, 4) != 2) return NEITHER;
+    for (int i = 0; i < 2; i++)
+        if (multiplications(CASCADE, list[i], 1, 4, NULL) + multiplications(CASCADE, list[i], 3, 4, NULL) == 1)
+            four = list[i];
+    if (!four || multiplications(CASCADE, four, 1, 2, &doubling) != 1) return NEITHER;
+    int n = inner(CASCADE, four, RIC_KIND_EXTREMUM, fold, 2), between = 0;
+    for (int i = 0; i < n && i < 2; i++)
+        if (stable_between(CASCADE, four, fold[i], doubling) == 1) between = fold[i];
+    if (!between) return stable_between(CASCADE, four, id, doubling) == 1 ? AS_STATED : NEITHER;
+    say(f, "A12 leaves S6 unstable and is stable between ");
+    say_junction(f, CASCADE, between);
+    say(f, " and ");
+    say_junction(f, CASCADE, doubling);
+    bool unstable = stable_between(CASCADE, four, id, between) == 0;
+    return unstable && junction(CASCADE, between).b == 1 ? OTHERWISE : NEITHER;
 }
 
 /* ---------------------------------------------------- 1, 3.2.2, 4: islands */

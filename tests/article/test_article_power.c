@@ -266,6 +266,35 @@ static bool no_twist(int which, char *found, size_t size)
     return count == 0 && b.stable_fraction > 0.999;
 }
 
+/* Branches without mirror points that join the two families of the loop, for n = 7, 9, 11 and 21. */
+static bool bridges_cease(int which, char *found, size_t size)
+{
+    static const int exponents[] = {7, 9, 11, 21}, expected[] = {0, 2, 1, 1};
+    bool right = true;
+    size_t used = 0;
+    (void)which;
+    for (int i = 0; i < 4; i++) {
+        char text[500];
+        int bridges = 0, reversible = 0;
+        snprintf(text, sizeof text,
+                 "model: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: [{normal: [-1, 1], law: "
+                 "power, exponent: %d, length: 1, reference: 1}]}\nexplore: {start: [2], energy: [0, 16], frequency: "
+                 "[1, 4], multiply: 2, depth: 3}\n",
+                 exponents[i]);
+        ric_atlas *atlas = explore_text(text);
+        for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+            ric_branch b = branch_of(atlas, id);
+            reversible += b.reversible && b.mode == 0;
+            bridges += !b.reversible && b.from && b.to && junction_of(atlas, b.from).b == 2 &&
+                       junction_of(atlas, b.to).b == 2;
+        }
+        ric_atlas_free(atlas);
+        right = right && bridges == expected[i] && reversible == 2;
+        used += (size_t)snprintf(found + used, size - used, "%sn = %d: %d", i ? ", " : "", exponents[i], bridges);
+    }
+    return right;
+}
+
 /* Multiplications p/8, reduced, between two junctions of the cubic path. */
 static int eighths(const ric_branch *b, int from, int to)
 {
@@ -489,6 +518,7 @@ static const entry table[] = {
      "The second one leaves the first one and returns to it. It never meets the backbone."},
     {"3.3", "Of five side branches that cross G1_2,4 three have counterparts at n = 21.", three_counterparts, SIDES,
      NULL},
+    {"3.3, Fig. 25", "Some of the bridges of the loop cease to exist as n decreases.", bridges_cease, HIGH, NULL},
 };
 
 static void statements(void **state)
