@@ -254,14 +254,14 @@ static double share_of_relative_motion(int which, int b, int i)
 static int beside_branch_point(int which, int b)
 {
     ric_branch row = branch(which, b);
-    double least = INFINITY, place = 0;
+    double least = INFINITY, along = 0;
     int best = 0;
     for (int k = 0; k < row.n_junction; k++) {
         ric_junction j = junction(which, row.junctions[k]);
-        if (j.kind == RIC_KIND_BRANCH_POINT && j.energy < least) least = j.energy, place = row.junction_at[k];
+        if (j.kind == RIC_KIND_BRANCH_POINT && j.energy < least) least = j.energy, along = row.junction_at[k];
     }
     for (int i = 1; i < row.n_point; i++)
-        if (fabs(point(which, b, i).arclength - place) < fabs(point(which, b, best).arclength - place)) best = i;
+        if (fabs(point(which, b, i).arclength - along) < fabs(point(which, b, best).arclength - along)) best = i;
     return best;
 }
 
