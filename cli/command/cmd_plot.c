@@ -202,8 +202,8 @@ static const cli_item items[] = {
              "legend counts the others; all; asked: those with --label or --mark; none: only these and those with a "
              "name in the study"},
     {.name = "--letters",
-     .value = "A,B,..",
-     .text = "what panels are called instead of a, b, ..; nothing between two commas: none"},
+     .value = "NAMES",
+     .text = "what panels are called instead of a,b,..: names between commas, nothing for none"},
     {.name = "--frame", .value = "[NAME: ]A:B,C:D", .text = "a dashed frame around these energies and frequencies"},
     {.name = "--label", .value = "NAME", .text = "only this junction or branch has a label; may be repeated"},
     {.name = "--mark", .value = "ORBIT", .text = "a dot, or the mark of a junction, with a name of its own"},
@@ -363,7 +363,7 @@ static const cli_item items[] = {
              "ends"},
     {.name = "--junction", .value = "J", .text = "a junction; may be repeated"},
     {.name = "--study", .value = "FILE", .text = "study whose section vary is taken"},
-    {.name = "--values", .value = "A,B,..", .text = "values of the parameter at which it is solved as well"},
+    {.name = "--values", .value = "NAMES", .text = "values of the parameter at which it is solved as well"},
     {.name = "--max-step", .value = "H", .text = "largest step along the curve"},
     {.name = "--y", .value = "NAME", .words = "energy frequency", .text = "what goes upwards, energy unless given"},
     {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
@@ -396,10 +396,10 @@ const cli_command cli_plot = {
     .summary = "draw an atlas, an orbit or curves as SVG, PDF or PNG",
     .usage = "ricochet plot fep ATLAS... [--linear | --log] [--energy A:B] [--frequency A:B]\n"
              "           [--log-frequency | --linear-frequency] [--break F] [--zoom A:B,C:D]...\n"
-             "           [--frame A:B,C:D]... [--labels WHAT] [--marks WHAT] [--label NAME]...\n"
-             "           [--mark ORBIT]... [--ghosts] [--symmetric] [--duplicates K [--arrows]]\n"
-             "           [--branch SEGMENT]... [--duplicate K:SEGMENT]... [--base Fj_i] [--key TEXT]\n"
-             "           [--data FILE.csv] -o FILE\n"
+             "           [--frame A:B,C:D]... [--letters NAMES] [--labels WHAT] [--marks WHAT]\n"
+             "           [--label NAME]... [--mark ORBIT]... [--ghosts] [--symmetric]\n"
+             "           [--duplicates K [--arrows]] [--branch SEGMENT]... [--duplicate K:SEGMENT]...\n"
+             "           [--base Fj_i] [--key TEXT] [--data FILE.csv] -o FILE\n"
              "ricochet plot orbit ATLAS (--branch ID | --at E,OMEGA)\n"
              "           (--point I | --energy E | --frequency F) [--which K] [--coordinates LIST]\n"
              "           [--data FILE.csv] -o FILE\n"

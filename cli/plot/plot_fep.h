@@ -31,7 +31,7 @@ typedef struct {
     fep_marks marks;
     int n_zoom;
     double zoom[FEP_MAX_PANEL][4]; /* energies, frequencies */
-    const char *letters; /* of the panels, between commas; NULL: a, b, .. */
+    const char *letters;           /* of the panels, between commas; NULL: a, b, .. */
     int n_frame;
     double frame[FEP_MAX_PANEL][4]; /* windows of other pictures, with their names */
     const char *frame_name[FEP_MAX_PANEL];
