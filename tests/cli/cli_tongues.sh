@@ -164,5 +164,37 @@ kept()
 }
 ok 'the atlas has it, and the modes; its study is the same one' kept
 
+# The arm of a drone: the backbones of one, two, four modes and, in the long form, all ten agree away from the tongues that they step over.
+arm()
+{
+    local modes=(1 2 4) n
+    long_form && modes+=(10)
+    for n in "${modes[@]}"; do
+        sed "s#^  contacts:#  modes: $n\n  contacts:#; s#file: #file: $PWD/examples/arm/#" examples/arm/study.yaml >"$folder/arm$n.yaml"
+        "$ricochet" run "$folder/arm$n.yaml" -o "$folder/arm$n.ricochet" --quiet || return 1
+        "$ricochet" points "$folder/arm$n.ricochet" --branch 'S2(1)[01]' --json >"$folder/arm$n.json" 2>/dev/null ||
+            "$ricochet" points "$folder/arm$n.ricochet" --branch 'S2[01]' --json >"$folder/arm$n.json" || return 1
+        "$ricochet" branches "$folder/arm$n.ricochet" --tongues --json >"$folder/tongues$n.json"
+    done
+    python3 - "$folder" "${modes[@]}" <<'P'
+import json, math, sys
+folder, modes = sys.argv[1], sys.argv[2:]
+curve = {n: [(p["energy"], p["frequency"]) for p in json.load(open(f"{folder}/arm{n}.json"))] for n in modes}
+def at(n, energy):
+    for a, b in zip(curve[n], curve[n][1:]):
+        if a[0] <= energy <= b[0]:
+            return a[1] * (b[1] / a[1]) ** (math.log(energy / a[0]) / math.log(b[0] / a[0]))
+    raise AssertionError((n, energy))
+for n in modes:
+    tongues = json.load(open(f"{folder}/tongues{n}.json"))
+    assert abs(curve[n][0][1] - 460.288) < 0.01 and abs(max(p[1] for p in curve[n]) - 638.589) < 0.01, n
+    assert all(t["crossed"] and t["of_mode"] > 1 for t in tongues) and (len(tongues) > 0) == (n != "1"), (n, len(tongues))
+worst = max(abs(at(n, energy) / at(modes[-1], energy) - 1) for n in modes for energy in (9500, 1e4, 1.2e4, 2e4, 5e4, 1e5, 3e5, 8e5))
+print(f"# modes {', '.join(modes)}: frequencies at eight energies agree to {worst:.1e}")
+assert worst < 1e-4
+P
+}
+ok 'the backbones of an arm agree, whatever the number of modes' arm
+
 echo "1..$number"
 exit $((failed > 0))
