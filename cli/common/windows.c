@@ -122,20 +122,39 @@ static void write_duration(double seconds, size_t size, char *out)
     snprintf(out, size, "%.0f %s", ceil(seconds / unit), unit == 1 ? "s" : unit == 60 ? "min" : "h");
 }
 
+/* Modes far above those that begin in the windows act on them by their static compliance, nearly. */
+#define FAR_ABOVE 20
+
+static int modes_worth(const facts *f)
+{
+    double fastest = 0;
+    int n = 0;
+    for (int i = 0; i < f->n; i++)
+        if (is_started(f, i) && begins(f, i)) fastest = fmax(fastest, f->frequency[i]);
+    for (int i = 0; i < f->n; i++) n += f->frequency[i] <= FAR_ABOVE * fastest;
+    return n;
+}
+
 /* What is said of a run that will take long; "" for others. */
 static void write_length(const facts *f, size_t size, char *out)
 {
-    char least[20], most[20];
+    char least[20], most[20], few[160];
+    const int worth = modes_worth(f);
     const double seconds = branch_seconds(f);
     out[0] = '\0';
     if (seconds <= LONG) return;
     write_duration(FEW_BRANCHES * seconds, sizeof least, least);
     write_duration(MANY_BRANCHES * seconds, sizeof most, most);
+    if (worth > 0 && worth < f->n)
+        snprintf(few, sizeof few,
+                 "`model: {modes: %d}` keeps those up to %d times the highest that begins in the windows", worth,
+                 FAR_ABOVE);
+    else snprintf(few, sizeof few, "reduce the structure to those that matter");
     snprintf(out, size,
              "a branch of %d modes takes about %.1g s, and an atlas of %d to %d branches %s to %s; "
              "--seconds S ends with what is found till then, and `start: [1]` with `depth: 1` asks for little. The "
-             "work grows with the cube of the modes: reduce the structure to those that matter",
-             ric_model_n_mode(f->model), seconds, FEW_BRANCHES, MANY_BRANCHES, least, most);
+             "work grows with the cube of the modes: %s",
+             ric_model_n_mode(f->model), seconds, FEW_BRANCHES, MANY_BRANCHES, least, most, few);
 }
 
 ric_status cli_windows_warn(const ric_study *study)

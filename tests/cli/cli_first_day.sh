@@ -151,6 +151,8 @@ print("  stiffness:", row(row(2 * (i == j) - (abs(i - j) == 1) for j in range(n)
 print("  contacts:\n    - {normal:", row(int(i == n // 2) for i in range(n)) + ", clearance: 1}")
 P
 ok 'check says that a run will take long' says 'warning: a branch of 120 modes takes about 3e+01 s, and an atlas .* 12 min to 2 h' check "$folder/long.yaml"
+{ cat "$folder/long.yaml"; echo 'explore: {start: [1]}'; } >"$folder/lowest.yaml"
+ok 'and which modes are worth it' says 'modes: `model: {modes: [1-9][0-9]}` keeps those up to 20 times the highest that begins' check "$folder/lowest.yaml"
 begun() { # run says it, too
     "$ricochet" run "$folder/long.yaml" --seconds 0.1 >"$folder/said" 2>&1
     [ $? = 3 ] && grep 'a branch of 120 modes takes about' "$folder/said"
