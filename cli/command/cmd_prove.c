@@ -369,7 +369,8 @@ static const cli_item items[] = {
     {.name = "--point", .value = "I", .text = "with --branch: only this point, from 0"},
     {.name = "--curves",
      .text = "branches as curves: that the orbits between its points are one arc of motions, in tubes that are glued "
-             "where they meet; steps to ends that are junctions are left out. Columns branch, label, verdict, tubes, "
+             "where they meet, up to the grazings that end them and from the mirrors that are broken where they begin. "
+             "Columns branch, label, verdict, tubes, "
              "from, to (whether its first and last points are on it, too), stable, unstable (proved on these shares of "
              "its length), approach, why"},
     {.name = "--junctions",

@@ -20,7 +20,8 @@ typedef struct {
     arb_mat_struct *J; /* [n * n] */
     arb_ptr F;         /* [n] */
     ric_equations q;
-    slong row; /* the next one */
+    slong row;                /* the next one */
+    const arb_struct *spread; /* e of a box of orbits u +- e a, or NULL */
 } filling;
 
 static double middle(const arb_t x)
@@ -31,6 +32,12 @@ static double middle(const arb_t x)
 static int count_motions(const ric_augmented *x)
 {
     return x->ask.kind == RIC_AUGMENTED_TURN ? 2 : x->ask.kind < RIC_AUGMENTED_SPEED;
+}
+
+/* A turn of a chain without mirrors has a factor more, 1 + mu, behind the motions. */
+static bool has_factor(const ric_augmented *x)
+{
+    return x->ask.kind == RIC_AUGMENTED_TURN && ric_chain_general(&x->c);
 }
 
 /* ------------------------------------------------------------------ rows */
@@ -154,8 +161,7 @@ static void put_tangent(filling *f)
     arb_clear(error);
 }
 
-/* What holds at a mirror point for motions that are turned into themselves, n rows, or into their opposite, n + 1. */
-static void put_rows_at(const ric_augmented *x, bool last, bool opposite, arb_mat_t B)
+void ric_augmented_mirror(const ric_augmented *x, bool last, bool opposite, arb_mat_t B)
 {
     const slong n = x->e->n;
     const ric_chain_end kind = last ? x->c.end : x->c.start;
@@ -185,7 +191,7 @@ static void put_start(filling *f, slong from, bool opposite)
     const slong n = f->x->e->n, rows = count_rows(f->x, opposite);
     arb_mat_t B;
     arb_mat_init(B, rows, 2 * n);
-    put_rows_at(f->x, false, opposite, B);
+    ric_augmented_mirror(f->x, false, opposite, B);
     for (slong l = 0; l < rows; l++, f->row++)
         for (slong j = 0; j < 2 * n; j++) add_term(f, f->row, from + j, arb_mat_entry(B, l, j));
     arb_mat_clear(B);
@@ -276,7 +282,7 @@ static void put_end(filling *f, int motions, arb_srcptr factor, bool opposite, i
     const slong rows = count_rows(x, opposite);
     arb_mat_t B;
     arb_mat_init(B, rows, 2 * x->e->n);
-    put_rows_at(x, true, opposite, B);
+    ric_augmented_mirror(x, true, opposite, B);
     for (int k = 0; k < motions; k++) add_end(f, x->n_orbit + k * x->n_motion, B, factor + k, skipped);
     f->row += rows - (skipped >= 0);
     arb_mat_clear(B);
@@ -319,6 +325,57 @@ static void put_turn(filling *f)
     put_end(f, 2, factor, true, -1);
     fmpq_clear(angle);
     _arb_vec_clear(factor, 3);
+}
+
+/* Twice a_0 less the rows of the closure is a_0 and what the motion at `from` returns as, which is to be (1 + mu)
+ * (factor[0] a_0 + factor[1] b_0). */
+static void put_return(filling *f, slong from, const ric_equations *second, arb_srcptr factor)
+{
+    const ric_augmented *x = f->x;
+    const slong row = f->row, prec = x->e->prec;
+    arb_t y, grown;
+    arb_init(y);
+    arb_init(grown);
+    put_group(f, from, ric_equation_end(&f->q), ric_equation_end(second), true);
+    arb_add_ui(grown, f->z + x->n - 1, 1, prec);
+    for (slong l = 0; l < 2 * x->e->n; l++) {
+        arb_set_si(y, -1);
+        add_term(f, row + l, from + l, y);
+        for (int k = 0; k < 2; k++) {
+            const slong at = x->n_orbit + k * x->n_motion + l;
+            arb_mul(y, factor + k, grown, prec);
+            arb_neg(y, y);
+            add_term(f, row + l, at, y);
+            arb_mul(y, factor + k, f->z + at, prec);
+            arb_neg(y, y);
+            add_derivative(f, row + l, x->n - 1, y);
+        }
+    }
+    arb_clear(y);
+    arb_clear(grown);
+}
+
+static void put_general_turn(filling *f)
+{
+    const ric_augmented *x = f->x;
+    arb_ptr factor = _arb_vec_init(2);
+    fmpq_t angle;
+    fmpq_init(angle);
+    fmpq_set_si(angle, 2 * x->ask.p, (ulong)x->ask.q);
+    for (int k = 0; k < 2; k++) {
+        const slong from = x->n_orbit + k * x->n_motion;
+        ric_equations second;
+        open_second(f, from, &second);
+        put_links(f, from, &second);
+        put_group(f, from, ric_equation_start(&f->q), ric_equation_start(&second), false);
+        arb_sin_cos_pi_fmpq(factor + 1, factor, angle, x->e->prec);
+        if (k == 0) arb_neg(factor + 1, factor + 1);
+        else arb_swap(factor, factor + 1);
+        put_return(f, from, &second, factor);
+        ric_equation_free(&second);
+    }
+    fmpq_clear(angle);
+    _arb_vec_clear(factor, 2);
 }
 
 static void put_double(filling *f)
@@ -385,31 +442,89 @@ static void put_touch(filling *f)
     flight_close(&g);
 }
 
+/* l . a = 1; of motions that may be turned into one another also l rotated: (a, b) to (-b, a). */
+static void put_norm(filling *f)
+{
+    const ric_augmented *x = f->x;
+    const slong all = count_motions(x) * x->n_motion;
+    arb_t y;
+    if (!all) return;
+    for (slong i = 0; i < all; i++) add_term(f, f->row, x->n_orbit + i, x->l + i);
+    arb_sub_ui(f->F + f->row, f->F + f->row, 1, x->e->prec);
+    f->row++;
+    if (!has_factor(x)) return;
+    arb_init(y);
+    for (slong i = 0; i < all; i++) {
+        if (i < x->n_motion) arb_neg(y, x->l + i + x->n_motion);
+        else arb_set(y, x->l + i - x->n_motion);
+        add_term(f, f->row, x->n_orbit + i, y);
+    }
+    arb_clear(y);
+    f->row++;
+}
+
+/* All orbits between u - e a and u + e a. */
+static void spread_orbit(const filling *f)
+{
+    arb_t y;
+    arb_init(y);
+    for (slong i = 0; i < f->x->n_motion; i++) {
+        arb_mul(y, f->spread, f->z + f->x->n_orbit + i, f->x->e->prec);
+        arb_add_error(f->x->c.u + i, y);
+    }
+    arb_clear(y);
+}
+
+/* The derivative of the mean of G(u + e a) and G(u - e a) by a: e^2 G'' a, from somewhere between. */
+static void put_spread(filling *f)
+{
+    const ric_augmented *x = f->x;
+    ric_equations second;
+    arb_t y;
+    slong row = 0;
+    arb_init(y);
+    open_second(f, x->n_orbit, &second);
+    for (int i = 0; i < second.n - 1; i++) {
+        const ric_equation_group *g = &second.group[i];
+        for (slong l = 0; l < g->rows; l++, row++)
+            for (slong j = 0; j < arb_mat_ncols(g->J); j++) {
+                arb_mul(y, arb_mat_entry(g->J, l, j), f->spread, x->e->prec);
+                arb_mul(y, y, f->spread, x->e->prec);
+                add_derivative(f, row, x->n_orbit + (slong)g->first * x->c.size + j, y);
+            }
+    }
+    ric_equation_free(&second);
+    arb_clear(y);
+}
+
 /* ------------------------------------------------------------------- the zero */
 
-static void evaluate(ric_augmented *x, arb_srcptr z, arb_mat_struct *J, arb_ptr F)
+void ric_augmented_evaluate(ric_augmented *x, arb_srcptr z, const arb_struct *spread, arb_mat_struct *J, arb_ptr F)
 {
-    filling f = {.x = x, .z = z, .J = J, .F = F};
+    filling f = {.x = x, .z = z, .J = J, .F = F, .spread = spread};
     arb_mat_zero(J);
     _arb_vec_zero(F, x->n);
     _arb_vec_set(x->c.u, z, x->n_orbit);
+    if (spread) spread_orbit(&f);
     ric_equation_create(&f.q, &x->c);
     ric_equation_evaluate(&f.q, &x->c, x->e);
     ric_equation_loosen(&f.q, &x->c, x->e, NULL);
     put_orbit(&f);
+    if (spread) put_spread(&f);
     switch (x->ask.kind) {
     case RIC_AUGMENTED_ENERGY:
     case RIC_AUGMENTED_PERIOD: put_tangent(&f); break;
     case RIC_AUGMENTED_BREAK: put_break(&f); break;
-    case RIC_AUGMENTED_TURN: put_turn(&f); break;
+    case RIC_AUGMENTED_TURN:
+        if (has_factor(x)) put_general_turn(&f);
+        else put_turn(&f);
+        break;
     case RIC_AUGMENTED_DOUBLE: put_double(&f); break;
     case RIC_AUGMENTED_SPEED: put_speed(&f); break;
     case RIC_AUGMENTED_TOUCH: put_touch(&f); break;
     }
     ric_equation_free(&f.q);
-    if (!count_motions(x)) return;
-    for (slong i = x->n_orbit; i < x->n; i++) add_term(&f, x->n - 1, i, x->l + i - x->n_orbit);
-    arb_sub_ui(F + x->n - 1, F + x->n - 1, 1, x->e->prec);
+    put_norm(&f);
 }
 
 /* x / |x|; false if that is nothing. */
@@ -430,11 +545,11 @@ static bool normalise(arb_mat_t x, slong prec)
 /* The motions beside the orbit, by inverse iteration: the rows on them are a square matrix that is all but singular. */
 static bool find_motions(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
-    const slong first = x->n_orbit, count = x->n - first;
+    const slong first = x->n_orbit, count = count_motions(x) * x->n_motion;
     arb_mat_t A, b;
     arb_mat_init(A, count, count);
     arb_mat_init(b, count, 1);
-    evaluate(x, x->z, J, F);
+    ric_augmented_evaluate(x, x->z, NULL, J, F);
     for (slong i = 0; i < count; i++) {
         arb_set_si(arb_mat_entry(b, i, 0), 1 + i % 3);
         for (slong j = 0; j < count; j++)
@@ -461,7 +576,7 @@ static bool refine(ric_augmented *x, arb_mat_t J, arb_ptr F)
     bool done = true;
     for (int step = 0; step < NEWTON && done; step++) {
         double size = 0;
-        evaluate(x, x->z, J, F);
+        ric_augmented_evaluate(x, x->z, NULL, J, F);
         arb_mat_get_mid(J, J);
         for (slong i = 0; i < x->n; i++) arb_get_mid_arb(arb_mat_entry(b, i, 0), F + i);
         done = arb_mat_approx_solve(b, J, b, x->e->prec);
@@ -506,14 +621,14 @@ static bool contracts(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
     arb_ptr box = _arb_vec_init(x->n);
     bool holds = false;
-    evaluate(x, x->z, J, F);
+    ric_augmented_evaluate(x, x->z, NULL, J, F);
     if (ric_contraction_invert(&x->k, J)) {
         ric_contraction_apply(&x->k, F, box);
         for (slong i = 0; i < x->n; i++) arb_get_mag(x->k.y + i, box + i);
         for (int width = WIDEST; width <= FINEST && !holds; width++) {
             for (slong i = 0; i < x->n; i++) mag_set_ui_2exp_si(x->k.b + i, 1, -width);
             place_box(x, box);
-            evaluate(x, box, J, F);
+            ric_augmented_evaluate(x, box, NULL, J, F);
             ric_contraction_defect(&x->k, J);
             holds = ric_contraction_holds(&x->k);
             arb_one(x->unique);
@@ -529,12 +644,12 @@ static bool contracts(ric_augmented *x, arb_mat_t J, arb_ptr F)
 
 /* With both mirrors broken a row at the end is left out: what it says, that the energy of the motion is that of the
  * orbit to first order, follows where this number is not zero. */
-static bool follows(ric_augmented *x)
+bool ric_augmented_follows(const ric_augmented *x, arb_srcptr u)
 {
     const ric_enclosure *e = x->e;
     const slong n = e->n, last = (slong)(x->c.m - 1) * x->c.size;
     if (x->redundant < 0) return true;
-    arb_srcptr w = x->z + last;
+    arb_srcptr w = u + last;
     flight g;
     arb_t y, error;
     arb_init(y);
@@ -601,7 +716,7 @@ static void open_system(ric_augmented *x, const ric_chain *c, const ric_enclosur
     ric_chain_copy(&x->c, c);
     x->n_orbit = (slong)c->m * c->size + ric_chain_general(c);
     x->n_motion = ask->kind <= RIC_AUGMENTED_PERIOD ? x->n_orbit : (slong)c->m * c->size;
-    x->n = x->n_orbit + count_motions(x) * x->n_motion + (ask->kind == RIC_AUGMENTED_TOUCH);
+    x->n = x->n_orbit + count_motions(x) * x->n_motion + (ask->kind == RIC_AUGMENTED_TOUCH || has_factor(x));
     x->z = _arb_vec_init(x->n);
     x->l = _arb_vec_init(x->n - x->n_orbit + 1);
     arb_mat_init(x->gauge, 2, 2 * e->n);
@@ -635,7 +750,8 @@ static const char *prove(ric_augmented *x, arb_mat_t J, arb_ptr F)
     if (!refine(x, J, F)) return "no junction of this kind was found from it";
     if (!contracts(x, J, F)) return "its equations are not proved to be regular";
     if (!closes(x)) return "the energy is not proved to be positive";
-    return follows(x) ? NULL : "at the broken mirror the motion is not told from rest";
+    if (has_factor(x) && x->e->n != 2) return "a turn of a chain without mirrors, of more than two modes: not yet";
+    return ric_augmented_follows(x, x->z) ? NULL : "at the broken mirror the motion is not told from rest";
 }
 
 bool ric_augmented_prove(ric_augmented *x, const ric_chain *c, const ric_enclosure *e,

@@ -6,7 +6,9 @@
  * its opposite at one of them or both (`broken`), and into itself at the other: a branch that lacks these mirrors
  * leaves there TURN            motions a and b beside it, a turned into itself at the first mirror point and b into its
  * opposite, such that at the last one cos(g) a + sin(g) b is turned into itself and cos(g) b - sin(g) a into its
- *                   opposite, g = pi p / q: there are multipliers exp(+-2 i g) of the way there and back
+ *                   opposite, g = pi p / q: there are multipliers exp(+-2 i g) of the way there and back;
+ *                   of a general chain of two modes: a + i b returns as (1 + mu) exp(2 i g) (a + i b), mu = 0 as the
+ *                   product of the two multipliers, which are not real, is 1
  *   DOUBLE          of a general chain: a motion beside it that closes with the other sign
  *   SPEED           the speed of the impact that block `place` begins with, or that the chain ends with (m), is zero
  *   TOUCH           in flight `place` the gap of `face`, or of its image, and its derivative are zero at a time t
@@ -57,5 +59,14 @@ typedef struct {
 bool ric_augmented_prove(ric_augmented *x, const ric_chain *c, const ric_enclosure *e,
                          const ric_augmented_question *ask);
 void ric_augmented_free(ric_augmented *x);
+
+/* The equations and their derivative at z: F [n], J [n * n]. With a spread e, of BREAK: J holds those of the branch
+ * that leaves (leaving.h), for all |e'| <= e, and F is of no use. */
+void ric_augmented_evaluate(ric_augmented *x, arb_srcptr z, const arb_struct *spread, arb_mat_struct *J, arb_ptr F);
+/* Whether the row that was left out follows, for an orbit in the balls u. */
+bool ric_augmented_follows(const ric_augmented *x, arb_srcptr u);
+/* What holds at a mirror point for motions that are turned into themselves, n rows, or into their opposite, n + 1: B
+ * [rows * 2n] on states. */
+void ric_augmented_mirror(const ric_augmented *x, bool last, bool opposite, arb_mat_t B);
 
 #endif

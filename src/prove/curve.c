@@ -8,7 +8,7 @@
 #include "monodromy.h"
 #include "prover.h"
 
-enum { DEEPEST = 14 }; /* halvings of a step: 2^-14 of one is where two branches meet, or a gap closes */
+enum { DEEPEST = 22 }; /* halvings of a step: 2^-22 of one is where two branches meet, or a gap closes */
 
 /* -------------------------------------------------------------------- nodes */
 
@@ -20,6 +20,8 @@ void ric_curve_node_init(ric_node *a)
 
 void ric_curve_node_clear(ric_node *a)
 {
+    if (a->last) _arb_vec_clear(a->last, (slong)a->c.m * a->c.size + 1);
+    a->last = NULL;
     ric_chain_free(&a->c);
     arb_clear(a->exists);
 }
@@ -33,6 +35,46 @@ void ric_curve_node_prove(ric_node *a, const ric_enclosure *e)
     if (!a->why && !(x.moved <= RIC_PROVER_NEAR)) a->why = "the orbit that was proved lies elsewhere";
     arb_set(a->exists, x.exists);
     ric_existence_clear(&x);
+}
+
+void ric_curve_node_place(ric_node *a, const ric_chain *like, arb_srcptr u, bool last, const ric_enclosure *e)
+{
+    const slong count = (slong)like->m * like->size + 1;
+    arb_t radius;
+    arb_init(radius);
+    ric_chain_copy(&a->c, like);
+    arb_zero(a->exists);
+    for (slong i = 0; i < count; i++) {
+        arb_get_mid_arb(a->c.u + i, u + i);
+        arf_set_mag(arb_midref(radius), arb_radref(u + i));
+        arb_add(a->exists, a->exists, radius, e->prec);
+    }
+    arb_get_ubound_arf(arb_midref(a->exists), a->exists, e->prec);
+    mag_zero(arb_radref(a->exists));
+    if (last) {
+        a->last = _arb_vec_init(count);
+        _arb_vec_set(a->last, u, count);
+    }
+    a->why = NULL;
+    arb_clear(radius);
+}
+
+void ric_curve_move(ric_chain *c, const ric_chain *to, double length, const ric_enclosure *e)
+{
+    const slong count = (slong)c->m * c->size;
+    arb_ptr way = _arb_vec_init(count);
+    arb_t share;
+    arb_init(share);
+    _arb_vec_sub(way, to->u, c->u, count, e->prec);
+    ric_chain_norm(count, way, e->prec, share);
+    const double whole = arf_get_d(arb_midref(share), ARF_RND_NEAR);
+    arb_set_d(share, whole > 0 ? length / whole : 0);
+    for (slong i = 0; i < count; i++) {
+        arb_addmul(c->u + i, way + i, share, e->prec);
+        arb_get_mid_arb(c->u + i, c->u + i);
+    }
+    arb_clear(share);
+    _arb_vec_clear(way, count);
 }
 
 /* The orbit near the middle of two; it is solved from there, so that it may be moved by more than a stored one. */
@@ -63,14 +105,19 @@ static double size_of(const ric_tube *t)
     return size;
 }
 
-/* All of the arc are motions: gaps, and what multipliers say. */
-static bool tube_stands(ric_curve *x, const ric_tube *t)
+/* All of the arc are motions, but for its end where that is `last`: gaps, and what multipliers say. */
+static bool tube_stands(ric_curve *x, const ric_tube *t, arb_srcptr last)
 {
+    const slong count = (slong)t->hull.m * t->hull.size + 1;
+    arb_ptr slope = _arb_vec_init(count);
+    const ric_arrival arrival = {slope, last};
+    if (last) ric_tube_slope(t, x->e, slope);
     ric_passage passage;
     ric_monodromy multipliers;
     ric_passage_init(&passage);
     ric_monodromy_init(&multipliers);
-    const bool stands = ric_passage_prove(&passage, &t->hull, x->e, &(ric_family){t->hull.u, t->middle, t->half, NULL});
+    const bool stands = ric_passage_prove(&passage, &t->hull, x->e,
+                                          &(ric_family){t->hull.u, t->middle, t->half, NULL, last ? &arrival : NULL});
     snprintf(x->why, sizeof x->why, "%s", passage.why);
     if (stands) {
         ric_monodromy_enclose(&multipliers, &t->hull, x->e, t->hull.u);
@@ -80,6 +127,7 @@ static bool tube_stands(ric_curve *x, const ric_tube *t)
     }
     ric_passage_clear(&passage);
     ric_monodromy_clear(&multipliers);
+    _arb_vec_clear(slope, count);
     return stands;
 }
 
@@ -90,7 +138,8 @@ static bool join_by_one(ric_curve *x, const ric_node *a, const ric_node *b)
     bool done = ric_tube_create(&t, &a->c, &b->c, x->e);
     if (done) {
         snprintf(x->why, sizeof x->why, "tubes are not proved to meet");
-        done = ric_tube_holds(&t, &a->c, a->exists) && ric_tube_holds(&t, &b->c, b->exists) && tube_stands(x, &t);
+        done = ric_tube_holds(&t, &a->c, a->exists) && ric_tube_holds(&t, &b->c, b->exists) &&
+               tube_stands(x, &t, b->last);
     }
     ric_tube_free(&t);
     return done;
@@ -112,5 +161,6 @@ static bool join(ric_curve *x, const ric_node *a, const ric_node *b, int depth)
 
 bool ric_curve_join(ric_curve *x, const ric_node *a, const ric_node *b)
 {
-    return ric_chain_same_class(&a->c, &b->c) && join(x, a, b, 0);
+    if (!ric_chain_same_class(&a->c, &b->c)) return false;
+    return a->last ? !b->last && join(x, b, a, 0) : join(x, a, b, 0);
 }

@@ -10,6 +10,7 @@
 typedef struct {
     ric_chain c;
     arb_t exists;
+    arb_ptr last;    /* [m * size + 1] balls, of an orbit that touches and ends the curve; NULL */
     const char *why; /* why it is none, or NULL */
 } ric_node;
 
@@ -26,7 +27,15 @@ void ric_curve_node_clear(ric_node *a);
 /* Proves the orbit near the centre of a->c, which it moves there. */
 void ric_curve_node_prove(ric_node *a, const ric_enclosure *e);
 
-/* Whether the two orbits are on one curve of motions; what is found is added to `x`. */
+/* The orbit in the balls u [m * size + 1], of the class of `like`, as a node; `last`: it touches, and the curve ends.
+ * */
+void ric_curve_node_place(ric_node *a, const ric_chain *like, arb_srcptr u, bool last, const ric_enclosure *e);
+
+/* Moves the centre of a chain by a length towards that of another one of its class. */
+void ric_curve_move(ric_chain *c, const ric_chain *to, double length, const ric_enclosure *e);
+
+/* Whether the two orbits are on one curve of motions, but for one that touches, which ends it; what is found is added
+ * to `x`. */
 bool ric_curve_join(ric_curve *x, const ric_node *a, const ric_node *b);
 
 #endif

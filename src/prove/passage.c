@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "base/room.h"
+#include "equations.h"
 
 enum {
     DEEPEST = 32, /* bisections of a flight: a gap that is not told from closed then touches */
@@ -15,9 +16,12 @@ typedef struct {
     arb_srcptr middle, half; /* of an arc, from there on; or w, NULL */
     arb_srcptr c;            /* normal */
     int side;
-    bool slow;               /* impacts may be of exactly no speed: h'' > 0 opens the gap beside them */
-    arb_srcptr touch;        /* a time at which h = h' = 0, or NULL */
-    arb_t d;                 /* clearance > 0 */
+    bool slow; /* impacts may be of exactly no speed: h'' > 0 opens the gap beside them */
+    arb_srcptr slope,
+        last;         /* [2n + 1] of the flight towards the end of the arc (ric_arrival), or NULL; its length there */
+    bool mirrored;    /* the flight ends with a mirror point */
+    arb_srcptr touch; /* a time at which h = h' = 0, or NULL */
+    arb_t d;          /* clearance > 0 */
     arb_t bend, jerk, slack; /* bounds of |h''|, |h'''|; of what flights leave open of h and its derivatives */
     arb_ptr flown, other;    /* [2n] scratch */
 } gap;
@@ -80,6 +84,8 @@ static void gap_place(gap *g, const ric_wall *wall, bool image, const ric_family
     g->side = image ? -wall->side : wall->side;
     g->slow = u->half || u->touch;
     g->touch = NULL;
+    g->slope = u->arrival ? u->arrival->slope + at : NULL;
+    g->last = u->arrival ? u->arrival->last + at + 2 * g->e->n : NULL;
     arb_set(g->d, wall->gap);
     if (wall->side < 0) arb_neg(g->d, g->d);
     gap_bend(g, slack);
@@ -149,6 +155,38 @@ static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb
     return open;
 }
 
+/* Whether h falls along the arc at all times of a part that its end has, too: its flight goes on as long again behind a
+ * mirror point. */
+static bool part_falls(const gap *g, const part *p, const arb_t mid, const arb_t r)
+{
+    const ric_enclosure *e = g->e;
+    if (!g->slope) return false;
+    arb_t time, rate, error;
+    arb_init(time);
+    arb_mul_2exp_si(time, g->last, g->mirrored);
+    if (!arb_le(p->to, time)) {
+        arb_clear(time);
+        return false;
+    }
+    arb_init(rate);
+    arb_init(error);
+    arb_set(time, mid);
+    arb_add_error(time, r);
+    ric_chain_fly(e, g->slope, time, g->flown);
+    gap_along(g, g->flown, rate);
+    ric_enclosure_slack(e, g->last, error);
+    ric_chain_norm(2 * e->n, g->slope, e->prec, time);
+    arb_mul(error, error, time, e->prec);
+    ric_chain_norm(e->n, g->c, e->prec, time);
+    arb_mul(error, error, time, e->prec);
+    arb_add_error(rate, error);
+    const bool falls = arb_is_positive(rate); /* h = d - side c.q */
+    arb_clear(time);
+    arb_clear(rate);
+    arb_clear(error);
+    return falls;
+}
+
 static bool is_open(const gap *g, part p, int depth)
 {
     const slong prec = g->e->prec;
@@ -162,7 +200,7 @@ static bool is_open(const gap *g, part p, int depth)
     arb_sub(r, p.to, mid, prec);
     arb_sub(x, mid, p.from, prec);
     arb_max(r, r, x, prec);
-    const bool open = part_is_open(g, &p, mid, r) ||
+    const bool open = part_is_open(g, &p, mid, r) || part_falls(g, &p, mid, r) ||
                       (depth < DEEPEST && is_open(g, (part){p.from, mid, p.opens, false}, depth + 1) &&
                        is_open(g, (part){mid, p.to, false, p.closes}, depth + 1));
     arb_clear(mid);
@@ -187,8 +225,10 @@ static bool stays_open(const gap *g, int from, int to, const arb_t tau)
     return open;
 }
 
-/* The speed into `face` with the velocities p before the impact; false if it is not positive. */
-static bool approaches(ric_passage *p, const ric_enclosure *e, int face, arb_srcptr velocities, const arb_t error)
+/* The speed into `face` with the velocities p before the impact; false if it is not positive. Where it falls towards
+ * the end of an arc, `rate` with its error, it is, and how large is not said. */
+static bool approaches(ric_passage *p, const ric_enclosure *e, int face, arb_srcptr velocities, const arb_t error,
+                       arb_srcptr rate)
 {
     arb_t speed;
     arb_init(speed);
@@ -196,6 +236,10 @@ static bool approaches(ric_passage *p, const ric_enclosure *e, int face, arb_src
     if (e->wall[face].side < 0) arb_neg(speed, speed);
     arb_add_error(speed, error);
     const bool positive = arb_is_positive(speed);
+    if (!positive && rate) {
+        arb_clear(speed);
+        return arb_is_negative(rate);
+    }
     arb_get_lbound_arf(arb_midref(speed), speed, e->prec);
     mag_zero(arb_radref(speed));
     arb_min(p->approach, p->approach, speed, e->prec);
@@ -210,17 +254,51 @@ static bool is_touch(const ric_chain *c, const ric_family *u, int block)
 }
 
 /* The impact that a chain begins with, from the velocities behind it, turned. */
-static bool begins_with_approach(ric_passage *p, const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
+static bool begins_with_approach(ric_passage *p, const ric_chain *c, const ric_enclosure *e, const ric_family *u)
 {
     if (c->face[0] < 0) return true;
     arb_ptr back = _arb_vec_init(e->n);
-    arb_t zero;
+    arb_t zero, rate;
     arb_init(zero);
-    _arb_vec_neg(back, u + e->n, e->n);
-    const bool positive = approaches(p, e, c->face[0], back, zero);
+    arb_init(rate);
+    _arb_vec_neg(back, u->hull + e->n, e->n);
+    if (u->arrival) ric_chain_along(e, c->face[0], u->arrival->slope + e->n, rate);
+    if (e->wall[c->face[0]].side > 0) arb_neg(rate, rate);
+    const bool positive = approaches(p, e, c->face[0], back, zero, u->arrival ? rate : NULL);
     _arb_vec_clear(back, e->n);
     arb_clear(zero);
+    arb_clear(rate);
     return positive;
+}
+
+/* How the speed of the impact behind flight k changes towards the end of the arc: c . (F w + F' w tau) of the slope. */
+static void find_rate(const ric_chain *c, const ric_enclosure *e, int k, const ric_family *u, arb_t out)
+{
+    const slong n = c->n, at = (slong)k * c->size;
+    const ric_wall *wall = &e->wall[c->face[k + 1]];
+    arb_srcptr w = u->hull + at, slope = u->arrival->slope + at, normal = ric_enclosure_c(e, wall->contact);
+    arb_ptr flown = _arb_vec_init(2 * n), change = _arb_vec_init(n);
+    arb_mat_t D;
+    arb_t slack, size;
+    arb_init(slack);
+    arb_init(size);
+    arb_mat_init(D, 2 * n, 2 * n + 1);
+    ric_equation_flight(e, w, w + 2 * n, D, flown);
+    ric_enclosure_slack(e, w + 2 * n, slack);
+    ric_chain_norm(2 * n, w, e->prec, size);
+    arb_add_ui(size, size, 1, e->prec);
+    arb_mul(slack, slack, size, e->prec);
+    for (slong i = 0; i < n; i++) {
+        for (slong j = 0; j <= 2 * n; j++) arb_add_error(arb_mat_entry(D, n + i, j), slack);
+        arb_dot(change + i, NULL, 0, arb_mat_entry(D, n + i, 0), 1, slope, 1, 2 * n + 1, e->prec);
+    }
+    arb_dot(out, NULL, 0, normal, 1, change, 1, n, e->prec);
+    if (wall->side < 0) arb_neg(out, out);
+    arb_mat_clear(D);
+    arb_clear(slack);
+    arb_clear(size);
+    _arb_vec_clear(flown, 2 * n);
+    _arb_vec_clear(change, n);
 }
 
 /* A face is the image of another one of its contact. */
@@ -246,6 +324,7 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
     for (int f = 0; f < e->n_face && stands; f++)
         for (int image = 0; image <= ric_chain_imaged(c) && stands; image++) {
             gap_place(g, &e->wall[f], image, u, at, slack);
+            g->mirrored = c->face[k + 1] < 0;
             if (touches_in(g, u, k)) g->touch = u->touch->time;
             snprintf(p->why, sizeof p->why, "face %d%s is not proved to stay open in flight %d", f,
                      image ? ", or its image," : "", k + 1);
@@ -254,7 +333,11 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
     if (stands && c->face[k + 1] >= 0 && !is_touch(c, u, k + 1)) {
         snprintf(p->why, sizeof p->why, "the impact behind flight %d is not proved to approach", k + 1);
         gap_place(g, &e->wall[c->face[k + 1]], false, u, at, slack);
-        stands = approaches(p, e, c->face[k + 1], flown + c->n, g->slack);
+        arb_t rate;
+        arb_init(rate);
+        if (u->arrival) find_rate(c, e, k, u, rate);
+        stands = approaches(p, e, c->face[k + 1], flown + c->n, g->slack, u->arrival ? rate : NULL);
+        arb_clear(rate);
     }
     arb_clear(slack);
     return stands;
@@ -278,7 +361,7 @@ bool ric_passage_prove(ric_passage *p, const ric_chain *c, const ric_enclosure *
     gap_init(&g, e);
     arb_ptr flown = _arb_vec_init(2 * c->n);
     snprintf(p->why, sizeof p->why, "the first impact is not proved to approach");
-    p->done = is_touch(c, u, 0) || begins_with_approach(p, c, e, u->hull);
+    p->done = is_touch(c, u, 0) || begins_with_approach(p, c, e, u);
     for (int k = 0; k < c->m && p->done; k++) p->done = flight_stands(p, c, &g, k, u, flown);
     _arb_vec_clear(flown, 2 * c->n);
     gap_clear(&g);

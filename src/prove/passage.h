@@ -15,9 +15,17 @@ typedef struct {
  * changes from one orbit to the next is then told from how far they are apart. */
 typedef struct {
     arb_srcptr hull;
-    arb_srcptr middle, half;       /* NULL, NULL: one orbit */
-    const struct ric_touch *touch; /* of a grazing orbit, or NULL */
+    arb_srcptr middle, half;           /* NULL, NULL: one orbit */
+    const struct ric_touch *touch;     /* of a grazing orbit, or NULL */
+    const struct ric_arrival *arrival; /* of an arc that ends with one, or NULL */
 } ric_family;
+
+/* The end of an arc, of which it is known that its gaps are not negative and its impacts no departures: what falls
+ * along all of the arc towards the end was positive before it. */
+typedef struct ric_arrival {
+    arb_srcptr slope; /* [m * size] the derivative along the arc, towards the end */
+    arb_srcptr last;  /* [m * size] the end */
+} ric_arrival;
 
 /* Where an orbit is known to touch: an impact of exactly no speed, or a time in flight at which a gap is exactly zero
  * and goes no farther. It is closed there alone if h'' > 0 around it. */

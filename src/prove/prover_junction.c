@@ -7,9 +7,9 @@
 #include "atlas/room.h"
 #include "augmented.h"
 #include "base/room.h"
-#include "likeness.h"
 #include "passage.h"
 #include "prover_junction.h"
+#include "story.h"
 
 enum { MOST_QUESTIONS = 4 };
 
@@ -40,14 +40,13 @@ static int ask_inside(const ric_junction *row, const ric_chain *c, ric_augmented
         break;
     case RIC_KIND_MULTIPLICATION:
         if (q == 2 && general && c->sign > 0) ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_DOUBLE};
-        if (general || q == 0) break;
-        if (q == 2 && !ric_chain_symmetric(c))
+        else if (q == 2 && !general && !ric_chain_symmetric(c))
             for (int k = 1; k < 3; k++)
                 ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK, .broken = {k & 1, k >> 1}};
-        else if (ric_chain_symmetric(c))
+        else if (q > 1 && ric_chain_symmetric(c))
             for (int k = 0; k < 2; k++)
                 ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_TURN, .p = p + k * q, .q = 2 * q};
-        else ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_TURN, .p = p, .q = q};
+        else if (q > 2) ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_TURN, .p = p, .q = q};
         break;
     default: break;
     }
@@ -216,12 +215,20 @@ static bool is_near(const double x[2], double stored)
            fabs(x[1] - stored) <= RIC_PROVER_NEAR * fabs(stored);
 }
 
+void ric_prover_junction_tell(const ric_augmented *x, ric_story *out)
+{
+    ric_story_tell(out, &x->c, x->z, x->ask.kind == RIC_AUGMENTED_SPEED ? x->ask.place : -1, x->e);
+}
+
 /* What is stored is the orbit that was proved. */
 static bool agrees(const ric_augmented *x, const ric_junction *row, ric_junction_proof *out)
 {
     const double turn = 8 * atan(1), multiple = row->multiple;
     const double period[2] = {turn / out->period[1] / multiple, turn / out->period[0] / multiple};
-    out->distance = ric_likeness_distance(&x->c, x->e, row->letters, row->word, row->state, row->flights);
+    ric_story story;
+    ric_prover_junction_tell(x, &story);
+    out->distance = ric_story_distance(&story, row->letters, row->word, row->state, row->flights);
+    ric_story_free(&story);
     const bool near = is_near(out->energy, row->energy) && is_near(period, row->frequency);
     if (!near) snprintf(out->why, sizeof out->why, "the stored energy or frequency is not that of the junction");
     else if (!(out->distance <= RIC_PROVER_NEAR))
@@ -310,36 +317,32 @@ ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool la
 }
 
 /* On one of its branches. */
-static ric_status on_branch(ric_prover *p, const ric_junction *row, int id, int level, ric_junction_proof *out)
+static ric_status on_branch(ric_prover *p, const ric_junction *row, int id, int level, ric_augmented *x,
+                            ric_junction_proof *out)
 {
     ric_walk w;
-    ric_augmented x = {0};
     ric_status status = ric_walk_open(&w, p, id, level);
     const bool end = row->kind == RIC_KIND_GRAZING;
     if (!status && w.branch.letters > 0 && !(status = ric_walk_class(&w)) && w.like.u) {
-        if (end && w.branch.from == row->id) status = ric_prover_junction_end(&w, row, false, &x, out);
+        if (end && w.branch.from == row->id) status = ric_prover_junction_end(&w, row, false, x, out);
         if (!status && end && out->state && w.branch.to == row->id)
-            status = ric_prover_junction_end(&w, row, true, &x, out);
+            status = ric_prover_junction_end(&w, row, true, x, out);
         for (int i = 0; i < w.branch.n_junction && !status && out->state && !end; i++)
             if (w.branch.junctions[i] == row->id)
-                status = ric_prover_junction_inside(&w, row, w.branch.junction_at[i], &x, out);
+                status = ric_prover_junction_inside(&w, row, w.branch.junction_at[i], x, out);
         out->branch = id;
     }
-    ric_augmented_free(&x);
     ric_walk_close(&w);
     return status;
 }
 
-/* Whether equations for it are asked on a branch: those of a multiplication on the one that is multiplied. */
-static bool is_asked(const ric_prover *p, const ric_junction *row, int id, int letters)
+bool ric_prover_junction_asked(const ric_junction *row, const ric_branch *branch)
 {
-    ric_branch branch;
-    if (ric_atlas_branch(p->atlas, id, &branch) || branch.letters != letters) return false;
-    return row->kind != RIC_KIND_MULTIPLICATION || ric_junction_level(row, &branch) == row->multiple;
+    return row->kind != RIC_KIND_MULTIPLICATION || ric_junction_level(row, branch) == row->multiple;
 }
 
-/* Its branches, those with the longest words first: there all touches are impacts. */
-static ric_status on_branches(ric_prover *p, const ric_junction *row, int level, ric_junction_proof *out)
+ric_status ric_prover_junction_find(ric_prover *p, const ric_junction *row, int level, ric_augmented *x,
+                                    ric_junction_proof *out)
 {
     ric_status status = RIC_OK;
     int longest = 0;
@@ -349,7 +352,9 @@ static ric_status on_branches(ric_prover *p, const ric_junction *row, int level,
             longest = branch.letters;
     for (int letters = longest; letters > 0; letters--)
         for (int k = 0; k < row->n_branch && !status && out->state != RIC_PROOF_DONE; k++)
-            if (is_asked(p, row, row->branches[k], letters)) status = on_branch(p, row, row->branches[k], level, out);
+            if (!ric_atlas_branch(p->atlas, row->branches[k], &branch) && branch.letters == letters &&
+                ric_prover_junction_asked(row, &branch))
+                status = on_branch(p, row, row->branches[k], level, x, out);
     return status;
 }
 
@@ -380,8 +385,10 @@ ric_status ric_prover_junction(ric_prover *p, int id, ric_junction_proof *out)
     snprintf(out->why, sizeof out->why, "no branch with impacts passes it or ends there");
     for (int level = 0; level < 2 && !status && out->state != RIC_PROOF_DONE; level++) {
         const ric_enclosure *e = ric_prover_enclosure(p, level);
-        if (p->at[level].good) status = on_branches(p, &row, level, out);
+        ric_augmented x = {0};
+        if (p->at[level].good) status = ric_prover_junction_find(p, &row, level, &x, out);
         else snprintf(out->why, sizeof out->why, "%s", e->why);
+        ric_augmented_free(&x);
     }
     return status;
 }

@@ -4,6 +4,7 @@
 
 #include "atlas/room.h"
 #include "augmented.h"
+#include "story.h"
 #include "walk.h"
 
 /* Asks one question near the centre of a chain, and compares with what is stored; `x` is to be freed in any case. */
@@ -15,5 +16,13 @@ ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, doub
                                       ric_junction_proof *out);
 ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool last, ric_augmented *x,
                                    ric_junction_proof *out);
+
+/* On one of its branches, those with the longest words first: there all touches are impacts. */
+ric_status ric_prover_junction_find(ric_prover *p, const ric_junction *row, int level, ric_augmented *x,
+                                    ric_junction_proof *out);
+/* Whether equations for it are asked on a branch: those of a multiplication on the one that is multiplied. */
+bool ric_prover_junction_asked(const ric_junction *row, const ric_branch *branch);
+/* A whole period of what was proved; to be freed. */
+void ric_prover_junction_tell(const ric_augmented *x, ric_story *out);
 
 #endif

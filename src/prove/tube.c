@@ -267,3 +267,46 @@ bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exis
     arb_clear(y);
     return holds;
 }
+
+/* The derivative u' has D u' = (0, .., 0, v.v) and (b - a) all but that: with C D = 1 - E, |E| <= Z, x = u' - (b - a)
+ * has |x| <= r + Z |x|, r = |C (G' (b - a), 0)|. As Z b <= theta b with theta < 1, |x| <= r + mu Z b, mu = max(r / b) /
+ * (1 - theta). */
+void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out)
+{
+    const slong n = t->k.n;
+    arb_mat_t J;
+    arb_ptr F = _arb_vec_init(n), x = _arb_vec_init(n);
+    mag_ptr zb = _mag_vec_init(n);
+    mag_t theta, mu, y;
+    mag_init(theta);
+    mag_init(mu);
+    mag_init(y);
+    arb_mat_init(J, n, n);
+    evaluate(t, &t->hull, e, J, NULL);
+    for (slong i = 0; i < n - 1; i++) arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->chord, 1, n, e->prec);
+    ric_contraction_apply(&t->k, F, x);
+    for (slong i = 0; i < n; i++) {
+        for (slong j = 0; j < n; j++) mag_addmul(zb + i, t->k.Z + i * n + j, t->k.b + j);
+        mag_div(y, zb + i, t->k.b + i);
+        mag_max(theta, theta, y);
+        arb_get_mag(y, x + i);
+        mag_div(y, y, t->k.b + i);
+        mag_max(mu, mu, y);
+    }
+    mag_one(y);
+    mag_sub_lower(y, y, theta);
+    mag_div(mu, mu, y);
+    for (slong i = 0; i < n; i++) {
+        arb_set(out + i, t->chord + i);
+        arb_get_mag(y, x + i);
+        mag_addmul(y, mu, zb + i);
+        arb_add_error_mag(out + i, y);
+    }
+    arb_mat_clear(J);
+    mag_clear(theta);
+    mag_clear(mu);
+    mag_clear(y);
+    _mag_vec_clear(zb, n);
+    _arb_vec_clear(F, n);
+    _arb_vec_clear(x, n);
+}

@@ -25,4 +25,7 @@ void ric_tube_free(ric_tube *t);
 /* Whether the orbit within `exists` of a centre of the class, at s = 0 or s = 1, is one of the arc. */
 bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exists);
 
+/* The derivative of the arc by s, out [m * size + 1]; of a tube that was created. */
+void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out);
+
 #endif

@@ -29,9 +29,13 @@ END
 }
 refuses() { curve "$folder/p.ricochet" "$1" | grep -q "^not proved .*$2"; }
 
-# The branch begins in a fold of the energy, C1_31, and passes two junctions; one tube from point to point is enough.
-ok 'S2+ is one curve, over its fold, by a tube a step' bash -c '[[ $1 =~ ^proved\ False\ False\ 8[78]\  ]]' . "$(curve "$folder/e.ricochet" 3)"
-ok 'a branch that ends at the window is one to its end' bash -c '[[ $1 =~ ^proved\ False\ True\ 5[67]\  ]]' . "$(curve "$folder/e.ricochet" 4)"
+# The branch passes a fold of the energy, C1_31, and a branch point; one tube from point to point is enough.
+ok 'S2+ is one curve from grazing to grazing, over its fold, by a tube a step' bash -c '[[ $1 =~ ^proved\ True\ True\ (8|9).\  ]]' . "$(curve "$folder/e.ricochet" 3)"
+ok 'a branch that ends at the window is one to its end' bash -c '[[ $1 =~ ^proved\ True\ True\ (5|6).\  ]]' . "$(curve "$folder/e.ricochet" 4)"
+ok 'A2 begins where a mirror of S2+ is broken, and ends in a grazing' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/e.ricochet" 5)"
+for id in 6 7 10 12; do
+    ok "branch $id is one from end to end" bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/e.ricochet" $id)"
+done
 ok 'so are branches without a mirror, and horizontal ones' bash -c '[[ $1 =~ ^proved ]] && [[ $2 =~ ^proved ]]' . "$(curve "$folder/e.ricochet" 6)" "$(curve "$folder/e.ricochet" 5)"
 ok 'linear modes are left out' bash -c '[[ $1 =~ ^left\ out ]]' . "$(curve "$folder/e.ricochet" 1)"
 
@@ -58,6 +62,13 @@ planted '
 for name in "state", "flights", "energy", "frequency":
     db.execute("UPDATE point SET {0} = (SELECT {0} FROM point WHERE branch = 8 AND point = 25) WHERE branch = 12 AND point = 25".format(name))'
 ok 'an orbit without the mirrors of the branch is not on it' refuses 12 'between points 24 and 25'
+
+# The grazing orbit of another branch at the end of A3: no tube reaches it
+planted '
+for p in (71,):
+    for name in "state", "flights", "energy", "frequency":
+        db.execute("UPDATE point SET {0} = (SELECT {0} FROM point WHERE branch = 6 AND point = 69) WHERE branch = 6 AND point = ?".format(name), (p,))'
+ok 'an end that does not touch is joined with no grazing' bash -c '[[ $1 =~ ^proved\ True\ False\  ]]' . "$(curve "$folder/p.ricochet" 6)"
 
 # family FROM TO: one impact, at rest in between, q_i = s c_i cos(omega_i (t - T / 2)) / (omega_i sin(omega_i T / 2)): solves
 # the equations for every T, and is a motion, which passes no stop, for 4.845 <= T < 5.840 alone

@@ -1,0 +1,430 @@
+#include "story.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/room.h"
+
+#define TOUCH                                                                                                          \
+    1e-6 /* speed of an impact over 1 + that of the motion: a junction is solved                             \ to much \
+            more */
+
+static double middle(const arb_t x)
+{
+    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
+}
+
+/* ------------------------------------------------------------------ telling */
+
+static ric_moment *add(ric_story *s, int face, const arb_t time, arb_srcptr w, bool touch, bool mirror)
+{
+    ric_moment *m = &s->at[s->count++];
+    m->face = face;
+    m->touch = touch;
+    m->mirror = mirror;
+    arb_set(m->time, time);
+    _arb_vec_set(m->w, w, 2 * s->n);
+    return m;
+}
+
+/* The motion run backwards, behind the same impact: (q, -Q p); in flight (q, -p). */
+static void turn(const ric_story *s, ric_moment *m)
+{
+    if (m->face >= 0) ric_chain_reflect(s->e, m->face, m->w + s->n);
+    _arb_vec_neg(m->w + s->n, m->w + s->n, s->n);
+}
+
+static void negate(const ric_story *s, ric_moment *m)
+{
+    if (m->face >= 0) m->face = s->e->wall[m->face].mirror;
+    _arb_vec_neg(m->w, m->w, 2 * s->n);
+}
+
+/* All that was told once more as its image, half a period later. */
+static void add_image(ric_story *s)
+{
+    arb_t time;
+    arb_init(time);
+    for (int i = 0, last = s->count; i < last; i++) {
+        arb_mul_2exp_si(time, s->period, -1);
+        arb_add(time, time, s->at[i].time, s->e->prec);
+        negate(s, add(s, s->at[i].face, time, s->at[i].w, s->at[i].touch, s->at[i].mirror));
+    }
+    arb_clear(time);
+}
+
+/* The way back from the mirror point at the end, without that itself and the beginning. */
+static void add_back(ric_story *s, int first, const arb_t end, bool centre)
+{
+    arb_t time;
+    arb_init(time);
+    for (int i = s->count - 2; i > first; i--) {
+        arb_mul_2exp_si(time, end, 1);
+        arb_sub(time, time, s->at[i].time, s->e->prec);
+        ric_moment *m = add(s, s->at[i].face, time, s->at[i].w, s->at[i].touch, s->at[i].mirror);
+        turn(s, m);
+        if (centre) negate(s, m);
+    }
+    arb_clear(time);
+}
+
+static void open_story(ric_story *s, const ric_chain *c, const ric_enclosure *e)
+{
+    *s = (ric_story){.e = e, .n = e->n, .most = 8 * (c->m + 2)};
+    s->at = flint_calloc((size_t)s->most, sizeof *s->at);
+    for (int i = 0; i < s->most; i++) {
+        arb_init(s->at[i].time);
+        s->at[i].w = _arb_vec_init(2 * e->n);
+    }
+    s->period = _arb_vec_init(1);
+}
+
+void ric_story_free(ric_story *s)
+{
+    if (!s->at) return;
+    for (int i = 0; i < s->most; i++) {
+        arb_clear(s->at[i].time);
+        _arb_vec_clear(s->at[i].w, 2 * s->n);
+    }
+    flint_free(s->at);
+    _arb_vec_clear(s->period, 1);
+    s->at = NULL;
+}
+
+/* The mirror point that a chain ends with. */
+static void add_end(ric_story *s, const ric_chain *c, arb_srcptr block, const arb_t time, bool touch)
+{
+    const ric_enclosure *e = s->e;
+    arb_ptr flown = _arb_vec_init(2 * s->n);
+    arb_t slack, size;
+    arb_init(slack);
+    arb_init(size);
+    ric_chain_fly(e, block, block + 2 * s->n, flown);
+    ric_enclosure_slack(e, block + 2 * s->n, slack);
+    ric_chain_norm(2 * s->n, block, e->prec, size);
+    arb_mul(slack, slack, size, e->prec);
+    for (slong i = 0; i < 2 * s->n; i++) arb_add_error(flown + i, slack);
+    if (c->face[c->m] >= 0) ric_chain_reflect(e, c->face[c->m], flown + s->n);
+    add(s, c->face[c->m], time, flown, touch, true);
+    arb_clear(slack);
+    arb_clear(size);
+    _arb_vec_clear(flown, 2 * s->n);
+}
+
+void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, int touch, const ric_enclosure *e)
+{
+    const bool general = ric_chain_general(c);
+    arb_t time;
+    open_story(s, c, e);
+    arb_init(time);
+    for (int k = 0; k < c->m; k++) {
+        arb_srcptr block = u + (slong)k * c->size;
+        add(s, c->face[k], time, block, k == touch, !general && k == 0);
+        arb_add(time, time, block + 2 * s->n, e->prec);
+    }
+    arb_mul_ui(s->period, time, (ulong)ric_chain_copies(c), e->prec);
+    if (!general) {
+        add_end(s, c, u + (slong)(c->m - 1) * c->size, time, touch == c->m);
+        add_back(s, 0, time, c->end == RIC_CHAIN_CENTRE);
+    }
+    s->symmetric = ric_chain_symmetric(c);
+    if (ric_chain_symmetric(c)) add_image(s);
+    arb_clear(time);
+}
+
+/* One half of a pair run backwards from its end, at time `later`, to before its block 0. */
+static void add_reversed(ric_story *s, const ric_chain *c, arb_srcptr y, const arb_t later, bool centre)
+{
+    arb_t time, back;
+    arb_init(time);
+    arb_init(back);
+    for (int k = c->m - 1; k > 0; k--) {
+        arb_srcptr block = y + (slong)k * c->size;
+        arb_add(time, time, block + 2 * s->n, s->e->prec);
+        arb_add(back, time, later, s->e->prec);
+        ric_moment *m = add(s, c->face[k], back, block, false, false);
+        turn(s, m);
+        if (centre) negate(s, m);
+    }
+    arb_clear(time);
+    arb_clear(back);
+}
+
+static void add_forward(ric_story *s, const ric_chain *c, arb_srcptr x, const arb_t later, bool first)
+{
+    arb_t time;
+    arb_init(time);
+    arb_set(time, later);
+    for (int k = 0; k < c->m; k++) {
+        arb_srcptr block = x + (slong)k * c->size;
+        if (k > 0 || first) add(s, c->face[k], time, block, false, false);
+        arb_add(time, time, block + 2 * s->n, s->e->prec);
+    }
+    arb_clear(time);
+}
+
+static void add_up(const ric_story *s, const ric_chain *c, arb_srcptr u, arb_t out)
+{
+    arb_zero(out);
+    for (int k = 0; k < c->m; k++) arb_add(out, out, u + (slong)k * c->size + 2 * s->n, s->e->prec);
+}
+
+/* The first mirror is broken: back along y from the last one, which stays, and on along x to it. */
+static void tell_first(ric_story *s, const ric_chain *c, arb_srcptr x, arb_srcptr y, arb_srcptr times)
+{
+    const slong last = (slong)(c->m - 1) * c->size;
+    const bool image = c->start == RIC_CHAIN_CENTRE;
+    arb_t end;
+    arb_init(end);
+    add_end(s, c, y + last, end, false);
+    turn(s, &s->at[0]);
+    if (image) negate(s, &s->at[0]);
+    add_reversed(s, c, y, end, image);
+    add_forward(s, c, x, times + 1, c->face[0] >= 0);
+    arb_add(end, times, times + 1, s->e->prec);
+    add_end(s, c, x + last, end, false);
+    add_back(s, 0, end, c->end == RIC_CHAIN_CENTRE);
+    arb_mul_2exp_si(s->period, end, 1);
+    arb_clear(end);
+}
+
+/* The last mirror is broken, or both: along x, and back along y. */
+static void tell_last(ric_story *s, const ric_chain *c, const bool *broken, arb_srcptr x, arb_srcptr y,
+                      arb_srcptr times)
+{
+    const bool image = c->end == RIC_CHAIN_CENTRE;
+    arb_t end;
+    arb_init(end);
+    add_forward(s, c, x, end, !broken[0] || c->face[0] >= 0);
+    if (c->face[c->m] >= 0) add_end(s, c, x + (slong)(c->m - 1) * c->size, times, false);
+    s->at[s->count - 1].mirror = false;
+    if (!broken[0]) s->at[0].mirror = true;
+    add_reversed(s, c, y, times, image);
+    arb_add(end, times, times + 1, s->e->prec);
+    arb_set(s->period, end);
+    if (!broken[0]) {
+        ric_moment *m = add(s, c->face[0], end, y, false, true);
+        turn(s, m);
+        if (image) negate(s, m);
+        add_back(s, 0, end, c->start == RIC_CHAIN_CENTRE);
+        arb_mul_2exp_si(s->period, end, 1);
+    } else if (image != (c->start == RIC_CHAIN_CENTRE)) {
+        s->symmetric = true;
+        arb_mul_2exp_si(s->period, end, 1);
+        add_image(s);
+    }
+    arb_clear(end);
+}
+
+void ric_story_tell_pair(ric_story *s, const ric_chain *c, const bool *broken, arb_srcptr x, arb_srcptr y,
+                         const ric_enclosure *e)
+{
+    arb_ptr times = _arb_vec_init(2);
+    open_story(s, c, e);
+    add_up(s, c, x, times);
+    add_up(s, c, y, times + 1);
+    if (broken[1]) tell_last(s, c, broken, x, y, times);
+    else tell_first(s, c, x, y, times);
+    _arb_vec_clear(times, 2);
+}
+
+/* As the motion runs backwards, from its last moment on. */
+static void reverse(ric_story *s)
+{
+    for (int i = 0; i < s->count; i++) {
+        arb_sub(s->at[i].time, s->period, s->at[i].time, s->e->prec);
+        turn(s, &s->at[i]);
+    }
+    for (int i = 0; i < s->count / 2; i++) {
+        const ric_moment swap = s->at[i];
+        s->at[i] = s->at[s->count - 1 - i];
+        s->at[s->count - 1 - i] = swap;
+    }
+}
+
+static void take_image(ric_story *s)
+{
+    for (int i = 0; i < s->count; i++) negate(s, &s->at[i]);
+}
+
+/* Whether every face has an image. */
+static int count_images(const ric_enclosure *e)
+{
+    for (int f = 0; f < e->n_face; f++)
+        if (e->wall[f].mirror < 0 || e->wall[f].mirror >= e->n_face) return 1;
+    return 2;
+}
+
+/* --------------------------------------------------------------- comparing */
+
+static bool is_counted(const ric_story *s, int i, bool touches)
+{
+    const ric_moment *m = &s->at[i];
+    double speed = 0;
+    arb_t x;
+    if (m->face < 0) return false;
+    for (int j = s->n; j < 2 * s->n; j++) speed = fmax(speed, fabs(middle(m->w + j)));
+    arb_init(x);
+    ric_chain_along(s->e, m->face, m->w + s->n, x);
+    const bool slow = fabs(middle(x)) <= TOUCH * (1 + speed);
+    arb_clear(x);
+    return slow == touches;
+}
+
+/* The next moment that counts behind moment i, which may be that itself. */
+static int next_counted(const ric_story *s, int i, bool touches)
+{
+    for (int k = 1; k <= s->count; k++)
+        if (is_counted(s, (i + k) % s->count, touches)) return (i + k) % s->count;
+    return i;
+}
+
+/* The story begun at moment `first`, against what is stored. */
+static double compare(const ric_story *s, int first, int letters, const int *word, arb_srcptr w, const double *flights)
+{
+    double worst = 0, size = 1;
+    for (int j = 0; j < 2 * s->n; j++) {
+        worst = fmax(worst, fabs(middle(w + j) - middle(s->at[first].w + j)));
+        size = fmax(size, 1 + fabs(middle(w + j)));
+    }
+    int a = first;
+    for (int k = 0; k < letters; k++) {
+        const int b = next_counted(s, a, false);
+        const double flight = middle(s->at[b].time) - middle(s->at[a].time) + (b <= a ? middle(s->period) : 0);
+        if (s->at[a].face != word[k]) return HUGE_VAL;
+        worst = fmax(worst, fabs(flight - ldexp(flights[k], s->e->time)));
+        a = b;
+    }
+    if (letters == 0) worst = fmax(worst, fabs(middle(s->period) - ldexp(flights[0], s->e->time)));
+    return worst / size;
+}
+
+static void read_state(const ric_enclosure *e, const double *state, arb_ptr w)
+{
+    arb_mat_t x, q;
+    arb_mat_init(x, e->n_dof, 1);
+    arb_mat_init(q, e->n, 1);
+    for (int part = 0; part < 2; part++) {
+        for (slong i = 0; i < e->n_dof; i++) {
+            arb_set_d(arb_mat_entry(x, i, 0), state[part * e->n_dof + i]);
+            arb_mul_2exp_si(arb_mat_entry(x, i, 0), arb_mat_entry(x, i, 0), part ? -e->time : 0);
+        }
+        arb_mat_mul(q, e->back, x, e->prec);
+        for (slong i = 0; i < e->n; i++) arb_get_mid_arb(w + part * e->n + i, arb_mat_entry(q, i, 0));
+    }
+    arb_mat_clear(x);
+    arb_mat_clear(q);
+}
+
+double ric_story_distance(ric_story *s, int letters, const int *word, const double *state, const double *flights)
+{
+    double least = HUGE_VAL;
+    int count = 0;
+    const int images = count_images(s->e);
+    arb_ptr w = _arb_vec_init(2 * s->n);
+    read_state(s->e, state, w);
+    for (int i = 0; i < s->count; i++) count += is_counted(s, i, false);
+    for (int back = 0; back < 2; back++) {
+        for (int image = 0; image < images; image++) {
+            for (int i = 0; i < s->count && letters == count; i++)
+                if (is_counted(s, i, letters == 0)) least = fmin(least, compare(s, i, letters, word, w, flights));
+            if (images == 2) take_image(s);
+        }
+        reverse(s);
+    }
+    _arb_vec_clear(w, 2 * s->n);
+    return least;
+}
+
+/* ----------------------------------------------------------------- cutting */
+
+/* Whether a moment may stand at the end of a chain, or between its blocks, where that has the face: a mirror point that
+ * is an impact of no speed is one at rest in flight, too. */
+static bool has_face(const ric_moment *m, int face)
+{
+    return m->face == face || (face < 0 && m->touch && m->mirror);
+}
+
+/* The moment that is `later` than moment `first`, with that face, or -1. */
+static int find_moment(const ric_story *s, int first, double later, int face, double *place)
+{
+    const double period = middle(s->period);
+    int best = -1;
+    for (int i = 0; i < s->count; i++) {
+        const double gone = fmod(middle(s->at[i].time) - middle(s->at[first].time) + 2 * period, period);
+        const double off = fmin(fabs(gone - later), fabs(fabs(gone - later) - period)) / (1 + period);
+        if (!has_face(&s->at[i], face) || !(off < *place)) continue;
+        *place = off;
+        best = i;
+    }
+    return best;
+}
+
+static double differs(const ric_story *s, int i, arb_srcptr w)
+{
+    double worst = 0, size = 1;
+    for (int j = 0; j < 2 * s->n; j++) {
+        worst = fmax(worst, fabs(middle(w + j) - middle(s->at[i].w + j)));
+        size = fmax(size, 1 + fabs(middle(w + j)));
+    }
+    return worst / size;
+}
+
+/* Whether all that lies between two moments is no impact. */
+static bool is_flight(const ric_story *s, int from, int to)
+{
+    for (int k = 1; k <= s->count; k++) {
+        const int i = (from + k) % s->count;
+        if (i == to) return true;
+        if (s->at[i].face >= 0 && !s->at[i].touch) return false;
+    }
+    return false;
+}
+
+/* From moment `first` on: how far it is from the centre of the chain, not finite where it is none of that class. */
+static double cut_from(const ric_story *s, int first, const ric_chain *like, double place, arb_ptr u)
+{
+    const bool general = ric_chain_general(like);
+    const slong size = like->size;
+    double time = 0, worst = differs(s, first, like->u);
+    if (!has_face(&s->at[first], like->face[0]) || !(general ? like->sign > 0 || s->symmetric : s->at[first].mirror))
+        return HUGE_VAL;
+    for (int k = 0, here = first; k < like->m && worst < place; k++) {
+        arb_ptr block = u + k * size, tau = block + 2 * s->n;
+        double off = place;
+        time += middle(like->u + k * size + 2 * s->n);
+        const int next = find_moment(s, first, time, like->face[k + 1], &off);
+        if (next < 0 || !is_flight(s, here, next)) return HUGE_VAL;
+        if (k + 1 == like->m && !general && !s->at[next].mirror) return HUGE_VAL;
+        _arb_vec_set(block, s->at[here].w, 2 * s->n);
+        arb_sub(tau, s->at[next].time, s->at[here].time, s->e->prec);
+        if (middle(tau) <= 0) _arb_vec_add(tau, tau, s->period, 1, s->e->prec);
+        worst = fmax(worst, off);
+        if (k + 1 < like->m) worst = fmax(worst, differs(s, next, like->u + (k + 1) * size));
+        here = next;
+    }
+    return worst;
+}
+
+bool ric_story_cut(ric_story *s, const ric_chain *like, double place, arb_ptr u)
+{
+    const int images = count_images(s->e);
+    const slong count = (slong)like->m * like->size + 1;
+    double least = place;
+    arb_ptr v = _arb_vec_init(count);
+    for (int back = 0; back < 2; back++) {
+        for (int image = 0; image < images; image++) {
+            for (int i = 0; i < s->count; i++) {
+                const double off = cut_from(s, i, like, least, v);
+                if (!(off < least)) continue;
+                least = off;
+                _arb_vec_set(u, v, count);
+            }
+            if (images == 2) take_image(s);
+        }
+        reverse(s);
+    }
+    _arb_vec_clear(v, count);
+    return least < place;
+}

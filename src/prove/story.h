@@ -1,0 +1,43 @@
+/* A chain told as a whole period of its motion: impacts, those of no speed as well, and mirror points in flight. What
+ * chains of other classes or words are of the same motion is read from it, and whether a stored orbit is it. */
+#ifndef RIC_PROVE_STORY_H
+#define RIC_PROVE_STORY_H
+
+#include "chain.h"
+
+typedef struct {
+    int face;           /* -1: a mirror point in flight */
+    bool touch, mirror; /* an impact of exactly no speed; exactly a mirror point */
+    arb_t time;
+    arb_ptr w; /* [2n] behind the impact */
+} ric_moment;
+
+typedef struct {
+    const ric_enclosure *e;
+    int n, count, most;
+    ric_moment *at;
+    bool symmetric; /* exactly z(t + T/2) = -z(t) */
+    arb_ptr period;
+} ric_story;
+
+/* u [m * size]: balls, in place of the centre of the chain; what is told holds the motion in them. touch: the block
+ * that begins with an impact of exactly no speed, m for the end; -1: none. */
+void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, int touch, const ric_enclosure *e);
+/* Of an orbit that lacks mirrors (leaving.h): x and y [m * size] along the chain, each the other turned round at a
+ * mirror point that is broken. */
+void ric_story_tell_pair(ric_story *s, const ric_chain *c, const bool *broken, arb_srcptr x, arb_srcptr y,
+                         const ric_enclosure *e);
+void ric_story_free(ric_story *s);
+
+/* The largest difference from a stored orbit, over 1 + the size of its state: states behind impacts and flight times,
+ * begun at any impact, forwards or backwards, or as the image under x -> -x; impacts of no speed count only where there
+ * is no other. Not finite where no beginning fits. A comparison of doubles: it says what is meant, and proves nothing.
+ * word [letters], state [2 n_dof], flights [max(letters, 1)] as they are stored. */
+double ric_story_distance(ric_story *s, int letters, const int *word, const double *state, const double *flights);
+
+/* The same motion in the class and with the word of another chain, near its centre: u [m * size + 1] balls; impacts of
+ * exactly no speed that its word lacks are passed over, and no others. What is exact of its class, mirror points and x
+ * -> -x, has to be so of what was told. false if it has no such place. */
+bool ric_story_cut(ric_story *s, const ric_chain *like, double place, arb_ptr u);
+
+#endif
