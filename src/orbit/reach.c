@@ -20,9 +20,10 @@
 #define BLUR (16 * DBL_EPSILON) /* of the sum of the terms of a gap coordinate: rounding of it */
 /* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
 #define CLOSE 1e-7
-#define BERNSTEIN 1e-13 /* rounding of a bound from Bernstein coefficients, relative */
-#define NARROWEST 1e-12 /* of the flight: an interval that is not divided any more */
-#define ITSELF 1e-14    /* relative: what rounding may take from the largest reach when it is computed again */
+#define BERNSTEIN 1e-13  /* rounding of a bound from Bernstein coefficients, relative */
+#define NARROWEST 1e-12  /* of the flight: an interval that is not divided any more */
+#define STATIONARY 1e-10 /* of the flight: step to a stationary point */
+#define ITSELF 1e-14     /* relative: what rounding may take from the largest reach when it is computed again */
 /* NO_TIME: scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding throughout */
 #define NO_TIME 1e-12
 /* LEVEL: slope that counts as none, relative to the largest that D3 allows within the flight, or, in one that lasts no
@@ -76,17 +77,35 @@ static sample sample_at(const search *q, double t)
     return out;
 }
 
-static double curvature(const search *q, double t)
+/* The same with s''. */
+static sample bent_sample_at(const search *q, double t, double *bend)
 {
     int n = q->n;
     const double *w = q->start, *g = q->g, *omega = q->omega;
-    double sum = 0;
+    sample out = {t, q->rest, 0};
+    *bend = 0;
     for (int i = 0; i < n; i++) {
-        double si, co;
-        sincos(omega[i] * t, &si, &co);
-        sum -= g[i] * omega[i] * omega[i] * (w[i] * co + w[n + i] * si);
+        double a = w[i], p = w[n + i];
+        if (omega[i] > 0) {
+            double si, co;
+            sincos(omega[i] * t, &si, &co);
+            double sum = g[i] * (a * co + p * si);
+            out.s += sum;
+            out.ds += g[i] * omega[i] * (p * co - a * si);
+            *bend -= omega[i] * omega[i] * sum;
+        } else {
+            out.s += g[i] * (a + p * t);
+            out.ds += g[i] * p;
+        }
     }
-    return sum;
+    return out;
+}
+
+static double curvature(const search *q, double t)
+{
+    double bend;
+    bent_sample_at(q, t, &bend);
+    return bend;
 }
 
 static void offer(search *q, double t, double s, int side, bool kink)
@@ -126,15 +145,18 @@ static double largest(double a, double b, double c, double d)
     return fmax(fmax(a, b), fmax(c, d));
 }
 
-/* A single sign change of the slope between l and r, and the value there. */
+/* A single sign change of the slope between l and r, and the value there. After a step of STATIONARY Newton's method
+ * is at the last digit of the time, and the value before it was, as s' = 0. */
 static void polish(search *q, sample l, sample r)
 {
     bool maximum = l.ds > 0;
     ric_root_slope root = ric_root_slope_between(l.t, r.t, !maximum, l.t + (r.t - l.t) * l.ds / (l.ds - r.ds));
-    root.least = RIC_LAST_DIGIT / 10 * q->tau;
+    root.least = STATIONARY * q->tau;
     sample mid = l;
-    do mid = sample_at(q, root.x);
-    while (ric_root_slope_next(&root, mid.ds, curvature(q, mid.t)));
+    double bend;
+    do mid = bent_sample_at(q, root.x, &bend);
+    while (ric_root_slope_next(&root, mid.ds, bend));
+    mid.t = root.x;
     /* a stationary point at the very end of the flight is the impact there, at no speed */
     if ((q->own_start && mid.t < CLOSE * q->tau) || (q->own_end && q->tau - mid.t < CLOSE * q->tau)) return;
     offer(q, mid.t, mid.s, maximum ? 1 : -1, false);
