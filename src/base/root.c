@@ -45,6 +45,11 @@ static void interpolate(const ric_root *r, double half, double *p, double *q)
     if (r->past == r->other) {
         *p = 2 * half * s;
         *q = 1 - s;
+    } else if (r->quotient) { /* the cross-ratio of four values is that of their places */
+        double t = (r->f / r->f_other) * ((r->f_past - r->f_other) / (r->f_past - r->f)) *
+                   ((r->past - r->x) / (r->past - r->other));
+        *p = 2 * half * t;
+        *q = 1 - t;
     } else {
         double t = r->f_past / r->f_other, u = r->f / r->f_other;
         *p = s * (2 * half * t * (t - u) - (r->x - r->past) * (u - 1));

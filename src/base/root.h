@@ -21,6 +21,7 @@ typedef struct {
     double other, f_other; /* the zero lies between x and this */
     double step, before;   /* the last two steps */
     int passes;
+    bool quotient; /* interpolate by a quotient of straight lines instead of an inverse parabola: set after the start */
 } ric_root;
 
 /* fa and fb have different signs. */

@@ -28,6 +28,7 @@
 #define STEEP 1e-11
 #define ALIKE 1e-8        /* length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define PERIODS 8         /* points of a step at which its period is looked at */
+#define SEEN_TO 1e-9      /* error of rho, over 1 + |rho|, beside which what is passed is seen */
 #define BRANCH_POINT 1e-7 /* smallest end pivot at the start below which it is one */
 /* LAST_STEP: of the size, towards a zero of the bordered determinant: crossings are read off from there (event.c) */
 #define LAST_STEP 1e-3
@@ -226,13 +227,18 @@ static void keep_definite(ric_continuation *tr, ric_station *p, double approach)
     }
 }
 
-ric_margins ric_continuation_margins(const ric_shooting *c, const double *u)
+static ric_margins margins(const ric_shooting *c, const double *u, bool reach)
 {
-    return (ric_margins){.reach = ric_reach(c, u, NULL),
+    return (ric_margins){.reach = reach ? ric_reach(c, u, NULL) : NAN,
                          .approach = ric_continuation_approach(c, false),
                          .closing = ric_continuation_approach(c, true),
                          .time = ric_shooting_time(c, u),
                          .energy = ric_shooting_energy(c)};
+}
+
+ric_margins ric_continuation_margins(const ric_shooting *c, const double *u)
+{
+    return margins(c, u, true);
 }
 
 ric_point ric_continuation_point(const ric_shooting *c, const ric_floquet *f, const ric_margins *of, double arclength)
@@ -296,33 +302,29 @@ static void examine_orbit(ric_continuation *tr, ric_station *p, double orientati
     F[RIC_TEST_F_MIN] = lim->period[1] - now->time;
 }
 
-ric_status ric_continuation_examine(ric_continuation *tr, ric_station *p, double orientation)
-{
-    ric_shooting *c = tr->chain;
-    ric_margins now;
-    tr->steep |= ric_flight_law_of(c->model)->integrated && ric_continuation_tolerance(c) > STEEP;
-    ric_status status = measure(tr, p->s, p->u, p, &now);
-    if (status) return status;
-    sort_pairs(tr->floquet.n_pair, tr->floquet.own, p->own);
-    examine_orbit(tr, p, orientation, &now);
-    keep_definite(tr, p, now.approach);
-    return RIC_OK;
-}
-
-void ric_continuation_glance(ric_continuation *tr, ric_station *p, double orientation, bool factors)
+ric_status ric_continuation_look(ric_continuation *tr, ric_station *p, double orientation, unsigned at)
 {
     static const ric_floquet none = {.trace_asinh = NAN, .rotation = NAN, .stable = RIC_STABLE_UNDECIDED};
     ric_shooting *c = tr->chain;
-    const ric_margins now = ric_continuation_margins(c, p->u);
+    const ric_floquet *of = at & RIC_LOOK_PAIRS ? &tr->floquet : &none;
+    const ric_margins now = margins(c, p->u, at & RIC_LOOK_REACH);
     tr->steep |= ric_flight_law_of(c->model)->integrated && ric_continuation_tolerance(c) > STEEP;
+    tr->floquet.enough = at & RIC_LOOK_FOR ? SEEN_TO : 0;
+    ric_status status = at & RIC_LOOK_PAIRS ? ric_floquet_compute(c, &tr->floquet) : RIC_OK;
+    tr->floquet.enough = 0;
+    if (status) return status;
     p->solved = ric_continuation_solved(c);
-    p->row = ric_continuation_point(c, &none, &now, p->s);
-    for (int i = 0; i < 2 * tr->floquet.n_pair; i++) p->own[i] = NAN;
+    p->doubtful = of != &none && ric_continuation_doubtful(c, of);
+    p->row = ric_continuation_point(c, of, &now, p->s);
+    if (of == &none)
+        for (int i = 0; i < 2 * tr->floquet.n_pair; i++) p->own[i] = NAN;
+    else sort_pairs(of->n_pair, of->own, p->own);
     for (int i = 0; i < 3; i++) p->test[RIC_TEST_A + i] = p->factor[i] = p->hidden[i] = NAN;
     examine_orbit(tr, p, orientation, &now);
-    if (!factors) return;
-    ric_floquet_factors(c, &tr->floquet);
+    if (!(at & RIC_LOOK_FACTORS)) return RIC_OK;
+    if (of == &none) ric_floquet_factors(c, &tr->floquet);
     keep_definite(tr, p, now.approach);
+    return RIC_OK;
 }
 
 static bool station_create(ric_station *p, int size, int n_pair)
@@ -348,7 +350,8 @@ int ric_continuation_watched(const ric_continuation *tr)
 static bool samples_create(ric_continuation *tr)
 {
     tr->samples.values = ric_calloc(RIC_MOST_SAMPLES * (size_t)ric_continuation_watched(tr), sizeof(double));
-    return tr->samples.values;
+    tr->known.own = ric_calloc(RIC_MOST_KNOWN * 2 * (size_t)tr->chain->n, sizeof(double));
+    return tr->samples.values && tr->known.own;
 }
 
 /* ------------------------------------------------------------------- points */
@@ -486,7 +489,7 @@ ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const 
     for (size_t i = 0; !regular && i < size; i++) tr->now.t[i] = t0[i] / norm;
     /* families that reach into the window begin below it */
     if (ric_shooting_energy(chain) < limits->energy[0] * (1 - AT_LOWEST)) tr->lowest = -1;
-    if ((status = ric_continuation_examine(tr, &tr->now, sign))) goto out;
+    if ((status = ric_continuation_look(tr, &tr->now, sign, RIC_LOOK_ALL))) goto out;
     if (!tr->now.solved) {
         status = ric_fail(RIC_E_NUMERIC, "the start of a branch is no orbit: residual %g", chain->residual);
         goto out;
@@ -525,6 +528,7 @@ void ric_continuation_free(ric_continuation *tr)
     free(tr->gaps);
     free(tr->resonances);
     free(tr->samples.values);
+    free(tr->known.own);
     free(tr->end.u);
     free(tr->end.t);
     free(tr->points);
@@ -705,7 +709,7 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
             continue;
         }
         if (good && !crowded(tr, h)) {
-            if ((status = ric_continuation_examine(tr, &tr->next, way.orientation))) return status;
+            if ((status = ric_continuation_look(tr, &tr->next, way.orientation, RIC_LOOK_ALL))) return status;
             if (!ric_event_suspicious(tr, h)) {
                 bool retry = false;
                 if ((status = ric_event_find(tr, h, done, &retry))) return status;

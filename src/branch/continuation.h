@@ -12,7 +12,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 29
+#define RIC_NUMERICS 30
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -78,6 +78,15 @@ typedef struct {
     double s[RIC_PAST_SAMPLES]; /* arclength of those before */
     double *values;             /* [RIC_MOST_SAMPLES * ric_continuation_watched()] */
 } ric_event_samples;
+
+/* Multipliers of all orbits that were looked at in the step at work: one resonance is passed between those that the
+ * search for another has left. */
+enum { RIC_MOST_KNOWN = 64 };
+typedef struct {
+    int n;
+    double x[RIC_MOST_KNOWN];
+    double *own; /* [RIC_MOST_KNOWN * 2 * n_pair] */
+} ric_known_pairs;
 
 typedef struct {
     int test; /* which function vanished */
@@ -150,6 +159,7 @@ typedef struct {
     ric_resonance *resonances;
     ric_station now, next, mid, past;
     ric_event_samples samples;
+    ric_known_pairs known;
     bool may_gain; /* orbits of this word may have more symmetry than the form (symmetric_end.h) */
     double *du, *guess, *start_u, *start_t;
     /* what was found */
@@ -257,11 +267,10 @@ double ric_continuation_blur(const ric_shooting *chain, int test);
 /* Unit kernel vector at the last evaluation, oriented along `along` (NULL: as it comes). Returns its orientation
  * sign. */
 double ric_continuation_tangent(const ric_shooting *chain, const double *along, double *t);
-/* Test functions and point data at a station whose chain has just been evaluated at station->u with tangent
- * station->t. */
-ric_status ric_continuation_examine(ric_continuation *trace, ric_station *station, double orientation);
-/* The same without multipliers, which cost far more than all the rest where there are many modes; the tests that are
- * made of the factors of the map only if they are asked for, else NAN. */
-void ric_continuation_glance(ric_continuation *trace, ric_station *station, double orientation, bool factors);
+/* Test functions and point data at a station whose chain has just been evaluated at station->u with tangent station->t.
+ * What costs most is left out, NAN, unless it is looked at: the reach; the multipliers; the factors of the map, of
+ * which tests are made. RIC_LOOK_FOR: only for what is passed, so that multipliers need not be known to rounding. */
+enum { RIC_LOOK_REACH = 1, RIC_LOOK_PAIRS = 2, RIC_LOOK_FACTORS = 4, RIC_LOOK_ALL = 7, RIC_LOOK_FOR = 8 };
+ric_status ric_continuation_look(ric_continuation *trace, ric_station *station, double orientation, unsigned at);
 
 #endif

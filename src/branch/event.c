@@ -39,7 +39,9 @@
  * orbits are known to rounding over the distance */
 #define NEAREST 1e-7
 #define SHORTEST 3e-7 /* step, of the size, that is not made shorter for a sign that comes out of rounding */
-#define STRETCHES 3   /* of a step, between its extrema of energy and of period */
+/* SHORT_OF: of the size of the orbit: what is seen so far before a zero is seen before it. */
+#define SHORT_OF 1e-12
+#define STRETCHES 3 /* of a step, between its extrema of energy and of period */
 /* ROUNDING: relative distance from what was asked for at which orbits are not told apart by shorter steps */
 #define ROUNDING 1e-12
 
@@ -169,7 +171,7 @@ static bool reaches(ric_continuation *tr, double h, const double *home, const do
         most = fmax(most, ON_CUBIC * h);
     } else {
         bool good = false;
-        if (ric_event_solve(tr, along, h, &tr->mid, &good) || !good) return false;
+        if (ric_event_solve(tr, along, h, RIC_LOOK_ALL, &tr->mid, &good) || !good) return false;
         t = tr->mid.t;
     }
     for (int i = 0; i < size; i++) distance = fmax(distance, fabs(u[i] - home[i]));
@@ -234,13 +236,13 @@ static void list_root(root_list *list, int test, double x)
     if (list->n < list->capacity) list->root[list->n++] = (root){test, x};
 }
 
-/* Zeros of one test between the points that are known. A sign that rounding hid at some of them has changed at the
- * first one: as near as can be told. */
-static ric_status find_zeros(ric_continuation *tr, int test, double h, root_list *list, bool *retry)
+/* Zeros of one test between the points that are known, up to distance `to`. A sign that rounding hid at some of them
+ * has changed at the first one: as near as can be told. */
+static ric_status find_zeros(ric_continuation *tr, int test, double to, double h, root_list *list, bool *retry)
 {
     const ric_event_samples *q = &tr->samples;
     double last = test < RIC_N_TEST ? tr->definite[test] : 0, hidden = 0;
-    for (int i = q->now; i < q->n; i++) {
+    for (int i = q->now; i < q->n && q->x[i] < to; i++) {
         double f = ric_event_samples_values(tr, i)[test], x;
         bool zero, open = last == 0;
         if (isnan(f)) {
@@ -279,7 +281,7 @@ static ric_status find_zeros(ric_continuation *tr, int test, double h, root_list
 static ric_status find_roots(ric_continuation *tr, unsigned which, double h, root_list *list, bool *retry)
 {
     for (int i = 0; i < RIC_N_TEST && !*retry; i++) {
-        ric_status status = which & 1u << i ? find_zeros(tr, i, h, list, retry) : RIC_OK;
+        ric_status status = which & 1u << i ? find_zeros(tr, i, HUGE_VAL, h, list, retry) : RIC_OK;
         if (status) return status;
     }
     return RIC_OK;
@@ -316,6 +318,22 @@ static bool has_poles(int test)
     return test == RIC_TEST_REACH || test == RIC_TEST_APPROACH || test == RIC_TEST_FLIGHT;
 }
 
+/* Where a gap closes before the first zero of the other functions that end a branch. Behind an impact that loses its
+ * speed the gap that opens before it leaves `reach` above 1 by the square of the distance, which hides its zero in
+ * rounding; it is none, so that nothing is looked for behind the others. A spring that opens as another one closes is
+ * such an end, and a touch as well: there both are asked for. */
+static ric_status find_reach(ric_continuation *tr, double h, root_list *list, bool *retry)
+{
+    double to = HUGE_VAL;
+    bool good = false, springs = ric_flight_law_of(tr->chain->model)->closes;
+    for (int i = 0; i < list->n; i++) to = fmin(to, list->root[i].x);
+    if (to < HUGE_VAL && !springs) {
+        ric_status status = ric_event_samples_insert(tr, fmax(to - SHORT_OF * tr->chain->scale, to / 2), h, &good);
+        if (status) return status;
+    }
+    return find_zeros(tr, RIC_TEST_REACH, good ? to : HUGE_VAL, h, list, retry);
+}
+
 /* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its test, or -1, and
  * its distance. */
 static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *test, double *end, bool *retry)
@@ -326,7 +344,9 @@ static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *
     *end = h;
     which = seen_in(tr, which);
     ric_status status = ric_event_samples_refine(tr, which, false, NAN, NAN, h);
-    if (!status) status = find_roots(tr, which, h, &list, retry);
+    const unsigned reach = which & 1u << RIC_TEST_REACH;
+    if (!status) status = find_roots(tr, which & ~reach, h, &list, retry);
+    if (!status && !*retry && reach) status = find_reach(tr, h, &list, retry);
     if (status || *retry || !list.n) return status;
     qsort(roots, (size_t)list.n, sizeof *roots, by_place);
     *test = roots[0].test;
@@ -364,7 +384,7 @@ static ric_status sample(ric_continuation *tr, unsigned which, int test, double 
 static ric_status look(ric_continuation *tr, bool solve, double x, double h, ric_station *out, bool *good)
 {
     *good = true;
-    if (solve) return ric_event_solve(tr, x, h, out, good);
+    if (solve) return ric_event_solve(tr, x, h, RIC_LOOK_ALL, out, good);
     ric_event_cubic(tr, x, h, out->u);
     memcpy(out->t, tr->now.t, (size_t)tr->chain->n_unknown * sizeof *out->t);
     return ric_continuation_fill(tr, tr->now.s + (tr->next.s - tr->now.s) * (x / h), out);
@@ -590,7 +610,7 @@ static ric_status find_inside(ric_continuation *tr, unsigned which, double h, ro
         list->n = 0;
         ric_status status = find_roots(tr, which, h, list, retry);
         for (int k = 0; k < tr->n_resonance && !status && !*retry; k++)
-            status = find_zeros(tr, RIC_N_TEST + k, h, list, retry);
+            status = find_zeros(tr, RIC_N_TEST + k, HUGE_VAL, h, list, retry);
         int before = ric_event_samples_changes(tr, which);
         for (int i = 0; i < list->n && !status && !*retry; i++) status = ric_event_samples_add(tr, list->root[i].x, h);
         if (!status && !*retry && list->n)
@@ -618,7 +638,7 @@ static ric_status inner_events(ric_continuation *tr, double h, int test, double 
     tr->blind += lost;
     qsort(roots, (size_t)list.n, sizeof *roots, by_place);
     for (int i = 0; i < list.n && !status; i++)
-        if (!(status = ric_event_solve(tr, roots[i].x, h, &tr->mid, &good)) &&
+        if (!(status = ric_event_solve(tr, roots[i].x, h, RIC_LOOK_ALL, &tr->mid, &good)) &&
             !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
             status = ric_continuation_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its
                                                            * points */
@@ -641,7 +661,7 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
     ric_status status = find_end(tr, which, h, &test, &end, retry);
     if (status || *retry) return status;
     if (test >= 0 && crossed) {
-        if ((status = ric_event_solve(tr, end, h, &tr->mid, &good))) return status;
+        if ((status = ric_event_solve(tr, end, h, RIC_LOOK_ALL, &tr->mid, &good))) return status;
         crossed = tr->now.test[RIC_TEST_DET] * tr->mid.test[RIC_TEST_DET] < 0;
     }
     int read = -1; /* the end, read off cubics */
@@ -660,7 +680,7 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
     } else if (test < 0) {
         return close_up(tr, home, s);
     } else {
-        if ((status = ric_event_solve(tr, end, h, &tr->mid, &good))) return status;
+        if ((status = ric_event_solve(tr, end, h, RIC_LOOK_ALL, &tr->mid, &good))) return status;
         tr->mid.solved &= good;
         end_by(tr, test);
     }

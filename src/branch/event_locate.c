@@ -6,8 +6,10 @@
 #include "model/room.h"
 #include "base/room.h"
 
-#define PLACE 2e-16         /* of the step: a zero within it is at the last digit */
-#define PLACE_AT_ZERO 1e-17 /* scaled arclength: the same beside a step of no length */
+#define PLACE 2e-16 /* of the step: a zero within it is at the last digit */
+/* Of the size of the orbit: none is known better than to some tens of roundings, so that nearer to its zero a function
+ * is noise. The junction is solved on its own equations. */
+#define PLACE_KNOWN 1e-14
 /* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
 #define TRUE_ZERO 1e-5
 /* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of 1e-5. */
@@ -35,21 +37,31 @@ static bool correct(ric_continuation *tr, double x, double h, ric_station *out)
     return out->solved;
 }
 
-ric_status ric_event_solve(ric_continuation *tr, double x, double h, ric_station *out, bool *good)
+void ric_event_know(ric_continuation *tr, double x, const ric_station *p)
 {
-    if (!(*good = correct(tr, x, h, out))) return RIC_OK;
-    double sign = ric_continuation_tangent(tr->chain, tr->now.t, out->t);
-    return ric_continuation_examine(tr, out, sign);
+    ric_known_pairs *k = &tr->known;
+    const size_t size = 2 * (size_t)tr->floquet.n_pair;
+    if (!tr->n_resonance || k->n == RIC_MOST_KNOWN) return;
+    k->x[k->n] = x;
+    memcpy(k->own + (size_t)k->n * size, p->own, size * sizeof *p->own);
+    k->n++;
 }
 
-/* The same where one test is wanted. */
-static ric_status solve_for(ric_continuation *tr, int test, double x, double h, ric_station *out, bool *good)
+ric_status ric_event_solve(ric_continuation *tr, double x, double h, unsigned at, ric_station *out, bool *good)
 {
-    if (ric_continuation_resonance(tr, test)) return ric_event_solve(tr, x, h, out, good);
     if (!(*good = correct(tr, x, h, out))) return RIC_OK;
     double sign = ric_continuation_tangent(tr->chain, tr->now.t, out->t);
-    ric_continuation_glance(tr, out, sign, test < RIC_N_TEST && EVENT_SINGULAR & 1u << test);
-    return RIC_OK;
+    ric_status status = ric_continuation_look(tr, out, sign, at);
+    if (!status && at & RIC_LOOK_PAIRS) ric_event_know(tr, x, out);
+    return status;
+}
+
+/* What has to be looked at for one test. */
+static unsigned needed(const ric_continuation *tr, int test)
+{
+    if (ric_continuation_resonance(tr, test)) return RIC_LOOK_PAIRS | RIC_LOOK_FOR;
+    if (test < RIC_N_TEST && EVENT_SINGULAR & 1u << test) return RIC_LOOK_FACTORS;
+    return test == RIC_TEST_REACH ? RIC_LOOK_REACH : 0;
 }
 
 double ric_event_value(const ric_continuation *tr, int test, const ric_station *p)
@@ -70,21 +82,58 @@ static double height(int test, const ric_station *p, double value)
                                                             : fabs(value);
 }
 
+/* Draws the ends x, f of a bracket together to what is known inside. */
+static void draw_together(const ric_continuation *tr, double rho, double *x, double *f)
+{
+    const ric_known_pairs *k = &tr->known;
+    const int n_pair = tr->floquet.n_pair;
+    for (int i = 0; i < k->n; i++) {
+        if (!(k->x[i] > x[0] && k->x[i] < x[1])) continue;
+        const double value = ric_resonance_test(k->own + i * 2 * n_pair, n_pair, rho);
+        if (!(value * f[0] > 0 || value * f[1] > 0)) continue;
+        const int end = value * f[0] > 0 ? 0 : 1;
+        x[end] = k->x[i];
+        f[end] = value;
+    }
+}
+
+/* The same of values without bound: the only pair less what it is at the resonance, which along a branch is nearly a
+ * quotient of straight lines, as it runs through infinity where an impact loses its speed. False: it is not known at
+ * both ends, or there are several pairs. */
+static bool off_resonance(const ric_continuation *tr, double rho, const double *x, double *f)
+{
+    const ric_known_pairs *k = &tr->known;
+    double off[2] = {NAN, NAN};
+    for (int i = 0; i < k->n && tr->floquet.n_pair == 1; i++)
+        for (int end = 0; end < 2; end++)
+            if (k->x[i] == x[end]) off[end] = k->own[2 * i] - rho;
+    if (!(off[0] * f[0] > 0 && off[1] * f[1] > 0)) return false;
+    memcpy(f, off, sizeof off);
+    return true;
+}
+
 ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa, double xb, double fb, double h,
                             double *where, bool *zero)
 {
     double size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa);
+    const unsigned at = needed(tr, test);
     ric_status status;
     bool good = false;
-    ric_root r = ric_root_between(xa, fa, xb, fb, PLACE * h + PLACE_AT_ZERO);
+    const ric_resonance *resonance = ric_continuation_resonance(tr, test);
+    double x[2] = {xa, xb}, f[2] = {fa, fb};
+    if (resonance) draw_together(tr, resonance->rho, x, f);
+    const bool quotient = resonance && off_resonance(tr, resonance->rho, x, f);
+    ric_root r = ric_root_between(x[0], f[0], x[1], f[1], PLACE * h + PLACE_KNOWN * tr->chain->scale);
+    r.quotient = quotient;
     *zero = false;
     while (ric_root_next(&r)) {
-        if ((status = solve_for(tr, test, r.x, h, &tr->mid, &good))) return status;
+        if ((status = ric_event_solve(tr, r.x, h, at, &tr->mid, &good))) return status;
         if (!good) return RIC_OK;
-        r.f = ric_event_value(tr, test, &tr->mid);
-        top = fmax(top, height(test, &tr->mid, r.f));
+        const double value = ric_event_value(tr, test, &tr->mid);
+        r.f = quotient ? tr->mid.own[0] - resonance->rho : value;
+        top = fmax(top, height(test, &tr->mid, value));
     }
-    if ((status = solve_for(tr, test, r.x, h, &tr->mid, &good))) return status;
+    if ((status = ric_event_solve(tr, r.x, h, at, &tr->mid, &good))) return status;
     *where = r.x;
     double least = ric_event_value(tr, test, &tr->mid), part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
     *zero = good && (fabs(least) <= part * size || (test < RIC_N_TEST && height(test, &tr->mid, least) <= part * top));
@@ -128,7 +177,7 @@ static ric_status build_at(ric_continuation *tr, double h, ric_event_bridge *q, 
     size_t size = (size_t)tr->chain->n_unknown, pairs = 2 * (size_t)tr->floquet.n_pair;
     *good = true;
     for (int i = 0; i < 4 && *good; i++) {
-        ric_status status = ric_event_solve(tr, q->x[i], h, &tr->mid, good);
+        ric_status status = ric_event_solve(tr, q->x[i], h, RIC_LOOK_ALL, &tr->mid, good);
         if (status) return status;
         memcpy(q->test[i], tr->mid.test, sizeof tr->mid.test);
         memcpy(q->u + (size_t)i * (size_t)size, tr->mid.u, (size_t)size * sizeof *q->u);

@@ -14,8 +14,10 @@
 
 /* The unknowns [n_unknown] on the cubic through now and next. */
 void ric_event_cubic(const ric_continuation *trace, double x, double h, double *u);
-/* Solves at x, starting from the cubic; *good: it converged. */
-ric_status ric_event_solve(ric_continuation *trace, double x, double h, ric_station *out, bool *good);
+/* Solves at x, starting from the cubic, and looks `at` (ric_continuation_look); *good: it converged. */
+ric_status ric_event_solve(ric_continuation *trace, double x, double h, unsigned at, ric_station *out, bool *good);
+/* Keeps the multipliers of an orbit of this step, for the search of others. */
+void ric_event_know(ric_continuation *trace, double x, const ric_station *station);
 /* Value of a test function, or of what is watched beyond them: resonances, and what was asked for. */
 double ric_event_value(const ric_continuation *trace, int test, const ric_station *station);
 /* The zero of a test function that is fa at xa and fb, of the other sign, at xb; the station there is left in
@@ -30,7 +32,9 @@ void ric_event_samples_begin(ric_continuation *trace, double h);
 void ric_event_samples_shift(ric_continuation *trace);
 /* Drops the points beyond `end`, which becomes the last one. */
 ric_status ric_event_samples_cut(ric_continuation *trace, double end, double h);
-/* One more point, unless one is there; how often the tests `which` and the resonances change their signs. */
+/* One more point; *good: it converged. */
+ric_status ric_event_samples_insert(ric_continuation *trace, double x, double h, bool *good);
+/* The same unless one is there; how often the tests `which` and the resonances change their signs. */
 ric_status ric_event_samples_add(ric_continuation *trace, double x, double h);
 int ric_event_samples_changes(const ric_continuation *trace, unsigned which);
 /* More points, until every zero of the tests `which`, and with `pairs` of the resonances, shows. from, to: places where

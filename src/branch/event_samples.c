@@ -43,10 +43,10 @@ static void take(ric_continuation *tr, int i, double x, const ric_station *p)
     for (int k = RIC_TEST_A; k <= RIC_TEST_D; k++) value[smooth(tr, k)] = value[k] == 0 ? 0 : p->factor[k - RIC_TEST_A];
 }
 
-static ric_status insert(ric_continuation *tr, double x, double h, bool *good)
+ric_status ric_event_samples_insert(ric_continuation *tr, double x, double h, bool *good)
 {
     ric_event_samples *q = &tr->samples;
-    ric_status status = ric_event_solve(tr, x, h, &tr->mid, good);
+    ric_status status = ric_event_solve(tr, x, h, RIC_LOOK_ALL | RIC_LOOK_FOR, &tr->mid, good);
     if (status || !*good) return status;
     int i = q->n;
     for (; i > q->now && q->x[i - 1] > x; i--) {
@@ -73,6 +73,9 @@ void ric_event_samples_begin(ric_continuation *tr, double h)
         }
     take(tr, q->now + 1, h, &tr->next);
     q->n = q->now + 2;
+    tr->known.n = 0;
+    ric_event_know(tr, 0, &tr->now);
+    ric_event_know(tr, h, &tr->next);
 }
 
 ric_status ric_event_samples_add(ric_continuation *tr, double x, double h)
@@ -82,7 +85,7 @@ ric_status ric_event_samples_add(ric_continuation *tr, double x, double h)
     bool good;
     for (int i = q->now; i < q->n; i++)
         if (fabs(q->x[i] - x) <= near) return RIC_OK;
-    return q->n == RIC_MOST_SAMPLES ? RIC_OK : insert(tr, x, h, &good);
+    return q->n == RIC_MOST_SAMPLES ? RIC_OK : ric_event_samples_insert(tr, x, h, &good);
 }
 
 int ric_event_samples_changes(const ric_continuation *tr, unsigned which)
@@ -106,7 +109,7 @@ ric_status ric_event_samples_cut(ric_continuation *tr, double end, double h)
     ric_event_samples *q = &tr->samples;
     bool good;
     while (q->n > q->now + 1 && q->x[q->n - 1] >= end) q->n--;
-    return insert(tr, end, h, &good);
+    return ric_event_samples_insert(tr, end, h, &good);
 }
 
 void ric_event_samples_shift(ric_continuation *tr)
@@ -226,7 +229,7 @@ ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool p
         bool fine = all_resolved(tr, i, which, pairs);
         bool split = !fine || (pairs && half_lost(tr, i, from, to));
         if (split && !close) {
-            ric_status status = insert(tr, (a + b) / 2, h, &good);
+            ric_status status = ric_event_samples_insert(tr, (a + b) / 2, h, &good);
             if (status) return status;
             if (good && i > q->now) i--; /* what is new tells more of the neighbour, too */
         }
@@ -242,7 +245,7 @@ ric_status ric_event_samples_approach(ric_continuation *tr, double end, double o
     ric_event_samples *q = &tr->samples;
     bool good;
     for (double d = fabs(other - end) / RATIO; d >= least && q->n < RIC_MOST_SAMPLES; d /= RATIO) {
-        ric_status status = insert(tr, other > end ? end + d : end - d, h, &good);
+        ric_status status = ric_event_samples_insert(tr, other > end ? end + d : end - d, h, &good);
         if (status) return status;
     }
     return RIC_OK;

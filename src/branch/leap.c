@@ -294,7 +294,7 @@ static ric_status arrive(ric_continuation *tr, const double *u, double way)
     }
     for (int i = 0; i < c->n_unknown; i++) length += (u[i] - tr->now.u[i]) * (u[i] - tr->now.u[i]);
     p->s = tr->now.s + sqrt(length);
-    return ric_continuation_examine(tr, p, orientation);
+    return ric_continuation_look(tr, p, orientation, RIC_LOOK_ALL);
 }
 
 /* Behind the tongue everything begins anew: what is watched is not followed through it. */

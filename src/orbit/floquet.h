@@ -27,6 +27,7 @@ typedef struct {
     double error_a, error_b, error_d; /* rounding in them */
     double size_a, size_b, size_d;    /* what they are at most: smooth along a branch, so that their quotients are,
                                        * too */
+    double enough; /* error of rho, over 1 + |rho|, that is good enough; 0: rounding, which may take another map */
     double *work;
     long double *fine;
     size_t n_work;

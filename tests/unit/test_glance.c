@@ -1,5 +1,5 @@
-/* Events are located by what one test needs: an orbit looked at without its multipliers, or without its map, has the
- * tests that it has when all of it is known. */
+/* Events are located by what one test needs: an orbit looked at without its reach, its multipliers, or its map, has
+ * the tests that it has when all of it is known. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,6 +22,13 @@ static const char study_text[] =
 
 static const unsigned of_map = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
 
+static void check_pairs(const ric_continuation *tr, const ric_station *full, const ric_station *seen, bool known)
+{
+    if (!known) assert_true(isnan(seen->row.trace) && seen->row.stable == RIC_STABLE_UNDECIDED);
+    for (int i = 0; i < 2 * tr->floquet.n_pair; i++)
+        assert_true(known ? !memcmp(&seen->own[i], &full->own[i], sizeof(double)) : isnan(seen->own[i]));
+}
+
 static void check_station(ric_continuation *tr, const double *u, int *checked)
 {
     ric_station *full = &tr->mid, *seen = &tr->next;
@@ -31,18 +38,20 @@ static void check_station(ric_continuation *tr, const double *u, int *checked)
     ric_shooting_evaluate(tr->chain, u);
     const double sign = ric_continuation_tangent(tr->chain, NULL, full->t);
     memcpy(seen->t, full->t, (size_t)tr->chain->n_unknown * sizeof *u);
-    if (ric_continuation_examine(tr, full, sign)) fail_msg("%s", ric_detail());
-    for (int factors = 0; factors <= 1; factors++) {
+    if (ric_continuation_look(tr, full, sign, RIC_LOOK_ALL)) fail_msg("%s", ric_detail());
+    for (unsigned at = 0; at < RIC_LOOK_ALL; at++) {
         ric_shooting_evaluate(tr->chain, u);
-        ric_continuation_glance(tr, seen, sign, factors);
+        if (ric_continuation_look(tr, seen, sign, at)) fail_msg("%s", ric_detail());
         for (int i = 0; i < RIC_N_TEST; i++) {
-            if (!factors && of_map >> i & 1) assert_true(isnan(seen->test[i]));
+            const bool map = of_map >> i & 1;
+            if ((map && !(at & RIC_LOOK_FACTORS)) || (i == RIC_TEST_REACH && !(at & RIC_LOOK_REACH)))
+                assert_true(isnan(seen->test[i]));
             /* what is below its error has no sign in the one, and the expected one in the other */
-            else if (!(of_map >> i & 1 && seen->test[i] == 0) && seen->test[i] != full->test[i])
+            else if (!(map && seen->test[i] == 0) && seen->test[i] != full->test[i])
                 fail_msg("test %d is %.17g, and %.17g at a glance", i, full->test[i], seen->test[i]);
         }
         assert_true(seen->row.energy == full->row.energy && seen->row.frequency == full->row.frequency);
-        assert_true(isnan(seen->row.trace) && seen->row.stable == RIC_STABLE_UNDECIDED);
+        check_pairs(tr, full, seen, at & RIC_LOOK_PAIRS);
         assert_true(seen->solved == full->solved);
     }
     ++*checked;

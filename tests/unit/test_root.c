@@ -130,6 +130,25 @@ static void smooth_functions_take_few_values(void **state)
     assert_in_range(asked, 1, 3);
 }
 
+/* A pole beside the zero: with the interpolation that is exact for it, and with the usual one. */
+static double beside_a_pole(double x)
+{
+    return (x - 0.3) / (x + 1e-4);
+}
+
+static void a_quotient_of_lines_takes_three_values(void **state)
+{
+    (void)state;
+    int asked[2] = {0};
+    for (int quotient = 0; quotient <= 1; quotient++) {
+        ric_root r = ric_root_between(0, beside_a_pole(0), 1, beside_a_pole(1), 1e-13);
+        r.quotient = quotient;
+        for (; ric_root_next(&r); asked[quotient]++) r.f = beside_a_pole(r.x);
+        assert_true(fabs(r.x - 0.3) < 1e-12);
+    }
+    if (asked[1] > 6 || asked[1] >= asked[0]) fail_msg("%d values, and %d by quotients", asked[0], asked[1]);
+}
+
 /* A value that is rounding is a zero: it is not looked into. */
 static void noise_ends_the_search(void **state)
 {
@@ -193,6 +212,7 @@ int main(void)
         cmocka_unit_test(zeros_have_all_digits_by_values),
         cmocka_unit_test(the_function_is_asked_for_inside_only),
         cmocka_unit_test(smooth_functions_take_few_values),
+        cmocka_unit_test(a_quotient_of_lines_takes_three_values),
         cmocka_unit_test(noise_ends_the_search),
         cmocka_unit_test(a_zero_at_an_end_is_found_there),
         cmocka_unit_test(a_function_that_is_no_number_comes_to_an_end),
