@@ -65,6 +65,20 @@ static void differences(const ric_force *force, const ric_atlas *atlas, int id, 
     out[1] = (-y[0] + 16 * y[1] - 30 * y[2] + 16 * y[3] - y[4]) / (12 * h * h);
 }
 
+/* Rounding of log F* beside an extreme, where energies that differ by no more have the same: high harmonics are the
+ * small rest of what cancels. */
+static double noise(const ric_force *force, const ric_atlas *atlas, int id, const ric_force_extreme *x)
+{
+    double least = INFINITY, most = -INFINITY;
+    for (int k = -4; k <= 4; k++) {
+        const double y = log_threshold(force, atlas, id, x->at.harmonic, x->at.energy * exp(k * 1e-11),
+                                       x->at.frequency);
+        least = fmin(least, y);
+        most = fmax(most, y);
+    }
+    return most - least;
+}
+
 /* How far off the place is by the differences, in log E, no more than they are known themselves; false: they tell
  * little. */
 static bool is_extreme(const ric_force *force, const ric_atlas *atlas, int id, const ric_force_extreme *x)
@@ -72,8 +86,8 @@ static bool is_extreme(const ric_force *force, const ric_atlas *atlas, int id, c
     double coarse[2], fine[2];
     differences(force, atlas, id, x, 4e-3, coarse);
     differences(force, atlas, id, x, 2e-3, fine);
-    const double off = fabs(fine[0] / fine[1]),
-                 known = fabs((coarse[0] - fine[0]) / fine[1]) / 4 + 1e-11 / fabs(fine[1]);
+    const double off = fabs(fine[0] / fine[1]), rounding = 1e-11 + 18 / (12 * 2e-3) * noise(force, atlas, id, x),
+                 known = fabs((coarse[0] - fine[0]) / fine[1]) / 4 + rounding / fabs(fine[1]);
     if (!(known < 1e-7)) return false; /* a fold of the energy, or an end, is near */
     if (!(off <= known) || !((fine[1] > 0) == x->birth))
         fail_msg("branch %d harmonic %d: the place is off by %.3g, known to %.3g; second derivative %.3g", id,
