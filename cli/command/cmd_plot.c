@@ -363,7 +363,7 @@ static const cli_item items[] = {
              "ends"},
     {.name = "--junction", .value = "J", .text = "a junction; may be repeated"},
     {.name = "--study", .value = "FILE", .text = "study whose section vary is taken"},
-    {.name = "--values", .value = "NAMES", .text = "values of the parameter at which it is solved as well"},
+    {.name = "--values", .value = "A,B,..", .text = "values of the parameter at which it is solved as well"},
     {.name = "--max-step", .value = "H", .text = "largest step along the curve"},
     {.name = "--y", .value = "NAME", .words = "energy frequency", .text = "what goes upwards, energy unless given"},
     {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
