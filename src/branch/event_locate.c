@@ -6,10 +6,8 @@
 #include "model/room.h"
 #include "base/room.h"
 
-#define PLACE 2e-16 /* of the step: a zero within it is at the last digit */
-/* Of the size of the orbit: none is known better than to some tens of roundings, so that nearer to its zero a function
- * is noise. The junction is solved on its own equations. */
-#define PLACE_KNOWN 1e-14
+#define PLACE 2e-16         /* of the step: a zero within it is at the last digit */
+#define PLACE_AT_ZERO 1e-17 /* scaled arclength: the same beside a step of no length */
 /* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
 #define TRUE_ZERO 1e-5
 /* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of 1e-5. */
@@ -123,7 +121,7 @@ ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa
     double x[2] = {xa, xb}, f[2] = {fa, fb};
     if (resonance) draw_together(tr, resonance->rho, x, f);
     const bool quotient = resonance && off_resonance(tr, resonance->rho, x, f);
-    ric_root r = ric_root_between(x[0], f[0], x[1], f[1], PLACE * h + PLACE_KNOWN * tr->chain->scale);
+    ric_root r = ric_root_between(x[0], f[0], x[1], f[1], PLACE * h + PLACE_AT_ZERO);
     r.quotient = quotient;
     *zero = false;
     while (ric_root_next(&r)) {
