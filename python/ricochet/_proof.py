@@ -9,7 +9,7 @@ from typing import List, Optional, Tuple
 from ._library import check, ffi, fields_of, lib, text_of
 import numpy as np
 
-from ._running import Bar, in_parallel
+from ._running import with_bar
 from ._show import table, text_table
 
 _STATES = {lib.RIC_PROOF_DONE: "proved", lib.RIC_PROOF_NONE: "not proved", lib.RIC_PROOF_LEFT_OUT: "left out"}
@@ -121,9 +121,4 @@ def prove(atlas, branch, points: Optional[List[int]], workers: int, progress) ->
     for one in atlas.branches if branch is None else [atlas.branch(branch)]:
         chosen = range(len(one)) if points is None else [i + len(one) if i < 0 else int(i) for i in np.atleast_1d(points)]
         calls += [partial(provers.prove, one.id, i) for i in chosen]
-    bar = Bar(progress)
-    try:
-        return Proofs(in_parallel(calls, workers, lambda done: bar.show(done / max(1, len(calls)), f"{done} of {len(calls)}")),
-                      provers.model)
-    finally:
-        bar.close()
+    return Proofs(with_bar(calls, workers, progress), provers.model)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ._force import fill_shaking, forcing_of
 from ._model import Model
-from ._running import Bar, Job, in_parallel
+from ._running import Bar, Job, with_bar
 from ._show import curve, table, text_table
 
 _ALONG = {"omega": lib.RIC_RESPONSE_OMEGA, "level": lib.RIC_RESPONSE_LEVEL, "restitution": lib.RIC_RESPONSE_RESTITUTION}
@@ -245,12 +245,7 @@ class Response:
         workers : int
         """
         calls = [partial(self._replay, one.id, i) for one in self.curves for i in _sample(len(one), all)]
-        bar = Bar(progress)
-        try:
-            return ResponseChecks(in_parallel(calls, workers, lambda done: bar.show(done / max(1, len(calls)),
-                                                                                   f"{done} of {len(calls)} replayed")))
-        finally:
-            bar.close()
+        return ResponseChecks(with_bar(calls, workers, progress, " replayed"))
 
     def _replay(self, number: int, i: int) -> ResponseCheck:
         raw = ffi.new("ric_response_checked *")

@@ -120,4 +120,13 @@ def in_parallel(calls, workers: int, look) -> list:
     return results
 
 
-__all__ = ["Bar", "Job", "check", "in_parallel"]
+def with_bar(calls, workers: int, progress, doing: str = "") -> list:
+    """The same with a progress bar: how many of them are done, and what is done to them."""
+    bar = Bar(progress)
+    try:
+        return in_parallel(calls, workers, lambda done: bar.show(done / max(1, len(calls)), f"{done} of {len(calls)}{doing}"))
+    finally:
+        bar.close()
+
+
+__all__ = ["Bar", "Job", "check", "in_parallel", "with_bar"]

@@ -8,7 +8,7 @@ from typing import List, Optional
 from ._library import check, ffi, fields_of, lib
 import numpy as np
 
-from ._running import Bar, in_parallel
+from ._running import with_bar
 from ._show import table, text_table
 
 _AGREES = {lib.RIC_AGREES_NO: "no", lib.RIC_AGREES_YES: "yes", lib.RIC_AGREES_UNCHECKED: "unchecked"}
@@ -118,9 +118,4 @@ def verify(atlas, all_points: bool, branch, workers: int, progress) -> Verificat
             calls.append(partial(_of_point, atlas, one.id, i))
     if branch is None:
         calls += [partial(_of_row, atlas, "junction", one.id) for one in atlas.junctions]
-    bar = Bar(progress)
-    try:
-        return Verification(in_parallel(calls, workers, lambda done: bar.show(done / max(1, len(calls)),
-                                                                             f"{done} of {len(calls)} replayed")))
-    finally:
-        bar.close()
+    return Verification(with_bar(calls, workers, progress, " replayed"))

@@ -127,31 +127,33 @@ static verdict sticking_beyond(finding *f, const char *arg)
     return three ? AS_STATED : fourth ? OTHERWISE : NEITHER;
 }
 
+/* Whether the share of the relative motion at the C_32 of a family falls from level to level; *last: that of the last
+ * one, NAN where a branch is not there. */
+static bool share_falls(finding *f, const char *(*word)(int), int from, int to, int step, double *last)
+{
+    bool falls = true;
+    *last = 1;
+    for (int level = from; level <= to; level += step) {
+        int b = reversible_branch(FAR, word(level));
+        double share = b ? share_of_relative_motion(FAR, b, beside_branch_point(FAR, b)) : NAN;
+        say(f, "%s%.2g", level > from ? ", " : "", share);
+        falls = falls && share < *last;
+        *last = share;
+    }
+    return falls;
+}
+
 /* At the C_32 of S_2k and the last one of S_2j the share of the relative motion falls from level to level. */
 static verdict becomes_one_mass(finding *f, const char *arg)
 {
-    bool falls = true;
-    double last = 1;
+    double upper, lower;
     (void)arg;
-    for (int k = 3; k <= 17; k += 2) {
-        int b = reversible_branch(FAR, chattering(k));
-        if (!b) return NEITHER;
-        double share = share_of_relative_motion(FAR, b, beside_branch_point(FAR, b));
-        say(f, "%s%.2g", k > 3 ? ", " : "S_2k, k = 3, 5 .. 17: ", share);
-        falls = falls && share < last;
-        last = share;
-    }
-    falls = falls && last < 0.02;
-    last = 1;
-    for (int j = 2; j <= 11; j++) {
-        int b = reversible_branch(FAR, sticking(j));
-        if (!b) return NEITHER;
-        double share = share_of_relative_motion(FAR, b, beside_branch_point(FAR, b));
-        say(f, "%s%.2g", j > 2 ? ", " : "; S_2j, j = 2, 3 .. 11: ", share);
-        falls = falls && share < last;
-        last = share;
-    }
-    return stated(falls && last < 0.01);
+    say(f, "S_2k, k = 3, 5 .. 17: ");
+    const bool above = share_falls(f, chattering, 3, 17, 2, &upper);
+    say(f, "; S_2j, j = 2, 3 .. 11: ");
+    const bool below = share_falls(f, sticking, 2, 11, 1, &lower);
+    if (isnan(upper) || isnan(lower)) return NEITHER;
+    return stated(above && upper < 0.02 && below && lower < 0.01);
 }
 
 /* The path behind S2 lies between the maxima of S_2k and the minima of S_2j. */
