@@ -20,8 +20,7 @@ typedef struct {
     arb_mat_struct *J; /* [n * n] */
     arb_ptr F;         /* [n] */
     ric_equations q;
-    slong row;                /* the next one */
-    const arb_struct *spread; /* e of a box of orbits u +- e a, or NULL */
+    slong row; /* the next one */
 } filling;
 
 static double middle(const arb_t x)
@@ -161,7 +160,9 @@ static void put_tangent(filling *f)
     arb_clear(error);
 }
 
-void ric_augmented_mirror(const ric_augmented *x, bool last, bool opposite, arb_mat_t B)
+/* What holds at a mirror point for motions that are turned into themselves, n rows, or into their opposite, n + 1: B
+ * [rows * 2n] on states. */
+static void mirror_rows(const ric_augmented *x, bool last, bool opposite, arb_mat_t B)
 {
     const slong n = x->e->n;
     const ric_chain_end kind = last ? x->c.end : x->c.start;
@@ -191,7 +192,7 @@ static void put_start(filling *f, slong from, bool opposite)
     const slong n = f->x->e->n, rows = count_rows(f->x, opposite);
     arb_mat_t B;
     arb_mat_init(B, rows, 2 * n);
-    ric_augmented_mirror(f->x, false, opposite, B);
+    mirror_rows(f->x, false, opposite, B);
     for (slong l = 0; l < rows; l++, f->row++)
         for (slong j = 0; j < 2 * n; j++) add_term(f, f->row, from + j, arb_mat_entry(B, l, j));
     arb_mat_clear(B);
@@ -282,7 +283,7 @@ static void put_end(filling *f, int motions, arb_srcptr factor, bool opposite, i
     const slong rows = count_rows(x, opposite);
     arb_mat_t B;
     arb_mat_init(B, rows, 2 * x->e->n);
-    ric_augmented_mirror(x, true, opposite, B);
+    mirror_rows(x, true, opposite, B);
     for (int k = 0; k < motions; k++) add_end(f, x->n_orbit + k * x->n_motion, B, factor + k, skipped);
     f->row += rows - (skipped >= 0);
     arb_mat_clear(B);
@@ -463,54 +464,19 @@ static void put_norm(filling *f)
     f->row++;
 }
 
-/* All orbits between u - e a and u + e a. */
-static void spread_orbit(const filling *f)
-{
-    arb_t y;
-    arb_init(y);
-    for (slong i = 0; i < f->x->n_motion; i++) {
-        arb_mul(y, f->spread, f->z + f->x->n_orbit + i, f->x->e->prec);
-        arb_add_error(f->x->c.u + i, y);
-    }
-    arb_clear(y);
-}
-
-/* The derivative of the mean of G(u + e a) and G(u - e a) by a: e^2 G'' a, from somewhere between. */
-static void put_spread(filling *f)
-{
-    const ric_augmented *x = f->x;
-    ric_equations second;
-    arb_t y;
-    slong row = 0;
-    arb_init(y);
-    open_second(f, x->n_orbit, &second);
-    for (int i = 0; i < second.n - 1; i++) {
-        const ric_equation_group *g = &second.group[i];
-        for (slong l = 0; l < g->rows; l++, row++)
-            for (slong j = 0; j < arb_mat_ncols(g->J); j++) {
-                arb_mul(y, arb_mat_entry(g->J, l, j), f->spread, x->e->prec);
-                arb_mul(y, y, f->spread, x->e->prec);
-                add_derivative(f, row, x->n_orbit + (slong)g->first * x->c.size + j, y);
-            }
-    }
-    ric_equation_free(&second);
-    arb_clear(y);
-}
-
 /* ------------------------------------------------------------------- the zero */
 
-void ric_augmented_evaluate(ric_augmented *x, arb_srcptr z, const arb_struct *spread, arb_mat_struct *J, arb_ptr F)
+/* The equations and their derivative at z: F [n], J [n * n]. */
+static void evaluate(ric_augmented *x, arb_srcptr z, arb_mat_struct *J, arb_ptr F)
 {
-    filling f = {.x = x, .z = z, .J = J, .F = F, .spread = spread};
+    filling f = {.x = x, .z = z, .J = J, .F = F};
     arb_mat_zero(J);
     _arb_vec_zero(F, x->n);
     _arb_vec_set(x->c.u, z, x->n_orbit);
-    if (spread) spread_orbit(&f);
     ric_equation_create(&f.q, &x->c);
     ric_equation_evaluate(&f.q, &x->c, x->e);
     ric_equation_loosen(&f.q, &x->c, x->e, NULL);
     put_orbit(&f);
-    if (spread) put_spread(&f);
     switch (x->ask.kind) {
     case RIC_AUGMENTED_ENERGY:
     case RIC_AUGMENTED_PERIOD: put_tangent(&f); break;
@@ -549,7 +515,7 @@ static bool find_motions(ric_augmented *x, arb_mat_t J, arb_ptr F)
     arb_mat_t A, b;
     arb_mat_init(A, count, count);
     arb_mat_init(b, count, 1);
-    ric_augmented_evaluate(x, x->z, NULL, J, F);
+    evaluate(x, x->z, J, F);
     for (slong i = 0; i < count; i++) {
         arb_set_si(arb_mat_entry(b, i, 0), 1 + i % 3);
         for (slong j = 0; j < count; j++)
@@ -576,7 +542,7 @@ static bool refine(ric_augmented *x, arb_mat_t J, arb_ptr F)
     bool done = true;
     for (int step = 0; step < NEWTON && done; step++) {
         double size = 0;
-        ric_augmented_evaluate(x, x->z, NULL, J, F);
+        evaluate(x, x->z, J, F);
         arb_mat_get_mid(J, J);
         for (slong i = 0; i < x->n; i++) arb_get_mid_arb(arb_mat_entry(b, i, 0), F + i);
         done = arb_mat_approx_solve(b, J, b, x->e->prec);
@@ -621,14 +587,14 @@ static bool contracts(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
     arb_ptr box = _arb_vec_init(x->n);
     bool holds = false;
-    ric_augmented_evaluate(x, x->z, NULL, J, F);
+    evaluate(x, x->z, J, F);
     if (ric_contraction_invert(&x->k, J)) {
         ric_contraction_apply(&x->k, F, box);
         for (slong i = 0; i < x->n; i++) arb_get_mag(x->k.y + i, box + i);
         for (int width = WIDEST; width <= FINEST && !holds; width++) {
             for (slong i = 0; i < x->n; i++) mag_set_ui_2exp_si(x->k.b + i, 1, -width);
             place_box(x, box);
-            ric_augmented_evaluate(x, box, NULL, J, F);
+            evaluate(x, box, J, F);
             ric_contraction_defect(&x->k, J);
             holds = ric_contraction_holds(&x->k);
             arb_one(x->unique);
@@ -643,8 +609,8 @@ static bool contracts(ric_augmented *x, arb_mat_t J, arb_ptr F)
 }
 
 /* With both mirrors broken a row at the end is left out: what it says, that the energy of the motion is that of the
- * orbit to first order, follows where this number is not zero. */
-bool ric_augmented_follows(const ric_augmented *x, arb_srcptr u)
+ * orbit to first order, follows for orbits in the balls u where this number is not zero. */
+static bool row_follows(const ric_augmented *x, arb_srcptr u)
 {
     const ric_enclosure *e = x->e;
     const slong n = e->n, last = (slong)(x->c.m - 1) * x->c.size;
@@ -751,7 +717,7 @@ static const char *prove(ric_augmented *x, arb_mat_t J, arb_ptr F)
     if (!contracts(x, J, F)) return "its equations are not proved to be regular";
     if (!closes(x)) return "the energy is not proved to be positive";
     if (has_factor(x) && x->e->n != 2) return "a turn of a chain without mirrors, of more than two modes: not yet";
-    return ric_augmented_follows(x, x->z) ? NULL : "at the broken mirror the motion is not told from rest";
+    return row_follows(x, x->z) ? NULL : "at the broken mirror the motion is not told from rest";
 }
 
 bool ric_augmented_prove(ric_augmented *x, const ric_chain *c, const ric_enclosure *e,

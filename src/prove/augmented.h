@@ -60,13 +60,4 @@ bool ric_augmented_prove(ric_augmented *x, const ric_chain *c, const ric_enclosu
                          const ric_augmented_question *ask);
 void ric_augmented_free(ric_augmented *x);
 
-/* The equations and their derivative at z: F [n], J [n * n]. With a spread e, of BREAK: J holds those of the branch
- * that leaves (leaving.h), for all |e'| <= e, and F is of no use. */
-void ric_augmented_evaluate(ric_augmented *x, arb_srcptr z, const arb_struct *spread, arb_mat_struct *J, arb_ptr F);
-/* Whether the row that was left out follows, for an orbit in the balls u. */
-bool ric_augmented_follows(const ric_augmented *x, arb_srcptr u);
-/* What holds at a mirror point for motions that are turned into themselves, n rows, or into their opposite, n + 1: B
- * [rows * 2n] on states. */
-void ric_augmented_mirror(const ric_augmented *x, bool last, bool opposite, arb_mat_t B);
-
 #endif

@@ -84,6 +84,7 @@ bool ric_contraction_holds(ric_contraction *k)
         holds = holds && mag_cmp(next + i, k->b + i) < 0; /* what is no number is infinite, and not less */
     }
     for (slong i = 0; i < k->n && !holds; i++) {
+        if (mag_cmp(next + i, k->b + i) < 0) continue; /* large enough; a number that never changes has a next of 0 */
         mag_mul_2exp_si(eighth, next + i, -3);
         mag_add(k->b + i, next + i, eighth);
     }

@@ -25,7 +25,7 @@ bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J);
 void ric_contraction_apply(const ric_contraction *k, arb_srcptr x, arb_ptr out);
 /* Z from J on the box. */
 void ric_contraction_defect(ric_contraction *k, const arb_mat_t J);
-/* Whether y + Z b < b; if not, b is made that times 1 + 1/8, to be tried again. */
+/* Whether y + Z b < b; if not, b is made that times 1 + 1/8 where it is too small, to be tried again. */
 bool ric_contraction_holds(ric_contraction *k);
 
 #endif

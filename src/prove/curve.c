@@ -8,7 +8,11 @@
 #include "monodromy.h"
 #include "prover.h"
 
-enum { DEEPEST = 22 }; /* halvings of a step: 2^-22 of one is where two branches meet, or a gap closes */
+enum {
+    DEEPEST = 22,   /* halvings of a step: 2^-22 of one is where two branches meet, or a gap closes */
+    MANY_PARTS = 4, /* halvings of a tube for its stability: of two modes */
+    FEW_PARTS = 1   /* of more, where it is dear */
+};
 
 /* -------------------------------------------------------------------- nodes */
 
@@ -59,24 +63,6 @@ void ric_curve_node_place(ric_node *a, const ric_chain *like, arb_srcptr u, bool
     arb_clear(radius);
 }
 
-void ric_curve_move(ric_chain *c, const ric_chain *to, double length, const ric_enclosure *e)
-{
-    const slong count = (slong)c->m * c->size;
-    arb_ptr way = _arb_vec_init(count);
-    arb_t share;
-    arb_init(share);
-    _arb_vec_sub(way, to->u, c->u, count, e->prec);
-    ric_chain_norm(count, way, e->prec, share);
-    const double whole = arf_get_d(arb_midref(share), ARF_RND_NEAR);
-    arb_set_d(share, whole > 0 ? length / whole : 0);
-    for (slong i = 0; i < count; i++) {
-        arb_addmul(c->u + i, way + i, share, e->prec);
-        arb_get_mid_arb(c->u + i, c->u + i);
-    }
-    arb_clear(share);
-    _arb_vec_clear(way, count);
-}
-
 /* The orbit near the middle of two; it is solved from there, so that it may be moved by more than a stored one. */
 static void node_between(ric_node *m, const ric_node *a, const ric_node *b, const ric_enclosure *e)
 {
@@ -105,6 +91,22 @@ static double size_of(const ric_tube *t)
     return size;
 }
 
+/* What multipliers say along a part of a tube, from s = at on; where that is nothing, along its halves. */
+static void judge_part(ric_curve *x, const ric_tube *t, double at, double part, int depth)
+{
+    const slong count = (slong)t->hull.m * t->hull.size + 1;
+    ric_monodromy multipliers;
+    arb_ptr hull = _arb_vec_init(count);
+    ric_monodromy_init(&multipliers);
+    ric_tube_part(t, at, at + part, hull);
+    ric_monodromy_enclose(&multipliers, &t->hull, x->e, hull);
+    if (multipliers.stable != RIC_STABLE_UNDECIDED || depth == 0) x->length[multipliers.stable] += part * size_of(t);
+    else
+        for (int half = 0; half < 2; half++) judge_part(x, t, at + half * part / 2, part / 2, depth - 1);
+    ric_monodromy_clear(&multipliers);
+    _arb_vec_clear(hull, count);
+}
+
 /* All of the arc are motions, but for its end where that is `last`: gaps, and what multipliers say. */
 static bool tube_stands(ric_curve *x, const ric_tube *t, arb_srcptr last)
 {
@@ -113,20 +115,16 @@ static bool tube_stands(ric_curve *x, const ric_tube *t, arb_srcptr last)
     const ric_arrival arrival = {slope, last};
     if (last) ric_tube_slope(t, x->e, slope);
     ric_passage passage;
-    ric_monodromy multipliers;
     ric_passage_init(&passage);
-    ric_monodromy_init(&multipliers);
     const bool stands = ric_passage_prove(&passage, &t->hull, x->e,
                                           &(ric_family){t->hull.u, t->middle, t->half, NULL, last ? &arrival : NULL});
     snprintf(x->why, sizeof x->why, "%s", passage.why);
     if (stands) {
-        ric_monodromy_enclose(&multipliers, &t->hull, x->e, t->hull.u);
-        x->length[multipliers.stable] += size_of(t);
+        judge_part(x, t, 0, 1, x->e->n > 2 ? FEW_PARTS : MANY_PARTS);
         x->approach = fmin(x->approach, arf_get_d(arb_midref(passage.approach), ARF_RND_FLOOR));
         x->tubes++;
     }
     ric_passage_clear(&passage);
-    ric_monodromy_clear(&multipliers);
     _arb_vec_clear(slope, count);
     return stands;
 }

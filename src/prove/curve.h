@@ -31,9 +31,6 @@ void ric_curve_node_prove(ric_node *a, const ric_enclosure *e);
  * */
 void ric_curve_node_place(ric_node *a, const ric_chain *like, arb_srcptr u, bool last, const ric_enclosure *e);
 
-/* Moves the centre of a chain by a length towards that of another one of its class. */
-void ric_curve_move(ric_chain *c, const ric_chain *to, double length, const ric_enclosure *e);
-
 /* Whether the two orbits are on one curve of motions, but for one that touches, which ends it; what is found is added
  * to `x`. */
 bool ric_curve_join(ric_curve *x, const ric_node *a, const ric_node *b);

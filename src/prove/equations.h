@@ -28,6 +28,9 @@ void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosu
  * blocks; all else is zero. */
 void ric_equation_second(ric_equations *q, const ric_chain *c, const ric_enclosure *e, arb_srcptr along);
 
+/* All but the plane in the first rows of J, whose columns are the unknowns, and in F; either may be NULL. */
+void ric_equation_gather(const ric_equations *q, const ric_chain *c, arb_mat_struct *J, arb_ptr F);
+
 static inline ric_equation_group *ric_equation_start(const ric_equations *q)
 {
     return &q->group[q->n - 3];

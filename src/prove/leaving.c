@@ -1,238 +1,455 @@
 #include "leaving.h"
 
+#include <math.h>
+
 #include "base/room.h"
 #include "passage.h"
+#include "story.h"
+
+#define NEAR 1e-5       /* the stored orbit is that near to the junction, to be cut at the same places */
+#define CONVERGED 1e-12 /* step of Newton's method from which on the test of the box says more than it */
 
 enum {
+    FLOOR = -12, /* 2^FLOOR of the size: no radius of a box is less, so that orbits at its ends fit in */
     LARGEST = 5,
     SMALLEST = 24, /* 2^-k: sizes that are tried */
     TRIES = 6,     /* boxes of each */
-    NEWTON = 200,  /* steps towards the orbit at the end, with one derivative */
-    TIGHT = 24     /* doublings of its radius */
+    POWER = 4,     /* steps of the inverse iteration for directions */
+    NEWTON = 12,
+    CHORD = 200, /* steps towards the orbit at an end, with one derivative */
+    TIGHT = 24   /* doublings of its radius */
 };
 
+/* Unknowns z = (v, the state at its end, a); lambda of a chain that has none is no unknown. */
 typedef struct {
-    ric_augmented *j;
-    ric_contraction k;
+    const ric_enclosure *e;
+    ric_chain small, large;             /* G, F; u: balls while equations are evaluated */
+    slong n_chain, n_small, n_large, n; /* of v; with the state at the end; of u; all of them */
+    arb_mat_t T;                        /* [n_large * n_small] */
+    arb_ptr l, k;                       /* [n_large] */
+    ric_contraction c;
     arb_mat_t J;
     arb_ptr F, box, centre;
     arb_t size;
 } problem;
 
+static double middle(const arb_t x)
+{
+    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
+}
+
+static slong count_unknowns(const ric_chain *c)
+{
+    return (slong)c->m * c->size + ric_chain_general(c);
+}
+
+/* ---------------------------------------------------------------------- T */
+
+/* A column: what becomes of one number where all others are zero. */
+static void put_column(problem *p, slong j, const ric_story_way *way, arb_ptr v, arb_ptr u)
+{
+    ric_story story;
+    arb_one(v + j);
+    ric_story_tell_parts(&story, &p->small, v, v + p->n_chain, p->e);
+    ric_story_follow(&story, &p->large, way, u);
+    for (slong i = 0; i < (slong)p->large.m * p->large.size; i++) arb_set(arb_mat_entry(p->T, i, j), u + i);
+    ric_story_free(&story);
+    arb_zero(v + j);
+}
+
+/* false where the orbit of the junction is none of the larger class. */
+static bool find_images(problem *p, arb_srcptr orbit)
+{
+    ric_story story;
+    ric_story_way way;
+    ric_story_tell(&story, &p->small, orbit, -1, p->e);
+    const bool found = ric_story_find(&story, &p->large, NEAR, &way);
+    arb_ptr v = _arb_vec_init(p->n_small), u = _arb_vec_init((slong)p->large.m * p->large.size);
+    for (slong j = 0; j < p->n_small && found; j++)
+        if (j < (slong)p->small.m * p->small.size || j >= p->n_chain) put_column(p, j, &way, v, u);
+    ric_story_way_free(&way);
+    ric_story_free(&story);
+    _arb_vec_clear(v, p->n_small);
+    _arb_vec_clear(u, (slong)p->large.m * p->large.size);
+    return found;
+}
+
+/* u = T v + e a. */
+static void place_large(const problem *p, arb_srcptr z, const arb_t e, arb_ptr out)
+{
+    for (slong i = 0; i < p->n_large; i++) {
+        arb_dot(out + i, NULL, 0, arb_mat_entry(p->T, i, 0), 1, z, 1, p->n_small, p->e->prec);
+        arb_addmul(out + i, e, z + p->n_small + i, p->e->prec);
+    }
+}
+
+/* ---------------------------------------------------------------- equations */
+
+/* F and its derivative at u: all but the plane; J [n_large - 1 rows] or NULL. */
+static void evaluate_large(problem *p, arb_srcptr u, arb_mat_struct *J, arb_ptr F)
+{
+    ric_equations q;
+    _arb_vec_set(p->large.u, u, p->n_large);
+    ric_equation_create(&q, &p->large);
+    ric_equation_evaluate(&q, &p->large, p->e);
+    ric_equation_loosen(&q, &p->large, p->e, NULL);
+    ric_equation_gather(&q, &p->large, J, F);
+    ric_equation_free(&q);
+}
+
+/* F'' a at u. */
+static void bend_large(problem *p, arb_srcptr u, arb_srcptr a, arb_mat_struct *J)
+{
+    ric_equations q;
+    arb_ptr along = _arb_vec_init(p->n_large + 1);
+    _arb_vec_set(along, a, p->n_large);
+    _arb_vec_set(p->large.u, u, p->n_large);
+    ric_equation_create(&q, &p->large);
+    ric_equation_second(&q, &p->large, p->e, along);
+    ric_equation_loosen(&q, &p->large, p->e, along);
+    ric_equation_gather(&q, &p->large, J, NULL);
+    ric_equation_free(&q);
+    _arb_vec_clear(along, p->n_large + 1);
+}
+
+/* The state at the end of the smaller chain, less what the flight to it makes. */
+static void put_last(problem *p, arb_srcptr z, arb_mat_struct *J, arb_ptr F, slong row)
+{
+    const ric_enclosure *e = p->e;
+    const slong n = e->n, last = (slong)(p->small.m - 1) * p->small.size;
+    arb_srcptr w = z + last;
+    arb_mat_t D;
+    arb_ptr flown = _arb_vec_init(2 * n);
+    arb_t slack, size;
+    arb_init(slack);
+    arb_init(size);
+    arb_mat_init(D, 2 * n, 2 * n + 1);
+    ric_equation_flight(e, w, w + 2 * n, D, flown);
+    ric_enclosure_slack(e, w + 2 * n, slack);
+    ric_chain_norm(2 * n, w, e->prec, size);
+    arb_add_ui(size, size, 1, e->prec);
+    arb_mul(slack, slack, size, e->prec);
+    for (slong i = 0; i < 2 * n; i++) {
+        arb_sub(F + row + i, z + p->n_chain + i, flown + i, e->prec);
+        arb_add_error(F + row + i, slack);
+        for (slong j = 0; j <= 2 * n; j++) {
+            arb_neg(arb_mat_entry(J, row + i, last + j), arb_mat_entry(D, i, j));
+            arb_add_error(arb_mat_entry(J, row + i, last + j), slack);
+        }
+        arb_one(arb_mat_entry(J, row + i, p->n_chain + i));
+    }
+    arb_mat_clear(D);
+    _arb_vec_clear(flown, 2 * n);
+    arb_clear(slack);
+    arb_clear(size);
+}
+
+/* G, the state at the end, l.a = 1 and k.a = 0; the rows between are left free. Returns the first of those. */
+static slong put_small(problem *p, arb_srcptr z)
+{
+    ric_equations q;
+    const slong row = p->n_chain - 1, n = p->n, prec = p->e->prec;
+    arb_srcptr a = z + p->n_small;
+    arb_mat_zero(p->J);
+    _arb_vec_set(p->small.u, z, p->n_chain);
+    ric_equation_create(&q, &p->small);
+    ric_equation_evaluate(&q, &p->small, p->e);
+    ric_equation_loosen(&q, &p->small, p->e, NULL);
+    ric_equation_gather(&q, &p->small, p->J, p->F);
+    ric_equation_free(&q);
+    put_last(p, z, p->J, p->F, row);
+    for (int k = 0; k < 2; k++) {
+        arb_srcptr by = k ? p->k : p->l;
+        arb_dot(p->F + n - 2 + k, NULL, 0, by, 1, a, 1, p->n_large, prec);
+        _arb_vec_set(arb_mat_entry(p->J, n - 2 + k, p->n_small), by, p->n_large);
+    }
+    arb_sub_ui(p->F + n - 2, p->F + n - 2, 1, prec);
+    return p->n_small - 1;
+}
+
+/* All equations and their derivatives at e = 0, with e = NULL; else their derivatives for all |e'| <= e, where F is of
+ * no use: by a they are F', and by v F'' a, at some place between T v and T v + e a. */
+static void evaluate(problem *p, arb_srcptr z, const arb_struct *e)
+{
+    const slong first = put_small(p, z), rows = p->n_large - 1, prec = p->e->prec;
+    arb_ptr u = _arb_vec_init(p->n_large), F = _arb_vec_init(rows);
+    arb_mat_t D, S, ST;
+    arb_t spread;
+    arb_init(spread);
+    arb_mat_init(D, rows, p->n_large);
+    arb_mat_init(S, rows, p->n_large);
+    arb_mat_init(ST, rows, p->n_small);
+    if (e) arb_add_error(spread, e);
+    place_large(p, z, spread, u);
+    evaluate_large(p, u, D, F);
+    bend_large(p, u, z + p->n_small, S);
+    arb_mat_mul(ST, S, p->T, prec);
+    for (slong i = 0; i < rows; i++) {
+        arb_dot(p->F + first + i, NULL, 0, arb_mat_entry(D, i, 0), 1, z + p->n_small, 1, p->n_large, prec);
+        _arb_vec_set(arb_mat_entry(p->J, first + i, 0), arb_mat_entry(ST, i, 0), p->n_small);
+        _arb_vec_set(arb_mat_entry(p->J, first + i, p->n_small), arb_mat_entry(D, i, 0), p->n_large);
+    }
+    arb_mat_clear(D);
+    arb_mat_clear(S);
+    arb_mat_clear(ST);
+    arb_clear(spread);
+    _arb_vec_clear(u, p->n_large);
+    _arb_vec_clear(F, rows);
+}
+
+/* F alone, at one e that is not zero. */
+static void evaluate_end(problem *p, arb_srcptr z, const arb_t e)
+{
+    const slong first = put_small(p, z), rows = p->n_large - 1, prec = p->e->prec;
+    arb_ptr u = _arb_vec_init(p->n_large), F = _arb_vec_init(2 * rows);
+    arb_t none;
+    arb_init(none);
+    place_large(p, z, e, u);
+    evaluate_large(p, u, NULL, F);
+    place_large(p, z, none, u);
+    evaluate_large(p, u, NULL, F + rows);
+    for (slong i = 0; i < rows; i++) {
+        arb_sub(F + i, F + i, F + rows + i, prec);
+        arb_div(p->F + first + i, F + i, e, prec);
+    }
+    arb_clear(none);
+    _arb_vec_clear(u, p->n_large);
+    _arb_vec_clear(F, 2 * rows);
+}
+
+/* --------------------------------------------------------------- directions */
+
+static bool normalise(arb_mat_t x, slong prec)
+{
+    double sum = 0;
+    arb_t factor;
+    for (slong i = 0; i < arb_mat_nrows(x); i++) sum += pow(middle(arb_mat_entry(x, i, 0)), 2);
+    if (!(sum > 0) || !isfinite(sum)) return false;
+    arb_init(factor);
+    arb_set_d(factor, 1 / sqrt(sum));
+    arb_mat_scalar_mul_arb(x, x, factor, prec);
+    arb_mat_get_mid(x, x);
+    arb_clear(factor);
+    return true;
+}
+
+/* What all rows of A but the last one, which is x itself or `across`, take to zero: x [n], by inverse iteration. */
+static bool find_null(arb_mat_t A, arb_srcptr across, slong prec, arb_ptr out)
+{
+    const slong n = arb_mat_nrows(A);
+    arb_mat_t x;
+    arb_mat_init(x, n, 1);
+    for (slong i = 0; i < n; i++) arb_set_si(arb_mat_entry(x, i, 0), 1 + i % 3);
+    bool done = normalise(x, prec);
+    arb_mat_get_mid(A, A);
+    for (int step = 0; step < POWER && done; step++) {
+        for (slong j = 0; j < n; j++) arb_set(arb_mat_entry(A, n - 1, j), across ? across + j : arb_mat_entry(x, j, 0));
+        if (!across) arb_mat_zero(x);
+        if (!across) arb_one(arb_mat_entry(x, n - 1, 0));
+        done = arb_mat_approx_solve(x, A, x, prec) && normalise(x, prec);
+    }
+    for (slong i = 0; i < n; i++) arb_set(out + i, arb_mat_entry(x, i, 0));
+    arb_mat_clear(x);
+    return done;
+}
+
+/* k: along the first curve, in the larger class. a, and l, across it. */
+static bool lay_directions(problem *p)
+{
+    const slong prec = p->e->prec;
+    arb_mat_t A, D;
+    arb_ptr tangent = _arb_vec_init(p->n_small), u = _arb_vec_init(p->n_large);
+    arb_t none;
+    arb_init(none);
+    arb_mat_init(A, p->n_small, p->n_small);
+    arb_mat_init(D, p->n_large, p->n_large);
+    put_small(p, p->centre);
+    for (slong i = 0; i + 1 < p->n_small; i++)
+        _arb_vec_set(arb_mat_entry(A, i, 0), arb_mat_entry(p->J, i, 0), p->n_small);
+    bool done = find_null(A, NULL, prec, tangent);
+    for (slong i = 0; i < p->n_large; i++) {
+        arb_dot(p->k + i, NULL, 0, arb_mat_entry(p->T, i, 0), 1, tangent, 1, p->n_small, prec);
+        arb_get_mid_arb(p->k + i, p->k + i);
+    }
+    place_large(p, p->centre, none, u);
+    evaluate_large(p, u, D, NULL);
+    done = done && find_null(D, p->k, prec, p->l);
+    _arb_vec_set(p->centre + p->n_small, p->l, p->n_large);
+    arb_mat_clear(A);
+    arb_mat_clear(D);
+    arb_clear(none);
+    _arb_vec_clear(tangent, p->n_small);
+    _arb_vec_clear(u, p->n_large);
+    return done;
+}
+
+/* The zero at e = 0, and C there. */
+static bool find_centre(problem *p)
+{
+    for (slong i = 0; i < 2 * p->e->n; i++) arb_zero(p->centre + p->n_chain + i);
+    put_last(p, p->centre, p->J, p->F, p->n_chain - 1);
+    for (slong i = 0; i < 2 * p->e->n; i++) arb_neg(p->centre + p->n_chain + i, p->F + p->n_chain - 1 + i);
+    for (slong i = 0; i < p->n_small; i++) arb_get_mid_arb(p->centre + i, p->centre + i);
+    if (!lay_directions(p)) return false;
+    bool done = true;
+    double size = HUGE_VAL;
+    arb_ptr x = _arb_vec_init(p->n);
+    for (int step = 0; step < NEWTON && done && size > ldexp(1, 20 - (int)p->e->prec); step++) {
+        evaluate(p, p->centre, NULL);
+        done = ric_contraction_invert(&p->c, p->J);
+        ric_contraction_apply(&p->c, p->F, x);
+        size = 0;
+        for (slong i = 0; i < p->n && done; i++) {
+            size = fmax(size, fabs(middle(x + i)));
+            arb_sub(p->centre + i, p->centre + i, x + i, p->e->prec);
+            arb_get_mid_arb(p->centre + i, p->centre + i);
+        }
+    }
+    _arb_vec_clear(x, p->n);
+    return done && size < CONVERGED;
+}
+
 /* ------------------------------------------------------------------- the box */
 
 static void place_box(problem *p)
 {
-    _arb_vec_set(p->box, p->centre, p->j->n);
-    for (slong i = 0; i < p->j->n; i++) arb_add_error_mag(p->box + i, p->k.b + i);
+    _arb_vec_set(p->box, p->centre, p->n);
+    for (slong i = 0; i < p->n; i++) arb_add_error_mag(p->box + i, p->c.b + i);
 }
 
-/* y: at the centre, where all but vanishes what there is at e = 0. The mean adds e^2 / 2 G'' a a; the difference is G'
- * a and at most e / 2 times the radius of G'' a a, as its odd part cancels. */
+/* y, at the centre: what there is at e = 0, where F' a all but vanishes, and at most e / 2 F'' a a. */
 static void bound_residual(problem *p)
 {
-    const ric_augmented *j = p->j;
-    const slong n = j->n, N = j->n_orbit, prec = j->e->prec;
-    arb_srcptr a = p->centre + N;
-    arb_ptr F = _arb_vec_init(n), x = _arb_vec_init(n);
-    arb_t y, radius;
+    const slong first = p->n_small - 1, rows = p->n_large - 1, prec = p->e->prec;
+    arb_srcptr a = p->centre + p->n_small;
+    arb_ptr u = _arb_vec_init(p->n_large), x = _arb_vec_init(p->n);
+    arb_mat_t S;
+    arb_t y, spread;
     arb_init(y);
-    arb_init(radius);
-    ric_augmented_evaluate(p->j, p->centre, NULL, p->J, F);
-    ric_augmented_evaluate(p->j, p->centre, p->size, p->J, x);
-    for (slong i = 0; i < n - 1; i++) {
-        if (i < N - 1) {
-            arb_dot(y, NULL, 0, arb_mat_entry(p->J, i, N), 1, a, 1, j->n_motion, prec);
-            arb_mul_2exp_si(y, y, -1);
-            arb_zero(radius);
-            arb_union(y, y, radius, prec); /* from e = 0 on */
-            arb_add(F + i, F + i, y, prec);
-        } else {
-            arb_dot(y, NULL, 0, arb_mat_entry(p->J, i, 0), 1, a, 1, j->n_motion, prec);
-            arf_set_mag(arb_midref(radius), arb_radref(y));
-            mag_zero(arb_radref(radius));
-            arb_mul(radius, radius, p->size, prec);
-            arb_mul_2exp_si(radius, radius, -1);
-            arb_add_error(F + i, radius);
-        }
+    arb_init(spread);
+    arb_mat_init(S, rows, p->n_large);
+    evaluate(p, p->centre, NULL);
+    arb_add_error(spread, p->size);
+    place_large(p, p->centre, spread, u);
+    bend_large(p, u, a, S);
+    for (slong i = 0; i < rows; i++) {
+        arb_dot(y, NULL, 0, arb_mat_entry(S, i, 0), 1, a, 1, p->n_large, prec);
+        arb_mul(y, y, p->size, prec);
+        arb_mul_2exp_si(y, y, -1);
+        arb_add_error(p->F + first + i, y);
     }
-    ric_contraction_apply(&p->k, F, x);
-    for (slong i = 0; i < n; i++) arb_get_mag(p->k.y + i, x + i);
+    ric_contraction_apply(&p->c, p->F, x);
+    for (slong i = 0; i < p->n; i++) arb_get_mag(p->c.y + i, x + i);
+    arb_mat_clear(S);
     arb_clear(y);
-    arb_clear(radius);
-    _arb_vec_clear(F, n);
-    _arb_vec_clear(x, n);
+    arb_clear(spread);
+    _arb_vec_clear(u, p->n_large);
+    _arb_vec_clear(x, p->n);
 }
 
 static bool contracts(problem *p)
 {
-    const slong n = p->j->n;
     mag_t least;
     bool holds = false;
     bound_residual(p);
     mag_init(least);
-    mag_set_ui_2exp_si(least, 1, 16 - p->j->e->prec);
-    for (slong i = 0; i < n; i++) {
-        mag_mul_2exp_si(p->k.b + i, p->k.y + i, 1);
-        mag_max(p->k.b + i, p->k.b + i, least);
+    arb_get_mag(least, p->size);
+    mag_mul_2exp_si(least, least, FLOOR);
+    for (slong i = 0; i < p->n; i++) {
+        mag_mul_2exp_si(p->c.b + i, p->c.y + i, 1);
+        mag_max(p->c.b + i, p->c.b + i, least);
     }
     for (int i = 0; i < TRIES && !holds; i++) {
         place_box(p);
-        ric_augmented_evaluate(p->j, p->box, p->size, p->J, p->F);
-        ric_contraction_defect(&p->k, p->J);
-        holds = ric_contraction_holds(&p->k);
+        evaluate(p, p->box, p->size);
+        ric_contraction_defect(&p->c, p->J);
+        holds = ric_contraction_holds(&p->c);
     }
     mag_clear(least);
     return holds;
 }
 
-/* ------------------------------------------------------------------- the end */
+/* ------------------------------------------------------------------ the ends */
 
-/* u + by e a. */
-static void place_half(const problem *p, arb_srcptr z, int by, arb_ptr out)
+/* Steps from the middle of the box until they no longer shrink; y of the last place. */
+static void approach_end(problem *p, const arb_t e, arb_ptr z)
 {
-    const ric_augmented *j = p->j;
-    _arb_vec_set(out, z, j->n_orbit);
-    for (slong i = 0; i < j->n_motion; i++) {
-        if (by > 0) arb_addmul(out + i, z + j->n_orbit + i, p->size, j->e->prec);
-        else arb_submul(out + i, z + j->n_orbit + i, p->size, j->e->prec);
-    }
-}
-
-/* G of one half [n_orbit - 1], and its state at the end [2n]. */
-static void evaluate_half(problem *p, arb_srcptr z, int by, arb_ptr G, arb_ptr flown)
-{
-    ric_augmented *j = p->j;
-    const slong n = j->e->n, last = (slong)(j->c.m - 1) * j->c.size;
-    ric_equations q;
-    arb_t slack, size;
-    slong row = 0;
-    place_half(p, z, by, j->c.u);
-    ric_equation_create(&q, &j->c);
-    ric_equation_evaluate(&q, &j->c, j->e);
-    ric_equation_loosen(&q, &j->c, j->e, NULL);
-    for (int i = 0; i < q.n - 1; i++)
-        for (slong l = 0; l < q.group[i].rows; l++) arb_set(G + row++, arb_mat_entry(q.group[i].F, l, 0));
-    ric_equation_free(&q);
-    arb_init(slack);
-    arb_init(size);
-    ric_chain_fly(j->e, j->c.u + last, j->c.u + last + 2 * n, flown);
-    ric_enclosure_slack(j->e, j->c.u + last + 2 * n, slack);
-    ric_chain_norm(2 * n, j->c.u + last, j->e->prec, size);
-    arb_mul(slack, slack, size, j->e->prec);
-    for (slong i = 0; i < 2 * n; i++) arb_add_error(flown + i, slack);
-    arb_clear(slack);
-    arb_clear(size);
-}
-
-/* Rows of a mirror point on a difference. */
-static slong put_mirror(const problem *p, bool last, arb_srcptr w, slong row, arb_ptr F)
-{
-    const ric_augmented *j = p->j;
-    const bool broken = j->ask.broken[last];
-    const slong n = j->e->n, rows = n + broken;
-    arb_mat_t B;
-    arb_mat_init(B, rows, 2 * n);
-    ric_augmented_mirror(j, last, broken, B);
-    for (slong l = 0; l < rows; l++) {
-        if (last && l == j->redundant) continue;
-        arb_dot(F + row++, NULL, 0, arb_mat_entry(B, l, 0), 1, w, 1, 2 * n, j->e->prec);
-    }
-    arb_mat_clear(B);
-    return row;
-}
-
-/* The equations at e = size, in the order of those of the junction. */
-static void evaluate_end(problem *p, arb_srcptr z, arb_ptr F)
-{
-    const ric_augmented *j = p->j;
-    const slong N = j->n_orbit, n = j->e->n, prec = j->e->prec, links = (slong)(j->c.m - 1) * j->c.size;
-    arb_ptr G = _arb_vec_init(2 * N), flown = _arb_vec_init(4 * n);
-    arb_t twice;
-    arb_init(twice);
-    arb_mul_2exp_si(twice, p->size, 1);
-    evaluate_half(p, z, 1, G, flown);
-    evaluate_half(p, z, -1, G + N, flown + 2 * n);
-    for (slong i = 0; i < N - 1; i++) {
-        arb_add(F + i, G + i, G + N + i, prec);
-        arb_mul_2exp_si(F + i, F + i, -1);
-    }
-    for (slong i = 0; i < links; i++) {
-        arb_sub(F + N - 1 + i, G + i, G + N + i, prec);
-        arb_div(F + N - 1 + i, F + N - 1 + i, twice, prec);
-    }
-    for (slong i = 0; i < 2 * n; i++) {
-        arb_sub(flown + i, flown + i, flown + 2 * n + i, prec);
-        arb_div(flown + i, flown + i, twice, prec);
-    }
-    slong row = put_mirror(p, false, z + N, N - 1 + links, F);
-    row = put_mirror(p, true, flown, row, F);
-    arb_dot(F + row, NULL, 0, j->l, 1, z + N, 1, j->n_motion, prec);
-    arb_sub_ui(F + row, F + row, 1, prec);
-    arb_clear(twice);
-    _arb_vec_clear(G, 2 * N);
-    _arb_vec_clear(flown, 4 * n);
-}
-
-/* The zero at e = size, as a small ball in the box, where Z holds: left in p->centre. */
-static bool find_end(problem *p)
-{
-    const slong n = p->j->n;
-    arb_ptr F = _arb_vec_init(n), x = _arb_vec_init(n), z = _arb_vec_init(n);
-    mag_t radius;
-    mag_init(radius);
-    for (slong i = 0; i < n; i++) arb_get_mid_arb(z + i, p->box + i);
-    for (int step = 0; step <= NEWTON; step++) {
-        evaluate_end(p, z, F);
-        ric_contraction_apply(&p->k, F, x);
-        for (slong i = 0; i < n && step < NEWTON; i++) {
-            arb_sub(z + i, z + i, x + i, p->j->e->prec);
+    arb_ptr x = _arb_vec_init(p->n);
+    for (slong i = 0; i < p->n; i++) arb_get_mid_arb(z + i, p->box + i);
+    double size = HUGE_VAL;
+    for (int step = 0;; step++) {
+        double next = 0;
+        evaluate_end(p, z, e);
+        ric_contraction_apply(&p->c, p->F, x);
+        for (slong i = 0; i < p->n; i++) {
+            arb_get_mag(p->c.y + i, x + i);
+            next = fmax(next, fabs(middle(x + i)));
+        }
+        if (!(next < size) || step == CHORD) break;
+        size = next;
+        for (slong i = 0; i < p->n; i++) {
+            arb_sub(z + i, z + i, x + i, p->e->prec);
             arb_get_mid_arb(z + i, z + i);
         }
     }
-    mag_set_ui_2exp_si(radius, 1, 4 - p->j->e->prec);
-    for (slong i = 0; i < n; i++) {
-        arb_get_mag(p->k.y + i, x + i);
-        mag_max(radius, radius, p->k.y + i);
-    }
+    _arb_vec_clear(x, p->n);
+}
+
+/* The zero at an e as a small ball in the box, where Z holds, and its orbit. */
+static bool find_end(problem *p, const arb_t e, arb_ptr out)
+{
+    arb_ptr z = _arb_vec_init(p->n);
+    mag_t radius;
+    mag_init(radius);
+    approach_end(p, e, z);
+    mag_set_ui_2exp_si(radius, 1, 4 - p->e->prec);
+    for (slong i = 0; i < p->n; i++) mag_max(radius, radius, p->c.y + i);
     bool tight = false;
     for (int i = 0; i < TIGHT && !tight; i++) {
         mag_mul_2exp_si(radius, radius, 1);
-        for (slong l = 0; l < n; l++) mag_set(p->k.b + l, radius);
-        tight = ric_contraction_holds(&p->k);
+        for (slong l = 0; l < p->n; l++) mag_set(p->c.b + l, radius);
+        tight = ric_contraction_holds(&p->c);
     }
-    for (slong i = 0; i < n && tight; i++) {
+    for (slong i = 0; i < p->n && tight; i++) {
         arb_add_error_mag(z + i, radius);
         tight = arb_contains(p->box + i, z + i);
     }
-    if (tight) _arb_vec_set(p->centre, z, n);
+    if (tight) place_large(p, z, e, out);
     mag_clear(radius);
-    _arb_vec_clear(F, n);
-    _arb_vec_clear(x, n);
-    _arb_vec_clear(z, n);
+    _arb_vec_clear(z, p->n);
     return tight;
 }
 
 /* -------------------------------------------------------------------- motions */
 
-/* All orbits of the arc: gaps, approach, and the row that was left out. */
+/* Where |lambda| < 1, of a chain that has one, with E > 0 it is 0. */
+static bool is_closed(const ric_chain *c, arb_srcptr lambda, slong prec)
+{
+    arb_t y;
+    if (!ric_chain_general(c)) return true;
+    arb_init(y);
+    arb_abs(y, lambda);
+    arb_sub_ui(y, y, 1, prec);
+    const bool closed = arb_is_negative(y);
+    arb_clear(y);
+    return closed;
+}
+
+/* All orbits of the arc, and those of the smaller class that it is seen from, close, and they pass no stop. */
 static bool arc_stands(problem *p, ric_leaving *v)
 {
-    ric_augmented *j = p->j;
-    const slong count = j->n_orbit;
+    const slong count = (slong)p->large.m * p->large.size + 1;
     arb_ptr hull = _arb_vec_init(count);
     arb_t y;
     ric_passage passage;
     arb_init(y);
-    _arb_vec_set(hull, p->box, count);
-    for (slong i = 0; i < j->n_motion; i++) {
-        arb_mul(y, p->box + count + i, p->size, j->e->prec);
-        arb_add_error(hull + i, y);
-    }
+    arb_add_error(y, p->size);
+    place_large(p, p->box, y, hull);
     ric_passage_init(&passage);
-    ric_chain_energy(j->e, hull, y);
-    const bool done = arb_is_positive(y) && ric_augmented_follows(j, hull) &&
-                      ric_passage_prove(&passage, &j->c, j->e, &(ric_family){.hull = hull});
+    ric_chain_energy(p->e, hull, y);
+    const bool done = arb_is_positive(y) && is_closed(&p->large, hull + count - 1, p->e->prec) &&
+                      is_closed(&p->small, p->box + p->n_chain - 1, p->e->prec) &&
+                      ric_passage_prove(&passage, &p->large, p->e, &(ric_family){.hull = hull});
     v->approach = arf_get_d(arb_midref(passage.approach), ARF_RND_FLOOR);
     ric_passage_clear(&passage);
     arb_clear(y);
@@ -242,46 +459,73 @@ static bool arc_stands(problem *p, ric_leaving *v)
 
 static bool try_size(problem *p, int size, ric_leaving *v)
 {
-    arb_set_si(p->size, 1);
+    arb_t e;
+    arb_init(e);
+    arb_one(p->size);
     arb_mul_2exp_si(p->size, p->size, -size);
-    for (slong i = 0; i < p->j->n; i++) arb_get_mid_arb(p->centre + i, p->j->z + i);
-    if (!contracts(p) || !arc_stands(p, v) || !find_end(p)) return false;
-    arb_set(v->size, p->size);
-    place_half(p, p->centre, 1, v->x);
-    place_half(p, p->centre, -1, v->y);
-    return true;
+    bool done = contracts(p) && arc_stands(p, v);
+    for (int side = 0; side < 2 && done; side++) {
+        arb_set(e, p->size);
+        if (!side) arb_neg(e, e);
+        done = find_end(p, e, v->end[side]);
+    }
+    arb_clear(e);
+    return done;
 }
 
-bool ric_leaving_prove(ric_leaving *v, ric_augmented *junction)
+static void problem_open(problem *p, const ric_augmented *junction, const ric_chain *like)
 {
-    const slong n = junction->n;
-    problem p = {.j = junction, .F = _arb_vec_init(n), .box = _arb_vec_init(n), .centre = _arb_vec_init(n)};
+    *p = (problem){.e = junction->e};
+    ric_chain_copy(&p->small, &junction->c);
+    ric_chain_copy(&p->large, like);
+    p->n_chain = count_unknowns(&p->small);
+    p->n_small = p->n_chain + 2 * p->e->n;
+    p->n_large = count_unknowns(&p->large);
+    p->n = p->n_small + p->n_large;
+    arb_mat_init(p->T, p->n_large, p->n_small);
+    arb_mat_init(p->J, p->n, p->n);
+    p->l = _arb_vec_init(p->n_large);
+    p->k = _arb_vec_init(p->n_large);
+    p->F = _arb_vec_init(p->n);
+    p->box = _arb_vec_init(p->n);
+    p->centre = _arb_vec_init(p->n);
+    arb_init(p->size);
+    ric_contraction_create(&p->c, p->n, p->e->prec);
+}
+
+static void problem_close(problem *p)
+{
+    ric_chain_free(&p->small);
+    ric_chain_free(&p->large);
+    arb_mat_clear(p->T);
+    arb_mat_clear(p->J);
+    _arb_vec_clear(p->l, p->n_large);
+    _arb_vec_clear(p->k, p->n_large);
+    _arb_vec_clear(p->F, p->n);
+    _arb_vec_clear(p->box, p->n);
+    _arb_vec_clear(p->centre, p->n);
+    arb_clear(p->size);
+    ric_contraction_free(&p->c);
+}
+
+bool ric_leaving_prove(ric_leaving *v, const ric_augmented *junction, const ric_chain *like)
+{
+    problem p;
+    *v = (ric_leaving){.count = (slong)like->m * like->size + 1};
+    for (int side = 0; side < 2; side++) v->end[side] = _arb_vec_init(v->count);
+    problem_open(&p, junction, like);
+    _arb_vec_set(p.centre, junction->z, junction->n_orbit);
     bool done = false;
-    *v = (ric_leaving){.count = junction->n_orbit};
-    v->x = _arb_vec_init(v->count);
-    v->y = _arb_vec_init(v->count);
-    arb_init(v->size);
-    arb_init(p.size);
-    arb_mat_init(p.J, n, n);
-    ric_contraction_create(&p.k, n, junction->e->prec);
-    arb_mat_set(p.k.C, junction->k.C);
-    for (int size = LARGEST; size <= SMALLEST && !done && junction->ask.kind == RIC_AUGMENTED_BREAK; size++)
-        done = try_size(&p, size, v);
-    for (slong i = 0; i < junction->n_orbit; i++) arb_get_mid_arb(junction->c.u + i, junction->z + i);
-    ric_contraction_free(&p.k);
-    arb_mat_clear(p.J);
-    arb_clear(p.size);
-    _arb_vec_clear(p.F, n);
-    _arb_vec_clear(p.box, n);
-    _arb_vec_clear(p.centre, n);
+    if (find_images(&p, p.centre) && find_centre(&p))
+        for (int size = LARGEST; size <= SMALLEST && !done; size++) done = try_size(&p, size, v);
+    problem_close(&p);
     return done;
 }
 
 void ric_leaving_free(ric_leaving *v)
 {
-    if (!v->x) return;
-    _arb_vec_clear(v->x, v->count);
-    _arb_vec_clear(v->y, v->count);
-    arb_clear(v->size);
-    v->x = NULL;
+    for (int side = 0; side < 2; side++) {
+        if (v->end[side]) _arb_vec_clear(v->end[side], v->count);
+        v->end[side] = NULL;
+    }
 }

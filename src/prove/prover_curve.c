@@ -21,6 +21,7 @@ typedef struct {
     ric_walk w;
     ric_prover *p;
     ric_curve curve;
+    ric_node beyond; /* the other end of an arc across a junction, where the curve goes on */
     station *stations;
     int n;
 } tracing;
@@ -62,53 +63,70 @@ static ric_status list_stations(tracing *t)
 
 /* ----------------------------------------------------------------- junctions */
 
-/* The chain of point i, or a share of the way to the next one inside. */
-static ric_status chain_near(tracing *t, int i, double length, ric_chain *c, bool *made)
+/* A story cut at an end of the branch: the node. */
+static ric_status cut_end(tracing *t, int i, ric_story *story, ric_node *a)
 {
-    bool both = true;
-    ric_chain next = {0};
-    ric_status status = ric_walk_chain(&t->w, i, c, made);
-    if (status || !*made || length == 0) return status;
-    status = ric_walk_chain(&t->w, i ? i - 1 : 1, &next, &both);
-    *made = both && ric_chain_same_class(c, &next);
-    if (*made) ric_curve_move(c, &next, length, t->w.e);
-    ric_chain_free(&next);
-    return status;
-}
-
-/* A story cut near an end of the branch: the node. */
-static ric_status cut_end(tracing *t, int i, ric_story *story, double length, ric_node *a)
-{
+    const double place = 1e-5;
     ric_chain c = {0};
     bool made;
-    const double place = 1e-5 + 4 * length;
-    const ric_status status = chain_near(t, i, length, &c, &made);
+    const ric_status status = ric_walk_chain(&t->w, i, &c, &made);
     arb_ptr u = made ? _arb_vec_init((slong)c.m * c.size + 1) : NULL;
-    if (made && ric_story_cut(story, &c, place, u)) ric_curve_node_place(a, &c, u, length == 0, t->w.e);
+    if (made && ric_story_cut(story, &c, place, u)) ric_curve_node_place(a, &c, u, true, t->w.e);
     else a->why = "what was proved of the junction at its end has another class";
     if (made) _arb_vec_clear(u, (slong)c.m * c.size + 1);
     ric_chain_free(&c);
     return status;
 }
 
-/* Where mirrors are broken: the arc that leaves, up to its end. */
-static ric_status place_leaving(tracing *t, int i, ric_augmented *x, ric_node *a)
+/* How far apart two orbits of a class are. */
+static double apart(const ric_chain *c, arb_srcptr u, const ric_enclosure *e)
+{
+    const slong count = (slong)c->m * c->size;
+    arb_ptr way = _arb_vec_init(count);
+    arb_t size;
+    arb_init(size);
+    _arb_vec_sub(way, c->u, u, count, e->prec);
+    ric_chain_norm(count, way, e->prec, size);
+    const double length = arf_get_d(arb_midref(size), ARF_RND_NEAR);
+    arb_clear(size);
+    _arb_vec_clear(way, count);
+    return length;
+}
+
+/* The arc that leaves, or passes, a curve of a smaller class near the chain `like`: its end on the side of `from`, and
+ * the other one. */
+static void place_leaving(tracing *t, const ric_augmented *x, const ric_chain *like, const ric_chain *from, ric_node *a,
+                          ric_node *beyond)
 {
     ric_leaving leaving;
-    ric_story story;
-    ric_status status = RIC_OK;
-    if (ric_leaving_prove(&leaving, x)) {
-        ric_story_tell_pair(&story, &x->c, x->ask.broken, leaving.x, leaving.y, t->w.e);
-        status = cut_end(t, i, &story, arf_get_d(arb_midref(leaving.size), ARF_RND_NEAR), a);
-        ric_story_free(&story);
+    if (ric_chain_same_class(like, from) && ric_leaving_prove(&leaving, x, like)) {
+        const int side = apart(from, leaving.end[1], t->w.e) < apart(from, leaving.end[0], t->w.e);
+        ric_curve_node_place(a, like, leaving.end[side], false, t->w.e);
+        if (beyond) ric_curve_node_place(beyond, like, leaving.end[1 - side], false, t->w.e);
         t->curve.tubes++;
         t->curve.approach = fmin(t->curve.approach, leaving.approach);
-    } else a->why = "the arc that leaves the junction at its end is not proved";
+    } else a->why = "the arc that leaves the junction there is not proved";
     ric_leaving_free(&leaving);
+}
+
+static ric_status place_first(tracing *t, int i, const ric_augmented *x, ric_node *a)
+{
+    ric_chain like = {0}, next = {0};
+    bool made = false, both = false;
+    ric_status status = ric_walk_chain(&t->w, i, &like, &made);
+    if (!status) status = ric_walk_chain(&t->w, i ? i - 1 : 1, &next, &both);
+    if (made && both) place_leaving(t, x, &like, &next, a, NULL);
+    ric_chain_free(&like);
+    ric_chain_free(&next);
     return status;
 }
 
-/* The orbit of a junction at an end, in the class of the branch: a grazing, or a little beyond a broken mirror. */
+static bool leaves(const ric_junction *row)
+{
+    return row->kind == RIC_KIND_BRANCH_POINT || row->kind == RIC_KIND_MULTIPLICATION;
+}
+
+/* The orbit of a junction at an end, in the class of the branch: a grazing, or a little beyond where it leaves. */
 static ric_status place_end(tracing *t, int i, ric_node *a)
 {
     ric_junction row;
@@ -116,27 +134,24 @@ static ric_status place_end(tracing *t, int i, ric_node *a)
     ric_junction_proof proof = {.state = RIC_PROOF_NONE};
     ric_status status = ric_atlas_junction(t->p->atlas, i ? t->w.branch.to : t->w.branch.from, &row);
     a->why = "the junction at its end is not proved";
-    if (!status && (row.kind == RIC_KIND_GRAZING || row.kind == RIC_KIND_BRANCH_POINT))
+    if (!status && (row.kind == RIC_KIND_GRAZING || leaves(&row)))
         status = ric_prover_junction_find(t->p, &row, 0, &x, &proof);
     if (!status && proof.state == RIC_PROOF_DONE && row.kind == RIC_KIND_GRAZING) {
         ric_story story;
         ric_prover_junction_tell(&x, &story);
-        status = cut_end(t, i, &story, 0, a);
+        status = cut_end(t, i, &story, a);
         ric_story_free(&story);
-    } else if (!status && proof.state == RIC_PROOF_DONE) status = place_leaving(t, i, &x, a);
+    } else if (!status && proof.state == RIC_PROOF_DONE) status = place_first(t, i, &x, a);
     ric_augmented_free(&x);
     return status;
 }
 
 /* A junction that the branch passes. */
-static ric_status place_inside(tracing *t, const station *s, ric_node *a)
+static ric_status place_inside(tracing *t, const station *s, const ric_junction *row, ric_node *a)
 {
-    ric_junction row;
     ric_augmented x = {0};
     ric_junction_proof proof = {.state = RIC_PROOF_NONE};
-    ric_status status = ric_atlas_junction(t->p->atlas, s->junction, &row);
-    if (!status && ric_prover_junction_asked(&row, &t->w.branch))
-        status = ric_prover_junction_inside(&t->w, &row, s->at, &x, &proof);
+    const ric_status status = ric_prover_junction_inside(&t->w, row, s->at, &x, &proof);
     if (!status && proof.state == RIC_PROOF_DONE) {
         const slong count = (slong)x.c.m * x.c.size + 1;
         arb_ptr u = _arb_vec_init(count);
@@ -148,12 +163,39 @@ static ric_status place_inside(tracing *t, const station *s, ric_node *a)
     return status;
 }
 
-static ric_status place(tracing *t, const station *s, ric_node *a)
+/* A multiplication of a shorter orbit that it passes in its own class: behind it, seen from the node before. */
+static ric_status place_across(tracing *t, const station *s, const ric_junction *row, const ric_node *before,
+                               ric_node *a)
+{
+    ric_augmented x = {0};
+    ric_junction_proof proof = {.state = RIC_PROOF_NONE};
+    ric_chain like = {0};
+    bool made = false;
+    ric_status status = ric_prover_junction_find(t->p, row, 0, &x, &proof);
+    if (!status && proof.state == RIC_PROOF_DONE) status = ric_walk_between(&t->w, s->at, &like, &made);
+    if (made && !before->why) {
+        ric_curve_node_clear(&t->beyond);
+        ric_curve_node_init(&t->beyond);
+        place_leaving(t, &x, &like, &before->c, a, &t->beyond);
+    }
+    ric_chain_free(&like);
+    ric_augmented_free(&x);
+    return status;
+}
+
+static ric_status place(tracing *t, const station *s, const ric_node *before, ric_node *a)
 {
     bool made;
-    if (s->point < 0) return place_inside(t, s, a);
+    ric_status status;
+    if (s->point < 0) {
+        ric_junction row;
+        status = ric_atlas_junction(t->p->atlas, s->junction, &row);
+        if (status) return status;
+        return ric_prover_junction_asked(&row, &t->w.branch) ? place_inside(t, s, &row, a)
+                                                             : place_across(t, s, &row, before, a);
+    }
     if (is_junction(&t->w, s->point)) return place_end(t, s->point, a);
-    const ric_status status = ric_walk_chain(&t->w, s->point, &a->c, &made);
+    status = ric_walk_chain(&t->w, s->point, &a->c, &made);
     if (made) ric_curve_node_prove(a, t->w.e);
     return status;
 }
@@ -176,36 +218,53 @@ static int name_station(const tracing *t, int k)
     return t->stations[k].point;
 }
 
+static void swap_nodes(ric_node *a, ric_node *b)
+{
+    const ric_node other = *a;
+    *a = *b;
+    *b = other;
+}
+
+/* From station `from` to station k, whose node is b; false where that ends the curve. */
+static bool prove_next(tracing *t, int from, int k, const ric_node *a, const ric_node *b, ric_curve_proof *out)
+{
+    char where[60];
+    const bool end = (from == 0 && is_junction(&t->w, 0)) ||
+                     (k == t->n - 1 && is_junction(&t->w, t->w.branch.n_point - 1));
+    snprintf(where, sizeof where, "between points %d and %d", name_station(t, from),
+             name_station(t, k) + (t->stations[k].point < 0));
+    const bool joined = prove_step(t, a, b, where, out);
+    if (from == 0) out->from = joined;
+    if (k == t->n - 1) out->to = joined;
+    return joined || end;
+}
+
 /* Steps to ends that are junctions are left out where these are not proved, or no tube reaches them; so are junctions
  * inside. */
 static ric_status prove_steps(tracing *t, ric_curve_proof *out)
 {
-    const int last = t->n - 1;
-    char where[60];
-    ric_node nodes[2];
+    ric_node here, next;
     int from = 0; /* the station of the node that comes next */
-    for (int i = 0; i < 2; i++) ric_curve_node_init(&nodes[i]);
-    ric_status status = place(t, &t->stations[0], &nodes[0]);
-    bool done = last > 0;
-    int turn = 0;
-    for (int k = 1; k <= last && !status && done; k++) {
-        ric_node *a = &nodes[turn], *b = &nodes[1 - turn];
-        ric_curve_node_clear(b);
-        ric_curve_node_init(b);
-        status = place(t, &t->stations[k], b);
-        if (t->stations[k].point < 0 && b->why) continue;
-        const bool end = (from == 0 && is_junction(&t->w, 0)) ||
-                         (k == last && is_junction(&t->w, t->w.branch.n_point - 1));
-        snprintf(where, sizeof where, "between points %d and %d", name_station(t, from),
-                 name_station(t, k) + (t->stations[k].point < 0));
-        const bool joined = !status && prove_step(t, a, b, where, out);
-        if (from == 0) out->from = joined;
-        if (k == last) out->to = joined;
-        done = joined || end;
+    ric_curve_node_init(&here);
+    ric_curve_node_init(&next);
+    ric_curve_node_init(&t->beyond);
+    ric_status status = place(t, &t->stations[0], NULL, &here);
+    bool done = t->n > 1;
+    for (int k = 1; k < t->n && !status && done; k++) {
+        ric_curve_node_clear(&next);
+        ric_curve_node_init(&next);
+        status = place(t, &t->stations[k], &here, &next);
+        if (status || (t->stations[k].point < 0 && next.why)) continue;
+        done = prove_next(t, from, k, &here, &next, out);
         from = k;
-        turn = 1 - turn;
+        swap_nodes(&here, &next);
+        if (t->beyond.c.u) swap_nodes(&here, &t->beyond);
+        ric_curve_node_clear(&t->beyond);
+        ric_curve_node_init(&t->beyond);
     }
-    for (int i = 0; i < 2; i++) ric_curve_node_clear(&nodes[i]);
+    ric_curve_node_clear(&here);
+    ric_curve_node_clear(&next);
+    ric_curve_node_clear(&t->beyond);
     if (done) *out->why = 0;
     if (!status) out->state = done ? RIC_PROOF_DONE : RIC_PROOF_NONE;
     return status;

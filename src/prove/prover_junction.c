@@ -250,45 +250,13 @@ bool ric_prover_junction_at(const ric_junction *row, const ric_chain *c, const r
 
 /* --------------------------------------------------------------- on a branch */
 
-/* The chain at a share of the way between two stored points. */
-static ric_status chain_between(ric_walk *w, double at, ric_chain *out, bool *made)
-{
-    ric_point a = {0}, b = {0};
-    ric_status status = RIC_OK;
-    int i = 0;
-    *made = false;
-    while (!status && i < w->branch.n_point && !(status = ric_walk_point(w, i, &b)) && b.arclength < at) {
-        a = b;
-        i++;
-    }
-    if (status || i == 0 || i == w->branch.n_point) return status;
-    ric_chain other = {0};
-    bool both = false;
-    status = ric_walk_chain(w, i - 1, out, made);
-    if (!status) status = ric_walk_chain(w, i, &other, &both);
-    *made = *made && both && ric_chain_same_class(out, &other);
-    arb_t share, x;
-    arb_init(share);
-    arb_init(x);
-    arb_set_d(share, (at - a.arclength) / (b.arclength - a.arclength));
-    for (slong k = 0; k < (slong)out->m * out->size && *made; k++) {
-        arb_sub(x, other.u + k, out->u + k, w->e->prec);
-        arb_addmul(out->u + k, x, share, w->e->prec);
-        arb_get_mid_arb(out->u + k, out->u + k);
-    }
-    arb_clear(share);
-    arb_clear(x);
-    ric_chain_free(&other);
-    return status;
-}
-
 ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, double at, ric_augmented *x,
                                       ric_junction_proof *out)
 {
     ric_augmented_question ask[MOST_QUESTIONS];
     ric_chain c = {0};
     bool made;
-    ric_status status = chain_between(w, at, &c, &made);
+    ric_status status = ric_walk_between(w, at, &c, &made);
     const int n = made ? ask_inside(row, &c, ask) : 0;
     if (!n) snprintf(out->why, sizeof out->why, "there are no equations for this kind in the class of its branch");
     for (int i = 0; i < n; i++) {

@@ -92,27 +92,33 @@ void ric_story_free(ric_story *s)
     s->at = NULL;
 }
 
-/* The mirror point that a chain ends with. */
-static void add_end(ric_story *s, const ric_chain *c, arb_srcptr block, const arb_t time, bool touch)
+static void fly_last(const ric_enclosure *e, arb_srcptr block, arb_ptr flown)
 {
-    const ric_enclosure *e = s->e;
-    arb_ptr flown = _arb_vec_init(2 * s->n);
     arb_t slack, size;
     arb_init(slack);
     arb_init(size);
-    ric_chain_fly(e, block, block + 2 * s->n, flown);
-    ric_enclosure_slack(e, block + 2 * s->n, slack);
-    ric_chain_norm(2 * s->n, block, e->prec, size);
+    ric_chain_fly(e, block, block + 2 * e->n, flown);
+    ric_enclosure_slack(e, block + 2 * e->n, slack);
+    ric_chain_norm(2 * e->n, block, e->prec, size);
     arb_mul(slack, slack, size, e->prec);
-    for (slong i = 0; i < 2 * s->n; i++) arb_add_error(flown + i, slack);
-    if (c->face[c->m] >= 0) ric_chain_reflect(e, c->face[c->m], flown + s->n);
-    add(s, c->face[c->m], time, flown, touch, true);
+    for (slong i = 0; i < 2 * e->n; i++) arb_add_error(flown + i, slack);
     arb_clear(slack);
     arb_clear(size);
+}
+
+/* The mirror point that a chain ends with; `before`: the state in front of it, or NULL. */
+static void add_end(ric_story *s, const ric_chain *c, arb_srcptr block, arb_srcptr before, const arb_t time, bool touch)
+{
+    const ric_enclosure *e = s->e;
+    arb_ptr flown = _arb_vec_init(2 * s->n);
+    if (before) _arb_vec_set(flown, before, 2 * s->n);
+    else fly_last(e, block, flown);
+    if (c->face[c->m] >= 0) ric_chain_reflect(e, c->face[c->m], flown + s->n);
+    add(s, c->face[c->m], time, flown, touch, true);
     _arb_vec_clear(flown, 2 * s->n);
 }
 
-void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, int touch, const ric_enclosure *e)
+static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, int touch, const ric_enclosure *e)
 {
     const bool general = ric_chain_general(c);
     arb_t time;
@@ -125,7 +131,7 @@ void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, int touch, c
     }
     arb_mul_ui(s->period, time, (ulong)ric_chain_copies(c), e->prec);
     if (!general) {
-        add_end(s, c, u + (slong)(c->m - 1) * c->size, time, touch == c->m);
+        add_end(s, c, u + (slong)(c->m - 1) * c->size, before, time, touch == c->m);
         add_back(s, 0, time, c->end == RIC_CHAIN_CENTRE);
     }
     s->symmetric = ric_chain_symmetric(c);
@@ -133,100 +139,14 @@ void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, int touch, c
     arb_clear(time);
 }
 
-/* One half of a pair run backwards from its end, at time `later`, to before its block 0. */
-static void add_reversed(ric_story *s, const ric_chain *c, arb_srcptr y, const arb_t later, bool centre)
+void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, int touch, const ric_enclosure *e)
 {
-    arb_t time, back;
-    arb_init(time);
-    arb_init(back);
-    for (int k = c->m - 1; k > 0; k--) {
-        arb_srcptr block = y + (slong)k * c->size;
-        arb_add(time, time, block + 2 * s->n, s->e->prec);
-        arb_add(back, time, later, s->e->prec);
-        ric_moment *m = add(s, c->face[k], back, block, false, false);
-        turn(s, m);
-        if (centre) negate(s, m);
-    }
-    arb_clear(time);
-    arb_clear(back);
+    tell(s, c, u, NULL, touch, e);
 }
 
-static void add_forward(ric_story *s, const ric_chain *c, arb_srcptr x, const arb_t later, bool first)
+void ric_story_tell_parts(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, const ric_enclosure *e)
 {
-    arb_t time;
-    arb_init(time);
-    arb_set(time, later);
-    for (int k = 0; k < c->m; k++) {
-        arb_srcptr block = x + (slong)k * c->size;
-        if (k > 0 || first) add(s, c->face[k], time, block, false, false);
-        arb_add(time, time, block + 2 * s->n, s->e->prec);
-    }
-    arb_clear(time);
-}
-
-static void add_up(const ric_story *s, const ric_chain *c, arb_srcptr u, arb_t out)
-{
-    arb_zero(out);
-    for (int k = 0; k < c->m; k++) arb_add(out, out, u + (slong)k * c->size + 2 * s->n, s->e->prec);
-}
-
-/* The first mirror is broken: back along y from the last one, which stays, and on along x to it. */
-static void tell_first(ric_story *s, const ric_chain *c, arb_srcptr x, arb_srcptr y, arb_srcptr times)
-{
-    const slong last = (slong)(c->m - 1) * c->size;
-    const bool image = c->start == RIC_CHAIN_CENTRE;
-    arb_t end;
-    arb_init(end);
-    add_end(s, c, y + last, end, false);
-    turn(s, &s->at[0]);
-    if (image) negate(s, &s->at[0]);
-    add_reversed(s, c, y, end, image);
-    add_forward(s, c, x, times + 1, c->face[0] >= 0);
-    arb_add(end, times, times + 1, s->e->prec);
-    add_end(s, c, x + last, end, false);
-    add_back(s, 0, end, c->end == RIC_CHAIN_CENTRE);
-    arb_mul_2exp_si(s->period, end, 1);
-    arb_clear(end);
-}
-
-/* The last mirror is broken, or both: along x, and back along y. */
-static void tell_last(ric_story *s, const ric_chain *c, const bool *broken, arb_srcptr x, arb_srcptr y,
-                      arb_srcptr times)
-{
-    const bool image = c->end == RIC_CHAIN_CENTRE;
-    arb_t end;
-    arb_init(end);
-    add_forward(s, c, x, end, !broken[0] || c->face[0] >= 0);
-    if (c->face[c->m] >= 0) add_end(s, c, x + (slong)(c->m - 1) * c->size, times, false);
-    s->at[s->count - 1].mirror = false;
-    if (!broken[0]) s->at[0].mirror = true;
-    add_reversed(s, c, y, times, image);
-    arb_add(end, times, times + 1, s->e->prec);
-    arb_set(s->period, end);
-    if (!broken[0]) {
-        ric_moment *m = add(s, c->face[0], end, y, false, true);
-        turn(s, m);
-        if (image) negate(s, m);
-        add_back(s, 0, end, c->start == RIC_CHAIN_CENTRE);
-        arb_mul_2exp_si(s->period, end, 1);
-    } else if (image != (c->start == RIC_CHAIN_CENTRE)) {
-        s->symmetric = true;
-        arb_mul_2exp_si(s->period, end, 1);
-        add_image(s);
-    }
-    arb_clear(end);
-}
-
-void ric_story_tell_pair(ric_story *s, const ric_chain *c, const bool *broken, arb_srcptr x, arb_srcptr y,
-                         const ric_enclosure *e)
-{
-    arb_ptr times = _arb_vec_init(2);
-    open_story(s, c, e);
-    add_up(s, c, x, times);
-    add_up(s, c, y, times + 1);
-    if (broken[1]) tell_last(s, c, broken, x, y, times);
-    else tell_first(s, c, x, y, times);
-    _arb_vec_clear(times, 2);
+    tell(s, c, u, before, -1, e);
 }
 
 /* As the motion runs backwards, from its last moment on. */
@@ -383,48 +303,77 @@ static bool is_flight(const ric_story *s, int from, int to)
 }
 
 /* From moment `first` on: how far it is from the centre of the chain, not finite where it is none of that class. */
-static double cut_from(const ric_story *s, int first, const ric_chain *like, double place, arb_ptr u)
+static double cut_from(const ric_story *s, int first, const ric_chain *like, double place, int *moment)
 {
     const bool general = ric_chain_general(like);
-    const slong size = like->size;
     double time = 0, worst = differs(s, first, like->u);
     if (!has_face(&s->at[first], like->face[0]) || !(general ? like->sign > 0 || s->symmetric : s->at[first].mirror))
         return HUGE_VAL;
-    for (int k = 0, here = first; k < like->m && worst < place; k++) {
-        arb_ptr block = u + k * size, tau = block + 2 * s->n;
+    moment[0] = first;
+    for (int k = 0; k < like->m && worst < place; k++) {
         double off = place;
-        time += middle(like->u + k * size + 2 * s->n);
-        const int next = find_moment(s, first, time, like->face[k + 1], &off);
-        if (next < 0 || !is_flight(s, here, next)) return HUGE_VAL;
+        time += middle(ric_chain_block(like, k) + 2 * s->n);
+        const int next = moment[k + 1] = find_moment(s, first, time, like->face[k + 1], &off);
+        if (next < 0 || !is_flight(s, moment[k], next)) return HUGE_VAL;
         if (k + 1 == like->m && !general && !s->at[next].mirror) return HUGE_VAL;
-        _arb_vec_set(block, s->at[here].w, 2 * s->n);
-        arb_sub(tau, s->at[next].time, s->at[here].time, s->e->prec);
-        if (middle(tau) <= 0) _arb_vec_add(tau, tau, s->period, 1, s->e->prec);
+        if (k + 1 == like->m && general && (next - first + s->count) % s->count != (like->sign > 0 ? 0 : s->count / 2))
+            return HUGE_VAL;
         worst = fmax(worst, off);
-        if (k + 1 < like->m) worst = fmax(worst, differs(s, next, like->u + (k + 1) * size));
-        here = next;
+        if (k + 1 < like->m) worst = fmax(worst, differs(s, next, ric_chain_block(like, k + 1)));
     }
     return worst;
 }
 
-bool ric_story_cut(ric_story *s, const ric_chain *like, double place, arb_ptr u)
+bool ric_story_find(ric_story *s, const ric_chain *like, double place, ric_story_way *out)
 {
-    const int images = count_images(s->e);
-    const slong count = (slong)like->m * like->size + 1;
+    const int images = count_images(s->e), count = like->m + 1;
+    int *moment = flint_calloc((size_t)count, sizeof *moment);
     double least = place;
-    arb_ptr v = _arb_vec_init(count);
+    out->moment = flint_calloc((size_t)count, sizeof *moment);
     for (int back = 0; back < 2; back++) {
         for (int image = 0; image < images; image++) {
             for (int i = 0; i < s->count; i++) {
-                const double off = cut_from(s, i, like, least, v);
+                const double off = cut_from(s, i, like, least, moment);
                 if (!(off < least)) continue;
                 least = off;
-                _arb_vec_set(u, v, count);
+                out->back = back;
+                out->image = image;
+                memcpy(out->moment, moment, (size_t)count * sizeof *moment);
             }
             if (images == 2) take_image(s);
         }
         reverse(s);
     }
-    _arb_vec_clear(v, count);
+    flint_free(moment);
     return least < place;
+}
+
+void ric_story_follow(ric_story *s, const ric_chain *like, const ric_story_way *way, arb_ptr u)
+{
+    if (way->back) reverse(s);
+    if (way->image) take_image(s);
+    for (int k = 0; k < like->m; k++) {
+        const int here = way->moment[k], next = way->moment[k + 1];
+        arb_ptr block = u + (slong)k * like->size, tau = block + 2 * s->n;
+        _arb_vec_set(block, s->at[here].w, 2 * s->n);
+        arb_sub(tau, s->at[next].time, s->at[here].time, s->e->prec);
+        if (next <= here) arb_add(tau, tau, s->period, s->e->prec);
+    }
+    if (way->image) take_image(s);
+    if (way->back) reverse(s);
+}
+
+void ric_story_way_free(ric_story_way *way)
+{
+    flint_free(way->moment);
+    way->moment = NULL;
+}
+
+bool ric_story_cut(ric_story *s, const ric_chain *like, double place, arb_ptr u)
+{
+    ric_story_way way;
+    const bool found = ric_story_find(s, like, place, &way);
+    if (found) ric_story_follow(s, like, &way, u);
+    ric_story_way_free(&way);
+    return found;
 }

@@ -23,10 +23,9 @@ typedef struct {
 /* u [m * size]: balls, in place of the centre of the chain; what is told holds the motion in them. touch: the block
  * that begins with an impact of exactly no speed, m for the end; -1: none. */
 void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, int touch, const ric_enclosure *e);
-/* Of an orbit that lacks mirrors (leaving.h): x and y [m * size] along the chain, each the other turned round at a
- * mirror point that is broken. */
-void ric_story_tell_pair(ric_story *s, const ric_chain *c, const bool *broken, arb_srcptr x, arb_srcptr y,
-                         const ric_enclosure *e);
+/* The same of any numbers, with the state `before` the mirror point that the chain ends with, [2n]: moments and times
+ * are linear in all of them. */
+void ric_story_tell_parts(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, const ric_enclosure *e);
 void ric_story_free(ric_story *s);
 
 /* The largest difference from a stored orbit, over 1 + the size of its state: states behind impacts and flight times,
@@ -39,5 +38,16 @@ double ric_story_distance(ric_story *s, int letters, const int *word, const doub
  * exactly no speed that its word lacks are passed over, and no others. What is exact of its class, mirror points and x
  * -> -x, has to be so of what was told. false if it has no such place. */
 bool ric_story_cut(ric_story *s, const ric_chain *like, double place, arb_ptr u);
+
+/* The moments at which it is cut, in the story run backwards and as its image where that is so. */
+typedef struct {
+    bool back, image;
+    int *moment; /* [m + 1] */
+} ric_story_way;
+
+/* The first half of that; to be freed in any case. And the second one, of any story of the same chain. */
+bool ric_story_find(ric_story *s, const ric_chain *like, double place, ric_story_way *out);
+void ric_story_follow(ric_story *s, const ric_chain *like, const ric_story_way *way, arb_ptr u);
+void ric_story_way_free(ric_story_way *way);
 
 #endif

@@ -23,26 +23,6 @@ static slong count_unknowns(const ric_chain *c)
 
 /* ---------------------------------------------------------------- equations */
 
-static void put_block(arb_mat_t to, slong row, slong column, const arb_mat_t block)
-{
-    for (slong i = 0; i < arb_mat_nrows(block); i++)
-        for (slong j = 0; j < arb_mat_ncols(block); j++)
-            arb_set(arb_mat_entry(to, row + i, column + j), arb_mat_entry(block, i, j));
-}
-
-/* All but the plane: J [n - 1 rows], F [n - 1]; either may be NULL. */
-static void gather(const ric_equations *q, const ric_chain *c, arb_mat_struct *J, arb_ptr F)
-{
-    slong row = 0;
-    if (J) arb_mat_zero(J);
-    for (int i = 0; i < q->n - 1; row += q->group[i++].rows) {
-        const ric_equation_group *g = &q->group[i];
-        if (J) put_block(J, row, (slong)g->first * c->size, g->J);
-        if (J && g->second >= 0) put_block(J, row, (slong)g->second * c->size, g->K);
-        for (slong l = 0; l < g->rows && F; l++) arb_set(F + row + l, arb_mat_entry(g->F, l, 0));
-    }
-}
-
 /* With the plane as the last row. */
 static void evaluate(const ric_tube *t, const ric_chain *c, const ric_enclosure *e, arb_mat_struct *J, arb_ptr F)
 {
@@ -50,7 +30,7 @@ static void evaluate(const ric_tube *t, const ric_chain *c, const ric_enclosure 
     ric_equation_create(&q, c);
     ric_equation_evaluate(&q, c, e);
     ric_equation_loosen(&q, c, e, NULL);
-    gather(&q, c, J, F);
+    ric_equation_gather(&q, c, J, F);
     ric_equation_free(&q);
     if (J) _arb_vec_set(arb_mat_entry(J, t->k.n - 1, 0), t->row, t->k.n);
 }
@@ -79,20 +59,24 @@ static void place(const ric_tube *t, const arb_t s, arb_ptr out)
     }
 }
 
+void ric_tube_part(const ric_tube *t, double from, double to, arb_ptr out)
+{
+    arb_t s, end;
+    arb_init(s);
+    arb_init(end);
+    arb_set_d(s, from);
+    arb_set_d(end, to);
+    arb_union(s, s, end, t->k.prec);
+    place(t, s, out);
+    for (slong i = 0; i < t->k.n; i++) arb_add_error_mag(out + i, t->k.b + i);
+    arb_clear(s);
+    arb_clear(end);
+}
+
 /* All s, and the box around. */
 static void place_hull(ric_tube *t)
 {
-    arb_t s;
-    mag_t half;
-    arb_init(s);
-    mag_init(half);
-    arb_set_d(s, 0.5);
-    mag_set_d(half, 0.5 + RIC_TUBE_MORE);
-    arb_add_error_mag(s, half);
-    place(t, s, t->hull.u);
-    for (slong i = 0; i < t->k.n; i++) arb_add_error_mag(t->hull.u + i, t->k.b + i);
-    arb_clear(s);
-    mag_clear(half);
+    ric_tube_part(t, -RIC_TUBE_MORE, 1 + RIC_TUBE_MORE, t->hull.u);
 }
 
 /* ---------------------------------------------------------------- conditions */
@@ -110,7 +94,7 @@ static void bound_residual(ric_tube *t, const ric_enclosure *e)
     ric_equation_create(&q, &t->hull);
     ric_equation_second(&q, &t->hull, e, t->chord);
     ric_equation_loosen(&q, &t->hull, e, t->chord);
-    gather(&q, &t->hull, J, NULL);
+    ric_equation_gather(&q, &t->hull, J, NULL);
     ric_equation_free(&q);
     for (slong i = 0; i < n; i++) arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->chord, 1, n, e->prec);
     ric_contraction_apply(&t->k, F, x);

@@ -25,6 +25,8 @@ void ric_tube_free(ric_tube *t);
 /* Whether the orbit within `exists` of a centre of the class, at s = 0 or s = 1, is one of the arc. */
 bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exists);
 
+/* Balls that hold the orbits of a part of the arc, out [m * size + 1]; of a tube that was created. */
+void ric_tube_part(const ric_tube *t, double from, double to, arb_ptr out);
 /* The derivative of the arc by s, out [m * size + 1]; of a tube that was created. */
 void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out);
 

@@ -22,5 +22,7 @@ ric_status ric_walk_class(ric_walk *w);
 ric_status ric_walk_point(ric_walk *w, int i, ric_point *stored);
 /* Its orbit in the class of the branch; the chain is to be freed in any case. */
 ric_status ric_walk_chain(ric_walk *w, int i, ric_chain *out, bool *made);
+/* At an arclength, on the chord of two stored points; the same. */
+ric_status ric_walk_between(ric_walk *w, double at, ric_chain *out, bool *made);
 
 #endif
