@@ -49,13 +49,19 @@ if ! command -v python3 >/dev/null; then
     exit 77
 fi
 
-# beam-lumped and its many modes take half the time of all; the short form goes to half its depth.
+# Four examples take nearly all of the time, so the short form explores a part of them: the arm to a few times the energy of
+# its first touch, the others not so deep.
 study() # EXAMPLE
 {
-    local study=examples/$1/study.yaml
-    if [ "$1" = beam-lumped ] && ! long_form; then
-        study=$folder/short/study.yaml
-        mkdir "$folder/short" && cp examples/beam-lumped/* "$folder/short/" && sed 's/depth: 6/depth: 3/' examples/beam-lumped/study.yaml >"$study"
+    local study=examples/$1/study.yaml part=
+    case $1 in
+    arm) part='s/times: .*/times: [0, 1.4]}/' ;;
+    beam-lumped) part='s/depth: 6/depth: 2/' ;;
+    peeters | power-7) part='s/depth: 2/depth: 1/' ;;
+    esac
+    if [ -n "$part" ] && ! long_form; then
+        mkdir -p "$folder/short/$1" && cp "examples/$1/"* "$folder/short/$1/" && sed "$part" "$study" >"$folder/short/$1/study.yaml"
+        cmp -s "$study" "$folder/short/$1/study.yaml" || study=$folder/short/$1/study.yaml
     fi
     echo "$study"
 }
@@ -168,10 +174,13 @@ sys.exit(not (len(found) == len(wanted) and touch[2] == "3" and touch[5] == "[1,
         "$(cut -d'|' -f5 "$folder/path")"
 }
 ok 'peeters: the tongue leads to the 3-duplicate of the other mode and back to the backbone' tongue
-arm() { rows arm branches label frequency_max tongues | awk -F'|' '$1 == "S2(1)[01]" && $2 > 638 && /steps over 6[0-9][0-9] tongues/ { found = 1 } END { exit !found }'; }
-ok 'arm: the backbone with all modes goes to 638 rad/s, over its tongues' arm
-ok 'beam-lumped: branches' branches beam-lumped "$(some_of 25 50)"
-ok 'beam-lumped: ten of four or more impacts' with_impacts beam-lumped 4 10
+arm() { # FREQUENCY TONGUES
+    rows arm branches label frequency_max tongues | grep -F 'S2(1)[01]' | tee "$folder/backbone"
+    awk -F'|' -v least="$1" '{ exit !($2 > least) }' "$folder/backbone" && grep -qE "steps over $2 tongues" "$folder/backbone"
+}
+ok "arm: the backbone with all modes goes to $(some_of 476 638) rad/s, over its tongues" arm $(some_of '476 8[0-9]' '638 6[0-9][0-9]')
+ok 'beam-lumped: branches' branches beam-lumped "$(some_of 12 50)"
+ok 'beam-lumped: some of four or more impacts' with_impacts beam-lumped 4 "$(some_of 5 10)"
 made() { # the matrices are those that the script makes
     mkdir "$folder/beam" && tools/beam.py "$folder/beam" 10 4 0.5 4.05 && cmp "$folder/beam/M.mtx" examples/beam-lumped/M.mtx \
         && cmp "$folder/beam/K.mtx" examples/beam-lumped/K.mtx

@@ -99,7 +99,7 @@ def _run(out, o, study, path, atlas, folder):
     out["findings"] += verdict.findings
     out["counts"], out["open"] = dict(verdict.counts), verdict.open
     if o["brute"] and brute.suits(study["model"]) is not None:
-        result = brute.Exclusion(o["program"], study, path, atlas, out["seed"]).run()
+        result = brute.Exclusion(o["program"], study, path, atlas, out["seed"]).run(brute.PARTS[:o["brute"]])
         out["findings"] += result.findings
         out["counts"].update(result.counts)
     if o["verify"]:
@@ -127,7 +127,7 @@ def parse():
     p.add_argument("--unconfirmed", type=float, metavar="SHARE",
                    help="how many flags or multipliers of a kind in 1,000 may be left not confirmed")
     p.add_argument("--small", action="store_true", help="smaller budgets")
-    p.add_argument("--brute", action="store_true", help="orbits of two energies that the atlas lacks, by brute force")
+    p.add_argument("--brute", type=int, nargs="?", const=2, metavar="N", help="orbits of two energies, or of N, that the atlas lacks, by brute force")
     p.add_argument("--verify", action="store_true", help="`ricochet verify` has to pass, too")
     p.add_argument("--compare", default="", metavar="LIST", help="of step, order, workers: the same atlas is asked for")
     p.add_argument("--folder", help="keeps the studies of findings")

@@ -1,4 +1,8 @@
-"""Whether the judge sees: faults are planted in copies of atlases, and each has to be found under its own name."""
+"""Whether the judge sees: faults are planted in copies of atlases, and each has to be found under its own name.
+
+    ATTACK_PART=planted tools/attack/attack PROGRAM [MOST]
+
+With MOST that many branches are taken away, each looked for at one energy, and every other fault is planted in one structure."""
 import json
 import os
 import sqlite3
@@ -111,11 +115,12 @@ def _twice(atlas, rng):
 
 def _without(program, study, path, original, folder, seed, most):
     """(branches that the judge misses, of how many) where each branch that holds an orbit of a looked at energy is taken away,
-    or where the first `most` are."""
+    or where the first `most` are, which are looked for at one of these energies."""
     copy, missed, tried = os.path.join(folder, "copy.ricochet"), [], 0
     for branch in Atlas(original).branches:
-        low, high = branch["energy_min"], branch["energy_max"]
-        if tried == most or not branch["word"] or not any(low < part * study["explore"]["energy"][1] < high for part in brute.PARTS):
+        low, high = (branch[end] / study["explore"]["energy"][1] for end in ("energy_min", "energy_max"))
+        parts = [part for part in brute.PARTS if low < part < high]
+        if tried == most or not branch["word"] or not parts:
             continue
         with open(original, "rb") as there, open(copy, "wb") as here:
             here.write(there.read())
@@ -125,7 +130,7 @@ def _without(program, study, path, original, folder, seed, most):
         db.commit()
         db.close()
         tried += 1
-        found = brute.Exclusion(program, study, path, copy, seed).run().findings
+        found = brute.Exclusion(program, study, path, copy, seed).run(brute.PARTS if most is None else parts[:1]).findings
         missed += [] if any(f["kind"] == "lost orbit" for f in found) else [branch["label"]]
     return missed, tried
 
@@ -157,12 +162,25 @@ def _findings(study, path, table, row):
     return {(f["kind"], f["where"]) for f in Judge(study["model"], atlas, budget=10**9).run().findings}
 
 
+class Turns:
+    """Which fault is planted in which of the SEEDS: all in all; in the short form each once, in the structure whose turn it is
+    or in the next one that has a row for it, and every fourth of those of points in the last one, a power law, too."""
+
+    def __init__(self, short):
+        self.short, self.planted = short, set()
+
+    def due(self, name, number, structure):
+        turn, last = number % (len(SEEDS) - 1), len(SEEDS) - 1
+        return not self.short or (turn == 0 if structure == last else turn <= structure and name not in self.planted)
+
+
 def main():
     program, rng = os.path.abspath(sys.argv[1]), np.random.default_rng(1)
     most = int(sys.argv[2]) if len(sys.argv) > 2 else None  # branches that are taken away
     done = missed = 0
+    turns = Turns(most is not None)
     with tempfile.TemporaryDirectory() as folder:
-        for seed in SEEDS:
+        for structure, seed in enumerate(SEEDS):
             _, text, study = structures.make(seed)
             path, atlas = os.path.join(folder, "study.yaml"), os.path.join(folder, f"{seed}.ricochet")
             with open(path, "w", encoding="utf-8") as file:
@@ -170,13 +188,16 @@ def main():
             subprocess.run([program, "run", path, "-o", atlas], check=True, capture_output=True)
             with open(atlas, "rb") as file:
                 original = file.read()
-            for kind in ("extremum", "grazing"):
+            for number, kind in enumerate(("extremum", "grazing")):
+                if not turns.due(kind, number, structure):
+                    continue
                 copy = os.path.join(folder, "copy.ricochet")
                 with open(copy, "wb") as file:
                     file.write(original)
                 row = _swap(copy, kind, rng)
                 if row is None:
                     continue
+                turns.planted.add(kind)
                 found = _findings(study, copy, "junction", row) - _findings(study, atlas, "junction", row)
                 seen = any(x == kind for x, _ in found)
                 done += 1
@@ -185,8 +206,9 @@ def main():
             copy = os.path.join(folder, "copy.ricochet")
             with open(copy, "wb") as file:
                 file.write(original)
-            row = _twice(copy, rng)
+            row = _twice(copy, rng) if turns.due("twice", 2, structure) else None
             if row is not None:
+                turns.planted.add("twice")
                 seen = any(kind == "repeats" for kind, _ in _findings(study, copy, "branch", row))
                 done += 1
                 missed += not seen
@@ -194,13 +216,16 @@ def main():
             for table, faults in (("point", FAULTS), ("branch", BRANCH_FAULTS), ("junction", JUNCTION_FAULTS)):
                 if study["model"]["contacts"][0]["law"] == "power" and table != "point":
                     continue
-                for column, fault in faults.items():
+                for number, (column, fault) in enumerate(faults.items()):
+                    if not turns.due(f"{table}.{column}", number, structure):
+                        continue
                     copy = os.path.join(folder, "copy.ricochet")
                     with open(copy, "wb") as file:
                         file.write(original)
                     row = _plant(copy, table, column, fault, rng)
                     if row is None:
                         continue
+                    turns.planted.add(f"{table}.{column}")
                     found = _findings(study, copy, table, row) - _findings(study, atlas, table, row)
                     seen = any(kind in fault[1] for kind, _ in found)
                     done += 1
