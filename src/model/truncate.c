@@ -34,7 +34,7 @@ double ric_truncate_rest(const ric_model *m, int n_mode, int f, int g)
     return sum;
 }
 
-static ric_status check(const ric_model *m, int n_mode)
+ric_status ric_truncate_check(const ric_model *m, int n_mode)
 {
     const int n = m->n_dof;
     if (n_mode < 1 || n_mode > n) return ric_fail(RIC_E_INPUT, "%d modes; the structure has modes 1 to %d", n_mode, n);
@@ -71,7 +71,7 @@ ric_status ric_model_truncate(const ric_model *m, int n_mode, ric_model **out)
 {
     const size_t n = (size_t)m->n_dof, n_contact = (size_t)m->n_contact;
     *out = NULL;
-    ric_status status = check(m, n_mode);
+    ric_status status = ric_truncate_check(m, n_mode);
     if (status) return status;
     ric_contact *contacts = ric_calloc(n_contact, sizeof *contacts);
     double *normals = ric_calloc(n_contact * n, sizeof *normals);

@@ -465,7 +465,9 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         return status;
     if (!slots[S_MODEL].key)
         return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
-    if ((status = ric_study_model_read(r, &slots[S_MODEL], raw, &study->model))) return status;
+    const bool open = ric_option_is_auto(study->options.energy) && ric_option_is_auto(study->options.frequency) &&
+                      !slots[S_VARY].key;
+    if ((status = ric_study_model_read(r, &slots[S_MODEL], &study->options, open, raw, &study->model))) return status;
     ric_model_name_units(study->model, &units);
     if ((status = ric_study_drawing_read(r, &slots[S_DRAWING], raw->n, &study->drawing)) ||
         (status = ric_study_vary_read(r, &slots[S_VARY], raw, &study->vary)) ||

@@ -84,8 +84,10 @@ static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, 
     long repeated = 0;
     status = ric_matrix_market_read(path, n, out, &repeated);
     if (!status && repeated)
-        ric_study_remark_add(raw, "%s: %ld entries of its file stand there before, and are added to them", key,
-                             repeated);
+        ric_study_remark_add(raw,
+                             repeated == 1 ? "%s: %ld entry of its file stands there before, and is added to it"
+                                           : "%s: %ld entries of its file stand there before, and are added to them",
+                             key, repeated);
     if (status == RIC_E_INPUT || status == RIC_E_MISSING) {
         snprintf(why, sizeof why, "%s", ric_detail());
         status = ric_yaml_wrong(r, file.value, key, "%s", why);
@@ -401,7 +403,8 @@ static ric_status create_model(const ric_yaml *r, const ric_yaml_node *key, cons
     return ric_yaml_wrong(r, key, "model", "%s", why);
 }
 
-ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **out)
+ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, const ric_explore_options *options,
+                                bool open, ric_raw_model *raw, ric_model **out)
 {
     ric_yaml_slot slots[M_COUNT];
     int n = 0;
@@ -426,7 +429,7 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ri
         return ric_yaml_wrong(r, restitution, "model.restitution", "%.10g is out of range; give a number in [0, 1]",
                               raw->restitution);
     status = create_model(r, from->key, slots, raw, out);
-    return status ? status : ric_study_modes_read(r, &slots[M_MODES], raw, out);
+    return status ? status : ric_study_modes_read(r, &slots[M_MODES], options, open, raw, out);
 }
 
 /* ----------------------------------------------------------------- writing */

@@ -6,6 +6,7 @@
 #include "base/room.h"
 #include "model/room.h"
 #include "study_parts.h"
+#include "windows.h"
 
 enum { SAID = 4 };   /* contacts of which is said what the modes that are left out mean to them */
 #define COUPLED 0.01 /* of the own compliance: of what is left out, what joins two springs and is said */
@@ -31,7 +32,8 @@ static ric_status take_count(const ric_yaml *r, const ric_yaml_node *value, cons
 {
     double number = 0;
     if (!ric_yaml_is_scalar(value))
-        return ric_yaml_wrong(r, value, "model.modes", "expected a number, found %s; write 10, or {up_to: 5000}",
+        return ric_yaml_wrong(r, value, "model.modes",
+                              "expected a number, found %s; write 10, {up_to: 5000}, all or auto",
                               ric_yaml_kind(value));
     ric_status status = ric_yaml_real(r, value, "model.modes", &number);
     if (status) return status;
@@ -45,6 +47,19 @@ static ric_status take_count(const ric_yaml *r, const ric_yaml_node *value, cons
     return RIC_OK;
 }
 
+static const char *word_of(const ric_yaml_slot *from)
+{
+    return from->key && ric_yaml_is_scalar(from->value) ? ric_yaml_text(from->value) : "";
+}
+
+/* How many modes are chosen if the study does not say it; 0: all. */
+static ric_status choose(const ric_model *full, const ric_explore_options *options, int *n)
+{
+    ric_status status = ric_windows_modes(full, options, n);
+    if (*n == ric_model_n_dof(full)) *n = 0;
+    return status;
+}
+
 /* The largest part of what is left out that joins a spring to another one, of its own. */
 static double coupling(const ric_model *full, int n, int f)
 {
@@ -54,12 +69,17 @@ static double coupling(const ric_model *full, int n, int f)
     return most;
 }
 
-static ric_status say(const ric_model *full, int n, ric_raw_model *raw)
+static ric_status say(const ric_model *full, int n, bool chosen, ric_raw_model *raw)
 {
     const int all = ric_model_n_dof(full);
     double compliance[all], frequency[all];
     ric_status status = ric_model_frequencies(full, frequency);
     ric_study_remark_add(raw, "%d of %d modes are kept, up to %.6g rad/s", n, all, frequency[n - 1]);
+    if (chosen)
+        ric_study_remark_add(raw,
+                             "that is chosen for a first look, as the study says neither how many nor where to look; "
+                             "under `model`, `modes: all` keeps all, and `modes: %d` these with a window, too",
+                             n);
     for (int f = 0; f < ric_model_n_contact(full) && f < SAID && !status; f++) {
         ric_contact about;
         if ((status = ric_model_compliance(full, f, compliance)) || (status = ric_model_contact(full, f, &about)))
@@ -83,16 +103,20 @@ static ric_status say(const ric_model *full, int n, ric_raw_model *raw)
     return status;
 }
 
-ric_status ric_study_modes_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **model)
+ric_status ric_study_modes_read(const ric_yaml *r, const ric_yaml_slot *from, const ric_explore_options *options,
+                                bool open, ric_raw_model *raw, ric_model **model)
 {
     ric_model *full = *model;
     int n = 0;
-    if (!from->key) return RIC_OK;
-    ric_status status = from->value->type == YAML_MAPPING_NODE ? take_limit(r, from->value, full, &n)
-                                                               : take_count(r, from->value, full, &n);
-    if (status) return status;
+    const bool chosen = from->key ? !strcmp(word_of(from), "auto") : open, all = !strcmp(word_of(from), "all");
+    ric_status status = RIC_OK;
+    if (chosen) status = choose(full, options, &n);
+    else if (from->key && !all)
+        status = from->value->type == YAML_MAPPING_NODE ? take_limit(r, from->value, full, &n)
+                                                        : take_count(r, from->value, full, &n);
+    if (status || n == 0) return status;
     raw->n_mode = n;
-    if ((status = say(full, n, raw))) return status;
+    if ((status = say(full, n, chosen, raw))) return status;
     if (n == ric_model_n_dof(full)) return RIC_OK;
     *model = NULL;
     status = ric_model_truncate(full, n, model);
@@ -100,5 +124,5 @@ ric_status ric_study_modes_read(const ric_yaml *r, const ric_yaml_slot *from, ri
     if (status != RIC_E_INPUT) return status;
     char why[300];
     snprintf(why, sizeof why, "%s", ric_detail());
-    return ric_yaml_wrong(r, from->value, "model.modes", "%s", why);
+    return ric_yaml_wrong(r, from->key ? from->value : ric_yaml_root(r), "model.modes", "%s", why);
 }

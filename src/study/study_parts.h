@@ -84,8 +84,10 @@ typedef struct {
     char remark[1600];       /* what was made of the matrices that the study does not say literally; "" */
 } ric_raw_model;
 
-/* Fills `raw`, to be freed also on failure, and makes the model of it. */
-ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **out);
+/* Fills `raw`, to be freed also on failure, and makes the model of it. `open`: whether the study leaves
+ * open where to look, and with that how many modes to keep if it does not say it. */
+ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, const ric_explore_options *options,
+                                bool open, ric_raw_model *raw, ric_model **out);
 void ric_study_model_free(ric_raw_model *raw);
 void ric_study_model_write(const ric_raw_model *raw, FILE *out);
 /* A symmetric matrix, as rows or from a file; *n: its size, 0 on entry for any. *out is allocated. */
@@ -98,8 +100,9 @@ void ric_study_remark_add(ric_raw_model *raw, const char *format, ...) __attribu
 
 /* ------------------------------------------------------------- study_modes.c */
 
-/* Puts a model with the modes that are to be kept in the place of *model. */
-ric_status ric_study_modes_read(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_model **model);
+/* Puts a model with the modes that are to be kept in the place of *model; `open` as for ric_study_model_read. */
+ric_status ric_study_modes_read(const ric_yaml *r, const ric_yaml_slot *from, const ric_explore_options *options,
+                                bool open, ric_raw_model *raw, ric_model **model);
 
 /* ----------------------------------------------------------- study_drawing.c */
 

@@ -18,6 +18,9 @@
 #define PHASE 1e7    /* a mode turns less within the longest period: the limit of a run */
 #define FREE_LOW 0.1 /* gaps that a body without any spring crosses in a second, for want of another time */
 #define FREE_HIGH 10.0
+enum { FEW = 12 }; /* seen modes that are kept anyway; more are left out where nothing is said about them */
+#define FAR_ABOVE                                                                                                      \
+    20.0 /* so many times the highest mode that is met a mode has hardly more than its static compliance */
 #define FREE_PART 1e-4 /* of the top of an energy window that is given, where frequencies begin if that begins at 0 */
 
 /* ----------------------------------------------------------------- rounding */
@@ -154,4 +157,27 @@ ric_status ric_windows_choose(const ric_model *m, ric_explore_options *o)
     if (energy) choose_energy(m, &r, o->energy);
     ric_status status = check_option("energy", o->energy);
     return status ? status : check_option("frequency", o->frequency);
+}
+
+/* ------------------------------------------------------------- fewer modes */
+
+ric_status ric_windows_modes(const ric_model *m, const ric_explore_options *options, int *out)
+{
+    ric_explore_options open = *options, *o = &open;
+    int seen = 0, n = 0, least = 1;
+    *out = m->n_dof;
+    open.energy[0] = open.energy[1] = 0;
+    for (int i = 0; i < m->n_dof; i++) seen += m->seen[i];
+    if (seen <= FEW) return RIC_OK;
+    const range r = find_range(m, o);
+    if (!isfinite(r.first)) return RIC_OK;
+    for (int i = 0; i < o->n_start; i++) least = o->start[i] > least ? o->start[i] : least;
+    for (seen = 0; n < m->n_dof; n++) {
+        const bool far = m->frequency[n] > FAR_ABOVE * r.fast, many = seen + m->seen[n] > FEW;
+        if (n >= least && (far || many)) break;
+        seen += m->seen[n];
+    }
+    while (n < m->n_dof && ric_truncate_check(m, n)) n++; /* modes of one frequency stay together */
+    *out = n;
+    return RIC_OK;
 }

@@ -9,4 +9,9 @@
  * beyond what an option may be: the detail says which. */
 ric_status ric_windows_choose(const ric_model *model, ric_explore_options *options);
 
+/* How many of the lowest modes are worth keeping in the windows that would be chosen: all of a small structure, of
+ * others those that begin there and those that have more than static compliance, as far as a first look can afford
+ * them. */
+ric_status ric_windows_modes(const ric_model *model, const ric_explore_options *options, int *n);
+
 #endif

@@ -146,13 +146,25 @@ ok 'energies in first touches' says 'scaled energy 0 to 2369.8, ' check "$folder
 python3 - >"$folder/long.yaml" <<'P'
 n = 120
 row = lambda f: "[" + ", ".join(map(str, f)) + "]"
-print("model:\n  mass:", row(row(int(i == j) for j in range(n)) for i in range(n)))
+print("model:\n  modes: all\n  mass:", row(row(int(i == j) for j in range(n)) for i in range(n)))
 print("  stiffness:", row(row(2 * (i == j) - (abs(i - j) == 1) for j in range(n)) for i in range(n)))
 print("  contacts:\n    - {normal:", row(int(i == n // 2) for i in range(n)) + ", clearance: 1}")
 P
 ok 'check says that a run will take long' says 'warning: a branch of 120 modes takes about 3e+01 s, and an atlas .* 12 min to 2 h' check "$folder/long.yaml"
 { cat "$folder/long.yaml"; echo 'explore: {start: [1]}'; } >"$folder/lowest.yaml"
 ok 'and which modes are worth it' says 'modes: `model: {modes: [1-9][0-9]}` keeps those up to 20 times the highest that begins' check "$folder/lowest.yaml"
+sed '/modes: all/d' "$folder/long.yaml" >"$folder/chosen.yaml"
+ok 'a study that names neither modes nor a window is looked at with those that matter' says '12 of 120 modes are kept' check "$folder/chosen.yaml"
+ok 'and how to have all' says '`modes: all` keeps all' check "$folder/chosen.yaml"
+kept() { # a window, or the study in an atlas, says nothing else
+    { cat "$folder/chosen.yaml"; echo 'explore: {energy: [0, 50]}'; } >"$folder/window.yaml"
+    { cat "$folder/window.yaml" | sed 's/^model:/&\n  modes: auto/'; } >"$folder/auto.yaml"
+    ! "$ricochet" check "$folder/window.yaml" | grep 'modes are kept' && says '12 of 120 modes are kept' check "$folder/auto.yaml" &&
+        "$ricochet" run "$folder/chosen.yaml" -o "$folder/chosen.ricochet" --seconds 0.5 >"$folder/said" 2>&1
+    [ $? = 3 ] && "$ricochet" run "$folder/chosen.yaml" -o "$folder/chosen.ricochet" --seconds 0.5 >"$folder/said" 2>&1
+    [ $? = 3 ] && ! grep 'another model' "$folder/said"
+}
+ok 'where a window is given all are kept' kept
 begun() { # run says it, too
     "$ricochet" run "$folder/long.yaml" --seconds 0.1 >"$folder/said" 2>&1
     [ $? = 3 ] && grep 'a branch of 120 modes takes about' "$folder/said"

@@ -156,10 +156,11 @@ static void what_other_programs_write(void **state)
     same_as_inline(M, K, "");
     same_as_inline(M, COORDINATE "2 2 5\n1 1 8\n2 1 -0.5\n1 1 1\n2 2 1\n2 1 -0.5\n",
                    "model.stiffness: 2 entries of its file stand there before, and are added");
-    same_as_inline(COORDINATE "2 2 4\n1 1 1.D3\n1 2 .5D0\n2 2 1\n1 1 1.D+03\n", K, "model.mass: 1 entries");
+    same_as_inline(COORDINATE "2 2 4\n1 1 1.D3\n1 2 .5D0\n2 2 1\n1 1 1.D+03\n", K,
+                   "model.mass: 1 entry of its file stands");
     same_as_inline("%%MatrixMarket matrix coordinate real general\n2 2 5\n1 1 2000\n1 2 0.5\n2 1 0.25\n2 2 1\n"
                    "2 1 0.25\n",
-                   K, "model.mass: 1 entries");
+                   K, "model.mass: 1 entry of its file stands");
 }
 
 static void matrix_paths_that_are_no_files(void **state)
