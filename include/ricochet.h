@@ -341,10 +341,11 @@ typedef struct {
     const int *junctions;      /* ids of the interior ones, in order */
     const double *junction_at; /* their arclengths */
     int depth;
-    int mode;     /* mode number from 1 for S0 rows and the backbone that leaves it, else 0 */
-    int family;   /* the least id of the branches that a chain of junctions joins with this one */
-    bool linked;  /* one of these leaves a linear mode, or is one; else they are an island */
-    int n_proved; /* points with a proof that is kept with the atlas (ric_proof_kept) */
+    int mode;          /* mode number from 1 for S0 rows and the backbone that leaves it, else 0 */
+    int family;        /* the least id of the branches that a chain of junctions joins with this one */
+    bool linked;       /* one of these leaves a linear mode, or is one; else they are an island */
+    int n_proved;      /* points with a proof that is kept with the atlas (ric_proof_kept) */
+    bool curve_proved; /* one arc from end to end, by a proof that is kept (ric_curve_proof_kept) */
 } ric_branch;
 /* A linear mode: no contact acts. Under a power law only modes that no contact sees. */
 bool ric_branch_linear(const ric_model *model, const ric_branch *branch);
@@ -404,6 +405,7 @@ typedef struct {
     const int *branches; /* ids of the branches that end at or pass through it, ascending */
     ric_departures departures;
     const char *refusal; /* why departures were refused, "" if none were */
+    bool proved;         /* by a proof that is kept with the atlas (ric_junction_proof_kept) */
 } ric_junction;
 /* Which duplicate of a branch passes a junction where that is drawn: q for the branch that a q-tupling lies on, 1 for
  * what leaves there. */
@@ -1021,6 +1023,9 @@ typedef struct {
     double approach;         /* no impact is slower, scaled, per second */
 } ric_curve_proof;
 ric_status ric_prover_curve(ric_prover *prover, int branch, ric_curve_proof *out);
+/* What the file keeps of it, and keeping `n` of them there, as with those of points. */
+bool ric_curve_proof_kept(const ric_atlas *atlas, int branch, ric_curve_proof *out);
+ric_status ric_curve_proof_keep(const char *path, const ric_atlas *atlas, int n, const ric_curve_proof *proofs);
 
 /* A junction as a zero of equations of its own, at which they are regular. */
 typedef struct {
@@ -1034,6 +1039,8 @@ typedef struct {
     double energy[2], period[2]; /* intervals that hold the scaled energy, and the period in seconds of the branch */
 } ric_junction_proof;
 ric_status ric_prover_junction(ric_prover *prover, int id, ric_junction_proof *out);
+bool ric_junction_proof_kept(const ric_atlas *atlas, int id, ric_junction_proof *out);
+ric_status ric_junction_proof_keep(const char *path, const ric_atlas *atlas, int n, const ric_junction_proof *proofs);
 
 /* The last point as a line of JSON, "" if it was not proved; and the structure. Borrowed until the next call. */
 const char *ric_prover_certificate(const ric_prover *prover);

@@ -258,6 +258,10 @@ static const cli_item items[] = {
     {.name = "depth", .text = "least number of departures from the start"},
     {.name = "linked",
      .text = "whether a chain of junctions leads to a linear mode; what has none is an island (--csv and --json)"},
+    {.name = "proved, curve_proved",
+     .text =
+         "how many of its points are proved, and whether it is proved to be one arc from end to end, by proofs that "
+         "`ricochet prove` has kept (--csv and --json)"},
     {.name = "relative_energy_",
      .text = "energies as multiples of the onset of the lowest mode, where contacts begin to matter to it; numbers "
              "without a unit (min and max, in --csv and --json)"},

@@ -218,6 +218,7 @@ static const cli_item items[] = {
     {.name = "branches", .text = "ids of the branches that end at it or pass through it"},
     {.name = "departures",
      .text = "what became of the candidates: taken, known, inadmissible, over_budget, refused; refusal says why"},
+    {.name = "proved", .text = "by a proof that `ricochet prove --junctions` has kept"},
     {.name = "budgets", .text = "of those over budget, how many exceed which one first"},
     {.name = "--physical",
      .text = "lengths, speeds and energies in the units of the study, not scaled by the clearance"},

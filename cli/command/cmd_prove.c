@@ -118,7 +118,7 @@ static ric_status add_points(prove_list *w, int id, long point)
 
 /* In the file of the atlas what was proved now, so that it need not be proved again: no failure of the proofs if the
  * file is one that cannot be written, or that a run has open. */
-static void keep(const prove_list *w, const char *path)
+static ric_status keep_points(const prove_list *w, const char *path)
 {
     ric_proof *proofs = calloc((size_t)w->n + 1, sizeof *proofs);
     const char **certificates = calloc((size_t)w->n + 1, sizeof *certificates);
@@ -128,10 +128,18 @@ static void keep(const prove_list *w, const char *path)
         proofs[n] = w->results[i].proof;
         certificates[n++] = w->results[i].certificate;
     }
-    if (n && ric_proof_keep(path, w->atlas, n, proofs, certificates))
-        cli_say("ricochet: the proofs are not kept: %s\n", ric_detail());
+    const ric_status status = n ? ric_proof_keep(path, w->atlas, n, proofs, certificates) : RIC_OK;
     free(proofs);
     free(certificates);
+    return status;
+}
+
+static void keep(const prove_list *w, const char *path)
+{
+    const ric_status status = w->curves      ? prove_curves_keep(w, path)
+                              : w->junctions ? prove_junctions_keep(w, path)
+                                             : keep_points(w, path);
+    if (status) cli_say("ricochet: the proofs are not kept: %s\n", ric_detail());
 }
 
 /* ------------------------------------------------------------------ answers */
@@ -187,8 +195,12 @@ static void tell_failure(const prove_list *w, const ric_proof *p)
 /* The counts of each verdict; of those that are not proved `ends` are ends of branches. */
 static void tell_counts(const prove_list *w, FILE *out, const int count[3], int ends, int undecided)
 {
+    int junctions = 0;
+    for (int i = 0; i < w->n; i++)
+        junctions += w->results[i].done && w->results[i].proof.state == RIC_PROOF_DONE && *w->results[i].proof.why;
     cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n", count[RIC_PROOF_DONE],
              count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], undecided);
+    if (junctions) cli_tell(out, "%d of them as the junctions that they are\n", junctions);
     if (ends) cli_tell(out, "%d of those that are not are ends of branches\n", ends);
     if (count[RIC_PROOF_LEFT_OUT]) cli_tell(out, "%d points left out\n", count[RIC_PROOF_LEFT_OUT]);
     for (int i = 0; i < w->n && count[RIC_PROOF_LEFT_OUT]; i++)
@@ -266,7 +278,7 @@ static void release(prove_list *w)
 static ric_status prove_all(prove_list *w, const char *path, int workers)
 {
     const ric_status status = work_all(w, workers);
-    if (!status && !w->curves && !w->junctions) keep(w, path);
+    if (!status) keep(w, path);
     if (status && *w->detail) cli_say("ricochet: %s\n", w->detail);
     return status;
 }
@@ -278,19 +290,6 @@ static ric_status list_points(prove_list *w, int branch, long point)
     return status;
 }
 
-int cli_prove_atlas(const char *path, int workers, FILE *out)
-{
-    ric_atlas *atlas = NULL;
-    prove_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
-    ric_status status = ric_atlas_read(path, &atlas);
-    w.atlas = atlas;
-    if (!status) status = list_points(&w, 0, -1);
-    int code = status ? cli_report(status) : prove_all(&w, path, workers) ? CLI_FAILED : tell_all(&w, out, false);
-    release(&w);
-    ric_atlas_free(atlas);
-    return code;
-}
-
 static ric_status list_all(prove_list *w, int branch, long point)
 {
     if (w->junctions) return prove_junctions_add(w);
@@ -299,8 +298,38 @@ static ric_status list_all(prove_list *w, int branch, long point)
 
 static int print(const prove_list *w, cli_format format, bool verbose)
 {
-    if (w->junctions) return prove_junctions_print(w, format, verbose);
-    return w->curves ? prove_curves_print(w, format, verbose) : print_all(w, format, verbose);
+    FILE *out = format == CLI_TEXT ? stdout : stderr;
+    if (w->junctions) return prove_junctions_print(w, format, verbose, out);
+    return w->curves ? prove_curves_print(w, format, verbose, out) : print_all(w, format, verbose);
+}
+
+/* One of the three, of all of an atlas. */
+static int prove_kind(const char *path, int workers, bool curves, bool junctions, FILE *out)
+{
+    ric_atlas *atlas = NULL;
+    prove_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER, .curves = curves, .junctions = junctions};
+    ric_status status = ric_atlas_read(path, &atlas);
+    w.atlas = atlas;
+    if (!status) status = list_all(&w, 0, -1);
+    int code = status ? cli_report(status) : prove_all(&w, path, workers) ? CLI_FAILED : CLI_DONE;
+    if (!code)
+        code = curves      ? prove_curves_print(&w, CLI_TEXT, false, out)
+               : junctions ? prove_junctions_print(&w, CLI_TEXT, false, out)
+                           : tell_all(&w, out, false);
+    release(&w);
+    ric_atlas_free(atlas);
+    return code;
+}
+
+int cli_prove_atlas(const char *path, int workers, FILE *out)
+{
+    int worst = CLI_DONE;
+    for (int kind = 0; kind < 3; kind++) {
+        const int code = prove_kind(path, workers, kind == 1, kind == 2, out);
+        if (code == CLI_INTERRUPTED || !ric_prover_available()) return code;
+        if (code) worst = code;
+    }
+    return worst;
 }
 
 /* What does not go together. */
@@ -353,7 +382,7 @@ static const cli_item items[] = {
          "Proves by ball arithmetic that there is exactly one orbit with the word of its branch near a stored "
          "point, that its impacts approach and no stop is passed in between, encloses its energy, period and trace, "
          "and decides its stability. The decimals of masses, stiffnesses, normals and clearances count as exact. "
-         "docs/proofs.md states the theorems. Structures with springs are left out, as are linear modes. Proofs are "
+         "docs/proofs.md states the theorems. Structures with springs are left out. Proofs are "
          "kept in the atlas, outside its digest, and what is kept is not proved again."},
     {.name = "verdict", .text = "proved, not proved (and why), or left out"},
     {.name = "bits", .text = "of the numbers that were needed: 128, 256 or 512"},

@@ -56,30 +56,22 @@ static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
 
 /* -------------------------------------------------------------------- proofs */
 
-/* How many of the orbits with impacts are theorems; nothing is said of an atlas for which that was not asked. */
+/* How much of it are theorems; nothing is said of an atlas for which that was not asked. */
 static void add_proofs(json_t *rows, const ric_atlas *atlas)
 {
-    int proved = 0, tried = 0, points = 0, left_out = 0;
-    const char *why = "";
-    ric_proof proof;
-    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
-        ric_branch branch;
-        if (ric_atlas_branch(atlas, id, &branch) || branch.letters == 0) continue;
-        points += branch.n_point;
-        for (int i = 0; i < branch.n_point; i++) {
-            if (!ric_proof_kept(atlas, id, i, &proof, NULL)) continue;
-            tried++;
-            proved += proof.state == RIC_PROOF_DONE;
-            left_out += proof.state == RIC_PROOF_LEFT_OUT;
-            if (proof.state == RIC_PROOF_LEFT_OUT) why = proof.why;
-        }
+    cli_proofs p;
+    char detail[240];
+    if (!cli_count_proofs(atlas, &p)) return;
+    const struct {
+        const char *item;
+        int proved, all;
+    } counts[] = {{"points proved", p.points_proved, p.points},
+                  {"curves proved", p.curves_proved, p.curves},
+                  {"junctions proved", p.junctions_proved, p.junctions}};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        snprintf(detail, sizeof detail, "of %d%s%s", counts[i].all, *p.why ? "; left out: " : "", p.why);
+        add_count(rows, counts[i].item, counts[i].proved, detail);
     }
-    if (!tried) return;
-    json_t *detail = left_out         ? json_sprintf("of %d with impacts; left out: %s", points, why)
-                     : tried < points ? json_sprintf("of %d with impacts; %d not tried", points, points - tried)
-                                      : json_sprintf("of %d with impacts, and %d that are not", points, tried - proved);
-    add_count(rows, "points proved", proved, detail ? json_string_value(detail) : "");
-    json_decref(detail);
 }
 
 /* ---------------------------------------------------------------------- gaps */

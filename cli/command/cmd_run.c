@@ -352,7 +352,7 @@ static const cli_item items[] = {
      .value = "S",
      .text = "stop after that time, with exit code 3 if there is more to do; the same command goes on from there. "
              "Needed where more than 200 modes take part"},
-    {.name = "--prove", .text = "when it is finished, prove its orbits as `ricochet prove` does"},
+    {.name = "--prove", .text = "when it is finished, prove its orbits, curves and junctions as `ricochet prove` does"},
     {.name = "--quiet", .text = "no report and no progress; warnings and what stops it are said"},
     {.name = "--json", .text = "the report as `ricochet report --json` gives it"},
     {0},

@@ -32,14 +32,17 @@ typedef struct {
     struct timespec start;
 } prove_list;
 
+/* Keeps in the file of the atlas what is proved now. */
+ric_status prove_curves_keep(const prove_list *w, const char *path);
+ric_status prove_junctions_keep(const prove_list *w, const char *path);
 /* Of a list that was stopped: says so, and is the exit code; CLI_DONE if it was not. */
 int prove_tell_rest(const prove_list *w, int done, const char *what);
-/* Branches that are proved as curves, into the list; and what came of them. */
+/* Branches that are proved as curves, into the list; and what came of them, the counts to `out` unless it is NULL. */
 ric_status prove_curves_add(prove_list *w, int branch);
-int prove_curves_print(const prove_list *w, cli_format format, bool verbose);
+int prove_curves_print(const prove_list *w, cli_format format, bool verbose, FILE *out);
 /* Junctions, the same. */
 ric_status prove_junctions_add(prove_list *w);
-int prove_junctions_print(const prove_list *w, cli_format format, bool verbose);
+int prove_junctions_print(const prove_list *w, cli_format format, bool verbose, FILE *out);
 /* prove --complete STUDY ..: a command of its own. */
 int prove_complete(int argc, char **argv);
 /* Without --complete: false, with a message, if one of its options is given. */

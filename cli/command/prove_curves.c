@@ -13,9 +13,25 @@ ric_status prove_curves_add(prove_list *w, int branch)
     const int first = branch ? branch : 1, last = branch ? branch : ric_atlas_n_branch(w->atlas);
     w->results = calloc((size_t)(last - first + 1), sizeof *w->results);
     if (!w->results) return RIC_E_NOMEM;
-    for (int id = first; id <= last; id++) w->results[w->n++].curve.branch = id;
+    for (int id = first; id <= last; id++) {
+        prove_result *r = &w->results[w->n++];
+        r->curve.branch = id;
+        r->done = r->kept = ric_prover_available() && ric_curve_proof_kept(w->atlas, id, &r->curve);
+        w->finished += r->done;
+    }
     ric_branch row;
     return ric_atlas_branch(w->atlas, first, &row);
+}
+
+ric_status prove_curves_keep(const prove_list *w, const char *path)
+{
+    ric_curve_proof *proofs = calloc((size_t)w->n + 1, sizeof *proofs);
+    int n = 0;
+    for (int i = 0; proofs && i < w->n; i++)
+        if (w->results[i].done && !w->results[i].kept) proofs[n++] = w->results[i].curve;
+    const ric_status status = !proofs ? RIC_E_NOMEM : n ? ric_curve_proof_keep(path, w->atlas, n, proofs) : RIC_OK;
+    free(proofs);
+    return status;
 }
 
 static void add_row(json_t *rows, const ric_curve_proof *p, const char *label)
@@ -35,10 +51,10 @@ static void add_row(json_t *rows, const ric_curve_proof *p, const char *label)
     json_array_append_new(rows, row);
 }
 
-int prove_curves_print(const prove_list *w, cli_format format, bool verbose)
+int prove_curves_print(const prove_list *w, cli_format format, bool verbose, FILE *out)
 {
     static const char columns[] = "branch label verdict tubes from to stable unstable approach why";
-    int count[3] = {0}, done = 0, tubes = 0;
+    int count[3] = {0}, done = 0, tubes = 0, whole = 0;
     json_t *rows = json_array();
     if (!rows) return cli_report(RIC_E_NOMEM);
     for (int i = 0; i < w->n; i++) {
@@ -48,15 +64,17 @@ int prove_curves_print(const prove_list *w, cli_format format, bool verbose)
         done++;
         count[p->state]++;
         tubes += p->tubes;
+        whole += p->state == RIC_PROOF_DONE && p->from && p->to;
         add_row(rows, p, row.label);
         if (p->state == RIC_PROOF_NONE && format == CLI_TEXT && !verbose)
             cli_say("ricochet: branch %d %s is not proved to be one curve: %s\n", p->branch, row.label, p->why);
     }
     int code = format != CLI_TEXT || verbose ? cli_print_rows(rows, columns, format) : CLI_DONE;
     json_decref(rows);
-    FILE *out = format == CLI_TEXT ? stdout : stderr;
-    cli_tell(out, "%d of %d curves proved, by %d tubes; %d branches left out\n", count[RIC_PROOF_DONE],
-             count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], tubes, count[RIC_PROOF_LEFT_OUT]);
+    if (out)
+        cli_tell(out, "%d of %d curves proved, %d of them from end to end, by %d tubes; %d branches left out\n",
+                 count[RIC_PROOF_DONE], count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], whole, tubes,
+                 count[RIC_PROOF_LEFT_OUT]);
     if (!code) code = prove_tell_rest(w, done, "branches");
     return code ? code : count[RIC_PROOF_NONE] ? CLI_FAILED : CLI_DONE;
 }

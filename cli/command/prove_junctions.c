@@ -13,8 +13,24 @@ ric_status prove_junctions_add(prove_list *w)
     const int n = ric_atlas_n_junction(w->atlas);
     w->results = calloc((size_t)n + 1, sizeof *w->results);
     if (!w->results) return RIC_E_NOMEM;
-    for (int id = 1; id <= n; id++) w->results[w->n++].junction.junction = id;
+    for (int id = 1; id <= n; id++) {
+        prove_result *r = &w->results[w->n++];
+        r->junction.junction = id;
+        r->done = r->kept = ric_prover_available() && ric_junction_proof_kept(w->atlas, id, &r->junction);
+        w->finished += r->done;
+    }
     return RIC_OK;
+}
+
+ric_status prove_junctions_keep(const prove_list *w, const char *path)
+{
+    ric_junction_proof *proofs = calloc((size_t)w->n + 1, sizeof *proofs);
+    int n = 0;
+    for (int i = 0; proofs && i < w->n; i++)
+        if (w->results[i].done && !w->results[i].kept) proofs[n++] = w->results[i].junction;
+    const ric_status status = !proofs ? RIC_E_NOMEM : n ? ric_junction_proof_keep(path, w->atlas, n, proofs) : RIC_OK;
+    free(proofs);
+    return status;
 }
 
 static json_t *interval(const double x[2])
@@ -45,7 +61,7 @@ static void add_row(json_t *rows, const ric_junction_proof *p, const ric_junctio
     json_array_append_new(rows, row);
 }
 
-int prove_junctions_print(const prove_list *w, cli_format format, bool verbose)
+int prove_junctions_print(const prove_list *w, cli_format format, bool verbose, FILE *out)
 {
     static const char columns[] = "junction label kind verdict branch how distance exists unique why";
     int count[3] = {0}, done = 0;
@@ -63,9 +79,9 @@ int prove_junctions_print(const prove_list *w, cli_format format, bool verbose)
     }
     int code = format != CLI_TEXT || verbose ? cli_print_rows(rows, columns, format) : CLI_DONE;
     json_decref(rows);
-    FILE *out = format == CLI_TEXT ? stdout : stderr;
-    cli_tell(out, "%d of %d junctions proved; %d left out\n", count[RIC_PROOF_DONE],
-             count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], count[RIC_PROOF_LEFT_OUT]);
+    if (out)
+        cli_tell(out, "%d of %d junctions proved; %d left out\n", count[RIC_PROOF_DONE],
+                 count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], count[RIC_PROOF_LEFT_OUT]);
     if (!code) code = prove_tell_rest(w, done, "junctions");
     return code ? code : count[RIC_PROOF_NONE] ? CLI_FAILED : CLI_DONE;
 }

@@ -218,7 +218,18 @@ ric_status cli_windows_tell(const ric_atlas *atlas);
 int cli_unmeasured(const ric_atlas *atlas);
 /* verify_response.c; returns an exit code. */
 int cli_verify_response(const char *path, bool all, bool quiet, cli_format format);
-/* Proves the orbits of an atlas and keeps the proofs in it; the counts go to `out`, NULL: nowhere. An exit code. */
+/* Proofs that are kept with an atlas. Curves are those of branches with impacts that are one arc from end to end. */
+typedef struct {
+    int points, points_proved, curves, curves_proved, junctions, junctions_proved;
+    int tried;     /* how many of all of these */
+    char why[200]; /* why points are left out, or "" */
+} cli_proofs;
+/* false: none are kept. */
+bool cli_count_proofs(const ric_atlas *atlas, cli_proofs *out);
+/* "720 of 720 points, 12 of 12 curves, 18 of 18 junctions" */
+void cli_write_proofs(const cli_proofs *p, char *text, size_t size);
+/* Proves the orbits, curves and junctions of an atlas and keeps the proofs in it; the counts go to `out`, NULL:
+ * nowhere. An exit code. */
 int cli_prove_atlas(const char *path, int workers, FILE *out);
 /* What one row of a command holds, d the unit of lengths. They belong to cmd_branches.c, cmd_junctions.c, cmd_bases.c,
  * cmd_cascade.c and cmd_orbit.c, and are used by the page of cmd_view.c as well: both show the same numbers. */

@@ -439,6 +439,16 @@ static bool drawn_in(const fep *f, int i)
     return drawn;
 }
 
+/* "proved", of one atlas with how much of it. */
+static const char *count_proofs(fep *f)
+{
+    cli_proofs p;
+    if (f->n_source > 1 || !cli_count_proofs(f->sources[0].atlas, &p)) return "proved";
+    const int n = snprintf(f->proofs, sizeof f->proofs, "proved: ");
+    cli_write_proofs(&p, f->proofs + n, sizeof f->proofs - (size_t)n);
+    return f->proofs;
+}
+
 static int legend_entries(fep *f, plot_legend_entry *out)
 {
     unsigned stability = 0, dashed = 0;
@@ -460,7 +470,7 @@ static int legend_entries(fep *f, plot_legend_entry *out)
     if (f->ghost) out[n++] = (plot_legend_entry){"ghost: no motion", PLOT_GHOST, -1};
     if (f->island) out[n++] = (plot_legend_entry){"island: linked to no linear mode", PLOT_ISLAND, -1};
     if (f->arrow) out[n++] = (plot_legend_entry){"inherited", PLOT_ARROW, -1};
-    if (f->proved) out[n++] = (plot_legend_entry){"proved", PLOT_PROOF, -1};
+    if (f->proved) out[n++] = (plot_legend_entry){count_proofs(f), PLOT_PROOF, -1};
     if (f->natural) out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
     if (f->locked) out[n++] = (plot_legend_entry){"contact locked", PLOT_LOCKED, -1};
     if (f->data.n) out[n++] = (plot_legend_entry){f->data.name, PLOT_DATA, -1};

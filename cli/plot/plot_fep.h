@@ -75,10 +75,11 @@ typedef struct {
     plot_table data; /* of one's own: energies and frequencies in stored units */
     plot_tag *tags;
     int n_tag, room, n_group;
-    int no_margin;   /* reference labels without a place */
-    int unmarked;    /* junctions of the first panel whose marks would hide the curve */
-    char remark[64]; /* of the legend, on them */
-    int n_idle;      /* linear modes left out, where nothing happens, and their frequencies */
+    int no_margin;    /* reference labels without a place */
+    int unmarked;     /* junctions of the first panel whose marks would hide the curve */
+    char remark[64];  /* of the legend, on them */
+    char proofs[120]; /* the same, on what is proved */
+    int n_idle;       /* linear modes left out, where nothing happens, and their frequencies */
     double idle[2];
 } fep;
 

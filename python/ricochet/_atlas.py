@@ -74,6 +74,8 @@ class Junction:
         Multiplicities of the article's C_ab; `decided` whether they are measured.
     refusal : str
         Why departures were refused.
+    proved : bool
+        By a proof that `ricochet prove --junctions` has kept in the file.
     """
 
     _HEADING = ["id", "label", "name", "kind", "energy", "frequency", "branches", "open departures"]
@@ -164,6 +166,8 @@ class Branch:
         Whether one of these leaves a linear mode, or is one; else they are an island.
     n_proved : int
         Points with a proof that `ricochet prove` has kept in the file.
+    curve_proved : bool
+        Whether such a proof says that it is one arc from end to end.
 
     The numbers of its points are arrays [n_point]: arclength, energy (scaled), frequency (rad/s), period (s), trace
     (lambda + 1/lambda, n = 2), log_trace, rotation (gamma of multipliers exp(+-2 pi i gamma)), reach (gap over clearance),

@@ -68,6 +68,7 @@ void ric_atlas_free(ric_atlas *atlas)
         ric_atlas_junction_record_free(&atlas->junctions[i]);
     for (int i = 0; i < atlas->n_proof; i++) free(atlas->proofs[i].certificate);
     free(atlas->proofs);
+    free(atlas->graph_proofs);
     free(atlas->labels);
     free(atlas->branches);
     free(atlas->junctions);

@@ -35,6 +35,18 @@ typedef struct {
     char *certificate; /* "": none */
 } ric_proof_record;
 
+/* Of a curve, or a junction: integers are its branch, bits, tubes, and whether its ends are on it; numbers the
+ * distance, both radii, energy and period, the stable and unstable shares and the approach, NaN where there is none. */
+typedef enum { RIC_GRAPH_CURVE, RIC_GRAPH_JUNCTION } ric_graph_kind;
+typedef struct {
+    ric_graph_kind kind;
+    int id;
+    ric_proof_state state;
+    char why[200], how[60];
+    int integer[5];
+    double number[10];
+} ric_graph_proof;
+
 struct ric_atlas {
     ric_study *study; /* owned */
     bool finished;
@@ -45,6 +57,8 @@ struct ric_atlas {
     char *labels; /* lines "KEY LABEL" of all that finished atlases of this file have shown, or NULL */
     int n_proof;
     ric_proof_record *proofs; /* by branch and point */
+    int n_graph_proof;
+    ric_graph_proof *graph_proofs; /* of curves and junctions */
 };
 
 /* Whether every branch of `small` is in `large`, as far as words and ends tell. */

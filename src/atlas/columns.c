@@ -62,6 +62,7 @@ static const ric_column branch[] = {
             "number of the linear mode for its family and the backbone that leaves it, else 0")},
     {COLUMN("linked", FLAG, linked, NONE, RIC_LISTED | RIC_NOT_STORED, NULL)},
     {COLUMN("proved", INTEGER, n_proved, NONE, RIC_LISTED | RIC_NOT_STORED, NULL)},
+    {COLUMN("curve_proved", FLAG, curve_proved, NONE, RIC_LISTED | RIC_NOT_STORED, NULL)},
 };
 #undef ROW
 
@@ -157,6 +158,7 @@ static const ric_column junction[] = {
             "departures outside the windows and budgets of the study"), COUNT},
     {COLUMN("refused", INTEGER, departures.refused, NONE, 0, "departures not tried"), COUNT},
     {COLUMN("refusal", TEXT, refusal, NONE, RIC_LISTED, "why")},
+    {COLUMN("proved", FLAG, proved, NONE, RIC_LISTED | RIC_NOT_STORED, NULL)},
     {COLUMN("budgets", INTEGER, departures.over, NONE, RIC_LISTED | RIC_MADE | RIC_NOT_STORED, NULL)},
     {COLUMN("over_window", INTEGER, departures.over[RIC_BUDGET_WINDOW], NONE, 0,
             "of those over budget, outside the windows; a departure counts for the first budget that it exceeds"),

@@ -124,4 +124,9 @@ ric_status ric_store_begin(ric_store *store, ric_database *file);
 /* Proofs of points that are what they were; none if there is no such table. */
 ric_status ric_store_read_proofs(ric_database file, ric_atlas *atlas);
 
+/* ------------------------------------------------------------ store_graph.c */
+
+/* The same of curves and junctions. */
+ric_status ric_store_read_graph(ric_database file, ric_atlas *atlas);
+
 #endif

@@ -10,6 +10,7 @@
 #include "monodromy.h"
 #include "passage.h"
 #include "prover.h"
+#include "prover_mode.h"
 
 /* Speed, in d and 2^-time s, that the rounding of what is stored makes of a touch: a slower impact may be one of either
  * sign, and the junction is what is to be proved. */
@@ -233,12 +234,15 @@ static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *ou
     const ric_enclosure *e = ric_prover_enclosure(p, level);
     theorem_open(&t, e);
     *more = true;
+    p->contradicted = false;
     out->bits = (int)bits[level];
     if (!p->at[level].good) snprintf(out->why, sizeof out->why, "%s", e->why);
+    else if (!status && branch.letters == 0) ric_prover_mode(e, &stored, state, out);
     else if (!status && prove(&t, &branch, state, flights, out)) {
         tell(&t, out);
         const bool agree = agrees(&t, &stored, out);
         const ric_measured z = {t.u, t.energy, t.period, t.monodromy.trace};
+        p->contradicted = !agree;
         out->state = agree ? RIC_PROOF_DONE : RIC_PROOF_NONE;
         free(p->certificate);
         p->certificate = agree ? ric_certificate_point(&t.chain, e, &z, out) : ric_strdup("");
@@ -256,10 +260,9 @@ ric_status ric_prover_point(ric_prover *p, int branch, int i, ric_proof *out)
     ric_status status = ric_atlas_branch(p->atlas, branch, &row);
     *out = (ric_proof){.branch = branch, .point = i, .state = RIC_PROOF_NONE, .stable = RIC_STABLE_UNDECIDED};
     if (status) return status;
-    const char *left_out = ric_prover_left_out(p, &row);
-    if (left_out) {
+    if (p->left_out) {
         out->state = RIC_PROOF_LEFT_OUT;
-        snprintf(out->why, sizeof out->why, "%s", left_out);
+        snprintf(out->why, sizeof out->why, "%s", p->left_out);
         return RIC_OK;
     }
     bool more = true;
@@ -269,6 +272,9 @@ ric_status ric_prover_point(ric_prover *p, int branch, int i, ric_proof *out)
         status = attempt(p, level, branch, i, &next, &more);
         /* A verdict that stays open with more bits does not take back what fewer have proved. */
         if (!status && (next.state == RIC_PROOF_DONE || out->state != RIC_PROOF_DONE)) *out = next;
+        if (!status && level == 0 && out->state != RIC_PROOF_DONE && !p->contradicted)
+            status = ric_prover_at_junction(p, &row, i, out);
+        more = more && (out->state != RIC_PROOF_DONE || !*out->why); /* a junction is not proved again */
     }
     return status;
 }

@@ -18,6 +18,7 @@ struct ric_prover {
         bool made, good;
         ric_enclosure e;
     } at[PRECISIONS];
+    bool contradicted; /* what was proved last is not what is stored */
     char *model, *certificate;
 };
 

@@ -295,7 +295,8 @@ check("island" not in q.lines and len(band) == len(own) and p.has("island: linke
 END
 if "$ricochet" --version | grep -q FLINT || grep -q ' points proved' "$folder/log"; then
     ok 'and rings at points with a proof' sees sea <<'END'
-check(len(p.lines.get("proved", [])) > 20 and p.has("proved"), len(p.lines.get("proved", [])))
+said = [t[2] for t in p.texts if t[2].startswith("proved: ")]
+check(len(p.lines.get("proved", [])) > 20 and len(said) == 1 and " points, 0 of " in said[0], said)
 END
 fi
 ok 'duplicates with what they inherit' draw arrows fep "$folder/two.ricochet" --branch 'S2-[01]' --duplicates 6 --arrows --log-frequency \

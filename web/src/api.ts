@@ -26,6 +26,7 @@ export interface BranchRow {
   linear: boolean;
   linked: boolean; // a chain of junctions leads to a linear mode
   proved: number; // points with a proof that is kept
+  curve_proved: boolean; // one arc from end to end, the same
   key: string;
   depth: number;
   mode: number | null;
@@ -59,6 +60,7 @@ export interface JunctionRow {
   departures: Departures;
   budgets: Record<string, number>; // departures over each budget
   refusal: string;
+  proved: boolean; // by a proof that is kept
 }
 
 export interface Contact {

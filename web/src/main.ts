@@ -117,8 +117,9 @@ class Page {
     this.showTab(a.junction || a.selected ? "here" : "help");
     document.title = `${source.description.title} – ricochet`;
     $("title").textContent = source.description.title;
-    const proved = this.atlas.branches.reduce((sum, b) => sum + b.proved, 0);
-    $("title").title = `${proved ? `${proved} points proved, ${this.atlas.branches.filter((b) => b.proved === b.points).length} branches with all of their points; ` : ""}${this.atlas.branches.length} branches, ${this.atlas.junctions.length} junctions, ${source.description.branches.reduce((sum, b) => sum + b.points, 0)} points; ricochet ${source.description.version}`;
+    const points = source.description.branches.reduce((sum, b) => sum + b.points, 0), curves = this.atlas.branches.filter((b) => !b.linear);
+    const proved = this.atlas.branches.reduce((sum, b) => sum + b.proved, 0), arcs = curves.filter((b) => b.curve_proved).length, crossings = this.atlas.junctions.filter((j) => j.proved).length;
+    $("title").title = `${proved || arcs || crossings ? `proved: ${proved} of ${points} points, ${arcs} of ${curves.length} curves, ${crossings} of ${this.atlas.junctions.length} junctions; ` : ""}${this.atlas.branches.length} branches, ${this.atlas.junctions.length} junctions, ${points} points; ricochet ${source.description.version}`;
   }
 
   /* ---------------------------------------------------------------- looks */

@@ -267,7 +267,7 @@ export class OrbitPanel {
     };
     this.head.replaceChildren(
       el("h2", {}, toHtml(branchRuns(b.label, b.word, s.k)), chip),
-      el("p", { class: "sub" }, `branch ${b.id}`, s.k > 1 ? `, gone through ${s.k} times` : "", `; from `, link(b.from, "its start"), " to ", link(b.to, b.stop), b.tongues ? `; ${b.tongues}${this.units().energy === 1 ? "" : " (scaled)"}` : "", b.proved ? `; ${b.proved} of ${b.points} points proved` : ""));
+      el("p", { class: "sub" }, `branch ${b.id}`, s.k > 1 ? `, gone through ${s.k} times` : "", `; from `, link(b.from, "its start"), " to ", link(b.to, b.stop), b.tongues ? `; ${b.tongues}${this.units().energy === 1 ? "" : " (scaled)"}` : "", b.proved ? `; ${b.proved} of ${b.points} points proved${b.curve_proved ? ", and that it is one curve" : ""}` : ""));
   }
 
   private showFacts(): void {
