@@ -23,6 +23,27 @@ bool ric_eigen(int k, double *A, double *out)
     return true;
 }
 
+bool ric_eigen_conditions(int k, const double *A, double *out, double *condition)
+{
+    const size_t kk = (size_t)k * (size_t)k;
+    double re[k + 1], im[k + 1], norm, scale[k + 1], apart[k + 1];
+    double *store = ric_calloc(3 * kk + 1, sizeof *store), *copy = store, *left = copy + kk, *right = left + kk;
+    lapack_int first, last;
+    bool found = store != NULL;
+    for (size_t i = 0; i < kk && found; i++) found = isfinite(copy[i] = A[i]);
+    /* read by columns it is the transpose, whose eigenvalues and conditions are the same; not balanced, which would
+     * tell the conditions of another matrix */
+    found = found && !ric_lapack(LAPACKE_dgeevx(LAPACK_COL_MAJOR, 'N', 'V', 'V', 'E', k, copy, k, re, im, left, k,
+                                                right, k, &first, &last, scale, &norm, condition, apart));
+    for (int i = 0; i < k && found; i++) {
+        out[2 * i] = re[i];
+        out[2 * i + 1] = im[i];
+        condition[i] = 1 / condition[i];
+    }
+    free(store);
+    return found;
+}
+
 static int by_value(const void *p, const void *q)
 {
     const double *a = p, *b = q;

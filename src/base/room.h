@@ -8,6 +8,7 @@
 #include "cache.h"
 #include "constants.h"
 #include "eigen.h"
+#include "eigen_fine.h"
 #include "halt.h"
 #include "hermite.h"
 #include "memory.h"

@@ -10,6 +10,7 @@
 
 #define NEAR_BORDER 100           /* of the error of rho: nearer to the border of stability it is measured */
 #define NEARLY_LOST 1e-5          /* error of rho of the map in use, over 1 + |rho|, from which on it is measured */
+#define SHARP 1e-10               /* the same, to which each pair is brought where multipliers are asked for */
 #define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
 
 double ric_continuation_approach(const ric_shooting *c, bool springs)
@@ -149,6 +150,7 @@ ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_fl
 {
     double seen[f->n_pair + 1];
     ric_shooting_evaluate(c, u);
+    f->sharp = SHARP;
     ric_status status = ric_floquet_compute(c, f);
     if (status || f->n_pair < 1) return status;
     status = measure(c, u, f, seen);

@@ -9,6 +9,8 @@
 #include "base/room.h"
 #include "floquet_fine.h"
 #include "floquet_judge.h"
+#include "floquet_pairs.h"
+#include "floquet_sharp.h"
 
 /* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
 #define ROUNDING 16.0
@@ -285,33 +287,6 @@ static double roundings(const ric_shooting *c)
     return sum;
 }
 
-/* rho = 2 + 4 eig(b'c), accurate to the rounding of the largest. A [k * k] is workspace. */
-static bool rho_of_product(int k, const double *b, const double *cc, int exponent, double *A, double *rho)
-{
-    memset(A, 0, (size_t)(k * k) * sizeof *A);
-    for (int l = 0; l < k; l++)
-        for (int i = 0; i < k; i++)
-            for (int j = 0; j < k; j++) A[i * k + j] += b[l * k + i] * cc[l * k + j];
-    for (int i = 0; i < k; i++)
-        for (int j = 0; j < k; j++) A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * A[i * k + j], 2 * exponent);
-    return ric_eigen(k, A, rho);
-}
-
-/* The same where the rounding of the largest matters, with the error of each. B [k * k] is workspace, like H. */
-static bool rho_of_blocks(int k, const double *b, const double *cc, int exponent, double rounding, double *B, double *H,
-                          double *rho, double *error)
-{
-    for (int i = 0; i < k; i++)
-        for (int j = 0; j < k; j++) B[i * k + j] = b[j * k + i];
-    if (!ric_eigen_product(k, B, cc, rounding, H, rho, error)) return false;
-    for (int i = 0; i < k; i++) {
-        rho[2 * i] = 2 + ldexp(4 * rho[2 * i], 2 * exponent);
-        rho[2 * i + 1] = ldexp(4 * rho[2 * i + 1], 2 * exponent);
-        error[i] = ldexp(4 * error[i], 2 * exponent) + 16 * DBL_EPSILON;
-    }
-    return true;
-}
-
 /* ------------------------------------------------------ extended precision */
 
 /* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far is kept. */
@@ -343,7 +318,8 @@ static double fine_rounding(const ric_shooting *c, double size)
 static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double *E0, const double *E1, double *work)
 {
     int k = c->n - 1, kk = k * k;
-    double size, *high = f->work, *low = high + 4 * kk, *x = work, *y = x + 4 * kk, most = 0, errors[k];
+    double size, *high = f->work, *low = high + 4 * kk, *x = work, *y = x + 4 * kk, most = 0, known[2 * k];
+    ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
     bool quarter = c->multiple == 4, found;
     if (!made_fine(c, f, E0, E1, &size)) return;
     split(4 * kk, f->fine, high, low);
@@ -369,12 +345,14 @@ static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double 
             most = fmax(most, fabs(high[i * k + j]));
         }
     error += 8 * k * DBL_EPSILON * (1 + most);
-    for (int i = 0; i < k; i++) errors[i] = error;
-    if (error <= ACCURATE) found = ric_eigen(k, high, f->rho);
-    else
-        found = rho_of_blocks(k, x + kk, x + 2 * kk, 0, fine_rounding(c, size) + 2 * DBL_EPSILON * size, high, low,
-                              f->rho, errors);
-    if (found) ric_floquet_judge_pairs(f, quarter, errors);
+    found = error <= ACCURATE
+                ? ric_floquet_pairs_of_matrix(high, error, low, &pairs)
+                : ric_floquet_pairs_of_blocks(x + kk, x + 2 * kk, 0, fine_rounding(c, size) + 2 * DBL_EPSILON * size,
+                                              high, &pairs);
+    if (!found) return;
+    for (int i = 0; i < 2 * kk; i++) f->fine[i] = (ric_fine_real)x[kk + i] + y[kk + i]; /* b, then c */
+    ric_floquet_sharpen_blocks(f, f->fine, f->fine + kk, fine_rounding(c, size), &pairs);
+    ric_floquet_judge_pairs(f, quarter, &pairs);
 }
 
 /* The blocks of a map, and the workspace that is left. */
@@ -422,13 +400,15 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
         return RIC_OK;
     }
     f->trace_asinh = f->rotation = NAN;
-    double errors[k];
+    double known[2 * k];
+    ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
     error = ldexp(error, exponent < 500 ? 2 * exponent : 1000);
-    for (int i = 0; i < k; i++) errors[i] = error;
     bool found = exponent < 500;
-    if (found && error <= ACCURATE) found = rho_of_product(k, q.b, q.c, exponent, q.A, f->rho);
-    else if (found) found = rho_of_blocks(k, q.b, q.c, exponent, rounding, q.A, q.P, f->rho, errors);
-    if (found) ric_floquet_judge_pairs(f, quarter, errors);
+    if (found && error <= ACCURATE) {
+        ric_floquet_pairs_product(k, q.b, q.c, exponent, q.A);
+        found = ric_floquet_pairs_of_matrix(q.A, error, q.P, &pairs);
+    } else if (found) found = ric_floquet_pairs_of_blocks(q.b, q.c, exponent, rounding, q.P, &pairs);
+    if (found) ric_floquet_judge_pairs(f, quarter, &pairs);
     else ric_floquet_judge_lost(f);
     if (found) reversible_fine(c, f, q.E0, q.E1, q.A);
     return RIC_OK;
@@ -489,31 +469,6 @@ static void return_map(const ric_shooting *c, double *V, double *dual, double *P
     in_section(c->n, dual, V, P);
 }
 
-/* 2k eigenvalues, each there twice, as k; apart [k]: half the distance of the two. */
-static void pair_up(int k, const double *all, double *rho, double *apart)
-{
-    int ld = 2 * k;
-    bool used[ld];
-    memset(used, 0, sizeof used);
-    for (int i = 0, out = 0; i < ld && out < k; i++) {
-        if (used[i]) continue;
-        int best = -1;
-        double near = HUGE_VAL;
-        for (int j = i + 1; j < ld; j++) {
-            double distance = hypot(all[2 * i] - all[2 * j], all[2 * i + 1] - all[2 * j + 1]);
-            if (!used[j] && distance < near) {
-                near = distance;
-                best = j;
-            }
-        }
-        used[i] = true;
-        if (best >= 0) used[best] = true;
-        rho[2 * out] = best < 0 ? all[2 * i] : (all[2 * i] + all[2 * best]) / 2;
-        rho[2 * out + 1] = best < 0 ? all[2 * i + 1] : (all[2 * i + 1] + all[2 * best + 1]) / 2;
-        apart[out++] = best < 0 ? HUGE_VAL : near / 2;
-    }
-}
-
 /* The impact between two halves of about the same growth, which is that of 1 / speed. 0: there is none. */
 static int middle_impact(const ric_shooting *c)
 {
@@ -530,26 +485,15 @@ static int middle_impact(const ric_shooting *c)
     return best;
 }
 
-/* A + sigma B^-1 for a symplectic B [ld * ld]: B^-1 = -J B' J. */
-static void add_inverse(int k, const double *A, int sigma, const double *B, double *out)
-{
-    int ld = 2 * k;
-    for (int i = 0; i < ld; i++)
-        for (int j = 0; j < ld; j++) {
-            int r = j < k ? j + k : j - k, s = i < k ? i + k : i - k; /* J turns q into p */
-            double sign = (i < k) == (j < k) ? 1 : -1;
-            out[i * ld + j] = A[i * ld + j] + sigma * sign * B[r * ld + s];
-        }
-}
-
 /* With the return map M = sigma P2 P1 from two halves, M + M^-1 + 2 = sigma (P2 + sigma P1^-1) (P1 + sigma P2^-1): the
- * factors have the square root of the size of M. work [28 k^2]. False: it cannot be done. */
-static bool rho_of_halves(const ric_shooting *c, ric_floquet *f, double *work, double *errors)
+ * factors have the square root of the size of M. work [28 k^2],
+ * V [2n * 2k]. False: it cannot be done. */
+static bool rho_of_halves(const ric_shooting *c, double *work, double *V, ric_floquet_pairs *out)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent[2], middle;
     if (!ric_flight_law_of(c->model)->turns || k > MOST_PAIRS || !(middle = middle_impact(c))) return false;
-    double *V = f->work, *P1 = work, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld, *H = Y + ld * ld,
-           *first = H, *second = first + 2 * n * ld, growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];
+    double *P1 = work, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld, *H = Y + ld * ld, *first = H,
+           *second = first + 2 * n * ld, growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];
     free_section(c, 0, V, first);
     propagate(c, 0, middle, V, &exponent[0], &growth[0]);
     free_section(c, middle, X, second); /* 2n * ld fit into X and Y together, as both bases fit into H, for k > 1 */
@@ -557,36 +501,26 @@ static bool rho_of_halves(const ric_shooting *c, ric_floquet *f, double *work, d
     propagate(c, middle, c->n_flight, X, &exponent[1], &growth[1]);
     in_section(n, first, X, P2);
     if (exponent[0] || exponent[1]) return false;
-    add_inverse(k, P2, c->sigma, P1, X);
-    add_inverse(k, P1, c->sigma, P2, Y);
+    ric_floquet_pairs_inverse(k, P2, c->sigma, P1, X);
+    ric_floquet_pairs_inverse(k, P1, c->sigma, P2, Y);
     double size = fmax(growth[0], growth[1]);
     for (int i = 0; i < ld * ld; i++) size = fmax(size, fmax(fabs(P1[i]), fabs(P2[i])));
     double rounding = 2 * ROUNDING * DBL_EPSILON * roundings(c) * size;
     if (!isfinite(size) || !ric_eigen_product(ld, X, Y, rounding, H, mu, error)) return false;
-    pair_up(k, mu, rho, apart);
+    ric_floquet_pairs_up(k, mu, rho, apart);
     for (int i = 0; i < k; i++) {
-        f->rho[2 * i] = c->sigma * rho[2 * i] - 2;
-        f->rho[2 * i + 1] = c->sigma * rho[2 * i + 1];
+        out->rho[2 * i] = c->sigma * rho[2 * i] - 2;
+        out->rho[2 * i + 1] = c->sigma * rho[2 * i + 1];
         double best = HUGE_VAL; /* the error is that of the nearest of the two */
-        errors[i] = apart[i];
+        out->error[i] = apart[i];
         for (int j = 0; j < ld; j++) {
             double distance = hypot(mu[2 * j] - rho[2 * i], mu[2 * j + 1] - rho[2 * i + 1]);
             if (distance > best) continue;
             best = distance;
-            errors[i] = fmax(apart[i], error[j]);
+            out->error[i] = fmax(apart[i], error[j]);
         }
+        out->alone[i] = out->error[i];
     }
-    return true;
-}
-
-/* rho from M + M^-1 of the return map M [ld * ld], with M^-1 = -J M' J. A [ld * ld] is workspace. */
-static bool rho_of_period(int k, const double *M, double *A, double *rho)
-{
-    int ld = 2 * k;
-    double all[2 * ld], apart[k];
-    add_inverse(k, M, 1, M, A);
-    if (!ric_eigen(ld, A, all)) return false;
-    pair_up(k, all, rho, apart);
     return true;
 }
 
@@ -594,7 +528,8 @@ static bool rho_of_period(int k, const double *M, double *A, double *rho)
 static void whole_fine(const ric_shooting *c, ric_floquet *f)
 {
     int k = c->n - 1, ld = 2 * k, count = ld * ld;
-    double size, *high = f->work, *low = high + count, *A = low + count, *B = A + count, most = 0, errors[k];
+    double size, *high = f->work, *low = high + count, *A = low + count, *B = A + count, most = 0, known[2 * k];
+    ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
     if (!made_fine(c, f, NULL, NULL, &size)) return;
     ric_fine_real trace = 0;
     for (int i = 0; i < count; i++) f->fine[i] *= c->sigma;
@@ -607,8 +542,8 @@ static void whole_fine(const ric_shooting *c, ric_floquet *f)
         return;
     }
     split(count, f->fine, high, low);
-    add_inverse(k, high, 1, high, A);
-    add_inverse(k, low, 1, low, B);
+    ric_floquet_pairs_inverse(k, high, 1, high, A);
+    ric_floquet_pairs_inverse(k, low, 1, low, B);
     for (int i = 0; i < count; i++) {
         A[i] += B[i];
         most = fmax(most, fabs(A[i]));
@@ -616,11 +551,12 @@ static void whole_fine(const ric_shooting *c, ric_floquet *f)
     error += 8 * ld * DBL_EPSILON * (1 + most);
     if (error > ACCURATE && f->error < error) return; /* the halves know better */
     double all[2 * ld];
-    for (int i = 0; i < k; i++) errors[i] = error;
     if (!ric_eigen(ld, A, all)) return;
     double apart[k];
-    pair_up(k, all, f->rho, apart);
-    ric_floquet_judge_pairs(f, c->sigma < 0, errors);
+    ric_floquet_pairs_up(k, all, f->rho, apart);
+    ric_floquet_pairs_conditions(high, error, &pairs);
+    ric_floquet_sharpen_map(f, f->fine, fine_rounding(c, size), &pairs);
+    ric_floquet_judge_pairs(f, c->sigma < 0, &pairs);
 }
 
 /* The return map of the general form in f->work, with sigma, and its determinant: a multiplier -1 of the half-period
@@ -676,13 +612,11 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
         ric_floquet_judge_lost(f);
         return RIC_OK;
     }
-    double errors[k];
-    bool found = !(error <= ACCURATE) && rho_of_halves(c, f, q.A, errors);
-    if (!found) {
-        found = rho_of_period(k, q.P, q.A, f->rho);
-        for (int i = 0; i < k; i++) errors[i] = error;
-    }
-    if (found) ric_floquet_judge_pairs(f, c->sigma < 0, errors);
+    double known[2 * k];
+    ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
+    bool found = !(error <= ACCURATE) && rho_of_halves(c, q.A, f->work, &pairs);
+    if (!found) found = ric_floquet_pairs_of_period(q.P, error, q.A, &pairs);
+    if (found) ric_floquet_judge_pairs(f, c->sigma < 0, &pairs);
     else ric_floquet_judge_lost(f);
     if (found) whole_fine(c, f);
     return RIC_OK;

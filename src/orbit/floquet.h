@@ -28,6 +28,7 @@ typedef struct {
     double size_a, size_b, size_d;    /* what they are at most: smooth along a branch, so that their quotients are,
                                        * too */
     double enough; /* error of rho, over 1 + |rho|, that is good enough; 0: rounding, which may take another map */
+    double sharp;  /* the same, to which each pair is to be known, at a cost of its own; 0: what comes by itself */
     double *work;
     long double *fine;
     size_t n_work;

@@ -21,7 +21,7 @@ void ric_floquet_judge_plane(ric_floquet *f, bool quarter, double bc, double ad,
     double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2, full = quarter ? rho * rho - 2 : rho;
     double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * LOG_2;
     f->error = ldexp(error, 2 * exponent);
-    f->each[0] = quarter ? f->error * (2 * fabs(rho) + f->error) : f->error;
+    f->each[0] = (quarter ? f->error * (2 * fabs(rho) + f->error) : f->error) + DBL_EPSILON * fabs(full);
     f->own[0] = rho;
     f->rho[0] = full;
     f->own[1] = f->rho[1] = 0;
@@ -43,7 +43,7 @@ void ric_floquet_judge_trace(ric_floquet *f, bool half, double trace, double twi
     double rho = ldexp(trace, exponent), full = half ? rho * rho - 2 : rho, two = ldexp(2, -exponent);
     error += ldexp(8 * DBL_EPSILON, -exponent);
     f->error = ldexp(error, exponent);
-    f->each[0] = half ? f->error * (2 * fabs(rho) + f->error) : f->error;
+    f->each[0] = (half ? f->error * (2 * fabs(rho) + f->error) : f->error) + DBL_EPSILON * fabs(full);
     f->own[0] = rho;
     f->rho[0] = full;
     f->own[1] = f->rho[1] = 0;
@@ -104,7 +104,7 @@ static double radius_of(const ric_floquet *f, int i, int least, double error, co
     return radius;
 }
 
-void ric_floquet_judge_pairs(ric_floquet *f, bool quarter, const double *error)
+void ric_floquet_judge_pairs(ric_floquet *f, bool quarter, const ric_floquet_pairs *known)
 {
     bool undecided = false, unstable = false;
     double distances[f->n_pair + 1], radius[f->n_pair + 1];
@@ -115,7 +115,8 @@ void ric_floquet_judge_pairs(ric_floquet *f, bool quarter, const double *error)
             distances[j] = isnan(distance) ? HUGE_VAL : distance;
         }
         qsort(distances, (size_t)f->n_pair, sizeof *distances, by_size);
-        double alone = radius_of(f, i, 1, error[i], distances), pair = radius_of(f, i, 2, error[i], distances);
+        double alone = fmax(known->alone[i], radius_of(f, i, 1, known->error[i], distances)),
+               pair = fmax(alone, radius_of(f, i, 2, known->error[i], distances));
         radius[i] = alone;
         bool complex_pair = fabs(f->rho[2 * i + 1]) > 0;
         if (fabs(f->rho[2 * i + 1]) > pair || fabs(f->rho[2 * i]) - 2 > alone) unstable = true;

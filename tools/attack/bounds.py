@@ -73,6 +73,10 @@ def reference(j, word, row, enough):
     return rho, again
 
 
+def off(right, rho):
+    return max(np.abs(right - x).min() for x in rho if np.isfinite(x))
+
+
 def one(lib, program, seed, kind, points, rng, ratios, unknown):
     kind, _, study = structures.make(seed, kind, True)
     with tempfile.TemporaryDirectory() as folder:
@@ -107,7 +111,10 @@ def one(lib, program, seed, kind, points, rng, ratios, unknown):
             if not np.abs(right - again).max() <= error / 10:
                 unknown.append((seed, branch["id"], point))
                 continue
-            worst = max(np.abs(right - x).min() for x in rho if np.isfinite(x))
+            if off(right, rho) > error and not j.s.power:  # where pairs all but meet long doubles may agree on what is wrong
+                exact = exactly(j, branch["word"], row)
+                right = right if exact is None else exact
+            worst = off(right, rho)
             ratios.append((worst / error, seed, branch["id"], point, error))
         lib.ric_atlas_free(handle)
 
