@@ -380,14 +380,16 @@ static void three_masses(void **state)
     assert_true(count[1][3] && count[1][5]); /* of half a period */
 }
 
-/* A cubic spring at one of two masses, and of three. */
+/* A cubic spring at one of three masses; of two, whose nodes take seconds each, in the long form. */
 static void cubic_spring(void **state)
 {
     (void)state;
     int two[2][MAX_ORDER] = {{0}}, three[2][MAX_ORDER] = {{0}};
     const int most = per_order(true);
-    check_study(3, two);
-    assert_true(two[0][3] == most && two[0][4] == most && two[0][5] == most);
+    if (long_form()) {
+        check_study(3, two);
+        assert_true(two[0][3] == most && two[0][4] == most && two[0][5] == most);
+    }
     check_study(4, three);
     assert_true(three[0][3] && three[0][4] && three[0][5]);
 }
@@ -396,7 +398,7 @@ static void all_ways_lead_home(void **state)
 {
     (void)state;
     printf("# %d ways back, %d missed\n", ways, missed);
-    assert_true(ways > (long_form() ? 60 : 40));
+    assert_true(ways > (long_form() ? 60 : 35));
     assert_int_equal(missed, 0);
 }
 

@@ -114,7 +114,7 @@ static ric_branch goes_all_the_way(const ric_atlas *atlas, int exponent)
     return b;
 }
 
-/* The same for the steps of tools/steps.py, over a factor 100; the short form takes four of the twenty. */
+/* The same for the steps of tools/steps.py, over a factor 100; the short form takes two of the twenty. */
 static void symmetric_path(void **state)
 {
     static const int exponents[] = {3, 7, 21};
@@ -122,7 +122,7 @@ static void symmetric_path(void **state)
     for (int e = 0; e < 3; e++) {
         ric_atlas *smallest = NULL;
         ric_branch path;
-        for (int step = 0; step < 20; step += every_of(6)) {
+        for (int step = 0; step < 20; step += every_of(19)) {
             ric_atlas *atlas = explore(article, exponents[e],
                                        "start: [1], energy: [0, 1000], frequency: [0.2, 10], multiply: 1, depth: 1",
                                        0.01 * pow(100, step / 19.0));
@@ -424,7 +424,7 @@ static void bridge(void **state)
 static void grows_on_the_way(void **state)
 {
     (void)state;
-    for (int run = 0; run < 2; run++) {
+    for (int run = 0; run < 2; run += every_of(2)) {
         ric_atlas *atlas = explore(article, 21,
                                    "start: [1], energy: [0, 100], frequency: [0.9, 10], multiply: 1, depth: 3",
                                    run ? 0.05 : 0);
@@ -520,7 +520,9 @@ static void closes_where_it_passes(void **state)
 static void power_99(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article, 99, "energy: [0, 6], frequency: [0.2, 10], multiply: 2, depth: 3", 0);
+    const char *window = long_form() ? "energy: [0, 6], frequency: [0.2, 10], multiply: 2, depth: 3"
+                                     : "start: [2], energy: [0, 6], frequency: [1.7, 6.5], multiply: 2, depth: 3";
+    ric_atlas *atlas = explore(article, 99, window, 0);
     int met = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);

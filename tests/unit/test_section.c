@@ -11,6 +11,7 @@
 
 #include "explored.h"
 #include "simulated_models.h"
+#include "sample.h"
 #include "studies.h"
 
 #define SPRING                                                                                                         \
@@ -70,7 +71,7 @@ static void energy_stays(void **state)
     (void)state;
     static const char *const texts[] = {TWO_MASSES, LOOSE_MASS, SPRING};
     for (int i = 0; i < 3; i++) {
-        const long impacts = i < 2 ? 1000000 : 200000;
+        const long impacts = (i < 2 ? 1000000 : 200000) / (long_form() ? 1 : 5);
         ric_study *study = parse(texts[i]);
         const ric_model *model = ric_study_model(study);
         ric_section_options options = options_of(5, 1, impacts);

@@ -529,7 +529,7 @@ static void flipped_bits_are_harmless(void **state)
     make_file(in_folder("a"), made);
     content whole = content_of(in_folder("a"));
     seed_now = 20240607;
-    for (int i = 0; i < 3000; i++) {
+    for (int i = 0; i < 3000; i += every_of(4)) {
         size_t at = i < 100 ? (size_t)i : i < 1000 ? (size_t)below(4096) : (size_t)below((int)whole.n);
         unsigned char before = whole.bytes[at];
         whole.bytes[at] ^= (unsigned char)(i % 3 ? 1 << below(8) : 1 + below(255));

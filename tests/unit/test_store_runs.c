@@ -1,5 +1,6 @@
 /* The atlas file between runs and readers: locks, kills, places that cannot be written, full disks. */
 #include "stored_atlases.h"
+#include "sample.h"
 
 #include <signal.h>
 #include <sys/resource.h>
@@ -116,7 +117,7 @@ static void readers_and_a_run_get_on(void **state)
     make_file(in_folder("a"), atlases[0]);
     pid_t child = fork();
     if (child == 0) {
-        for (int i = 0; i < 60; i++) {
+        for (int i = 0; i < (long_form() ? 60 : 25); i++) {
             ric_atlas *atlas = NULL;
             if (ric_atlas_read(in_folder("a"), &atlas)) _exit(1);
             if (!same_atlas(atlas, atlases[0]) && !same_atlas(atlas, atlases[1])) _exit(2);
