@@ -58,8 +58,9 @@ taken() { # COMMAND [PICTURE]
         picture == "" || /^[a-z]/ { here = picture == "" || $1 == picture || $1 == "all" }
         here' | options); do
         [ "${2:+$option}" != -o ] || continue # given below, or no picture is tried
+        # an option with a value is taken with it, a flag without
         "$ricochet" "$@" ${2:+-o x.svg} "$option=1" >"$folder/out" 2>&1
-        "$ricochet" "$@" ${2:+-o x.svg} "$option" >>"$folder/out" 2>&1
+        ! grep -q "option '$option=1' takes no value" "$folder/out" || "$ricochet" "$@" ${2:+-o x.svg} "$option" >"$folder/out" 2>&1
         if grep -E "option '$option(=1)?' is (unknown|given twice)" "$folder/out"; then return 1; fi
     done
 }
