@@ -160,6 +160,7 @@ typedef struct {
     int multiply;        /* largest q of a q-tupling; 1 = none */
     int base;            /* depart only from multiplications by q, and duplicates by k, that divide it; 0 = from any */
     int depth;           /* departures from the start; 0 = unlimited */
+    int points;          /* of all branches, from which on only linear modes are departed from; 0 = unlimited */
     double tolerance;    /* relative accuracy asked for */
     double max_step;     /* largest arclength step, relative to 1 + |state| */
     bool cross_tongues;  /* at internal resonances go on behind them, not along them (docs/theory.md section 12) */

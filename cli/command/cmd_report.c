@@ -286,14 +286,23 @@ static bool is_ambiguous(const ric_atlas *atlas, int id, const ric_junction *j, 
     return other > 0;
 }
 
+static long count_points(const ric_atlas *atlas)
+{
+    long sum = 0;
+    ric_branch branch;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+        if (!ric_atlas_branch(atlas, id, &branch)) sum += branch.n_point;
+    return sum;
+}
+
 static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
 {
-    static const char *const over[RIC_N_BUDGET] = {[RIC_BUDGET_WINDOW] = "outside the windows",
-                                                   [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
-                                                   [RIC_BUDGET_IMPACTS] = "more than `impacts`",
-                                                   [RIC_BUDGET_SYMMETRIC] = "not symmetric",
-                                                   [RIC_BUDGET_TOUCHES] = "more touches at once than are enumerated",
-                                                   [RIC_BUDGET_DEPTH] = "beyond `depth`"};
+    const char *over[RIC_N_BUDGET] = {[RIC_BUDGET_WINDOW] = "outside the windows",
+                                      [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
+                                      [RIC_BUDGET_IMPACTS] = "more than `impacts`",
+                                      [RIC_BUDGET_SYMMETRIC] = "not symmetric",
+                                      [RIC_BUDGET_TOUCHES] = "more touches at once than are enumerated",
+                                      [RIC_BUDGET_DEPTH] = "beyond `depth`"};
     /* of a file that may say any int */
     struct {
         json_int_t taken, known, inadmissible, over[RIC_N_BUDGET];
@@ -307,6 +316,8 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
         sum.inadmissible += junction.departures.inadmissible;
         for (int i = 0; i < RIC_N_BUDGET; i++) sum.over[i] += junction.departures.over[i];
     }
+    const int limit = ric_study_options(ric_atlas_study(atlas))->points;
+    if (limit && count_points(atlas) >= limit) over[RIC_BUDGET_DEPTH] = "beyond `depth` or `points`";
     add_count(rows, "junctions", ric_atlas_n_junction(atlas), "");
     if (cli_unmeasured(atlas))
         add_count(rows, "junctions without a label", cli_unmeasured(atlas),

@@ -115,7 +115,7 @@ static void print_report(const json_t *rows, const ric_explore_options *options)
 {
     const char *last = "";
     size_t i, incomplete = 0, tongues = 0;
-    bool climbs = false; /* some branch leaves its backbone along a tongue */
+    bool climbs = false, first = false; /* some branch leaves its backbone along a tongue; a first look has ended */
     json_t *row;
     json_array_foreach(rows, i, row)
     {
@@ -128,6 +128,7 @@ static void print_report(const json_t *rows, const ric_explore_options *options)
         climbs = climbs || (item && detail && !strcmp(item, CLI_RESONANCE) && strstr(detail, " follows "));
         if (item && !strcmp(item, CLI_RESONANCE) && ++tongues > TONGUES) continue;
         const json_t *value = json_object_get(row, "value");
+        first = first || (item && detail && json_integer_value(value) && strstr(detail, "`points`"));
         if (!item || !detail || json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
             continue;
         cli_tell(stdout, strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
@@ -145,6 +146,12 @@ static void print_report(const json_t *rows, const ric_explore_options *options)
         cli_tell(stdout,
                  "where a branch follows a resonance it leaves its backbone: `explore: {tongues: cross}` goes on "
                  "behind, and with `depth: 1` and few `impacts` shows the backbones alone\n");
+    if (first)
+        cli_tell(
+            stdout,
+            "a first look: from %d points on nothing more was departed to; `points: 0` under `explore` goes on with "
+            "what is left, and `--seconds S` with that ends it\n",
+            options->points);
     if (incomplete)
         cli_tell(stdout, "something may be missing on branches and at junctions: %zu (`ricochet report` names them)\n",
                  incomplete);
@@ -213,6 +220,7 @@ static void list_smaller(const ric_explore_options *old, const ric_explore_optio
         {"impacts", now->impacts < old->impacts},
         {"multiply", now->multiply < old->multiply},
         {"depth", now->depth && (!old->depth || now->depth < old->depth)},
+        {"points", now->points && (!old->points || now->points < old->points)},
         {"regions", !kept},
     };
     out[0] = '\0';

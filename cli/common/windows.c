@@ -196,6 +196,20 @@ static bool refused(const ric_study *study, char *why, size_t size)
     return is;
 }
 
+/* What a study that leaves open where to look leaves to the program, too. */
+static void print_look(const facts *f, const ric_study *study)
+{
+    const ric_explore_options *o = f->options;
+    if (!ric_study_window_chosen(study, false) || !ric_study_window_chosen(study, true)) return;
+    if (o->points)
+        printf("  a first look: from %d points on nothing more is departed to; `points: 0` under `explore` goes on\n",
+               o->points);
+    if (o->cross_tongues)
+        printf("  internal resonances narrower than %g of the frequency are stepped over; `tongues: follow` follows "
+               "them\n",
+               o->tongue_width);
+}
+
 static void print_windows(const facts *f, const ric_study *study)
 {
     char length[500], why[600];
@@ -208,6 +222,7 @@ static void print_windows(const facts *f, const ric_study *study)
                f->smooth ? "where the springs are as stiff as the structure in the motion" : "the first touch",
                f->reference, energy[1] / f->unit);
     print_left_out(f);
+    print_look(f, study);
     if (refused(study, why, sizeof why)) printf("warning: a run refuses this study: %s\n", why);
     if (!any_begins(f))
         puts("warning: the windows hold no mode that meets a contact, and a run would find linear motions only; leave "

@@ -65,6 +65,7 @@ struct ric_graph {
     int *by_energy; /* the same, by increasing energy */
     int n_edge, edge_capacity;
     ric_edge *edges;
+    long counted;     /* points of the branches that count to explore.points */
     uint64_t shuffle; /* 0; else departures of one depth are taken in another order: for tests, which expect the
                        * same atlas */
 };

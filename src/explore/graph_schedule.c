@@ -161,10 +161,25 @@ static void shuffle(uint64_t seed, int n, open_departure *list)
     }
 }
 
-/* At the last depth of the budget only corners are left: what goes on there is the same branch. */
+/* Whether nothing more is departed to, but from linear modes. What regions ask for has budgets of its own. */
+static bool spent(const ric_graph *g)
+{
+    return g->options->points > 0 && g->counted >= g->options->points;
+}
+
+/* After every departure in the order of the owner, so that it does not matter who else works: the new branches. */
+static void count_points(ric_graph *g, const ric_node *node, int first)
+{
+    if (budgets_at(g, node, node->multiple).raised) return;
+    for (int i = first; i < g->n_edge; i++) g->counted += g->edges[i].trace ? g->edges[i].trace->n_point : 0;
+}
+
+/* At the last depth of the budget only corners are left: what goes on there is the same branch. Likewise where there
+ * are as many points as may be; regions that are asked for have budgets of their own. */
 static bool reached(const ric_graph *g, const ric_node *node)
 {
-    int limit = budgets_at(g, node, node->multiple).depth;
+    const ric_budgets here = budgets_at(g, node, node->multiple);
+    int limit = spent(g) && node->depth > 0 && !here.raised ? node->depth : here.depth;
     return node->depth < limit || (node->depth == limit && node->kind == RIC_KIND_CORNER);
 }
 
@@ -308,6 +323,14 @@ static void offer_ahead(ric_graph *g, int depth, int limit, int *seen)
     free(list);
 }
 
+static ric_status take_counted(ric_graph *g, int index, int place, int depth)
+{
+    const int before = g->n_edge;
+    ric_status status = take(g, index, place, depth);
+    count_points(g, g->nodes[index], before);
+    return status;
+}
+
 static ric_status explore(ric_graph *g, const ric_run_options *run)
 {
     clock_gettime(CLOCK_MONOTONIC, &g->start);
@@ -325,6 +348,7 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
         return RIC_OK;
     }
     double saved = 0;
+    g->counted = 0;
     int limit = g->largest.depth;
     for (int depth = 0; depth <= limit && !status; depth++) {
         int n = 0, seen = 0;
@@ -332,16 +356,19 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
         do {
             /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none
              * is open */
-            if (depth < limit && !g->options->n_cascade && (status = list_duplicates(g, depth))) break;
+            if (depth < limit && !(spent(g) && depth > 0) && !g->options->n_cascade &&
+                (status = list_duplicates(g, depth)))
+                break;
             open_departure *list = open_at(g, 0, depth, &n);
             if (g->shuffle) shuffle(g->shuffle, n, list);
             offer(g, n, list);
             for (int i = 0; i < n && !status; i++) {
                 if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;
+                if (!reached(g, g->nodes[list[i].index])) continue;
                 g->progress.open = n - i;
                 g->progress.depth = depth;
                 if (stopped(g)) status = ric_fail(RIC_E_INTERRUPTED, "stopped on request");
-                else status = take(g, list[i].index, list[i].place, depth + 1);
+                else status = take_counted(g, list[i].index, list[i].place, depth + 1);
                 if (!status) status = save_now_and_then(g, &saved);
                 offer_ahead(g, depth, limit, &seen);
             }

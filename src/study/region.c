@@ -34,7 +34,7 @@ static void raise(ric_budgets *b, const ric_region *r)
     b->depth = larger(b->depth, limit_of(r->depth));
     b->impacts = larger(b->impacts, r->impacts);
     b->multiply = larger(b->multiply, r->multiply);
-    b->inside = true;
+    b->inside = b->raised = true;
 }
 
 ric_budgets ric_region_budgets(const ric_explore_options *o, double energy, double frequency, int multiple)

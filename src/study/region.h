@@ -10,6 +10,7 @@
 typedef struct {
     int depth, impacts, multiply;
     bool inside; /* within the windows of the study, or in a region */
+    bool raised; /* in a region */
 } ric_budgets;
 
 /* At a junction with this scaled energy, frequency of its orbit in rad/s, and multiple: the largest of the study and of

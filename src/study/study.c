@@ -141,9 +141,13 @@ static ric_status apply_multiples(const ric_yaml *r, const ric_model *model, con
     return status;
 }
 
-/* *start: where the list of modes stands, NULL if it is not given. */
-static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, const ric_yaml_node **start,
-                               ric_explore_options *out, all_multiples *all)
+/* Where keys of explore stand that the model has something to say about, NULL if they are not given. */
+typedef struct {
+    const ric_yaml_node *start, *tongues, *points;
+} places;
+
+static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, places *given, ric_explore_options *out,
+                               all_multiples *all)
 {
     enum { MOST = 32 };
     const ric_option *options, *found[MOST];
@@ -164,7 +168,9 @@ static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, con
         if (slots[i].key) status = read_energies(r, found[i], key, slots[i].value, out, &m);
         if (found[i]->type == RIC_OPTION_NUMBERS) keep_multiples(all, &m, out->at_energy.n, out->at_energy.value);
         else keep_multiples(all, &m, 2, out->energy);
-        if (found[i]->type == RIC_OPTION_MODES) *start = slots[i].value;
+        if (found[i]->type == RIC_OPTION_MODES) given->start = slots[i].value;
+        if (found[i]->type == RIC_OPTION_TONGUES) given->tongues = slots[i].value;
+        if (!strcmp(keys[i], "points")) given->points = slots[i].value;
     }
     return status;
 }
@@ -179,13 +185,18 @@ static ric_status check_start(const ric_yaml *r, const ric_yaml_node *start, int
     return RIC_OK;
 }
 
-/* A power law acts all the time and makes other modes of the linear ones: where their tongues are is not known. */
-static ric_status check_tongues(const ric_yaml *r, const ric_yaml_slot *explore, const ric_model *model,
-                                const ric_explore_options *options)
+/* A study that leaves open where to look is looked at behind its tongues, and as long as a first look may take. A power
+ * law acts all the time and makes other modes of the linear ones: where their tongues are is not known. */
+static ric_status settle_look(const ric_yaml *r, const places *given, const ric_model *model,
+                              ric_explore_options *options)
 {
     ric_contact first;
-    if (!options->cross_tongues || ric_model_contact(model, 0, &first) || first.law != RIC_LAW_POWER) return RIC_OK;
-    return ric_yaml_wrong(r, explore->value, "explore.tongues",
+    const bool power = !ric_model_contact(model, 0, &first) && first.law == RIC_LAW_POWER;
+    const bool open = ric_option_is_auto(options->energy) && ric_option_is_auto(options->frequency);
+    if (!given->tongues) options->cross_tongues = open && !power;
+    if (!given->points && open) options->points = ric_windows_points(model);
+    if (!options->cross_tongues || !power) return RIC_OK;
+    return ric_yaml_wrong(r, given->tongues, "explore.tongues",
                           "cross is for contacts that open and close; under a power law the modes that a branch would "
                           "step over are not the linear ones; write follow");
 }
@@ -448,7 +459,8 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     all_multiples relative = {.n = 0};
     ric_yaml_slot slots[S_COUNT];
     ric_units units;
-    const ric_yaml_node *root = ric_yaml_root(r), *start = NULL;
+    const ric_yaml_node *root = ric_yaml_root(r);
+    places given = {NULL, NULL, NULL};
     ric_status status = ric_yaml_map(r, root, "", S_COUNT, study_keys, slots);
     if (status) return status;
     if (slots[S_TITLE].key) status = ric_yaml_string(r, slots[S_TITLE].value, "title", &study->title);
@@ -456,7 +468,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     if (status) return status;
     /* cheap sections first: a wrong option is told before the eigenvalues of a large model are computed */
     ric_explore_options_init(&study->options);
-    if ((status = read_explore(r, &slots[S_EXPLORE], &start, &study->options, &relative))) return status;
+    if ((status = read_explore(r, &slots[S_EXPLORE], &given, &study->options, &relative))) return status;
     if (slots[S_TOLERANCE].key)
         status = ric_study_option_read(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value,
                                        &study->options);
@@ -476,8 +488,8 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         return status;
     study->restitution_line = raw->restitution_line;
     snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
-    if ((status = check_start(r, start, raw->n, &study->options)) ||
-        (status = check_tongues(r, &slots[S_EXPLORE], study->model, &study->options)) ||
+    if ((status = check_start(r, given.start, raw->n, &study->options)) ||
+        (status = settle_look(r, &given, study->model, &study->options)) ||
         (status = settle_options(r, slots[S_EXPLORE].key ? slots[S_EXPLORE].key : slots[S_MODEL].key, &relative,
                                  study)))
         return status;
@@ -555,6 +567,7 @@ static ric_status raw_of(const ric_model *m, ric_raw_model *out)
     ric_status status = RIC_OK;
     *out = (ric_raw_model){.n = ric_model_n_dof(m),
                            .n_contact = ric_model_n_contact(m),
+                           .n_mode = -1,
                            .mass = ric_own(ric_model_mass(m)),
                            .stiffness = ric_own(ric_model_stiffness(m)),
                            .restitution = ric_model_restitution(m)};

@@ -481,7 +481,8 @@ void ric_study_model_write(const ric_raw_model *raw, FILE *out)
     write_matrix("stiffness", raw->n, raw->stiffness, out);
     fputs("  restitution: ", out);
     ric_option_text_write(raw->restitution, out);
-    if (raw->n_mode) fprintf(out, "\n  modes: %d", raw->n_mode);
+    if (raw->n_mode > 0) fprintf(out, "\n  modes: %d", raw->n_mode);
+    if (raw->n_mode < 0) fputs("\n  modes: all", out);
     fputs("\n  contacts:\n", out);
     for (int i = 0; i < raw->n_contact; i++) {
         const ric_contact *contact = &raw->contacts[i];

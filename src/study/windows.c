@@ -8,7 +8,7 @@
 
 /* The energy window ends at so many times the first onset, at seventeen times its amplitudes: there gaps are crossed in
  * a short part of a turn, and a spring of a power law is as stiff as the structure a hundred times or more. */
-#define MANY 300.0
+#define MANY_ONSETS 300.0
 #define LOWEST 4.0 /* and at this many times that of the lowest mode, which is looked for first: */
 #define FAR 1e4    /* unless its onset is so much higher than that of another, as near a node of the mode */
 /* LOOSE: the window of a loose mass, which moves at any energy, begins at so many times the onset, at a fifth of its
@@ -18,7 +18,7 @@
 #define PHASE 1e7    /* a mode turns less within the longest period: the limit of a run */
 #define FREE_LOW 0.1 /* gaps that a body without any spring crosses in a second, for want of another time */
 #define FREE_HIGH 10.0
-enum { FEW = 12 }; /* seen modes that are kept anyway; more are left out where nothing is said about them */
+enum { FEW = 5, MANY = 10 }; /* seen modes that are kept anyway, and of more at most so many */
 #define FAR_ABOVE                                                                                                      \
     20.0 /* so many times the highest mode that is met a mode has hardly more than its static compliance */
 #define FREE_PART 1e-4 /* of the top of an energy window that is given, where frequencies begin if that begins at 0 */
@@ -83,7 +83,7 @@ static range find_range(const ric_model *m, const ric_explore_options *o)
     range r = {.first = HUGE_VAL, .lowest = HUGE_VAL, .slow = HUGE_VAL};
     ric_model_onsets(m, onset);
     find_onsets(m, o, onset, &r);
-    r.top = MANY * r.first;
+    r.top = MANY_ONSETS * r.first;
     if (r.lowest < FAR * r.first) r.top = fmax(r.top, LOWEST * r.lowest);
     find_frequencies(m, o, onset, &r);
     return r;
@@ -173,11 +173,31 @@ ric_status ric_windows_modes(const ric_model *m, const ric_explore_options *opti
     if (!isfinite(r.first)) return RIC_OK;
     for (int i = 0; i < o->n_start; i++) least = o->start[i] > least ? o->start[i] : least;
     for (seen = 0; n < m->n_dof; n++) {
-        const bool far = m->frequency[n] > FAR_ABOVE * r.fast, many = seen + m->seen[n] > FEW;
+        const bool far = m->frequency[n] > FAR_ABOVE * r.fast, many = seen + m->seen[n] > MANY;
         if (n >= least && (far || many)) break;
         seen += m->seen[n];
     }
     while (n < m->n_dof && ric_truncate_check(m, n)) n++; /* modes of one frequency stay together */
     *out = n;
     return RIC_OK;
+}
+
+/* Points that take some four seconds on one core of 2022. More modes are more work for each, less so where the closing
+ * and opening of springs is most of it; what is integrated, under a power law, grows with their cube. */
+#define RIGID_POINTS 20000.0
+#define RIGID_TWICE 2.5 /* with so many modes more it is once more the work */
+#define SPRING_POINTS 1500.0
+#define SPRING_TWICE 10.0
+#define POWER_POINTS 8000.0
+#define LEAST_POINTS 200.0
+
+int ric_windows_points(const ric_model *m)
+{
+    const double n = m->n;
+    bool springs = false;
+    for (int f = 0; f < m->n_contact; f++) springs |= m->contact[f].law == RIC_LAW_BILINEAR;
+    const double points = m->law == RIC_LAW_POWER ? POWER_POINTS / (n * n * n)
+                          : springs               ? SPRING_POINTS / (1 + n / SPRING_TWICE)
+                                                  : RIGID_POINTS / (1 + n / RIGID_TWICE);
+    return (int)rounded(fmax(points, LEAST_POINTS), floor);
 }
