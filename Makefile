@@ -14,7 +14,7 @@ help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
 	@echo "make paper     build and make the figures of the article, docs/gallery.md"
 	@echo "make test      build and run the whole test suite"
-	@echo "make check     the part of it that takes less than a minute, for before a commit"
+	@echo "make check     the part of it that takes a minute, for before a commit"
 	@echo "make long      the whole suite in its long form: every case of what \`make test\` takes a sample of"
 	@echo "make ten       the suite TIMES=10 times in a row beside BUSY=2 busy processes: none may be red"
 	@echo "make bench     build and measure the speed"
