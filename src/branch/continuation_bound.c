@@ -77,6 +77,15 @@ static double steepness(double margin)
     return margin < 0 ? (2 + margin) / 2 * ((2 + margin) / 2) : 1;
 }
 
+/* The orbit beside u that Newton's method ends at from there: where several impacts are slow at once the equations
+ * leave more directions open than the two that ric_continuation_move knows, and it lies along all of them. */
+static bool solved_again(ric_shooting *c, double *u)
+{
+    double du[c->n_unknown];
+    int steps;
+    return ric_continuation_correct(c, u, NULL, NULL, 0, du, &steps);
+}
+
 /* The flag and, in seen [n_pair], the error of each pair, by orbits that are the same but for rounding: f is again that
  * of u afterwards, undecided where one of them, with a margin, may be on the other side of the border. */
 static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, double *seen)
@@ -95,8 +104,10 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
     memcpy(each, f->each, sizeof each);
     memset(seen, 0, (size_t)k * sizeof *seen);
     for (int way = 0; way < WAYS; way++) known = known && ric_continuation_move(c, u, way + 1, moved + way * size);
-    for (int way = 0; way < WAYS && known && !status; way++) {
-        ric_shooting_fly(c, moved + way * size);
+    for (int sample = 0; sample < 2 * WAYS && known && !status; sample++) {
+        double *v = moved + sample / 2 * size;
+        if (sample % 2 && !solved_again(c, v)) continue;
+        ric_shooting_fly(c, v);
         if ((status = ric_floquet_compute(c, f))) break;
         off = fmax(off, RIC_MEASURED * fabs(stable_margin(f, NULL) - margin));
         for (int i = 0; i < k; i++) seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, at + 2 * i));
