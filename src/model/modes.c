@@ -22,8 +22,10 @@ static void multiply(int n, const double *A, const long double *X, long double *
 {
     memset(out, 0, (size_t)n * (size_t)n * sizeof *out);
     for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++)
+        for (int k = 0; k < n; k++) {
+            if (A[i * n + k] == 0) continue; /* chains and meshes are mostly zeros */
             for (int j = 0; j < n; j++) out[i * n + j] += A[i * n + k] * X[k * n + j];
+        }
 }
 
 /* out = factor X' Y, and one more with `and_one`. */
@@ -265,6 +267,27 @@ ric_status ric_modes_find(ric_model *m)
     find_seen(m);
     m->n_part = count_parts(m);
     return m->n_part ? RIC_OK : ric_no_memory("a model");
+}
+
+bool ric_modes_distinct(const ric_model *m)
+{
+    for (int i = 1; i < m->n_dof; i++)
+        if (ric_modes_equal(m->frequency[i - 1] * m->frequency[i - 1], m->frequency[i] * m->frequency[i])) return false;
+    return true;
+}
+
+bool ric_modes_take(ric_model *m, const ric_model *same)
+{
+    const size_t n = (size_t)m->n_dof, square = n * n * sizeof *m->M;
+    if (same->n_dof != m->n_dof || memcmp(same->M, m->M, square) || memcmp(same->K, m->K, square) ||
+        !ric_modes_distinct(same))
+        return false;
+    memcpy(m->frequency, same->frequency, n * sizeof *m->frequency);
+    memcpy(m->frequency_low, same->frequency_low, n * sizeof *m->frequency_low);
+    memcpy(m->Phi, same->Phi, square);
+    find_seen(m);
+    m->n_part = count_parts(m);
+    return true;
 }
 
 #define SAME_SHAPE                                                                                                     \

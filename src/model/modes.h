@@ -9,6 +9,12 @@
  * basis is that in which most are unseen; every shape has its largest component positive. O(n_dof^3). */
 ric_status ric_modes_find(ric_model *model);
 
+/* The same for a model with the mass and stiffness of another one, whose modes it takes: of one frequency none are, as
+ * their basis depends on the contacts. False: they are not alike, and nothing is done. */
+bool ric_modes_take(ric_model *model, const ric_model *same);
+/* Whether no two modes have one frequency. */
+bool ric_modes_distinct(const ric_model *model);
+
 /* Turns the shapes of a model to those of another one that it differs little from: model.h, ric_model_create_near. */
 ric_status ric_modes_orient(ric_model *model, const ric_model *near);
 

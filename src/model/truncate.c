@@ -14,6 +14,7 @@
 #include "base/room.h"
 #include "modal.h"
 #include "model.h"
+#include "modes.h"
 
 #define EQUAL 1e-8   /* relative: frequencies that belong to one family of modes */
 #define UNSEEN 1e-10 /* of c.c: what is left of a contact that no mode that is kept sees */
@@ -83,7 +84,9 @@ ric_status ric_model_truncate(const ric_model *m, int n_mode, ric_model **out)
         if (contacts[f].law == RIC_LAW_BILINEAR)
             contacts[f].stiffness /= 1 + contacts[f].stiffness * ric_truncate_rest(m, n_mode, f, f);
     }
-    if (!status) status = ric_model_create(m->n_dof, m->M, m->K, m->n_contact, contacts, m->restitution, out);
+    const ric_model *same = ric_modes_distinct(m) ? m : NULL; /* of which the modes are taken */
+    if (!status)
+        status = ric_model_create_near(same, m->n_dof, m->M, m->K, m->n_contact, contacts, m->restitution, out);
     free(contacts);
     free(normals);
     return status;
