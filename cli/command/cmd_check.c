@@ -327,6 +327,7 @@ static void print_remarks(const facts *f)
                f->m == 1 && two_sided(f)
                    ? "its family starts at the lower edge of the energy window"
                    : "no family starts from it, which takes a single contact, rigid and with both sides");
+    if (seen_rigid && !(f->m == 1 && two_sided(f))) puts(CLI_LOOSE);
 }
 
 static ric_status print_text(const facts *f, const ric_study *study)

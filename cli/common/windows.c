@@ -57,14 +57,19 @@ static bool begins(const facts *f, int i)
            f->frequency[i] >= frequency[0] && f->frequency[i] <= frequency[1];
 }
 
+static bool any_loose(const facts *f)
+{
+    for (int i = 0; i < f->n; i++)
+        if (f->seen[i] && f->frequency[i] == 0) return true;
+    return false;
+}
+
 /* Whether a loose mass has families to start from: before one contact with both sides. */
 static bool is_loose(const facts *f)
 {
-    bool loose = false;
     ric_contact contact;
-    for (int i = 0; i < f->n; i++) loose |= f->seen[i] && f->frequency[i] == 0;
-    return loose && !f->smooth && ric_model_n_contact(f->model) == 1 && !ric_model_contact(f->model, 0, &contact) &&
-           contact.sides == RIC_SIDES_BOTH;
+    return any_loose(f) && !f->smooth && ric_model_n_contact(f->model) == 1 &&
+           !ric_model_contact(f->model, 0, &contact) && contact.sides == RIC_SIDES_BOTH;
 }
 
 /* --------------------------------------------------------------- remarks */
@@ -305,6 +310,7 @@ static void say_why(const facts *f, const ric_atlas *atlas)
         cli_say("ricochet: no orbit that meets a contact was found, although modes meet one inside the windows%s%s; "
                 "`ricochet report` says which departures were refused or not tried\n",
                 *why ? ": " : "", why);
+        if (any_loose(f) && !is_loose(f)) cli_say("%s\n", CLI_LOOSE);
         return;
     }
     cli_say("ricochet: no orbit that meets a contact was found");

@@ -234,6 +234,8 @@ void plot_energy_title(const plot_options *options, int n, const ric_model *cons
 /* Of a displacement, or of a speed with "/s" for `per`. */
 void plot_length_title(const plot_options *options, const ric_model *model, const char *what, const char *per,
                        size_t size, char *out);
+/* " (mm)" behind a text; nothing where the unit has no name. */
+void plot_append_unit(const char *name, size_t size, char *text);
 const char *plot_frequency_title(const plot_options *options);
 /* E = .., ω = .. */
 void plot_place_text(const plot_options *options, const ric_model *model, double energy, double frequency, size_t size,

@@ -130,6 +130,21 @@ static void draw_curve(picture *p, const plot_panel *panel, int i)
     plot_panel_curve(p->page, panel, PLOT_OVERLAY + (plot_stroke)i, SAMPLES + 1, line);
 }
 
+/* With the name that all studies give to the unit; what they call otherwise has none. */
+static void unit_title(const picture *p, const char *what, bool force, size_t size, char *out)
+{
+    const char *name = "";
+    for (int i = 0; i < p->n_open; i++) {
+        const ric_units *units = ric_model_units(p->sources[i].model);
+        const char *here = force ? units->force : units->length;
+        if (i && strcmp(here, name)) name = "";
+        else name = here;
+        if (!*name) break;
+    }
+    snprintf(out, size, "%s", what);
+    plot_append_unit(name, size, out);
+}
+
 static void draw_panel(picture *p, int i, plot_box box)
 {
     const ric_law law = p->panels[i];
@@ -138,7 +153,10 @@ static void draw_panel(picture *p, int i, plot_box box)
     plot_panel_curve(p->page, &panel, PLOT_GRID, 2, (plot_point[]){{panel.x.lo, 0}, {panel.x.hi, 0}});
     for (int k = 0; k < p->n; k++)
         if (in_panel(&p->curves[k], law)) draw_curve(p, &panel, k);
-    plot_panel_frame(p->page, &panel, "gap coordinate s", law == RIC_LAW_RIGID ? "" : "force F(s) of the contact");
+    char across[80], up[80];
+    unit_title(p, "gap coordinate s", false, sizeof across, across);
+    unit_title(p, "force F(s) of the contact", true, sizeof up, up);
+    plot_panel_frame(p->page, &panel, across, law == RIC_LAW_RIGID ? "" : up);
     snprintf(letter, sizeof letter, "(%c)", 'a' + i);
     if (p->n_panel > 1)
         plot_page_text(p->page, (plot_point){box.left - 40, box.top + 15}, PLOT_LEFT, type + 1, "#000000", false,

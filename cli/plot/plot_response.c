@@ -167,7 +167,10 @@ static int draw(picture *p)
     if (status) return cli_report(status);
     snprintf(across_title, sizeof across_title, "%s%s", titles[along],
              along == RIC_RESPONSE_OMEGA ? (p->common->hertz ? " (Hz)" : " Ω (rad/s)") : "");
+    const ric_units *units = ric_model_units(ric_response_model(p->response));
+    if (along == RIC_RESPONSE_LEVEL) plot_append_unit(units->force, sizeof across_title, across_title);
     snprintf(up, sizeof up, p->rms ? "rms of x_{%d}" : "max |x_{%d}|", p->dof + 1);
+    if (p->common->physical) plot_append_unit(units->length, sizeof up, up);
     plot_panel_frame(p->page, &p->panel, across_title, up);
     plot_page_title(p->page, p->common, NULL);
     plot_legend_entry entries[PLOT_MAX_LEGEND];

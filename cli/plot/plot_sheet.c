@@ -466,6 +466,8 @@ static int draw_columns(sheet *s, int n, const column *columns)
     plot_place_tags(s->page, (plot_box){panel.x.from - 30, panel.y.to + 4, panel.x.to, panel.y.to + 40}, s->n, tags,
                     type);
     snprintf(text, sizeof text, "x_{%ld}(k T/%ld),  x_{%ld}(0) = 0", s->dof, s->samples, s->dof);
+    if (s->common->physical)
+        plot_append_unit(ric_model_units(ric_atlas_model(s->from.atlas[0]))->length, sizeof text, text);
     plot_panel_frame(s->page, &panel,
                      s->stretch         ? "part of the frequency passed, for each segment"
                      : s->common->hertz ? "frequency passed on the way (Hz)"

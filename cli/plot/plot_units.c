@@ -51,6 +51,12 @@ void plot_length_title(const plot_options *options, const ric_model *model, cons
     else snprintf(out, size, "%s", what);
 }
 
+void plot_append_unit(const char *name, size_t size, char *text)
+{
+    const size_t used = strlen(text);
+    if (*name) snprintf(text + used, size - used, " (%s)", name);
+}
+
 const char *plot_frequency_title(const plot_options *options)
 {
     return options->hertz ? "frequency f (Hz)" : "frequency ω (rad/s)";

@@ -26,9 +26,9 @@ class Study:
     names : list of dicts with name, kind, energy and frequency, for junctions
     regions : list of dicts, parts of the plane with larger budgets
     tolerance : float, relative
-    damping, restitution, forcing, vary, drawing
-        What the structure loses, what shakes it, a parameter of it and where it is, as these keys are in a study file
-        (docs/study.md): damping=0.01, forcing={"vector": [1, 0], "amplitude": 0.2, "frequency": [0.5, 2]}, vary={"name": "k2",
+    damping, restitution, forcing, vary, drawing, units
+        What the structure loses, what shakes it, a parameter of it, where it is, and what its units are called, as these keys
+        are in a study file (docs/study.md): units={"length": "mm", "force": "N"}, damping=0.01, forcing={"vector": [1, 0], "amplitude": 0.2, "frequency": [0.5, 2]}, vary={"name": "k2",
         "at": 1, "from": 0.5, "to": 2, "stiffness": [[1, -1], [-1, 1]]}. The atlas is that of the structure without losses and
         force.
     explore
@@ -41,12 +41,12 @@ class Study:
 
     def __init__(self, model: Model, title: Optional[str] = None, *, names=None, regions=None, tolerance=None,
                  damping=None, restitution: Optional[float] = None, forcing: Optional[dict] = None, vary: Optional[dict] = None,
-                 drawing: Optional[dict] = None, **explore):
+                 drawing: Optional[dict] = None, units: Optional[dict] = None, **explore):
         out = ffi.new("ric_study **")
         check(lib.ric_study_create(model._handle, ffi.NULL, (title or "A structure").encode(), out))
         bare = ffi.gc(out[0], lib.ric_study_free)
-        keys = {"names": names, "regions": regions, "tolerance": tolerance, "explore": explore or None,
-                "damping": damping, "restitution": restitution, "forcing": forcing, "vary": vary, "drawing": drawing}
+        keys = {"names": names, "regions": regions, "tolerance": tolerance, "explore": explore or None, "damping": damping,
+                "restitution": restitution, "forcing": forcing, "vary": vary, "drawing": drawing, "units": units}
         text = _with_keys(text_of(lib.ric_study_text(bare)), {key: value for key, value in keys.items() if value is not None})
         check(lib.ric_study_parse(text.encode(), b"study", b".", out))
         self._take(ffi.gc(out[0], lib.ric_study_free), None)

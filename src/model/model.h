@@ -83,7 +83,8 @@ void ric_model_across(int n, const double *h, int columns, int ld, double *X);
 
 /* ric_model_create of a structure that differs little from another one, with the modes of that: every shape has the
  * sign in which it is nearest to the shape of the same number there, so that a frame changes as smoothly as the
- * matrices do. RIC_E_NUMERIC where modes have changed places, or are seen that were not. near NULL: any structure. */
+ * matrices do. RIC_E_NUMERIC where modes have changed places, or are seen that were not; but with the same matrices the
+ * modes are those of `near`, whatever the contacts see, unless two have one frequency. near NULL: any structure. */
 ric_status ric_model_create_near(const ric_model *near, int n_dof, const double *mass, const double *stiffness,
                                  int n_contact, const ric_contact *contacts, double restitution, ric_model **out);
 

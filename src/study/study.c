@@ -567,7 +567,7 @@ static ric_status raw_of(const ric_model *m, ric_raw_model *out)
     ric_status status = RIC_OK;
     *out = (ric_raw_model){.n = ric_model_n_dof(m),
                            .n_contact = ric_model_n_contact(m),
-                           .n_mode = -1,
+                           .n_mode = ric_windows_few(m) ? 0 : -1,
                            .mass = ric_own(ric_model_mass(m)),
                            .stiffness = ric_own(ric_model_stiffness(m)),
                            .restitution = ric_model_restitution(m)};

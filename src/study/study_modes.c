@@ -114,6 +114,7 @@ ric_status ric_study_modes_read(const ric_yaml *r, const ric_yaml_slot *from, co
     else if (from->key && !all)
         status = from->value->type == YAML_MAPPING_NODE ? take_limit(r, from->value, full, &n)
                                                         : take_count(r, from->value, full, &n);
+    if (all && !ric_windows_few(full)) raw->n_mode = -1;
     if (status || n == 0) return status;
     raw->n_mode = n;
     if ((status = say(full, n, chosen, raw))) return status;

@@ -108,7 +108,7 @@ ric_status ric_study_vary_read(const ric_yaml *r, const ric_yaml_slot *from, ric
         return ric_yaml_wrong(r, from->value, "vary",
                               "nothing depends on the parameter; give mass, stiffness or clearance, what is added to "
                               "them when it grows by one");
-    if (raw->n_mode && raw->n_mode < raw->n)
+    if (raw->n_mode > 0 && raw->n_mode < raw->n)
         return ric_yaml_wrong(r, from->value, "vary",
                               "a structure with model.modes is not varied, as other modes would be left out; reduce "
                               "the matrices first");

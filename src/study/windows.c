@@ -161,18 +161,22 @@ ric_status ric_windows_choose(const ric_model *m, ric_explore_options *o)
 
 /* ------------------------------------------------------------- fewer modes */
 
+bool ric_windows_few(const ric_model *m)
+{
+    return m->n <= FEW;
+}
+
 ric_status ric_windows_modes(const ric_model *m, const ric_explore_options *options, int *out)
 {
     ric_explore_options open = *options, *o = &open;
     int seen = 0, n = 0, least = 1;
     *out = m->n_dof;
     open.energy[0] = open.energy[1] = 0;
-    for (int i = 0; i < m->n_dof; i++) seen += m->seen[i];
-    if (seen <= FEW) return RIC_OK;
+    if (ric_windows_few(m)) return RIC_OK;
     const range r = find_range(m, o);
     if (!isfinite(r.first)) return RIC_OK;
     for (int i = 0; i < o->n_start; i++) least = o->start[i] > least ? o->start[i] : least;
-    for (seen = 0; n < m->n_dof; n++) {
+    for (; n < m->n_dof; n++) {
         const bool far = m->frequency[n] > FAR_ABOVE * r.fast, many = seen + m->seen[n] > MANY;
         if (n >= least && (far || many)) break;
         seen += m->seen[n];

@@ -14,6 +14,9 @@ ric_status ric_windows_choose(const ric_model *model, ric_explore_options *optio
  * them. */
 ric_status ric_windows_modes(const ric_model *model, const ric_explore_options *options, int *n);
 
+/* Whether a first look keeps all modes anyway, as contacts see few. */
+bool ric_windows_few(const ric_model *model);
+
 /* How many points of branches a first look at the model can afford, explore.points: some seconds of one core. */
 int ric_windows_points(const ric_model *model);
 

@@ -242,4 +242,14 @@ model:
     - {normal: [-1, 1], clearance: 0.0005, sides: lower}
 Y
 ok 'a loose mass before one side' says 'no family starts from it, which takes a single contact, rigid and with both sides' check "$folder/side.yaml"
+ok 'and how to say it' says 'measure its displacement from the middle' check "$folder/side.yaml"
+ok 'a run says it, too' says 'measure its displacement from the middle' run "$folder/side.yaml"
+sed 's/^model:/units: {length: mm, force: N}\n&/' "$folder/chain.yaml" >"$folder/named.yaml"
+named() { # units on the axes of a force curve
+    sed 's/clearance: 0.25/&, law: bilinear, stiffness: 900/' "$folder/named.yaml" >"$folder/spring.yaml"
+    "$ricochet" plot law "$folder/spring.yaml" -o "$folder/law.svg" && grep -q 's (mm)' "$folder/law.svg" && grep -q '(N)' "$folder/law.svg" &&
+        sed '/^units/d' "$folder/spring.yaml" >"$folder/unnamed.yaml" && "$ricochet" plot law "$folder/unnamed.yaml" -o "$folder/law.svg" &&
+        ! grep -q '(N)' "$folder/law.svg"
+}
+ok 'force curves have their units' named
 finish

@@ -69,6 +69,8 @@ def test_all_digits(folder):
     contacts = [dict(normal=random.standard_normal(3), clearance=random.random() + 0.1),
                 dict(normal=random.standard_normal(3), clearance=random.random() + 0.1, law="bilinear", stiffness=3 / 7)]
     model = ricochet.Model(scipy.sparse.csr_matrix(mass), scipy.sparse.coo_matrix(stiffness), contacts)
+    named = ricochet.Study(model, units={"length": "mm", "force": "N"}, energy=[0, 2])
+    assert 'length: "mm"' in named.text and 'force: "N"' in named.text, named.text
     study = ricochet.Study(model, energy=[0, 1 / 3], start=np.array([1, 2]), impacts=np.int64(3), tolerance=1e-11)
     for one in (model, study.model):
         assert (one.mass == mass).all() and (one.stiffness == stiffness).all()

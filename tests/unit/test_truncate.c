@@ -47,6 +47,8 @@ static void the_rest_is_not_seen(void **state)
         const int kept = 1 + k % N;
         assert_int_equal(ric_model_truncate(full, kept, &some), RIC_OK);
         assert_int_equal(ric_model_n_mode(some), kept);
+        assert_memory_equal(full->Phi, some->Phi, N * N * sizeof *full->Phi); /* found once */
+        assert_memory_equal(full->frequency_low, some->frequency_low, N * sizeof *full->frequency_low);
         double c[2][2 * N], frequency[2][N], compliance[2][N];
         ric_model_modal_normals(full, c[0]);
         ric_model_modal_normals(some, c[1]);
