@@ -333,13 +333,11 @@ int cli_prove_atlas(const char *path, int workers, FILE *out)
 }
 
 /* What does not go together. */
-static bool fits(const prove_list *w, const char *branch, const char *point, const char *path)
+static bool fits(const prove_list *w, const char *branch, const char *point)
 {
-    if (w->curves && (point || path))
-        cli_wrong("prove: --curves is about branches: it takes no --point, and has no certificates (-o)");
-    else if (w->junctions && (w->curves || branch || point || path))
-        cli_wrong("prove: --junctions is about all junctions of an atlas: it takes no --curves, --branch or --point, "
-                  "and has no certificates (-o)");
+    if (w->curves && point) cli_wrong("prove: --curves is about branches: it takes no --point");
+    else if (w->junctions && (w->curves || branch || point))
+        cli_wrong("prove: --junctions is about all junctions of an atlas: it takes no --curves, --branch or --point");
     else if (point && !branch) cli_wrong("prove: --point needs --branch ID, whose points it counts");
     else return true;
     return false;
@@ -365,9 +363,10 @@ static int run(int argc, char **argv)
         (seconds_text && !cli_parse_number(seconds_text, "--seconds", &w.seconds)))
         return CLI_WRONG;
     if (!(w.seconds > 0)) return cli_wrong("prove: --seconds: %s is no time; give a number above 0", seconds_text);
-    if (!fits(&w, text, point_text, path)) return CLI_WRONG;
+    if (!fits(&w, text, point_text)) return CLI_WRONG;
     ric_status status = ric_atlas_read(argv[1], &atlas);
     w.atlas = atlas;
+    w.certified = path;
     if (!status) status = list_all(&w, (int)branch, point);
     int code = status ? cli_report(status) : prove_all(&w, argv[1], (int)workers) ? CLI_FAILED : CLI_DONE;
     if (code == CLI_DONE && path) code = write_certificates(&w, path);
@@ -424,7 +423,9 @@ static const cli_item items[] = {
     {.name = "--physical", .text = "with --complete: energies, --energy too, and states in the units of the study"},
     CLI_ITEM_SORT,
     CLI_ITEM_HZ,
-    {.name = "-o", .value = "FILE", .text = "write certificates, one line of JSON for each point"},
+    {.name = "-o",
+     .value = "FILE",
+     .text = "write certificates, one line of JSON for each point, curve, or grazing of which an impact has no speed"},
     {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given; 0: one for each core"},
     {.name = "--jobs", .value = "WORKERS", .text = "the same"},
     {.name = "--seconds", .value = "S", .text = "stop after that time and show what was done"},
@@ -444,9 +445,9 @@ const cli_command cli_prove = {
     .summary = "prove the orbits of an atlas, by ball arithmetic",
     .usage = "ricochet prove ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [-o FILE]\n"
              "                      [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose] [--json | --csv]\n"
-             "ricochet prove ATLAS --curves [--branch ID | --at E,OMEGA] [-j WORKERS] [--seconds S]\n"
-             "                      [--json | --csv]\n"
-             "ricochet prove ATLAS --junctions [-j WORKERS] [--seconds S] [--json | --csv]\n"
+             "ricochet prove ATLAS --curves [--branch ID | --at E,OMEGA] [-o FILE] [-j WORKERS]\n"
+             "                      [--seconds S] [--json | --csv]\n"
+             "ricochet prove ATLAS --junctions [-o FILE] [-j WORKERS] [--seconds S] [--json | --csv]\n"
              "ricochet prove STUDY --complete --energy E [--impacts N] [--period T] [-j WORKERS]\n"
              "                      [--seconds S] [--physical] [--hz] [--sort COLUMN]\n"
              "                      [--json | --csv | --wide]\n",

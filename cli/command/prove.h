@@ -20,6 +20,7 @@ typedef struct {
     const ric_atlas *atlas;
     bool curves;    /* proves branches, not points; */
     bool junctions; /* or junctions */
+    bool certified; /* with certificates, which are not kept of curves and junctions */
     prove_result *results;
     int n;
     char *model; /* first line of the certificates */

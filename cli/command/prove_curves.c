@@ -16,7 +16,7 @@ ric_status prove_curves_add(prove_list *w, int branch)
     for (int id = first; id <= last; id++) {
         prove_result *r = &w->results[w->n++];
         r->curve.branch = id;
-        r->done = r->kept = ric_prover_available() && ric_curve_proof_kept(w->atlas, id, &r->curve);
+        r->done = r->kept = !w->certified && ric_prover_available() && ric_curve_proof_kept(w->atlas, id, &r->curve);
         w->finished += r->done;
     }
     ric_branch row;

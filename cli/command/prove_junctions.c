@@ -16,7 +16,8 @@ ric_status prove_junctions_add(prove_list *w)
     for (int id = 1; id <= n; id++) {
         prove_result *r = &w->results[w->n++];
         r->junction.junction = id;
-        r->done = r->kept = ric_prover_available() && ric_junction_proof_kept(w->atlas, id, &r->junction);
+        r->done = r->kept = !w->certified && ric_prover_available() &&
+                            ric_junction_proof_kept(w->atlas, id, &r->junction);
         w->finished += r->done;
     }
     return RIC_OK;

@@ -143,12 +143,17 @@ static void print_states(writing *w, const char *name, int first)
     fputs("]", w->file);
 }
 
-static void print_chain(writing *w)
+static void print_class(FILE *f, const ric_chain *c)
+{
+    fprintf(f, ", \"start\": \"%s\", \"end\": \"%s\", \"faces\": [", ends[c->start], ends[c->end]);
+    for (int k = 0; k <= c->m; k++) fprintf(f, "%s%d", k ? ", " : "", c->face[k]);
+    fputs("]", f);
+}
+
+/* States and flight times, behind a field. */
+static void print_orbit(writing *w)
 {
     const ric_chain *c = w->chain;
-    fprintf(w->file, ", \"start\": \"%s\", \"end\": \"%s\", \"faces\": [", ends[c->start], ends[c->end]);
-    for (int k = 0; k <= c->m; k++) fprintf(w->file, "%s%d", k ? ", " : "", c->face[k]);
-    fputs("]", w->file);
     print_states(w, "x", 0);
     print_states(w, "v", w->e->n_dof);
     fputs(", \"tau\": [", w->file);
@@ -156,7 +161,7 @@ static void print_chain(writing *w)
         if (k) fputs(", ", w->file);
         print_number(w, k, 2 * w->e->n_dof);
     }
-    fprintf(w->file, "], \"held\": [%d, %d]", c->at, c->number);
+    fputs("]", w->file);
 }
 
 /* Decimals behind the point with which a number has SIGNIFICANT digits; DECIMALS where it is small, or may be zero. */
@@ -205,12 +210,94 @@ char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ri
     if (!ric_buffer_open(&b)) return NULL;
     writing w = {.file = b.file, .chain = c, .e = e, .u = z->u, .unique = true};
     fprintf(b.file, "{\"type\": \"point\", \"branch\": %d, \"point\": %d", proof->branch, proof->point);
-    print_chain(&w);
+    print_class(b.file, c);
+    print_orbit(&w);
+    fprintf(b.file, ", \"held\": [%d, %d]", c->at, c->number);
     print_rounded(&w, "energy", z->energy);
     print_rounded(&w, "period", z->period);
     if (e->n == 2 && e->n_dof == 2) print_rounded(&w, "trace", z->trace);
     fprintf(b.file, ", \"stable\": \"%s\", \"symmetric\": %s, \"reversible\": %s", flags[proof->stable],
             proof->symmetric ? "true" : "false", proof->reversible ? "true" : "false");
+    char *text = finish(&b);
+    if (text && !w.unique) *text = 0;
+    return text;
+}
+
+/* ------------------------------------------------------------------- curves */
+
+bool ric_certificate_arcs_open(ric_arcs *a)
+{
+    *a = (ric_arcs){.unique = true};
+    return ric_buffer_open(&a->text);
+}
+
+void ric_certificate_arcs_add(ric_arcs *a, const ric_chain *c, const ric_enclosure *e, const arb_t exists)
+{
+    const slong count = (slong)c->m * c->size;
+    arb_ptr u = _arb_vec_init(count);
+    for (slong i = 0; i < count; i++) {
+        arb_set(u + i, c->u + i);
+        arb_add_error(u + i, exists);
+    }
+    writing w = {.file = a->text.file, .chain = c, .e = e, .u = u, .unique = true};
+    fputs(a->open ? ", " : a->arcs++ ? "], [" : "[", w.file);
+    fprintf(w.file, "{\"held\": [%d, %d]", c->at, c->number);
+    print_orbit(&w);
+    fputs("}", w.file);
+    a->open = true;
+    a->unique = a->unique && w.unique;
+    _arb_vec_clear(u, count);
+}
+
+void ric_certificate_arcs_break(ric_arcs *a)
+{
+    a->open = false;
+}
+
+char *ric_certificate_arcs_close(ric_arcs *a, const ric_chain *like, const ric_curve_proof *proof)
+{
+    ric_buffer b;
+    char *arcs = ric_buffer_take(&a->text);
+    if (!arcs || proof->state != RIC_PROOF_DONE || !a->unique || !*arcs) {
+        if (arcs) *arcs = 0;
+        return arcs;
+    }
+    if (!ric_buffer_open(&b)) {
+        free(arcs);
+        return NULL;
+    }
+    fprintf(b.file, "{\"type\": \"curve\", \"branch\": %d", proof->branch);
+    print_class(b.file, like);
+    fprintf(b.file, ", \"arcs\": [%s]]", arcs);
+    free(arcs);
+    return finish(&b);
+}
+
+/* ---------------------------------------------------------------- junctions */
+
+char *ric_certificate_junction(const ric_augmented *x, const ric_junction_proof *proof)
+{
+    ric_buffer b;
+    if (x->ask.kind != RIC_AUGMENTED_SPEED) return ric_strdup("");
+    if (!ric_buffer_open(&b)) return NULL;
+    ric_chain c = x->c;
+    c.number = -1; /* none is held */
+    writing w = {.file = b.file, .chain = &c, .e = x->e, .u = x->z, .unique = true};
+    fprintf(b.file, "{\"type\": \"junction\", \"junction\": %d, \"branch\": %d", proof->junction, proof->branch);
+    print_class(b.file, &c);
+    print_orbit(&w);
+    fprintf(b.file, ", \"slow\": %d", x->ask.place);
+    arb_t y;
+    arb_init(y);
+    ric_chain_energy(x->e, x->z, y);
+    arb_mul_2exp_si(y, y, 2 * x->e->time - x->e->mass);
+    print_rounded(&w, "energy", y);
+    arb_zero(y);
+    for (int k = 0; k < c.m; k++) arb_add(y, y, x->z + (slong)k * c.size + 2 * x->e->n, x->e->prec);
+    arb_mul_ui(y, y, (ulong)ric_chain_copies(&c), x->e->prec);
+    arb_mul_2exp_si(y, y, -x->e->time);
+    print_rounded(&w, "period", y);
+    arb_clear(y);
     char *text = finish(&b);
     if (text && !w.unique) *text = 0;
     return text;

@@ -2,6 +2,8 @@
 #ifndef RIC_PROVE_CERTIFICATE_H
 #define RIC_PROVE_CERTIFICATE_H
 
+#include "augmented.h"
+#include "base/room.h"
 #include "chain.h"
 
 /* What balls hold of an orbit. */
@@ -14,5 +16,24 @@ typedef struct {
  * two decimals: more bits tell it. */
 char *ric_certificate_model(const ric_model *model);
 char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ric_measured *z, const ric_proof *proof);
+
+/* Orbits along a curve, each joined with the next one of its arc; text is added as they come. */
+typedef struct {
+    ric_buffer text;
+    bool open;   /* an arc has begun */
+    bool unique; /* every number was rounded to one decimal */
+    int arcs;
+} ric_arcs;
+
+bool ric_certificate_arcs_open(ric_arcs *a);
+/* The orbit within `exists` of the centre of a chain that holds a number. */
+void ric_certificate_arcs_add(ric_arcs *a, const ric_chain *c, const ric_enclosure *e, const arb_t exists);
+/* What comes is not joined with what was. */
+void ric_certificate_arcs_break(ric_arcs *a);
+/* The line, "" where a number was not told from another one; `a` is closed. */
+char *ric_certificate_arcs_close(ric_arcs *a, const ric_chain *like, const ric_curve_proof *proof);
+
+/* A grazing of which an impact has exactly no speed; "" for all others. */
+char *ric_certificate_junction(const ric_augmented *x, const ric_junction_proof *proof);
 
 #endif

@@ -129,6 +129,14 @@ static bool tube_stands(ric_curve *x, const ric_tube *t, arb_srcptr last)
     return stands;
 }
 
+/* In the certificate are orbits that hold a number: those of junctions do not. */
+static void record(ric_curve *x, const ric_node *a, const ric_node *b)
+{
+    if (!x->arcs || a->last || b->last) return;
+    if (!x->arcs->open && a->c.number >= 0) ric_certificate_arcs_add(x->arcs, &a->c, x->e, a->exists);
+    if (b->c.number >= 0) ric_certificate_arcs_add(x->arcs, &b->c, x->e, b->exists);
+}
+
 static bool join_by_one(ric_curve *x, const ric_node *a, const ric_node *b)
 {
     ric_tube t;
@@ -140,6 +148,7 @@ static bool join_by_one(ric_curve *x, const ric_node *a, const ric_node *b)
                tube_stands(x, &t, b->last);
     }
     ric_tube_free(&t);
+    if (done) record(x, a, b);
     return done;
 }
 

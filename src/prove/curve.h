@@ -3,6 +3,7 @@
 #ifndef RIC_PROVE_CURVE_H
 #define RIC_PROVE_CURVE_H
 
+#include "certificate.h"
 #include "passage.h"
 #include "tube.h"
 
@@ -18,6 +19,7 @@ typedef struct {
     const ric_enclosure *e;
     int tubes;
     double length[3]; /* along the curve, by ric_stability: what is unstable, stable and undecided */
+    ric_arcs *arcs;   /* its certificate, or NULL */
     char why[200];    /* where it ends, and why */
     double approach;  /* no impact is slower, scaled, per 2^-time s */
 } ric_curve;

@@ -272,6 +272,7 @@ ric_status ric_prover_point(ric_prover *p, int branch, int i, ric_proof *out)
         status = attempt(p, level, branch, i, &next, &more);
         /* A verdict that stays open with more bits does not take back what fewer have proved. */
         if (!status && (next.state == RIC_PROOF_DONE || out->state != RIC_PROOF_DONE)) *out = next;
+        if (out->state == RIC_PROOF_LEFT_OUT) break;
         if (!status && level == 0 && out->state != RIC_PROOF_DONE && !p->contradicted)
             status = ric_prover_at_junction(p, &row, i, out);
         more = more && (out->state != RIC_PROOF_DONE || !*out->why); /* a junction is not proved again */

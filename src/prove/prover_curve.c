@@ -258,7 +258,10 @@ static ric_status prove_steps(tracing *t, ric_curve_proof *out)
         done = prove_next(t, from, k, &here, &next, out);
         from = k;
         swap_nodes(&here, &next);
-        if (t->beyond.c.u) swap_nodes(&here, &t->beyond);
+        if (t->beyond.c.u) {
+            swap_nodes(&here, &t->beyond);
+            ric_certificate_arcs_break(t->curve.arcs);
+        }
         ric_curve_node_clear(&t->beyond);
         ric_curve_node_init(&t->beyond);
     }
@@ -272,7 +275,9 @@ static ric_status prove_steps(tracing *t, ric_curve_proof *out)
 
 ric_status ric_prover_curve(ric_prover *p, int id, ric_curve_proof *out)
 {
-    tracing t = {.p = p, .curve = {.approach = HUGE_VAL}};
+    ric_arcs arcs;
+    tracing t = {.p = p, .curve = {.approach = HUGE_VAL, .arcs = &arcs}};
+    if (!ric_certificate_arcs_open(&arcs)) return ric_no_memory("a certificate");
     ric_status status = ric_walk_open(&t.w, p, id, 0);
     t.curve.e = t.w.e;
     *out = (ric_curve_proof){.branch = id, .state = RIC_PROOF_NONE};
@@ -289,6 +294,8 @@ ric_status ric_prover_curve(ric_prover *p, int id, ric_curve_proof *out)
     out->unstable = all > 0 ? length[RIC_STABLE_NO] / all : 0;
     out->approach = ldexp(t.curve.approach, t.w.e->time);
     free(t.stations);
+    free(p->certificate);
+    p->certificate = ric_certificate_arcs_close(&arcs, &t.w.like, out);
     ric_walk_close(&t.w);
-    return status;
+    return status ? status : p->certificate ? RIC_OK : ric_no_memory("a certificate");
 }

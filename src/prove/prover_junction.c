@@ -7,6 +7,7 @@
 #include "atlas/room.h"
 #include "augmented.h"
 #include "base/room.h"
+#include "certificate.h"
 #include "passage.h"
 #include "prover_junction.h"
 #include "story.h"
@@ -356,6 +357,11 @@ ric_status ric_prover_junction(ric_prover *p, int id, ric_junction_proof *out)
         ric_augmented x = {0};
         if (p->at[level].good) status = ric_prover_junction_find(p, &row, level, &x, out);
         else snprintf(out->why, sizeof out->why, "%s", e->why);
+        if (!status && out->state == RIC_PROOF_DONE) {
+            free(p->certificate);
+            p->certificate = ric_certificate_junction(&x, out);
+            if (!p->certificate) status = ric_no_memory("a certificate");
+        }
         ric_augmented_free(&x);
     }
     return status;

@@ -203,9 +203,21 @@ static void tell_mode(const mode *m, ric_proof *out)
     arb_clear(energy);
 }
 
+static bool has_frequency(const ric_enclosure *e, double frequency)
+{
+    for (slong i = 0; i < e->n; i++)
+        if (fabs(middle(e->omega + i) - frequency) <= RIC_PROVER_NEAR * frequency) return true;
+    return false;
+}
+
 void ric_prover_mode(const ric_enclosure *e, const ric_point *stored, const double *state, ric_proof *out)
 {
     mode m;
+    if (!has_frequency(e, ldexp(stored->frequency, -e->time))) {
+        out->state = RIC_PROOF_LEFT_OUT;
+        snprintf(out->why, sizeof out->why, "a linear mode that no contact sees");
+        return;
+    }
     mode_open(&m, e);
     measure_mode(&m, state, ldexp(stored->frequency, -e->time));
     if (!is_simple(&m))

@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# Certificates of curves and grazings, checked by what shares nothing with the program: what it writes passes, lies do not.
+set -u
+. tests/support/tap.sh
+
+# the one with gmpy2, if any: it is twice as fast
+python=
+for one in python3 /usr/bin/python3; do
+    "$one" -c 'import mpmath, yaml' 2>/dev/null || continue
+    [ -n "$python" ] || python=$one
+    if "$one" -c 'import gmpy2' 2>/dev/null; then python=$one && break; fi
+done
+if [ -z "$python" ]; then echo '1..0 # SKIP no mpmath'; exit 77; fi
+for name in elementary three-masses; do
+    "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
+    if "$ricochet" prove "$folder/$name.ricochet" --junctions -o "$folder/$name-j.jsonl" 2>&1 | grep -q 'left out of this program'; then
+        echo '1..0 # SKIP the program was built without FLINT'
+        exit 77
+    fi
+    "$ricochet" prove "$folder/$name.ricochet" --curves -o "$folder/$name-c.jsonl" >"$folder/said" 2>&1
+done
+accepted() { "$python" tools/check_certificate.py "$@" >"$folder/checked" && [ "$(tail -1 "$folder/checked")" = "$count accepted, 0 refused" ]; }
+count=6
+ok 'grazings of elementary are accepted, and are those of the atlas' accepted "$folder/elementary-j.jsonl" "$folder/elementary.ricochet"
+
+# lies CODE: Python over the certificates; refused(LINE): why the checker refuses what a liar signs, or None
+lies() {
+    "$python" - "$folder" "$(every_of 20)" <<END
+import copy, json, random, sys
+sys.path.insert(0, "tools")
+import check_certificate as checker
+random.seed(3)
+folder, every = sys.argv[1], int(sys.argv[2])
+def read(name):
+    lines = [checker.read_line(text) for text in open(f"{folder}/{name}.jsonl").read().splitlines()]
+    return checker.Model(lines[0]), lines[1:]
+model, curves = read("elementary-c")
+of = {line["branch"]: line for line in curves}
+def refused(line, model=model):
+    body = json.dumps({key: line[key] for key in line if key != "check"})[:-1]
+    value = 0xCBF29CE484222325
+    for byte in body.encode(): value = (value ^ byte) * 0x100000001B3 & (1 << 64) - 1
+    try:
+        line = checker.read_line(body + f', "check": "{value:016x}"}}')
+        (checker.check_curve.check if line["type"] == "curve" else checker.check)(model, line)
+    except (AttributeError, ArithmeticError, LookupError, TypeError, ValueError) as error:
+        return str(error) or type(error).__name__
+def part(line, first, last, arc=0):
+    return {**line, "arcs": [copy.deepcopy(line["arcs"][arc][first:last])]}
+$1
+END
+}
+# S2+ over its fold and beside the grazing, A2, which is straight, and the step of S6 that ends before what it crosses
+ok 'curves of elementary are accepted' lies '
+pieces = [(3, 0, 3, 0), (3, 40, 42, 0), (5, 3, 5, 0)] if every > 1 else [(b, 0, len(l["arcs"][0]), 0) for b, l in of.items() if len(l["tau"]) < 3]
+for branch, first, last, arc in pieces + [(11, 0, 2, 1), (8, 30, 32, 0)]:
+    why = refused(part(of[branch], first, last, arc))
+    assert not why, (branch, first, why)
+assert len(of) == 12 and len(of[11]["arcs"]) == 2'
+ok 'and of three masses' lies '
+other, lines = read("three-masses-c")
+line = min(lines, key=lambda line: len(line["faces"]))
+assert not refused(part(line, 1, 3), other)'
+ok 'a chord from one branch to another is none' lies '
+assert (of[3]["faces"], of[3]["start"]) == (of[4]["faces"], of[4]["start"])
+assert refused({**of[3], "arcs": [[of[3]["arcs"][0][44], of[4]["arcs"][0][20]]]})'
+ok 'nor is what has a gap, an orbit twice, or the mirrors of another one' lies '
+whole = part(of[5], 3, 6)
+whole["arcs"][0][1] = whole["arcs"][0][0]
+assert refused(whole) == "an orbit stands there twice"
+gap = {**of[3], "arcs": [[of[3]["arcs"][0][0], of[3]["arcs"][0][-1]]]}
+assert refused(gap)
+assert refused({**part(of[3], 40, 42), "end": "rest"})
+assert refused({**part(of[5], 3, 5), "faces": [0, 0]})
+assert refused({**of[5], "arcs": [of[5]["arcs"][0][:1]]}) == "an arc has no two orbits"'
+ok 'no digit of an orbit of a curve is changed and signed anew' lies '
+for _ in range(1 + 40 // every):
+    line = part(of[5], 3, 5)
+    node = random.choice(line["arcs"][0])
+    key = random.choice("x v tau".split())
+    numbers = node[key] if key == "tau" else node[key][0]
+    at = random.randrange(len(numbers))
+    digits = list(str(numbers[at]))
+    where = random.choice([i for i, d in enumerate(digits) if d.isdigit()])
+    digits[where] = random.choice([d for d in "0123456789" if d != digits[where]])
+    numbers[at] = int("".join(digits))
+    assert refused(line), (key, at, line)'
+ok 'no grazing with another digit, impact, or speed' lies '
+model, lines = read("elementary-j")
+for line in lines[:4]:
+    for key in ("x", "v", "tau"):
+        lie = copy.deepcopy(line)
+        there = lie[key] if key == "tau" else lie[key][0]
+        there[-1] += 1
+        assert refused(lie), lie
+    for key in ("energy", "period"):
+        lie = copy.deepcopy(line)
+        lie[key][0] += 1
+        assert refused(lie) == f"the {key} is another one", lie
+    others = [k for k in range(len(line["faces"])) if k != line["slow"]]
+    assert all(refused({**line, "slow": k}) for k in others), line'
+finish
