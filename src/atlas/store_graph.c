@@ -9,7 +9,7 @@
 #include "store_parts.h"
 
 enum {
-    VERSION = 1, /* of what is proved and how it is written: rows of another one are proved again */
+    VERSION = 2, /* of what is proved and how it is written: rows of another one are proved again */
     INTEGERS = 5,
     NUMBERS = 10,
     FIRST = 5, /* columns before the integers */

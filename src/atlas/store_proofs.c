@@ -10,7 +10,7 @@
 #include "store_parts.h"
 
 enum {
-    VERSION = 2, /* of what is proved and how it is written: rows of another one are proved again */
+    VERSION = 3, /* of what is proved and how it is written: rows of another one are proved again */
     COLUMNS = 20,
     NUMBERS = 10, /* of a proof, from column FIRST on */
     FIRST = 8,

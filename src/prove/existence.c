@@ -3,12 +3,14 @@
 #include <math.h>
 
 #include "base/room.h"
+#include "contraction.h"
 #include "factor.h"
 
 enum {
     NEWTON = 8,  /* steps at most */
     POWER = 4,   /* steps of the inverse iteration for the least singular value */
     ALPHAS = 6,  /* bounds of it that are tried, each an eighth of the one before */
+    DENSE = 200, /* unknowns of a matrix that is not taken apart */
     DOMAIN = -3, /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a turn of a mode */
 };
 
@@ -446,6 +448,52 @@ static bool identifies(const ric_existence *x)
     return x->shift < arf_get_d(arb_midref(x->unique), ARF_RND_FLOOR);
 }
 
+/* J of all equations on the box of one radius around the centre; the plane is the last row. */
+static void evaluate_box(problem *p, const ric_chain *box, arb_mat_t J)
+{
+    const slong n = arb_mat_nrows(J);
+    ric_equations q;
+    ric_equation_create(&q, box);
+    ric_equation_evaluate(&q, box, p->e);
+    ric_equation_loosen(&q, box, p->e, NULL);
+    ric_equation_gather(&q, box, J, NULL);
+    ric_equation_free(&q);
+    _arb_vec_set(arb_mat_entry(J, n - 1, (slong)box->at * box->size), box->row, box->size);
+}
+
+/* That no other orbit is near, number by number: bounds of norms are too coarse where frequencies are far apart. With
+ * any C, Z b < b on a box of radii b leaves no two zeros in it (contraction.h). Dense, so only for what is not large.
+ */
+static bool alone_in_box(problem *p, ric_existence *x)
+{
+    const ric_chain *c = p->c;
+    const slong count = (slong)c->m * c->size, n = count + ric_chain_general(c);
+    const double radius = 2 * x->shift;
+    if (n > DENSE || !(radius > 0) || !isfinite(radius)) return false;
+    ric_contraction k;
+    ric_chain box;
+    arb_mat_t J;
+    mag_t r;
+    mag_init(r);
+    mag_set_d(r, radius);
+    arb_mat_init(J, n, n);
+    ric_chain_copy(&box, c);
+    ric_contraction_create(&k, n, p->e->prec);
+    evaluate_box(p, &box, J);
+    bool alone = ric_contraction_invert(&k, J);
+    for (slong i = 0; i < n; i++) arb_add_error_mag(box.u + (i < count ? i : count), r);
+    for (slong i = 0; i < n; i++) mag_set(k.b + i, r);
+    evaluate_box(p, &box, J);
+    ric_contraction_defect(&k, J);
+    alone = alone && ric_contraction_holds(&k);
+    if (alone) arb_set_d(x->unique, radius);
+    arb_mat_clear(J);
+    mag_clear(r);
+    ric_chain_free(&box);
+    ric_contraction_free(&k);
+    return alone;
+}
+
 static const char *prove(problem *p, ric_existence *x)
 {
     arb_t least;
@@ -456,7 +504,7 @@ static const char *prove(problem *p, ric_existence *x)
     const char *why = !bound_inverse(p, least) ? "the equations are all but singular there"
                       : !conclude(p, x, least) ? "the equations are too near to singular for what is left of them"
                                                : NULL;
-    x->identified = !why && identifies(x);
+    x->identified = !why && (identifies(x) || alone_in_box(p, x));
     arb_clear(least);
     return why;
 }

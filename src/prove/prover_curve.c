@@ -163,7 +163,9 @@ static ric_status place_inside(tracing *t, const station *s, const ric_junction 
     return status;
 }
 
-/* A multiplication of a shorter orbit that it passes in its own class: behind it, seen from the node before. */
+/* A curve of a smaller class, or a shorter orbit, that it passes in its own class: behind it, seen from the node
+ * before.
+ */
 static ric_status place_across(tracing *t, const station *s, const ric_junction *row, const ric_node *before,
                                ric_node *a)
 {
@@ -191,8 +193,8 @@ static ric_status place(tracing *t, const station *s, const ric_node *before, ri
         ric_junction row;
         status = ric_atlas_junction(t->p->atlas, s->junction, &row);
         if (status) return status;
-        return ric_prover_junction_asked(&row, &t->w.branch) ? place_inside(t, s, &row, a)
-                                                             : place_across(t, s, &row, before, a);
+        if (ric_prover_junction_asked(&row, &t->w.branch)) status = place_inside(t, s, &row, a);
+        return status || !a->why || !leaves(&row) ? status : place_across(t, s, &row, before, a);
     }
     if (is_junction(&t->w, s->point)) return place_end(t, s->point, a);
     status = ric_walk_chain(&t->w, s->point, &a->c, &made);

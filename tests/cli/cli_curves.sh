@@ -50,6 +50,10 @@ ok 'stability is told along nearly all of them' stable "$folder/e.ricochet"
 ok 'so are branches without a mirror, and horizontal ones' bash -c '[[ $1 =~ ^proved ]] && [[ $2 =~ ^proved ]]' . "$(curve "$folder/e.ricochet" 6)" "$(curve "$folder/e.ricochet" 5)"
 ok 'linear modes are left out' bash -c '[[ $1 =~ ^left\ out ]]' . "$(curve "$folder/e.ricochet" 1)"
 
+# A2[12] passes the orbit of the branch with a mirror, on which it is found, in its own class, which lacks that.
+"$ricochet" run examples/two-walls/study.yaml -o "$folder/w.ricochet" --quiet
+ok 'curves without a mirror cross those with one' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/w.ricochet" 10)"
+
 # S2- has the word and the class of S2+
 planted '
 columns = [row[1] for row in db.execute("PRAGMA table_info(point)") if row[1] not in ("branch", "point", "arclength")]

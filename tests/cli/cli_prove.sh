@@ -221,6 +221,14 @@ assert len(times) > 80
 wrong = {T: verdict for T, verdict in times.items() if verdict != (4.845 <= T < 5.840)}
 assert not wrong, wrong'
 
+# Twenty modes, of which the fastest turns 447 times as fast as the first: bounds of norms leave the orbit alone
+# in less than rounding, boxes do not.
+mkdir -p "$folder/lumped"
+cp examples/beam-lumped/*.mtx "$folder/lumped"
+sed 's/depth: 6/depth: 2/; s/impacts: 8/impacts: 2/; s/start: \[1, 2, 3\]/start: [1, 2]/' examples/beam-lumped/study.yaml >"$folder/lumped/study.yaml"
+"$ricochet" run "$folder/lumped/study.yaml" -o "$folder/lumped.ricochet" --quiet
+ok 'orbits of twenty modes are told apart' bash -c 'for i in 2 25; do "$0" prove "$1" --branch 5 --point $i 2>&1 | grep -q "^1 of 1" || exit 1; done' "$ricochet" "$folder/lumped.ricochet"
+
 for name in bilinear power-3; do
     "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
     ok "$name is left out by name" bash -c '"$0" prove "$1" | grep -q "^the first of them: .*\(bilinear\|power\)"' "$ricochet" "$folder/$name.ricochet"
