@@ -25,6 +25,7 @@ enum {
 
 typedef struct {
     ric_census_word word;
+    bool turned; /* flights 1 and N - 1 may be exchanged */
     ric_census_box box;
     int n, room;
     ric_census_find *found;
@@ -132,6 +133,9 @@ static void search(ric_census *s, task *t, ric_census_box *b, int tries, int dep
         return;
     }
     t->boxes++;
+    /* Run backwards, and mirrored where that takes the word to itself, an orbit is one with flights 1 and N - 1
+     * exchanged: the one with the longer flight 1 stands for both. */
+    if (t->turned && b->t[1].hi < b->t[N - 1].lo) return;
     if (!ric_census_box_reduce(b, &s->pair, &t->word, &s->limits) || is_known(s, t, b)) return;
     double sum = 0;
     for (int k = 0; k < N; k++) sum += b->t[k].hi - b->t[k].lo;
@@ -236,6 +240,16 @@ static bool is_smallest(const ric_census_word *w, const ric_census_pair *p)
     return true;
 }
 
+/* Whether its own image, run backwards, is the word again. */
+static bool is_turned(const ric_census_word *w, const ric_census_pair *p)
+{
+    for (int mirror = 0; mirror < (p->mirrored ? 2 : 1) && w->N > 2; mirror++) {
+        const ric_census_word other = image_of(w, p, true, mirror);
+        if (compare(&other, w) == 0) return true;
+    }
+    return false;
+}
+
 static bool next_word(ric_census_word *w, int n_face)
 {
     for (int i = w->N - 1; i >= 0; i--) {
@@ -253,7 +267,7 @@ static bool divide(ric_census *s, const ric_census_word *word)
     if (!more) return false;
     s->tasks = more;
     task *t = &s->tasks[s->n_task++];
-    *t = (task){.word = *word};
+    *t = (task){.word = *word, .turned = is_turned(word, &s->pair)};
     for (int k = 0; k < word->N; k++) t->box.t[k] = (ric_range){0, s->limits.flight};
     for (int i = 0; i < 4; i++) t->box.w[i] = (ric_range){-s->pair.size, s->pair.size};
     for (int level = 0; s->n_task - first < TASKS; level++) {
