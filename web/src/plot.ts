@@ -34,6 +34,7 @@ export interface PlotEvents {
 }
 
 const LIT_STEPS = 6;
+const NEAR = 3; // times the frequencies of what meets a contact, within which linear modes are shown at first
 const REST = 90; // ms without motion, after which labels are placed anew
 
 // Where a leader from its mark meets a label.
@@ -101,14 +102,19 @@ export class Plot {
 
   /* ---------------------------------------------------------------- windows */
 
-  // All of the atlas; of the linear modes only the upper end, as they come from energy 0.
+  // All of the atlas; of the linear modes only the upper end, as they come from energy 0, and of those on which nothing happens only what is near the rest:
+  // in a structure of many modes they would press it to the foot.
   home(): Window {
     const { atlas } = this.scene;
     let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
+    const idle = (b: Branch) => b.linear && b.to === null && !b.junctions.length;
+    const lively = atlas.branches.filter((b) => !idle(b) && b.frequency_max > 0);
+    const [low, high] = [Math.min(...lively.map((b) => b.frequency_min)) / NEAR, Math.max(...lively.map((b) => b.frequency_max)) * NEAR];
     for (const b of atlas.branches) {
-      const low = b.linear ? 0.6 * b.energy_max : b.energy_min;
+      if (lively.length && idle(b) && (b.frequency_min > high || b.frequency_max < low)) continue;
+      const from = b.linear ? 0.6 * b.energy_max : b.energy_min;
       if (!(b.energy_max > 0)) continue;
-      x0 = Math.min(x0, this.view.toX(low));
+      x0 = Math.min(x0, this.view.toX(from));
       x1 = Math.max(x1, this.view.toX(b.energy_max));
       y0 = Math.min(y0, this.view.toY(b.frequency_min / this.options.duplicates));
       y1 = Math.max(y1, this.view.toY(b.frequency_max));

@@ -62,7 +62,7 @@ export function installSearch(input: HTMLInputElement, list: HTMLElement, atlas:
       };
       return row;
     }));
-    if (!results.length && input.value.trim()) list.replaceChildren(el("p", { class: "sub", textContent: "Nothing has that name." }));
+    if (!results.length && input.value.trim()) list.replaceChildren(el("p", { class: "sub", textContent: /^[-+.\d]/.test(input.value.trim()) ? "Nothing has that name. A number with # is a branch, as #12; for energies and frequencies see Branches." : "Nothing has that name." }));
     list.hidden = !input.value.trim();
     input.setAttribute("aria-expanded", String(!list.hidden));
   };
