@@ -214,6 +214,17 @@ static void accept_order(const replay *r, int k, event *e)
     e->face = (int)(expected - r->face);
 }
 
+/* The same where the word has a touch: an impact of another face, orthogonal to it, falls on the instant of the touch
+ * and is undone. Whether it was. */
+static bool accept_impact(const replay *r, int k, event *e)
+{
+    const face_t *touched = ric_replay_end_face(r, k), *struck = e->hit ? &r->face[e->face] : NULL;
+    if (!struck || struck == touched || !orthogonal(r, struck, touched)) return false;
+    if (fabs(ric_replay_gap(r, touched, r->w)) > CLOSED * touched->limit) return false;
+    ric_replay_reflect(r, struck, r->w);
+    return true;
+}
+
 /* How much later flight k may meet its face, at that speed or faster, by the stored digits alone: as the gap is drawn
  * back from the face, up to twice as much as its speed alone says. A spring opens where the simulator saw it close,
  * which the chain may be off by as well. */
@@ -298,7 +309,8 @@ static ric_status check_touch(replay *r, int k)
         r->corner = true;
         return RIC_OK;
     }
-    if (e.refused || (e.hit && &r->face[e.face] != face)) r->check->faces_agree = false;
+    const bool undone = accept_impact(r, k, &e);
+    if (e.refused || (e.hit && !undone && &r->face[e.face] != face)) r->check->faces_agree = false;
     const real digits = r->digits && r->n_event ? r->digits->gap[k] / face->limit : 0;
     const bool met = e.hit || e.touches || fabs(r->reach - 1) <= REACH + digits;
     if (!met && !is_at(r, face)) r->check->faces_agree = false;
@@ -469,6 +481,14 @@ static void allow_rounding(replay *r)
     if (check->return_error > allowed(check) && rounding > LOST) check->return_error = NAN;
 }
 
+/* Whether the impact at the end of flight k, due at `due`, fell on the instant of the touch before it and was met with
+ * that. */
+static bool struck_with_touch(const replay *r, int k, const event *e, real due)
+{
+    return e->hit && &r->face[e->face] == ric_replay_end_face(r, k) && ric_replay_is_touch(r, k - 1) &&
+           fabs(due - e->time) <= NO_LENGTH * r->period;
+}
+
 /* The whole period from one start. A touch of the word may be struck or not. */
 static ric_status check_return(replay *r)
 {
@@ -488,6 +508,7 @@ static ric_status check_return(replay *r)
         bool linear = r->n_event == 0, touch = linear || ric_replay_is_touch(r, k);
         real late = linear ? 0 : touch ? fmin(LATE * mean, r->tau[(k + 1) % r->n_flight] / 2) : LATE * mean;
         due += r->tau[k];
+        if (k > 0 && !touch && struck_with_touch(r, k, &e, due)) continue;
         before = e;
         status = run_to_impact(r, k, due, due + late, &e);
         if (!e.hit && !touch) break;

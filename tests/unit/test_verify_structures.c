@@ -405,6 +405,18 @@ static void no_grazing_without_a_word(void **state)
                      "explore: {energy: [0, 58.68], frequency: [0.2, 6.001], impacts: 6, multiply: 2, depth: 2}\n");
 }
 
+/* A spring is touched at the very instant of an impact, which is a mirror point of the orbit: the simulator meets the
+ * stop, whose normal is orthogonal, and may meet the spring before it, behind it or not at all. */
+static void verify_touch_with_an_impact(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[0.75, 0, 0], [0, 0.75, 0], [0, 0, 0.25]]\n"
+                     "  stiffness: [[9.5, -8, 0], [-8, 9.5, -1.5], [0, -1.5, 7.75]]\n"
+                     "  contacts:\n    - {normal: [-1, 1, 0], law: rigid, clearance: 0.726, sides: upper}\n"
+                     "    - {normal: [0, 0, 1], law: bilinear, clearance: 1.23, sides: lower, stiffness: 2.034}\n"
+                     "explore: {energy: [0, 177], frequency: [0.2678, 16.94], impacts: 4, multiply: 1, depth: 2}\n");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -429,6 +441,7 @@ int main(void)
         cmocka_unit_test(reach_between_contacts),
         cmocka_unit_test(verify_stop_and_spring),
         cmocka_unit_test(no_grazing_without_a_word),
+        cmocka_unit_test(verify_touch_with_an_impact),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
