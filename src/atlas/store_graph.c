@@ -209,7 +209,11 @@ ric_status ric_store_read_graph(ric_database file, ric_atlas *atlas)
     if (code) return ric_store_sqlite_fail(file, code);
     if (!tables) return RIC_OK;
     ric_status status = ric_store_sqlite_prepare(file, select_all, &query);
-    while (!status && !(status = ric_store_sqlite_step(file, query, &row)) && row) status = add_row(atlas, query);
+    /* one row of each is written: a table without its key may have any number, each of which is read with its branch */
+    for (int left = atlas->n_branch + atlas->n_junction; left > 0 && !status; left--) {
+        if ((status = ric_store_sqlite_step(file, query, &row)) || !row) break;
+        status = add_row(atlas, query);
+    }
     sqlite3_finalize(query);
     return status;
 }

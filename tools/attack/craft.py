@@ -58,8 +58,10 @@ BLOBS = [b"", b"\0", b"\xff" * 8, b"\0" * 4096, b"\xff\xfe", b"a\0b", b"\xf0\x28
 DOUBLES = [float("nan"), float("inf"), float("-inf"), 1e300, -1e300, 5e-324, 1e99, -1.0, 0.0, 1e15]
 TABLES = {
     "meta": ["key"], "branch": ["id"], "branch_junction": ["branch", "position"], "point": ["branch", "point"],
-    "junction": ["id"], "junction_branch": ["junction", "branch"], "trace": ["key"],
+    "junction": ["id"], "junction_branch": ["junction", "branch"], "trace": ["key"], "proof": ["branch", "point"],
+    "proof_graph": ["kind", "id"],
 }
+WEIGHTS = [2, 4, 1, 4, 4, 1, 2, 1, 1]
 LOOKS = [["branches"], ["junctions"], ["report"], ["bases"], ["verify"], ["cascade"], ["branches", "--segments"],
          ["junctions", "--duplicates", "3"], ["branches", "--json"], ["junctions", "--csv"], ["verify", "--all"]]
 
@@ -77,6 +79,7 @@ def looks(branch, out):
         ["plot", "sheet", "--segment", branch, "-o", out], ["plot", "strobe", "--segment", branch, "-o", out],
         ["plot", "cascade", "--branch", branch, "--doublings", "1", "-o", out],
         ["plot", "cascade", "--branch", branch, "--circle", "-o", out], ["run"],
+        ["prove", "--branch", branch, "--point", "1"], ["prove", "--junctions", "--seconds", "2"],
     ]
 
 
@@ -106,6 +109,8 @@ def hostile(rng, old):
 
 def change_field(rng, db, table):
     names = columns(db, table)
+    if not names:
+        return f"{table}: not there"
     rows = db.execute(f"SELECT * FROM {table}").fetchall()
     if not rows:
         return f"{table}: empty"
@@ -197,7 +202,7 @@ def craft(rng, path):
             if rng.random() < 0.15:
                 done.append(bend(rng, db))
             else:
-                done.append(change_field(rng, db, rng.choices(list(TABLES), [2, 4, 1, 4, 4, 1, 2])[0]))
+                done.append(change_field(rng, db, rng.choices(list(TABLES), WEIGHTS)[0]))
         if any(text.startswith("trace") for text in done) and rng.random() < 0.9:
             fit_trace(db)
         digest = atlas_digest.of_database(db)
@@ -246,7 +251,9 @@ class Attack:
             with open(study, "w", encoding="utf-8") as file:
                 file.write(f"title: {kind}\nmodel:\n  mass: {mass}\n  stiffness: {stiffness}\n  contacts:\n{listed}{EXPLORE}")
             atlas = os.path.join(self.folder, kind + ".ricochet")
-            code, said, _ = self.call(["run", study, "-o", atlas], self.folder, 120)
+            code, said, _ = self.call(["run", study, "-o", atlas, "--prove"], self.folder, 120)
+            if code:  # without the library for proofs there are none to be changed
+                code, said, _ = self.call(["run", study, "-o", atlas], self.folder, 120)
             if code:
                 sys.exit(f"{kind}: {said}")
             self.atlases[kind] = atlas
@@ -284,7 +291,7 @@ class Attack:
         if code and not said.strip():
             return f"exit status {code} without a message"
         made = {name for name in set(before) | set(after) if before.get(name) != after.get(name)}
-        allowed = {path} if words[0] == "run" and code in (0, 3) else set()  # what refuses a file leaves it as it is
+        allowed = {path} if words[0] in ("run", "prove") and code in (0, 3) else set()  # what refuses a file leaves it as it is
         if words[0] == "plot" and code == 0:
             allowed = {os.path.join(self.empty, words[-1])}
         return f"writes {sorted(made - allowed)}" if made - allowed else None
