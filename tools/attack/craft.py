@@ -291,7 +291,8 @@ class Attack:
         if code and not said.strip():
             return f"exit status {code} without a message"
         made = {name for name in set(before) | set(after) if before.get(name) != after.get(name)}
-        allowed = {path} if words[0] in ("run", "prove") and code in (0, 3) else set()  # what refuses a file leaves it as it is
+        writes = {"run": (0, 3), "prove": (0, 1, 3)}  # a proof that fails is kept, too
+        allowed = {path} if code in writes.get(words[0], ()) else set()  # what refuses a file leaves it as it is
         if words[0] == "plot" and code == 0:
             allowed = {os.path.join(self.empty, words[-1])}
         return f"writes {sorted(made - allowed)}" if made - allowed else None
