@@ -417,6 +417,19 @@ static void verify_touch_with_an_impact(void **state)
                      "explore: {energy: [0, 177], frequency: [0.2678, 16.94], impacts: 4, multiply: 1, depth: 2}\n");
 }
 
+/* An orbit whose long flight ends 67 roundings off its face, as the solver leaves it. */
+static void verify_long_flight_to_a_stiff_spring(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[1, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1.75]]\n"
+                     "  stiffness: [[5.75, -5.5, 0, 0], [-5.5, 13.25, -7.75, 0], [0, -7.75, 8.25, -0.5], [0, 0, -0.5, "
+                     "7.75]]\n"
+                     "  contacts:\n    - {normal: [0, 0, 1, 0], law: bilinear, clearance: 1.02, sides: lower, "
+                     "stiffness: 7453000}\n"
+                     "    - {normal: [0, 1, 0, 0], law: bilinear, clearance: 0.736, sides: both, stiffness: 3.29}\n"
+                     "explore: {energy: [0, 47.48], frequency: [0.07539, 10.12], impacts: 2, multiply: 1, depth: 1}\n");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -442,6 +455,7 @@ int main(void)
         cmocka_unit_test(verify_stop_and_spring),
         cmocka_unit_test(no_grazing_without_a_word),
         cmocka_unit_test(verify_touch_with_an_impact),
+        cmocka_unit_test(verify_long_flight_to_a_stiff_spring),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
