@@ -18,4 +18,16 @@
 #include <flint/fmpq.h>
 #include <flint/fmpq_mat.h>
 
+#include <stdbool.h>
+
+/* The centre, rounded; for guesses. */
+static inline double ric_arb_middle(const arb_t x)
+{
+    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
+}
+/* Bounds of x, rounded outwards. */
+void ric_arb_interval(const arb_t x, double out[2]);
+/* x [n * 1] becomes x / |x| without its radii; false if that is nothing. */
+bool ric_arb_normalise(arb_mat_t x, slong prec);
+
 #endif

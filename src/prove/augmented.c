@@ -23,11 +23,6 @@ typedef struct {
     slong row; /* the next one */
 } filling;
 
-static double middle(const arb_t x)
-{
-    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
-}
-
 static int count_motions(const ric_augmented *x)
 {
     return x->ask.kind == RIC_AUGMENTED_TURN ? 2 : x->ask.kind < RIC_AUGMENTED_SPEED;
@@ -231,10 +226,7 @@ static void flight_open(flight *f, const ric_enclosure *e, arb_srcptr w, const a
     arb_mat_init(f->second, 2 * n, 2 * n + 1);
     ric_equation_flight(e, w, tau, f->D, f->flown);
     if (along) ric_equation_bend(e, f->D, w, along, f->second);
-    ric_enclosure_slack(e, tau, slack);
-    ric_chain_norm(2 * n, w, e->prec, size);
-    arb_add_ui(size, size, 1, e->prec);
-    arb_mul(slack, slack, size, e->prec);
+    ric_chain_slack(e, w, tau, slack);
     widen(f->D, slack);
     for (slong i = 0; i < 2 * n; i++) arb_add_error(f->flown + i, slack);
     if (along) {
@@ -493,21 +485,6 @@ static void evaluate(ric_augmented *x, arb_srcptr z, arb_mat_struct *J, arb_ptr 
     put_norm(&f);
 }
 
-/* x / |x|; false if that is nothing. */
-static bool normalise(arb_mat_t x, slong prec)
-{
-    double sum = 0;
-    arb_t factor;
-    for (slong i = 0; i < arb_mat_nrows(x); i++) sum += pow(middle(arb_mat_entry(x, i, 0)), 2);
-    if (!(sum > 0) || !isfinite(sum)) return false;
-    arb_init(factor);
-    arb_set_d(factor, 1 / sqrt(sum));
-    arb_mat_scalar_mul_arb(x, x, factor, prec);
-    arb_mat_get_mid(x, x);
-    arb_clear(factor);
-    return true;
-}
-
 /* The motions beside the orbit, by inverse iteration: the rows on them are a square matrix that is all but singular. */
 static bool find_motions(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
@@ -523,7 +500,7 @@ static bool find_motions(ric_augmented *x, arb_mat_t J, arb_ptr F)
     }
     bool done = true;
     for (int step = 0; step < POWER && done; step++)
-        done = arb_mat_approx_solve(b, A, b, x->e->prec) && normalise(b, x->e->prec);
+        done = arb_mat_approx_solve(b, A, b, x->e->prec) && ric_arb_normalise(b, x->e->prec);
     for (slong i = 0; i < count && done; i++) {
         arb_set(x->z + first + i, arb_mat_entry(b, i, 0));
         arb_set(x->l + i, arb_mat_entry(b, i, 0));
@@ -546,7 +523,7 @@ static bool refine(ric_augmented *x, arb_mat_t J, arb_ptr F)
         arb_mat_get_mid(J, J);
         for (slong i = 0; i < x->n; i++) arb_get_mid_arb(arb_mat_entry(b, i, 0), F + i);
         done = arb_mat_approx_solve(b, J, b, x->e->prec);
-        for (slong i = 0; i < x->n && done; i++) size = fmax(size, fabs(middle(arb_mat_entry(b, i, 0))));
+        for (slong i = 0; i < x->n && done; i++) size = fmax(size, fabs(ric_arb_middle(arb_mat_entry(b, i, 0))));
         if (!done || !isfinite(size) || (step > 6 && size > before / 2)) break;
         for (slong i = 0; i < x->n; i++) {
             arb_sub(x->z + i, x->z + i, arb_mat_entry(b, i, 0), x->e->prec);
@@ -654,7 +631,7 @@ static int largest(arb_srcptr x, slong n)
 {
     int at = 0;
     for (slong i = 1; i < n; i++)
-        if (fabs(middle(x + i)) > fabs(middle(x + at))) at = (int)i;
+        if (fabs(ric_arb_middle(x + i)) > fabs(ric_arb_middle(x + at))) at = (int)i;
     return at;
 }
 

@@ -52,17 +52,6 @@ static void make_chain(ric_chain *c, int *face, const ric_census_find *z, const 
     for (int k = 0; k <= N; k++) face[k] = z->word.face[k % N];
 }
 
-static void outer(const arb_t x, double out[2])
-{
-    arf_t bound;
-    arf_init(bound);
-    arb_get_lbound_arf(bound, x, 53);
-    out[0] = arf_get_d(bound, ARF_RND_FLOOR);
-    arb_get_ubound_arf(bound, x, 53);
-    out[1] = arf_get_d(bound, ARF_RND_CEIL);
-    arf_clear(bound);
-}
-
 static void measure(ric_census_find *z, const ric_chain *c, const ric_census_pair *p, const ric_passage *passage)
 {
     const ric_enclosure *e = p->e;
@@ -72,12 +61,12 @@ static void measure(ric_census_find *z, const ric_chain *c, const ric_census_pai
     arb_init(x);
     ric_monodromy_init(&m);
     ric_monodromy_enclose(&m, c, e, c->u);
-    outer(m.trace, z->trace);
+    ric_arb_interval(m.trace, z->trace);
     z->stable = m.stable;
     for (int k = 0; k < c->m; k++) arb_add(x, x, ric_chain_block(c, k) + 4, e->prec);
     arb_mul_2exp_si(x, x, -e->time);
-    outer(x, z->period);
-    outer(passage->approach, both);
+    ric_arb_interval(x, z->period);
+    ric_arb_interval(passage->approach, both);
     z->approach = ldexp(both[0], (int)e->time);
     ric_monodromy_clear(&m);
     arb_clear(x);

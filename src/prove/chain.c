@@ -109,12 +109,18 @@ void ric_chain_norm(slong n, arb_srcptr x, slong prec, arb_t out)
     mag_zero(arb_radref(out));
 }
 
-/* ------------------------------------------------------------- mirror points */
-
-static double middle(const arb_t x)
+void ric_chain_slack(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_t out)
 {
-    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
+    arb_t size;
+    arb_init(size);
+    ric_enclosure_slack(e, tau, out);
+    ric_chain_norm(2 * e->n, w, e->prec, size);
+    arb_add_ui(size, size, 1, e->prec);
+    arb_mul(out, out, size, e->prec);
+    arb_clear(size);
 }
+
+/* ------------------------------------------------------------- mirror points */
 
 static void set_mid(arb_ptr out, arb_srcptr in, slong n)
 {
@@ -124,7 +130,7 @@ static void set_mid(arb_ptr out, arb_srcptr in, slong n)
 static double size_of(slong n, arb_srcptr x)
 {
     double sum = 0;
-    for (slong i = 0; i < n; i++) sum += middle(x + i) * middle(x + i);
+    for (slong i = 0; i < n; i++) sum += ric_arb_middle(x + i) * ric_arb_middle(x + i);
     return sqrt(sum);
 }
 
@@ -134,7 +140,7 @@ static double fastest(const ric_enclosure *e, arb_srcptr w)
     arb_t E;
     arb_init(E);
     ric_chain_energy(e, w, E);
-    double speed = sqrt(2 * fabs(middle(E)));
+    double speed = sqrt(2 * fabs(ric_arb_middle(E)));
     arb_clear(E);
     return speed;
 }
@@ -145,16 +151,16 @@ static bool turns(const ric_enclosure *e, int face, arb_srcptr w)
     int contact = e->wall[face].contact;
     arb_srcptr c = ric_enclosure_c(e, contact);
     double along = 0, rest = 0;
-    for (slong i = 0; i < e->n; i++) along += middle(c + i) * middle(w + e->n + i);
-    along /= middle(e->cc + contact);
-    for (slong i = 0; i < e->n; i++) rest += pow(middle(w + e->n + i) - along * middle(c + i), 2);
+    for (slong i = 0; i < e->n; i++) along += ric_arb_middle(c + i) * ric_arb_middle(w + e->n + i);
+    along /= ric_arb_middle(e->cc + contact);
+    for (slong i = 0; i < e->n; i++) rest += pow(ric_arb_middle(w + e->n + i) - along * ric_arb_middle(c + i), 2);
     return sqrt(rest) < AT_MIRROR * fastest(e, w);
 }
 
 static ric_chain_end kind_in_flight(const ric_enclosure *e, arb_srcptr w)
 {
     double q = 0, v = fastest(e, w);
-    for (slong i = 0; i < e->n; i++) q += pow(middle(w + i), 2) * fmax(1, middle(e->square + i));
+    for (slong i = 0; i < e->n; i++) q += pow(ric_arb_middle(w + i), 2) * fmax(1, ric_arb_middle(e->square + i));
     if (size_of(e->n, w + e->n) < AT_MIRROR * v) return RIC_CHAIN_REST;
     return sqrt(q) < AT_MIRROR * v ? RIC_CHAIN_CENTRE : RIC_CHAIN_GENERAL;
 }

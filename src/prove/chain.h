@@ -91,5 +91,7 @@ void ric_chain_along(const ric_enclosure *e, int face, arb_srcptr x, arb_t out);
 void ric_chain_energy(const ric_enclosure *e, arb_srcptr w, arb_t out);
 /* Euclidean norm of n numbers, an upper bound as a ball. */
 void ric_chain_norm(slong n, arb_srcptr x, slong prec, arb_t out);
+/* slack (1 + |w|): what a flight of w [2n] over tau and its derivatives may have beyond the enclosed modes. */
+void ric_chain_slack(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_t out);
 
 #endif

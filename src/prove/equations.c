@@ -298,10 +298,7 @@ void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosu
     arb_add_ui(size, size, 1, e->prec);
     for (int k = 0; k < c->m; k++) {
         arb_srcptr w = ric_chain_block(c, k);
-        ric_enclosure_slack(e, w + 2 * c->n, slack);
-        ric_chain_norm(2 * c->n, w, e->prec, x);
-        arb_add_ui(x, x, 1, e->prec);
-        arb_mul(slack, slack, x, e->prec);
+        ric_chain_slack(e, w, w + 2 * c->n, slack);
         ric_equation_group *g = k < c->m - 1 ? &q->group[k] : ric_equation_end(q);
         bound_turned(c, e, k < c->m - 1, x);
         arb_mul(slack, slack, x, e->prec);

@@ -33,11 +33,6 @@ typedef struct {
     arb_t size;
 } problem;
 
-static double middle(const arb_t x)
-{
-    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
-}
-
 static slong count_unknowns(const ric_chain *c)
 {
     return (slong)c->m * c->size + ric_chain_general(c);
@@ -120,15 +115,11 @@ static void put_last(problem *p, arb_srcptr z, arb_mat_struct *J, arb_ptr F, slo
     arb_srcptr w = z + last;
     arb_mat_t D;
     arb_ptr flown = _arb_vec_init(2 * n);
-    arb_t slack, size;
+    arb_t slack;
     arb_init(slack);
-    arb_init(size);
     arb_mat_init(D, 2 * n, 2 * n + 1);
     ric_equation_flight(e, w, w + 2 * n, D, flown);
-    ric_enclosure_slack(e, w + 2 * n, slack);
-    ric_chain_norm(2 * n, w, e->prec, size);
-    arb_add_ui(size, size, 1, e->prec);
-    arb_mul(slack, slack, size, e->prec);
+    ric_chain_slack(e, w, w + 2 * n, slack);
     for (slong i = 0; i < 2 * n; i++) {
         arb_sub(F + row + i, z + p->n_chain + i, flown + i, e->prec);
         arb_add_error(F + row + i, slack);
@@ -141,7 +132,6 @@ static void put_last(problem *p, arb_srcptr z, arb_mat_struct *J, arb_ptr F, slo
     arb_mat_clear(D);
     _arb_vec_clear(flown, 2 * n);
     arb_clear(slack);
-    arb_clear(size);
 }
 
 /* G, the state at the end, l.a = 1 and k.a = 0; the rows between are left free. Returns the first of those. */
@@ -219,20 +209,6 @@ static void evaluate_end(problem *p, arb_srcptr z, const arb_t e)
 
 /* --------------------------------------------------------------- directions */
 
-static bool normalise(arb_mat_t x, slong prec)
-{
-    double sum = 0;
-    arb_t factor;
-    for (slong i = 0; i < arb_mat_nrows(x); i++) sum += pow(middle(arb_mat_entry(x, i, 0)), 2);
-    if (!(sum > 0) || !isfinite(sum)) return false;
-    arb_init(factor);
-    arb_set_d(factor, 1 / sqrt(sum));
-    arb_mat_scalar_mul_arb(x, x, factor, prec);
-    arb_mat_get_mid(x, x);
-    arb_clear(factor);
-    return true;
-}
-
 /* What all rows of A but the last one, which is x itself or `across`, take to zero: x [n], by inverse iteration. */
 static bool find_null(arb_mat_t A, arb_srcptr across, slong prec, arb_ptr out)
 {
@@ -240,13 +216,13 @@ static bool find_null(arb_mat_t A, arb_srcptr across, slong prec, arb_ptr out)
     arb_mat_t x;
     arb_mat_init(x, n, 1);
     for (slong i = 0; i < n; i++) arb_set_si(arb_mat_entry(x, i, 0), 1 + i % 3);
-    bool done = normalise(x, prec);
+    bool done = ric_arb_normalise(x, prec);
     arb_mat_get_mid(A, A);
     for (int step = 0; step < POWER && done; step++) {
         for (slong j = 0; j < n; j++) arb_set(arb_mat_entry(A, n - 1, j), across ? across + j : arb_mat_entry(x, j, 0));
         if (!across) arb_mat_zero(x);
         if (!across) arb_one(arb_mat_entry(x, n - 1, 0));
-        done = arb_mat_approx_solve(x, A, x, prec) && normalise(x, prec);
+        done = arb_mat_approx_solve(x, A, x, prec) && ric_arb_normalise(x, prec);
     }
     for (slong i = 0; i < n; i++) arb_set(out + i, arb_mat_entry(x, i, 0));
     arb_mat_clear(x);
@@ -300,7 +276,7 @@ static bool find_centre(problem *p)
         ric_contraction_apply(&p->c, p->F, x);
         size = 0;
         for (slong i = 0; i < p->n && done; i++) {
-            size = fmax(size, fabs(middle(x + i)));
+            size = fmax(size, fabs(ric_arb_middle(x + i)));
             arb_sub(p->centre + i, p->centre + i, x + i, p->e->prec);
             arb_get_mid_arb(p->centre + i, p->centre + i);
         }
@@ -383,7 +359,7 @@ static void approach_end(problem *p, const arb_t e, arb_ptr z)
         ric_contraction_apply(&p->c, p->F, x);
         for (slong i = 0; i < p->n; i++) {
             arb_get_mag(p->c.y + i, x + i);
-            next = fmax(next, fabs(middle(x + i)));
+            next = fmax(next, fabs(ric_arb_middle(x + i)));
         }
         if (!(next < size) || step == CHORD) break;
         size = next;

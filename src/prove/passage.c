@@ -279,15 +279,11 @@ static void find_rate(const ric_chain *c, const ric_enclosure *e, int k, const r
     arb_srcptr w = u->hull + at, slope = u->arrival->slope + at, normal = ric_enclosure_c(e, wall->contact);
     arb_ptr flown = _arb_vec_init(2 * n), change = _arb_vec_init(n);
     arb_mat_t D;
-    arb_t slack, size;
+    arb_t slack;
     arb_init(slack);
-    arb_init(size);
     arb_mat_init(D, 2 * n, 2 * n + 1);
     ric_equation_flight(e, w, w + 2 * n, D, flown);
-    ric_enclosure_slack(e, w + 2 * n, slack);
-    ric_chain_norm(2 * n, w, e->prec, size);
-    arb_add_ui(size, size, 1, e->prec);
-    arb_mul(slack, slack, size, e->prec);
+    ric_chain_slack(e, w, w + 2 * n, slack);
     for (slong i = 0; i < n; i++) {
         for (slong j = 0; j <= 2 * n; j++) arb_add_error(arb_mat_entry(D, n + i, j), slack);
         arb_dot(change + i, NULL, 0, arb_mat_entry(D, n + i, 0), 1, slope, 1, 2 * n + 1, e->prec);
@@ -296,7 +292,6 @@ static void find_rate(const ric_chain *c, const ric_enclosure *e, int k, const r
     if (wall->side < 0) arb_neg(out, out);
     arb_mat_clear(D);
     arb_clear(slack);
-    arb_clear(size);
     _arb_vec_clear(flown, 2 * n);
     _arb_vec_clear(change, n);
 }

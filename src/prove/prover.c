@@ -116,17 +116,6 @@ static void theorem_close(theorem *t)
     arb_clear(t->period);
 }
 
-static void interval(const arb_t x, double out[2])
-{
-    arf_t bound;
-    arf_init(bound);
-    arb_get_lbound_arf(bound, x, 64);
-    out[0] = arf_get_d(bound, ARF_RND_FLOOR);
-    arb_get_ubound_arf(bound, x, 64);
-    out[1] = arf_get_d(bound, ARF_RND_CEIL);
-    arf_clear(bound);
-}
-
 /* Energy over d^2 and period in seconds, and the ball of states. */
 static void measure(theorem *t)
 {
@@ -144,12 +133,17 @@ static void measure(theorem *t)
     arb_mul_2exp_si(t->period, t->period, -t->e->time);
 }
 
+bool ric_prover_near(const double x[2], double stored)
+{
+    return fabs(x[0] - stored) <= RIC_PROVER_NEAR * fabs(stored) &&
+           fabs(x[1] - stored) <= RIC_PROVER_NEAR * fabs(stored);
+}
+
 static bool is_near(const arb_t x, double stored)
 {
     double both[2];
-    interval(x, both);
-    return fabs(both[0] - stored) <= RIC_PROVER_NEAR * fabs(stored) &&
-           fabs(both[1] - stored) <= RIC_PROVER_NEAR * fabs(stored);
+    ric_arb_interval(x, both);
+    return ric_prover_near(both, stored);
 }
 
 /* Whether the stored point says what is proved of its orbit; `why` where it does not. */
@@ -178,14 +172,14 @@ static void tell(const theorem *t, ric_proof *out)
     double both[2];
     out->bits = (int)t->e->prec;
     out->distance = t->existence.moved;
-    interval(t->existence.exists, both);
+    ric_arb_interval(t->existence.exists, both);
     out->exists = both[1];
-    interval(t->existence.unique, both);
+    ric_arb_interval(t->existence.unique, both);
     out->unique = both[0];
-    interval(t->energy, out->energy);
-    interval(t->period, out->period);
-    interval(t->monodromy.trace, out->trace);
-    interval(t->passage.approach, both);
+    ric_arb_interval(t->energy, out->energy);
+    ric_arb_interval(t->period, out->period);
+    ric_arb_interval(t->monodromy.trace, out->trace);
+    ric_arb_interval(t->passage.approach, both);
     out->approach = ldexp(both[0], t->e->time);
     out->stable = t->monodromy.stable;
     out->symmetric = ric_chain_symmetric(&t->chain);

@@ -8,6 +8,8 @@
  * relative differences of energy and period. Rounding leaves 1e-12, and up to 5e-9 where a branch begins flat; a state
  * that is off by 1e-6 is another one. */
 #define RIC_PROVER_NEAR 1e-8
+/* Whether both ends of what was proved are as near as that to the stored number. */
+bool ric_prover_near(const double x[2], double stored);
 
 enum { PRECISIONS = 3 };
 

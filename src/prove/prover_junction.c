@@ -17,11 +17,6 @@ enum { MOST_QUESTIONS = 4 };
 #define CLOSE 1e-6 /* a gap, in the first clearance, that is looked at as one that touches */
 #define SLOW 1e-5  /* speed of an impact, in d and 2^-time s, that is looked at as a touch; the equations decide */
 
-static double middle(const arb_t x)
-{
-    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
-}
-
 /* ----------------------------------------------------------------- questions */
 
 /* What may be at a point of a branch between its ends. A turn by 2 pi p / q in a period is one by half of it, or by
@@ -59,7 +54,7 @@ static double speed_at(const ric_chain *c, const ric_enclosure *e, int face, arb
     arb_t x;
     arb_init(x);
     ric_chain_along(e, face, p, x);
-    const double speed = fabs(middle(x));
+    const double speed = fabs(ric_arb_middle(x));
     arb_clear(x);
     (void)c;
     return speed;
@@ -95,9 +90,9 @@ static void gap_at(const ric_enclosure *e, const ric_wall *wall, bool image, arb
     ric_chain_fly(e, w, time, flown);
     for (int k = 0; k < 2; k++) {
         arb_dot(x, NULL, 0, ric_enclosure_c(e, wall->contact), 1, flown + k * e->n, 1, e->n, e->prec);
-        h[k] = -side * middle(x);
+        h[k] = -side * ric_arb_middle(x);
     }
-    h[0] += wall->side * middle(wall->gap);
+    h[0] += wall->side * ric_arb_middle(wall->gap);
     arb_clear(time);
     arb_clear(x);
     _arb_vec_clear(flown, 2 * e->n);
@@ -112,7 +107,7 @@ static bool ask_nearest(const ric_chain *c, const ric_enclosure *e, ric_augmente
         for (int f = 0; f < e->n_face; f++)
             for (int image = 0; image <= ric_chain_imaged(c); image++) {
                 arb_srcptr w = ric_chain_block(c, k);
-                const double tau = middle(w + 2 * e->n);
+                const double tau = ric_arb_middle(w + 2 * e->n);
                 double h[2], before[2];
                 gap_at(e, &e->wall[f], image, w, tau / PARTS, before);
                 for (int i = 2; i <= PARTS; i++) {
@@ -139,17 +134,6 @@ static bool ask_nearest(const ric_chain *c, const ric_enclosure *e, ric_augmente
 
 /* ------------------------------------------------------------------- proofs */
 
-static void interval(const arb_t x, double out[2])
-{
-    arf_t bound;
-    arf_init(bound);
-    arb_get_lbound_arf(bound, x, 64);
-    out[0] = arf_get_d(bound, ARF_RND_FLOOR);
-    arb_get_ubound_arf(bound, x, 64);
-    out[1] = arf_get_d(bound, ARF_RND_CEIL);
-    arf_clear(bound);
-}
-
 static void measure(const ric_augmented *x, ric_junction_proof *out)
 {
     const ric_enclosure *e = x->e;
@@ -158,16 +142,16 @@ static void measure(const ric_augmented *x, ric_junction_proof *out)
     arb_init(y);
     ric_chain_energy(e, x->z, y);
     arb_mul_2exp_si(y, y, 2 * e->time - e->mass);
-    interval(y, out->energy);
+    ric_arb_interval(y, out->energy);
     arb_zero(y);
     for (int k = 0; k < x->c.m; k++) arb_add(y, y, x->z + (slong)k * x->c.size + 2 * e->n, e->prec);
     arb_mul_ui(y, y, (ulong)ric_chain_copies(&x->c), e->prec);
     arb_mul_2exp_si(y, y, -e->time);
-    interval(y, out->period);
+    ric_arb_interval(y, out->period);
     arb_clear(y);
-    interval(x->exists, both);
+    ric_arb_interval(x->exists, both);
     out->exists = both[1];
-    interval(x->unique, both);
+    ric_arb_interval(x->unique, both);
     out->unique = both[0];
     out->bits = (int)e->prec;
 }
@@ -210,12 +194,6 @@ static bool stands(const ric_augmented *x, ric_junction_proof *out)
     return done;
 }
 
-static bool is_near(const double x[2], double stored)
-{
-    return fabs(x[0] - stored) <= RIC_PROVER_NEAR * fabs(stored) &&
-           fabs(x[1] - stored) <= RIC_PROVER_NEAR * fabs(stored);
-}
-
 void ric_prover_junction_tell(const ric_augmented *x, ric_story *out)
 {
     ric_story_tell(out, &x->c, x->z, x->ask.kind == RIC_AUGMENTED_SPEED ? x->ask.place : -1, x->e);
@@ -230,7 +208,7 @@ static bool agrees(const ric_augmented *x, const ric_junction *row, ric_junction
     ric_prover_junction_tell(x, &story);
     out->distance = ric_story_distance(&story, row->letters, row->word, row->state, row->flights);
     ric_story_free(&story);
-    const bool near = is_near(out->energy, row->energy) && is_near(period, row->frequency);
+    const bool near = ric_prover_near(out->energy, row->energy) && ric_prover_near(period, row->frequency);
     if (!near) snprintf(out->why, sizeof out->why, "the stored energy or frequency is not that of the junction");
     else if (!(out->distance <= RIC_PROVER_NEAR))
         snprintf(out->why, sizeof out->why, "the stored orbit is not that of the junction, %.1e away", out->distance);

@@ -10,33 +10,11 @@
 #include "base/room.h"
 #include "prover_junction.h"
 
-static double middle(const arb_t x)
-{
-    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
-}
-
-static void interval(const arb_t x, double out[2])
-{
-    arf_t bound;
-    arf_init(bound);
-    arb_get_lbound_arf(bound, x, 64);
-    out[0] = arf_get_d(bound, ARF_RND_FLOOR);
-    arb_get_ubound_arf(bound, x, 64);
-    out[1] = arf_get_d(bound, ARF_RND_CEIL);
-    arf_clear(bound);
-}
-
-static bool is_near(const double x[2], double stored)
-{
-    return fabs(x[0] - stored) <= RIC_PROVER_NEAR * fabs(stored) &&
-           fabs(x[1] - stored) <= RIC_PROVER_NEAR * fabs(stored);
-}
-
 /* Energy and frequency of what was proved, and those that are stored. */
 static bool agrees(const ric_point *stored, ric_proof *out)
 {
     const double turn = 8 * atan(1), frequency[2] = {turn / out->period[1], turn / out->period[0]};
-    const bool near = is_near(out->energy, stored->energy) && is_near(frequency, stored->frequency);
+    const bool near = ric_prover_near(out->energy, stored->energy) && ric_prover_near(frequency, stored->frequency);
     if (!near) snprintf(out->why, sizeof out->why, "the stored energy or frequency is not that of the orbit");
     return near;
 }
@@ -86,8 +64,8 @@ static void measure_mode(mode *m, const double *state, double frequency)
         }
     }
     for (slong i = 0; i < n; i++) {
-        const double size = hypot(middle(w + i) * middle(e->omega + i), middle(w + n + i));
-        const double off = fabs(middle(e->omega + i) - frequency);
+        const double size = hypot(ric_arb_middle(w + i) * ric_arb_middle(e->omega + i), ric_arb_middle(w + n + i));
+        const double off = fabs(ric_arb_middle(e->omega + i) - frequency);
         if (size > largest || (size == largest && off < least)) {
             m->k = i;
             least = off;
@@ -95,8 +73,8 @@ static void measure_mode(mode *m, const double *state, double frequency)
         largest = fmax(largest, size);
     }
     for (slong i = 0; i < n; i++)
-        if (i != m->k) others = hypot(others, hypot(middle(w + i), middle(w + n + i)));
-    m->distance = others / (1 + hypot(middle(w + m->k), middle(w + n + m->k)));
+        if (i != m->k) others = hypot(others, hypot(ric_arb_middle(w + i), ric_arb_middle(w + n + i)));
+    m->distance = others / (1 + hypot(ric_arb_middle(w + m->k), ric_arb_middle(w + n + m->k)));
     arb_mul(m->size, w + n + m->k, w + n + m->k, e->prec);
     arb_div(m->size, m->size, e->square + m->k, e->prec);
     arb_addmul(m->size, w + m->k, w + m->k, e->prec);
@@ -170,7 +148,7 @@ static void tell_multipliers(const mode *m, const arb_t period, ric_proof *out)
         arb_mul(x, x, period, e->prec);
         arb_cos(x, x, e->prec);
         arb_mul_2exp_si(x, x, 1);
-        interval(x, out->trace);
+        ric_arb_interval(x, out->trace);
     }
     arb_clear(x);
 }
@@ -185,15 +163,15 @@ static void tell_mode(const mode *m, ric_proof *out)
     arb_mul(energy, m->size, m->size, e->prec);
     arb_mul(energy, energy, m->square, e->prec);
     arb_mul_2exp_si(energy, energy, 2 * e->time - e->mass - 1);
-    interval(energy, out->energy);
+    ric_arb_interval(energy, out->energy);
     arb_const_pi(period, e->prec);
     arb_mul_2exp_si(period, period, 1);
     arb_sqrtpos(energy, m->square, e->prec);
     arb_div(period, period, energy, e->prec);
     tell_multipliers(m, period, out);
     arb_mul_2exp_si(period, period, -e->time);
-    interval(period, out->period);
-    interval(m->off, both);
+    ric_arb_interval(period, out->period);
+    ric_arb_interval(m->off, both);
     out->exists = both[1];
     out->unique = out->approach = NAN;
     out->distance = m->distance;
@@ -206,7 +184,7 @@ static void tell_mode(const mode *m, ric_proof *out)
 static bool has_frequency(const ric_enclosure *e, double frequency)
 {
     for (slong i = 0; i < e->n; i++)
-        if (fabs(middle(e->omega + i) - frequency) <= RIC_PROVER_NEAR * frequency) return true;
+        if (fabs(ric_arb_middle(e->omega + i) - frequency) <= RIC_PROVER_NEAR * frequency) return true;
     return false;
 }
 
@@ -251,12 +229,12 @@ static void tell_chain(const ric_chain *c, const ric_enclosure *e, arb_srcptr u,
     arb_init(x);
     ric_chain_energy(e, u, x);
     arb_mul_2exp_si(x, x, 2 * e->time - e->mass);
-    interval(x, out->energy);
+    ric_arb_interval(x, out->energy);
     arb_zero(x);
     for (int k = 0; k < c->m; k++) arb_add(x, x, u + (slong)k * c->size + 2 * e->n, e->prec);
     arb_mul_ui(x, x, (ulong)ric_chain_copies(c), e->prec);
     arb_mul_2exp_si(x, x, -e->time);
-    interval(x, out->period);
+    ric_arb_interval(x, out->period);
     out->symmetric = ric_chain_symmetric(c);
     out->reversible = !ric_chain_general(c);
     arb_clear(x);
@@ -267,8 +245,8 @@ static double differs(const ric_chain *c, arb_srcptr u)
 {
     double worst = 0, size = 0;
     for (slong i = 0; i < (slong)c->m * c->size; i++) {
-        worst = fmax(worst, fabs(middle(c->u + i) - middle(u + i)));
-        size = fmax(size, fabs(middle(c->u + i)));
+        worst = fmax(worst, fabs(ric_arb_middle(c->u + i) - ric_arb_middle(u + i)));
+        size = fmax(size, fabs(ric_arb_middle(c->u + i)));
     }
     return worst / (1 + size);
 }

@@ -6,14 +6,8 @@
 
 #include "base/room.h"
 
-#define TOUCH                                                                                                          \
-    1e-6 /* speed of an impact over 1 + that of the motion: a junction is solved                             \ to much \
-            more */
-
-static double middle(const arb_t x)
-{
-    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
-}
+/* Speed of an impact over 1 + that of the motion: a junction is solved to much more. */
+#define TOUCH 1e-6
 
 /* ------------------------------------------------------------------ telling */
 
@@ -184,10 +178,10 @@ static bool is_counted(const ric_story *s, int i, bool touches)
     double speed = 0;
     arb_t x;
     if (m->face < 0) return false;
-    for (int j = s->n; j < 2 * s->n; j++) speed = fmax(speed, fabs(middle(m->w + j)));
+    for (int j = s->n; j < 2 * s->n; j++) speed = fmax(speed, fabs(ric_arb_middle(m->w + j)));
     arb_init(x);
     ric_chain_along(s->e, m->face, m->w + s->n, x);
-    const bool slow = fabs(middle(x)) <= TOUCH * (1 + speed);
+    const bool slow = fabs(ric_arb_middle(x)) <= TOUCH * (1 + speed);
     arb_clear(x);
     return slow == touches;
 }
@@ -205,18 +199,19 @@ static double compare(const ric_story *s, int first, int letters, const int *wor
 {
     double worst = 0, size = 1;
     for (int j = 0; j < 2 * s->n; j++) {
-        worst = fmax(worst, fabs(middle(w + j) - middle(s->at[first].w + j)));
-        size = fmax(size, 1 + fabs(middle(w + j)));
+        worst = fmax(worst, fabs(ric_arb_middle(w + j) - ric_arb_middle(s->at[first].w + j)));
+        size = fmax(size, 1 + fabs(ric_arb_middle(w + j)));
     }
     int a = first;
     for (int k = 0; k < letters; k++) {
         const int b = next_counted(s, a, false);
-        const double flight = middle(s->at[b].time) - middle(s->at[a].time) + (b <= a ? middle(s->period) : 0);
+        const double flight = ric_arb_middle(s->at[b].time) - ric_arb_middle(s->at[a].time) +
+                              (b <= a ? ric_arb_middle(s->period) : 0);
         if (s->at[a].face != word[k]) return HUGE_VAL;
         worst = fmax(worst, fabs(flight - ldexp(flights[k], s->e->time)));
         a = b;
     }
-    if (letters == 0) worst = fmax(worst, fabs(middle(s->period) - ldexp(flights[0], s->e->time)));
+    if (letters == 0) worst = fmax(worst, fabs(ric_arb_middle(s->period) - ldexp(flights[0], s->e->time)));
     return worst / size;
 }
 
@@ -269,10 +264,11 @@ static bool has_face(const ric_moment *m, int face)
 /* The moment that is `later` than moment `first`, with that face, or -1. */
 static int find_moment(const ric_story *s, int first, double later, int face, double *place)
 {
-    const double period = middle(s->period);
+    const double period = ric_arb_middle(s->period);
     int best = -1;
     for (int i = 0; i < s->count; i++) {
-        const double gone = fmod(middle(s->at[i].time) - middle(s->at[first].time) + 2 * period, period);
+        const double gone = fmod(ric_arb_middle(s->at[i].time) - ric_arb_middle(s->at[first].time) + 2 * period,
+                                 period);
         const double off = fmin(fabs(gone - later), fabs(fabs(gone - later) - period)) / (1 + period);
         if (!has_face(&s->at[i], face) || !(off < *place)) continue;
         *place = off;
@@ -285,8 +281,8 @@ static double differs(const ric_story *s, int i, arb_srcptr w)
 {
     double worst = 0, size = 1;
     for (int j = 0; j < 2 * s->n; j++) {
-        worst = fmax(worst, fabs(middle(w + j) - middle(s->at[i].w + j)));
-        size = fmax(size, 1 + fabs(middle(w + j)));
+        worst = fmax(worst, fabs(ric_arb_middle(w + j) - ric_arb_middle(s->at[i].w + j)));
+        size = fmax(size, 1 + fabs(ric_arb_middle(w + j)));
     }
     return worst / size;
 }
@@ -312,7 +308,7 @@ static double cut_from(const ric_story *s, int first, const ric_chain *like, dou
     moment[0] = first;
     for (int k = 0; k < like->m && worst < place; k++) {
         double off = place;
-        time += middle(ric_chain_block(like, k) + 2 * s->n);
+        time += ric_arb_middle(ric_chain_block(like, k) + 2 * s->n);
         const int next = moment[k + 1] = find_moment(s, first, time, like->face[k + 1], &off);
         if (next < 0 || !is_flight(s, moment[k], next)) return HUGE_VAL;
         if (k + 1 == like->m && !general && !s->at[next].mirror) return HUGE_VAL;

@@ -10,11 +10,6 @@ enum {
         -14, /* 2^FLOOR of the largest change along the line: no radius is less, so that orbits at its ends fit in */
 };
 
-static double middle(const arb_t x)
-{
-    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
-}
-
 /* The unknowns of a chain in a row; lambda of a reversible one is none. */
 static slong count_unknowns(const ric_chain *c)
 {
@@ -42,7 +37,7 @@ static bool lay_line(ric_tube *t)
     double largest = 0;
     for (slong i = 0; i < t->k.n; i++) {
         arb_sub(t->chord + i, t->to->u + i, t->from->u + i, ARF_PREC_EXACT);
-        largest = fmax(largest, fabs(middle(t->chord + i)));
+        largest = fmax(largest, fabs(ric_arb_middle(t->chord + i)));
     }
     if (!(largest > 0) || !isfinite(largest)) return false;
     _arb_vec_scalar_mul_2exp_si(t->row, t->chord, t->k.n, -ilogb(largest));
