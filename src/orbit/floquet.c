@@ -350,8 +350,10 @@ static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double 
                 : ric_floquet_pairs_of_blocks(x + kk, x + 2 * kk, 0, fine_rounding(c, size) + 2 * DBL_EPSILON * size,
                                               high, &pairs);
     if (!found) return;
-    for (int i = 0; i < 2 * kk; i++) f->fine[i] = (ric_fine_real)x[kk + i] + y[kk + i]; /* b, then c */
-    ric_floquet_sharpen_blocks(f, f->fine, f->fine + kk, fine_rounding(c, size), &pairs);
+    if (f->sharp > 0) {
+        for (int i = 0; i < 2 * kk; i++) f->fine[i] = (ric_fine_real)x[kk + i] + y[kk + i]; /* b, then c */
+        ric_floquet_sharpen_blocks(f->fine, f->fine + kk, fine_rounding(c, size), f->sharp, &pairs);
+    }
     ric_floquet_judge_pairs(f, quarter, &pairs);
 }
 
@@ -555,7 +557,7 @@ static void whole_fine(const ric_shooting *c, ric_floquet *f)
     double apart[k];
     ric_floquet_pairs_up(k, all, f->rho, apart);
     ric_floquet_pairs_conditions(high, error, &pairs);
-    ric_floquet_sharpen_map(f, f->fine, fine_rounding(c, size), &pairs);
+    if (f->sharp > 0) ric_floquet_sharpen_map(f->fine, fine_rounding(c, size), f->sharp, &pairs);
     ric_floquet_judge_pairs(f, c->sigma < 0, &pairs);
 }
 

@@ -161,31 +161,20 @@ void ric_floquet_widen(ric_floquet *f, const double *more)
     f->error = worst;
 }
 
-/* The large one first: the other is its inverse, without cancellation. */
 static void pair_from_rho(const double *rho, double *out)
 {
-    double complex r = rho[0] + I * rho[1], root = csqrt(r * r - 4), lambda = (r + root) / 2;
-    if (cabs(lambda) < 1) lambda = (r - root) / 2;
-    double complex inverse = 1 / lambda;
+    double complex lambda = ric_floquet_pairs_large(rho), inverse = 1 / lambda;
     out[0] = creal(lambda);
     out[1] = cimag(lambda);
     out[2] = creal(inverse);
     out[3] = cimag(inverse);
 }
 
-/* Relative error of lambda where rho has the error e: d lambda / lambda = d rho / (lambda - 1 / lambda), and where the
- * two meet, at +-1, the root of e. */
-static double error_of_multiplier(const double *rho, double e)
-{
-    double complex r = rho[0] + I * rho[1];
-    return e / fmax(cabs(csqrt(r * r - 4)), sqrt(e));
-}
-
 void ric_floquet_multipliers(const ric_floquet *f, double *out)
 {
     for (int i = 0; i < f->n_pair; i++) {
         const double *rho = f->rho + 2 * i;
-        bool known = f->each[i] == 0 || error_of_multiplier(rho, f->each[i]) <= LOST;
+        bool known = f->each[i] == 0 || ric_floquet_pairs_large_error(rho, f->each[i]) <= LOST;
         if (known) pair_from_rho(rho, out + 4 * i);
         else
             for (int k = 0; k < 4; k++) out[4 * i + k] = NAN;

@@ -7,6 +7,18 @@
 
 #include "base/room.h"
 
+double complex ric_floquet_pairs_large(const double *rho)
+{
+    double complex r = rho[0] + I * rho[1], root = csqrt(r * r - 4), lambda = (r + root) / 2;
+    return cabs(lambda) < 1 ? (r - root) / 2 : lambda;
+}
+
+double ric_floquet_pairs_large_error(const double *rho, double e)
+{
+    double complex r = rho[0] + I * rho[1];
+    return e / fmax(cabs(csqrt(r * r - 4)), sqrt(e));
+}
+
 /* -------------------------------------------------------------- conditions */
 
 /* The largest shift: two eigenvalues that meet move by the root of what moves their product. */

@@ -6,6 +6,7 @@
 #ifndef RIC_ORBIT_FLOQUET_PAIRS_H
 #define RIC_ORBIT_FLOQUET_PAIRS_H
 
+#include <complex.h>
 #include <stdbool.h>
 
 typedef struct {
@@ -14,6 +15,12 @@ typedef struct {
     double *error; /* [k] of the matrix that it is an eigenvalue of, or what was measured of it */
     double *alone; /* [k] of each itself if no other is beside it: error times its condition, or error again */
 } ric_floquet_pairs;
+
+/* The larger multiplier of a pair; the other is its inverse, without cancellation. */
+double complex ric_floquet_pairs_large(const double *rho);
+/* Its relative error where rho has the error e: d lambda / lambda = d rho / (lambda - 1 / lambda), and where the two
+ * meet, at +-1, the root of e. */
+double ric_floquet_pairs_large_error(const double *rho, double e);
 
 /* H = 2 + 4 b'c [k * k], and its eigenvalues: the product knows every rho to the rounding of the largest. */
 void ric_floquet_pairs_product(int k, const double *b, const double *c, int exponent, double *H);

@@ -4,15 +4,14 @@
 #ifndef RIC_ORBIT_FLOQUET_SHARP_H
 #define RIC_ORBIT_FLOQUET_SHARP_H
 
-#include "floquet.h"
 #include "floquet_fine.h"
 #include "floquet_pairs.h"
 
-/* Replaces those f->rho = 2 + 4 eig(b' c) whose error is above f->sharp, and what is known of them; b and c [k * k] are
- * uncertain by `rounding`. What cannot be had stays. */
-void ric_floquet_sharpen_blocks(ric_floquet *f, const ric_fine_real *b, const ric_fine_real *c, ric_fine_real rounding,
+/* Replaces those rho = 2 + 4 eig(b' c) whose error, over 1 + |rho|, is above `to`, and what is known of them; b and c
+ * [k * k] are uncertain by `rounding`. What cannot be had stays. */
+void ric_floquet_sharpen_blocks(const ric_fine_real *b, const ric_fine_real *c, ric_fine_real rounding, double to,
                                 ric_floquet_pairs *pairs);
 /* The same with rho = lambda + 1 / lambda of the map M [2k * 2k] of the general form. */
-void ric_floquet_sharpen_map(ric_floquet *f, const ric_fine_real *M, ric_fine_real rounding, ric_floquet_pairs *pairs);
+void ric_floquet_sharpen_map(const ric_fine_real *M, ric_fine_real rounding, double to, ric_floquet_pairs *pairs);
 
 #endif
