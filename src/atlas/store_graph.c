@@ -201,14 +201,10 @@ static ric_status add_row(ric_atlas *atlas, sqlite3_stmt *row)
 
 ric_status ric_store_read_graph(ric_database file, ric_atlas *atlas)
 {
-    static const char there[] = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'proof_graph'";
-    sqlite3_int64 tables = 0;
     sqlite3_stmt *query = NULL;
     bool row = false;
-    const int code = ric_store_sqlite_ask(file.db, there, &tables);
-    if (code) return ric_store_sqlite_fail(file, code);
-    if (!tables) return RIC_OK;
-    ric_status status = ric_store_sqlite_prepare(file, select_all, &query);
+    ric_status status = ric_store_sqlite_prepare_there(file, "proof_graph", select_all, &query);
+    if (!query) return status;
     /* one row of each is written: a table without its key may have any number, each of which is read with its branch */
     for (int left = atlas->n_branch + atlas->n_junction; left > 0 && !status; left--) {
         if ((status = ric_store_sqlite_step(file, query, &row)) || !row) break;

@@ -36,6 +36,8 @@ ric_status ric_store_sqlite_open(const char *path, int flags, int wait, ric_data
 ric_status ric_store_sqlite_open_still(const char *path, ric_database *out);
 ric_status ric_store_sqlite_run(ric_database file, const char *sql);
 ric_status ric_store_sqlite_prepare(ric_database file, const char *sql, sqlite3_stmt **out);
+/* The same of a table that a file need not have: *out stays NULL if it has none. */
+ric_status ric_store_sqlite_prepare_there(ric_database file, const char *table, const char *sql, sqlite3_stmt **out);
 /* One row further; *row = false at the end, and then the query may run again. */
 ric_status ric_store_sqlite_step(ric_database file, sqlite3_stmt *query, bool *row);
 /* What is asked of a table; the columns of other readers, which are derived, come last. */

@@ -145,14 +145,10 @@ static ric_status add_row(ric_atlas *atlas, sqlite3_stmt *row)
 
 ric_status ric_store_read_proofs(ric_database file, ric_atlas *atlas)
 {
-    static const char there[] = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'proof'";
-    sqlite3_int64 tables = 0;
     sqlite3_stmt *query = NULL;
     bool row = false;
-    const int code = ric_store_sqlite_ask(file.db, there, &tables);
-    if (code) return ric_store_sqlite_fail(file, code);
-    if (!tables) return RIC_OK;
-    ric_status status = ric_store_sqlite_prepare(file, select_all, &query);
+    ric_status status = ric_store_sqlite_prepare_there(file, "proof", select_all, &query);
+    if (!query) return status;
     while (!status && !(status = ric_store_sqlite_step(file, query, &row)) && row) status = add_row(atlas, query);
     sqlite3_finalize(query);
     return status;

@@ -162,6 +162,17 @@ int ric_store_sqlite_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out)
     return code;
 }
 
+ric_status ric_store_sqlite_prepare_there(ric_database file, const char *table, const char *sql, sqlite3_stmt **out)
+{
+    char there[120];
+    sqlite3_int64 tables = 0;
+    *out = NULL;
+    snprintf(there, sizeof there, "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = '%s'", table);
+    const int code = ric_store_sqlite_ask(file.db, there, &tables);
+    if (code) return ric_store_sqlite_fail(file, code);
+    return tables ? ric_store_sqlite_prepare(file, sql, out) : RIC_OK;
+}
+
 ric_status ric_store_sqlite_open(const char *path, int flags, int wait, ric_database *out)
 {
     *out = (ric_database){NULL, path};
