@@ -3,14 +3,7 @@
 set -u
 . tests/support/tap.sh
 
-# the one with gmpy2, if any: it is twice as fast
-python=
-for one in python3 /usr/bin/python3; do
-    "$one" -c 'import mpmath, yaml' 2>/dev/null || continue
-    [ -n "$python" ] || python=$one
-    if "$one" -c 'import gmpy2' 2>/dev/null; then python=$one && break; fi
-done
-if [ -z "$python" ]; then echo '1..0 # SKIP no mpmath'; exit 77; fi
+needs_checker
 for name in elementary three-masses; do
     "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
     if "$ricochet" prove "$folder/$name.ricochet" --junctions -o "$folder/$name-j.jsonl" 2>&1 | grep -q 'left out of this program'; then

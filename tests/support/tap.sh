@@ -20,6 +20,19 @@ needs_python()
     exit 77
 }
 
+# Sets `python` to one that runs tools/check_certificate.py, that with gmpy2, if any, which is twice as fast; skips without.
+needs_checker()
+{
+    local one
+    python=
+    for one in python3 /usr/bin/python3; do
+        "$one" -c 'import mpmath, yaml' 2>/dev/null || continue
+        [ -n "$python" ] || python=$one
+        if "$one" -c 'import gmpy2' 2>/dev/null; then python=$one && break; fi
+    done
+    if [ -z "$python" ]; then echo '1..0 # SKIP no mpmath'; exit 77; fi
+}
+
 # Whether everything is to be tried that the suite takes a sample of (`make long`, CONTRIBUTING.md).
 long_form() { [ "${RICOCHET_TEST_LONG:-0}" != 0 ]; }
 every_of() { if long_form; then echo 1; else echo "$1"; fi; } # FEW: every how many cases one is taken

@@ -9,9 +9,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <cmocka.h>
+
+#include "responses.h"
 
 #include "explored.h"
 #include "sample.h"
@@ -88,13 +89,8 @@ static void add_motion(const ric_model *model, const ric_response_curve *c, cons
 
 static void add_side(const ric_atlas *atlas, double level, double e, double omega, double other, motions *all)
 {
-    char path[] = "/tmp/ricochet-response-XXXXXX";
-    const int fd = mkstemp(path);
     ric_response_options o;
-    ric_response *r = NULL;
     static const int harmonics[] = {1, 2, 3};
-    assert_true(fd >= 0);
-    close(fd);
     ric_response_defaults(&o);
     o.shaking = shaking_of(e);
     o.window[0] = fmin(omega, other);
@@ -103,8 +99,7 @@ static void add_side(const ric_atlas *atlas, double level, double e, double omeg
     o.levels = &level;
     o.n_harmonic = 3;
     o.harmonics = harmonics;
-    if (ric_response_run(atlas, &o, path, NULL, NULL) || ric_response_read(path, &r)) fail_msg("%s", ric_detail());
-    unlink(path);
+    ric_response *r = response_of(atlas, &o);
     for (int id = 1; id <= ric_response_n_curve(r); id++) {
         ric_response_curve c;
         ric_response_point p;
@@ -280,12 +275,7 @@ static void test_attractors(void **state)
  * and how many begin or end at a grazing. */
 static void around(const ric_atlas *atlas, double level, int *curves, int *closed, int *grazing, double window[2])
 {
-    char path[] = "/tmp/ricochet-response-XXXXXX";
-    const int fd = mkstemp(path);
     ric_response_options o;
-    ric_response *r = NULL;
-    assert_true(fd >= 0);
-    close(fd);
     ric_response_defaults(&o);
     o.shaking = shaking_of(RESTITUTION);
     o.window[0] = 0.5;
@@ -294,8 +284,7 @@ static void around(const ric_atlas *atlas, double level, int *curves, int *close
     o.levels = &level;
     o.impacts = 2;
     o.periods = 1;
-    if (ric_response_run(atlas, &o, path, NULL, NULL) || ric_response_read(path, &r)) fail_msg("%s", ric_detail());
-    unlink(path);
+    ric_response *r = response_of(atlas, &o);
     *curves = *closed = *grazing = 0;
     for (int id = 1; id <= ric_response_n_curve(r); id++) {
         ric_response_curve c;

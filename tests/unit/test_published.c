@@ -9,9 +9,10 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #include <cmocka.h>
+
+#include "responses.h"
 
 #include "explored.h"
 
@@ -41,12 +42,7 @@ static const struct {
 static ric_response *along(const ric_atlas *atlas, double omega)
 {
     static const double one = 1, zeta = 0.02;
-    char path[] = "/tmp/ricochet-published-XXXXXX";
-    const int fd = mkstemp(path);
     ric_response_options o;
-    ric_response *r = NULL;
-    assert_true(fd >= 0);
-    close(fd);
     ric_response_defaults(&o);
     o.along = RIC_RESPONSE_LEVEL;
     o.shaking = (ric_shaking){.n_force = 1, .force = &one, .n_ratio = 1, .ratios = &zeta, .restitution = 0.9};
@@ -54,8 +50,7 @@ static ric_response *along(const ric_atlas *atlas, double omega)
     o.window[1] = 0.6;
     o.omega = omega;
     o.impacts = o.periods = o.once_in = 2;
-    if (ric_response_run(atlas, &o, path, NULL, NULL) || ric_response_read(path, &r)) fail_msg("%s", ric_detail());
-    unlink(path);
+    ric_response *r = response_of(atlas, &o);
     return r;
 }
 
