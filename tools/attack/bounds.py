@@ -62,7 +62,7 @@ def reference(j, word, row, enough):
         u, w, _ = j.s.from_stored(judge.floats(row["state"])[None, :])
         T = ar.array(np.array([row["flights_sum"]]), False) * j.s.omega_ref
         X = smooth.integrate(j.s, u, w, T)[2]
-        return j._power_rho(u, w, X, False)[0], j._power_shaken(u, w, T, 3e-19, False)[0]
+        return j._power_rho(u, w, X, False)[0], j._power_rho(*j._power_shaken(u, w, T, 3e-19), False)[0]
     chain, _, _ = j.chain_of(word, [row])
     fine, _ = orbits.polish(chain)
     rho, again = j._rho(fine)[0], j._rho(j._shaken(fine, 3e-19))[0]

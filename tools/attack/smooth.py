@@ -63,37 +63,47 @@ def _expand(structure, u, v, X, tau_only=False):
 
 
 def integrate(structure, u, v, T, neighbours=True, tolerance=1e-19):
-    """States after the times T [P], and the matrices [P, 2n, 2n] of small deviations (None without)."""
+    """States after the times T [P], and the matrices [P, 2n, 2n] of small deviations (None without). Many orbits at once cost
+    little more than one: each goes on at its own step, and leaves when its time is over."""
     P, n = u.shape
     X = None
     if neighbours:
         X = np.zeros((P, 2 * n, 2 * n), dtype=ar.LONG)
         X[:, range(2 * n), range(2 * n)] = 1
-    left = T.copy()
-    j = np.arange(ORDER + 3, dtype=ar.LONG)
+    u, v, left = u.copy(), v.copy(), T.copy()
     for _ in range(STEPS):
-        if not (left > 0).any():
+        on = np.nonzero(left > 0)[0]
+        if len(on) == 0:
             return u, v, X
-        U, W = _expand(structure, u, v, X)
-        size = np.abs(U[0]).max(axis=1) + np.abs(U[1]).max(axis=1)
-        h = left.copy()
-        for order in (ORDER + 2, ORDER + 1, ORDER):
-            last = np.abs(U[order]).max(axis=1) + 1e-4000
-            h = np.minimum(h, (tolerance * size / last) ** (ar.LONG(1) / order) * ar.LONG(0.9))
-        if X is not None:
-            scale = np.abs(X).max(axis=(1, 2))
-            for order in (ORDER + 2, ORDER + 1):
-                last = np.abs(W[order]).max(axis=(1, 2)) + 1e-4000
-                h = np.minimum(h, (tolerance * scale / last) ** (ar.LONG(1) / order) * ar.LONG(0.9))
-        h = _sound(structure, U, W if X is not None else None, np.where(left > 0, h, 0), tolerance)
-        powers = h[None, :] ** j[:, None]
-        slopes = j[1:, None] * h[None, :] ** j[None, :-1].T
-        u, v = (U * powers[:, :, None]).sum(axis=0), (U[1:] * slopes[:, :, None]).sum(axis=0)
-        if X is not None:
-            X = np.concatenate([(W * powers[:, :, None, None]).sum(axis=0), (W[1:] * slopes[:, :, None, None]).sum(axis=0)], axis=1)
-        left = left - h
+        u[on], v[on], Y, h = _step(structure, u[on], v[on], X[on] if neighbours else None, left[on], tolerance)
+        if neighbours:
+            X[on] = Y
+        left[on] = left[on] - h
         left = np.where(left < 1e-18 * T, 0, left)
     raise ArithmeticError(f"more than {STEPS} steps")
+
+
+def _step(structure, u, v, X, left, tolerance):
+    """(u, v, X, how long) of orbits that have `left` [P] > 0 to go."""
+    j = np.arange(ORDER + 3, dtype=ar.LONG)
+    U, W = _expand(structure, u, v, X)
+    size = np.abs(U[0]).max(axis=1) + np.abs(U[1]).max(axis=1)
+    h = left.copy()
+    for order in (ORDER + 2, ORDER + 1, ORDER):
+        last = np.abs(U[order]).max(axis=1) + 1e-4000
+        h = np.minimum(h, (tolerance * size / last) ** (ar.LONG(1) / order) * ar.LONG(0.9))
+    if X is not None:
+        scale = np.abs(X).max(axis=(1, 2))
+        for order in (ORDER + 2, ORDER + 1):
+            last = np.abs(W[order]).max(axis=(1, 2)) + 1e-4000
+            h = np.minimum(h, (tolerance * scale / last) ** (ar.LONG(1) / order) * ar.LONG(0.9))
+    h = _sound(structure, U, W if X is not None else None, h, tolerance)
+    powers = h[None, :] ** j[:, None]
+    slopes = j[1:, None] * h[None, :] ** j[None, :-1].T
+    u, v = (U * powers[:, :, None]).sum(axis=0), (U[1:] * slopes[:, :, None]).sum(axis=0)
+    if X is not None:
+        X = np.concatenate([(W * powers[:, :, None, None]).sum(axis=0), (W[1:] * slopes[:, :, None, None]).sum(axis=0)], axis=1)
+    return u, v, X, h
 
 
 def _sound(structure, U, W, h, tolerance):
@@ -141,16 +151,18 @@ def polish(structure, u, v, T, rounds=2, cut=1e-10):
     what the closure lacks at the end, what one period changes in their energy, and the least singular value, relative,
     by which the closure divides rounding."""
     n, first, least = structure.n, None, None
+    u, v, T = u.copy(), v.copy(), T.copy()
     start = np.concatenate([u, v, T[:, None]], axis=1)
-    for _ in range(rounds + 1):
-        a, b, X = integrate(structure, u, v, T)
+    a, b, X = integrate(structure, u, v, T)
+    for round_ in range(rounds + 1):
         su, sv = np.abs(ar.double(u)).max(axis=1) + np.abs(ar.double(v)).max(axis=1), np.abs(ar.double(v)).max(axis=1)
         sv = np.maximum(sv, su)
         weight = np.concatenate([su[:, None] * np.ones((1, n)), sv[:, None] * np.ones((1, n))], axis=1)
         gap = ar.double(np.concatenate([a - u, b - v], axis=1)) / weight
         if first is None:
             first = np.abs(gap).max(axis=1)
-        if _ == rounds or (_ > 0 and np.abs(gap).max() < SOLVED):
+        open_ = np.nonzero(~(np.abs(gap).max(axis=1) < SOLVED))[0] if round_ else np.arange(len(u))
+        if round_ == rounds or len(open_) == 0:
             break
         rate = np.concatenate([b, acceleration(structure, a)], axis=1)
         J = np.concatenate([ar.double(X) - np.eye(2 * n), ar.double(rate)[:, :, None]], axis=2)
@@ -161,7 +173,9 @@ def polish(structure, u, v, T, rounds=2, cut=1e-10):
             least = np.where(s > cut * s[:, :1], s / s[:, :1], 1).min(axis=1)
         inverse = np.where(s > cut * s[:, :1], 1 / np.maximum(s, 1e-300), 0)
         step = -np.einsum("pji,pj->pi", Vt, inverse * np.einsum("pji,pj->pi", U, gap)) * unknowns
-        u, v, T = u + step[:, :n], v + step[:, n:2 * n], T + step[:, 2 * n]
+        for x, dx in ((u, step[:, :n]), (v, step[:, n:2 * n]), (T, step[:, 2 * n])):
+            x[open_] = x[open_] + dx[open_]
+        a[open_], b[open_], X[open_] = integrate(structure, u[open_], v[open_], T[open_])
     moved = ar.double(np.concatenate([u, v, T[:, None]], axis=1) - start) / np.concatenate([weight, ar.double(T)[:, None]], axis=1)
     drift = np.abs(ar.double(energy(structure, a, b) / energy(structure, u, v) - 1))
     return u, v, T, X, first, np.abs(moved).max(axis=1), np.abs(gap).max(axis=1), drift, least
