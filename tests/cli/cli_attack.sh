@@ -32,6 +32,9 @@ done <<'END'
 801281 40
 850969 200
 END
+# Springs that multiply rounding by 1e11 in a period: what is polished is the stored orbit, and none beside it on its branch.
+ok "the margins of structure 2100519 are those of its orbits" \
+    tools/attack/attack --program "$ricochet" -n 1 --seed 2100519 --kind bilinear
 # Orbits of two energies that are on no branch, by brute force: mixed; rigid, bilinear with two modes, rigid with three.
 for seed in 130022 $(some_of '' '130004 130017 130012'); do
     ok "no orbit of structure $seed is lost" \

@@ -223,8 +223,17 @@ class Apart(Chain):
 
     @classmethod
     def of(cls, chain, picked):
-        """The orbits `picked` of a chain."""
+        """The orbits `picked` of a chain. States of the second half are flown to from the end, which is the start: what a whole
+        period makes of rounding would put them beside another orbit of the branch, and that one would be found."""
         starts = [(u[picked], v[picked]) for u, v in chain.after[:chain.N]]
+        u, v = starts[0]
+        for k in range(chain.N - 1, chain.N // 2, -1):
+            f, kind = chain.events[(k + 1) % chain.N]
+            if kind == "hit":
+                c = chain.s.c[chain.s.faces[f].contact]
+                v = v - (2 * (v @ c) / (c @ c))[:, None] * c
+            u, v = chain.s.fly(chain.closed[k], u, v, -chain.tau[picked, k])
+            starts[k] = (u, v)
         return cls(chain.s, chain.events, chain.first_closed, starts, chain.tau[picked])
 
     def run(self):
