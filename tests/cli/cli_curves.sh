@@ -15,18 +15,7 @@ import json, sys
 row, = json.load(sys.stdin)
 print(row["verdict"], row["from"], row["to"], row["tubes"], row["why"])'; }
 # planted CODE: a copy of the atlas with Python over the database `db` done to it, its digest made anew
-planted() {
-    cp "$folder/e.ricochet" "$folder/p.ricochet"
-    python3 - "$folder/p.ricochet" <<END
-import math, sqlite3, struct, sys
-db = sqlite3.connect(sys.argv[1])
-def floats(blob): return list(struct.unpack(f"<{len(blob) // 8}d", blob))
-def blob(x): return struct.pack(f"<{len(x)}d", *x)
-$1
-db.commit()
-END
-    tools/attack/atlas_digest.py "$folder/p.ricochet" >/dev/null
-}
+planted() { plant "$folder/e.ricochet" "$folder/p.ricochet" "$1"; }
 refuses() { curve "$folder/p.ricochet" "$1" | grep -q "^not proved .*$2"; }
 
 # The branch passes a fold of the energy, C1_31, and a branch point; one tube from point to point is enough.

@@ -25,19 +25,11 @@ END
 }
 # planted CODE: a copy of the atlas with Python over the database \`db\` done to it, its digest made anew
 planted() {
-    cp "$atlas" "$folder/p.ricochet"
-    python3 - "$folder/p.ricochet" <<END
-import random, sqlite3, struct, sys
-db = sqlite3.connect(sys.argv[1])
+    plant "$atlas" "$folder/p.ricochet" '
 random.seed(7)
-def floats(blob): return list(struct.unpack(f"<{len(blob) // 8}d", blob))
-def blob(x): return struct.pack(f"<{len(x)}d", *x)
 points = [p for p in db.execute("SELECT branch, point, state, flights, stable FROM point WHERE branch IN"
                                 " (SELECT id FROM branch WHERE impacts > 0) ORDER BY branch, point")]
-$1
-db.commit()
-END
-    tools/attack/atlas_digest.py "$folder/p.ricochet" >/dev/null
+'"$1"
 }
 
 prove "$atlas" "$folder/all.json"

@@ -61,10 +61,7 @@ ok 'the same atlas with two workers, and when it is taken up again' again
 # A gap that no branch has is refused, whatever the digest.
 planted()
 {
-    cp "$folder/cross.ricochet" "$folder/planted.ricochet"
-    python3 -c 'import sqlite3, sys; a = sqlite3.connect(sys.argv[1]); a.execute("UPDATE meta SET value = ? WHERE key = ?", (sys.argv[2], "gaps")); a.commit()' \
-        "$folder/planted.ricochet" "$1"
-    python3 tools/attack/atlas_digest.py "$folder/planted.ricochet" >/dev/null
+    plant "$folder/cross.ricochet" "$folder/planted.ricochet" "db.execute('UPDATE meta SET value = ? WHERE key = ?', ('''$1''', 'gaps'))"
     "$ricochet" branches "$folder/planted.ricochet" 2>"$folder/said"
     [ $? != 0 ] && grep -q 'row gaps' "$folder/said"
 }

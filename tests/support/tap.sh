@@ -68,6 +68,20 @@ refusal() {
     [ "$got" = "$code" ] && grep -q -e "$pattern" "$folder/err" && [ ! -s "$folder/out" ]
 }
 
+# plant ATLAS COPY LINES: a copy of an atlas that lines of Python have changed and whose digest is made anew. They have the database as db.
+plant() {
+    cp "$1" "$2"
+    python3 - "$2" <<END
+import math, random, sqlite3, struct, sys
+db = sqlite3.connect(sys.argv[1])
+def floats(blob): return list(struct.unpack(f"<{len(blob) // 8}d", blob))
+def blob(x): return struct.pack(f"<{len(x)}d", *x)
+$3
+db.commit()
+END
+    python3 tools/attack/atlas_digest.py "$2" >/dev/null
+}
+
 # tables ATLAS: every row of every table bit for bit, but for the cache of traces and the texts about the run
 tables() {
     python3 - "$1" <<'END'
