@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "study/study.h"
+#include "study/windows.h"
 #include "cli.h"
 
 /* What is asked of a model once. n modes. */
@@ -128,16 +129,12 @@ static void write_duration(double seconds, size_t size, char *out)
 }
 
 /* Modes far above those that begin in the windows act on them by their static compliance, nearly. */
-#define FAR_ABOVE 20
-
 static int modes_worth(const facts *f)
 {
     double fastest = 0;
-    int n = 0;
     for (int i = 0; i < f->n; i++)
         if (is_started(f, i) && begins(f, i)) fastest = fmax(fastest, f->frequency[i]);
-    for (int i = 0; i < f->n; i++) n += f->frequency[i] <= FAR_ABOVE * fastest;
-    return n;
+    return ric_windows_worth(f->n, f->frequency, fastest);
 }
 
 /* What is said of a run that will take long; "" for others. */
@@ -153,7 +150,7 @@ static void write_length(const facts *f, size_t size, char *out)
     if (worth > 0 && worth < f->n)
         snprintf(few, sizeof few,
                  "`model: {modes: %d}` keeps those up to %d times the highest that begins in the windows", worth,
-                 FAR_ABOVE);
+                 RIC_WINDOWS_FAR);
     else snprintf(few, sizeof few, "reduce the structure to those that matter");
     snprintf(out, size,
              "a branch of %d modes takes about %.1g s, and an atlas of %d to %d branches %s to %s; "

@@ -19,8 +19,6 @@
 #define FREE_LOW 0.1 /* gaps that a body without any spring crosses in a second, for want of another time */
 #define FREE_HIGH 10.0
 enum { FEW = 5, MANY = 10 }; /* seen modes that are kept anyway, and of more at most so many */
-#define FAR_ABOVE                                                                                                      \
-    20.0 /* so many times the highest mode that is met a mode has hardly more than its static compliance */
 #define FREE_PART 1e-4 /* of the top of an energy window that is given, where frequencies begin if that begins at 0 */
 
 /* ----------------------------------------------------------------- rounding */
@@ -166,6 +164,13 @@ bool ric_windows_few(const ric_model *m)
     return m->n <= FEW;
 }
 
+int ric_windows_worth(int n, const double *frequency, double highest)
+{
+    int out = 0;
+    while (out < n && frequency[out] <= RIC_WINDOWS_FAR * highest) out++;
+    return out;
+}
+
 ric_status ric_windows_modes(const ric_model *m, const ric_explore_options *options, int *out)
 {
     ric_explore_options open = *options, *o = &open;
@@ -176,9 +181,10 @@ ric_status ric_windows_modes(const ric_model *m, const ric_explore_options *opti
     const range r = find_range(m, o);
     if (!isfinite(r.first)) return RIC_OK;
     for (int i = 0; i < o->n_start; i++) least = o->start[i] > least ? o->start[i] : least;
+    const int worth = ric_windows_worth(m->n_dof, m->frequency, r.fast);
     for (; n < m->n_dof; n++) {
-        const bool far = m->frequency[n] > FAR_ABOVE * r.fast, many = seen + m->seen[n] > MANY;
-        if (n >= least && (far || many)) break;
+        const bool many = seen + m->seen[n] > MANY;
+        if (n >= least && (n >= worth || many)) break;
         seen += m->seen[n];
     }
     while (n < m->n_dof && ric_truncate_check(m, n)) n++; /* modes of one frequency stay together */

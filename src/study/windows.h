@@ -14,6 +14,11 @@ ric_status ric_windows_choose(const ric_model *model, ric_explore_options *optio
  * them. */
 ric_status ric_windows_modes(const ric_model *model, const ric_explore_options *options, int *n);
 
+/* A mode so many times faster than another one has hardly more than its static compliance in what that one does. */
+enum { RIC_WINDOWS_FAR = 20 };
+/* How many of n frequencies, ascending, are not far above the highest one of the modes that are met. */
+int ric_windows_worth(int n, const double *frequency, double highest);
+
 /* Whether a first look keeps all modes anyway, as contacts see few. */
 bool ric_windows_few(const ric_model *model);
 
