@@ -26,7 +26,7 @@ round scalbn select send setsid setsockopt shutdown sigaction sigaddset sigempty
 sqrt sscanf stat strcasecmp strcat strchr strcmp strcpy strcspn strdup strerror strftime strlen strncasecmp strncat strncmp strncpy strndup
 strpbrk strrchr strspn strstr strtod strtok_r strtol strtold strtoll strtoul strtoull sysconf system tan tanh tgamma time tmpfile tolower toupper trunc umask
 stderr stdin stdout unlink uselocale usleep vfprintf vsnprintf waitpid write
-asprintf vasprintf dirfd fdopendir opendir readdir closedir fnmatch fprintf getopt getopt_long getpagesize gettimeofday getuid getpgrp gmtime_r
+asprintf vasprintf dirfd dlerror dlopen dlsym fdopendir opendir readdir closedir fnmatch fprintf getopt getopt_long getpagesize gettimeofday getuid getpgrp gmtime_r
 isinf isnan j0 j1 lrint mkostemp mlock nice openat popen pclose posix_memalign aligned_alloc pthread_attr_init pthread_attr_setstacksize
 pthread_attr_destroy pthread_cond_wait pthread_detach pthread_getspecific pthread_key_create pthread_rwlock_init pthread_rwlock_rdlock
 pthread_rwlock_wrlock pthread_rwlock_unlock pthread_rwlock_destroy pthread_setspecific recv rand_r setenv unsetenv setitimer setlocale setrlimit
@@ -42,6 +42,7 @@ KNOWN = {
 }
 # What is not a call by name: __float128 and where linkers differ. Each is looked for in the sources and listed.
 WAYS = {
+    "/proc/self/exe": ("cli/common/module.c", "where the program lies; elsewhere _NSGetExecutablePath or what knows that"),
     "__float128": ("src/*/*.[ch]", "a type of GCC: macOS needs GCC, or another type of 113 bits"),
     "SOCK_CLOEXEC": ("cli/*/*.c", "a flag of Linux; elsewhere fcntl(FD_CLOEXEC)"),
 }
@@ -63,7 +64,7 @@ def places(word, pattern="{src,cli,mpi}"):
     for path in sorted(files):
         with open(path, encoding="utf-8") as file:
             for number, line in enumerate(file, 1):
-                if re.search(rf"\b{word}\b", line):
+                if re.search(rf"(?<!\w){word}(?!\w)", line):
                     yield f"{os.path.relpath(path, ROOT)}:{number}"
 
 

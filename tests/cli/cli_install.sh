@@ -58,12 +58,24 @@ program=$(find "$root" -path '*bin/ricochet')
 runs() { (cd "$folder" && "$program" new fresh && "$program" check fresh/study.yaml); }
 ok "the installed program runs" runs
 
+# Commands that lie in modules find them in their folder, through a link, too, and say what is missing when the program stands alone.
+modules() { (cd "$folder" && "$1" run fresh/study.yaml --quiet -o a.ricochet && "$1" prove a.ricochet --branch 3 && "$1" export a.ricochet -o a.csv) && [ -s "$folder/a.csv" ]; }
+ok "and finds its modules" modules "$program"
+ln -s "$program" "$folder/linked"
+ok "through a link, too" modules "$folder/linked"
+alone() {
+    cp "$program" "$folder/alone" && "$folder/alone" branches "$folder/a.ricochet" || return 1
+    "$folder/alone" export "$folder/a.ricochet" -o "$folder/b.csv" 2>"$folder/told"
+    [ $? = 1 ] && cat "$folder/told" && grep -q 'export: a part of the program is missing.*install' "$folder/told" && [ ! -e "$folder/b.csv" ]
+}
+ok "without them it is said what is missing" alone
+
 version=$("$ricochet" --version | cut -d' ' -f2)
 ok "debian/changelog has the same version" grep -q "^ricochet ($version)" debian/changelog
 if sanitized; then
     left_out "calls that only Linux has" "a sanitizer brings its own"
 else
-    ok "no new call that only Linux or the GNU library has" tools/portable.py "$ricochet" "$build/src/libricochet.so"
+    ok "no new call that only Linux or the GNU library has" tools/portable.py "$ricochet" "$build"/ricochet-*.so "$build/src/libricochet.so"
 fi
 
 # The packages themselves take minutes: a copy of the tree is built as Debian does it, searched for faults, and what is in it runs.

@@ -21,3 +21,11 @@ elif found=$(ldd "$program" | grep --extended-regexp 'openblas|atlas|blis|mkl|/l
 else
     echo "ok 2 - reference LAPACK is used"
 fi
+
+# A command that needs no others is there at once: what takes long to load belongs to a module (cli/common/module.h).
+if found=$(ldd "$program" | grep --extended-regexp 'libhdf5|libmatio|libcurl|libflint|libmicrohttpd|libgnutls|libcrypto|libstdc'); then
+    echo "not ok 3 - the program begins without the libraries of its modules"
+    sed 's/^/# loaded: /' <<<"$found"
+else
+    echo "ok 3 - the program begins without the libraries of its modules"
+fi

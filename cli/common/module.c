@@ -1,0 +1,81 @@
+/* Modules: FLINT, HDF5, matio and libmicrohttpd bring some forty other libraries, and to load them takes longer than
+ * all else that a short command does. The commands that need them lie in shared objects of their own, beside the
+ * program where it is built and in a folder below lib/ where it is installed. They call what the program is made of,
+ * so that only those of its own version are taken (docs/decisions/0009-modules.md). */
+#include "module.h"
+
+#include <dlfcn.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli.h"
+
+enum { PATH_SIZE = 4096, NAME_SIZE = 256 }; /* bytes of a folder, and of what comes behind it */
+
+/* dlsym returns a pointer to data: ISO C cannot convert it to one to a function, and POSIX has the same bytes. */
+static cli_module_function *function_of(void *handle, const char *name)
+{
+    cli_module_function *out = NULL;
+    void *found = handle ? dlsym(handle, name) : NULL;
+    if (found) memcpy(&out, &found, sizeof out);
+    return out;
+}
+
+/* The folder of the program, links followed. */
+static bool own_folder(char out[PATH_SIZE])
+{
+    const ssize_t n = readlink("/proc/self/exe", out, PATH_SIZE - 1);
+    if (n <= 0) return false;
+    out[n] = '\0';
+    *strrchr(out, '/') = '\0';
+    return true;
+}
+
+/* Where the module is; the last place that was looked at if it is nowhere. */
+static bool find_file(const char *module, char path[PATH_SIZE + NAME_SIZE])
+{
+    static const char *const places[] = {".", CLI_MODULES};
+    char folder[PATH_SIZE];
+    bool found = false;
+    snprintf(path, PATH_SIZE + NAME_SIZE, "ricochet-%s.so", module);
+    if (!own_folder(folder)) return false;
+    for (size_t i = 0; !found && i < sizeof places / sizeof *places; i++) {
+        const bool absolute = places[i][0] == '/';
+        snprintf(path, PATH_SIZE + NAME_SIZE, "%s%s%s/ricochet-%s.so", absolute ? "" : folder, absolute ? "" : "/",
+                 places[i], module);
+        found = access(path, R_OK) == 0;
+    }
+    return found;
+}
+
+/* A module of another version would take the atlas for something else. */
+static bool fits(void *handle)
+{
+    const char *const *version = dlsym(handle, "cli_module_version");
+    return version && !strcmp(*version, RIC_VERSION);
+}
+
+cli_module_function *cli_module_find(const char *module, const char *function)
+{
+    cli_module_function *out = function_of(dlopen(NULL, RTLD_NOW), function);
+    char path[PATH_SIZE + NAME_SIZE];
+    if (out) return out; /* the program was linked with it */
+    if (!find_file(module, path)) {
+        cli_say("ricochet: %s: a part of the program is missing, %s; install ricochet again, or leave the program "
+                "where it was "
+                "built, with all that is beside it\n",
+                module, path);
+        return NULL;
+    }
+    void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!handle) cli_say("ricochet: %s: a part of the program cannot be loaded: %s\n", module, dlerror());
+    else if (!fits(handle)) cli_say("ricochet: %s: %s is of another version; install ricochet again\n", module, path);
+    else if (!(out = function_of(handle, function))) cli_say("ricochet: %s: %s has no %s\n", module, path, function);
+    return out;
+}
+
+int cli_module_run(const char *module, const char *command, int argc, char **argv)
+{
+    cli_module_function *found = cli_module_find(module, command);
+    return found ? ((int (*)(int, char **))found)(argc, argv) : CLI_FAILED;
+}
