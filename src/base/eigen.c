@@ -8,7 +8,8 @@
 
 #include <lapacke.h>
 
-#define MEASURED 4.0 /* margin of an error that is measured once */
+#define MOVES 3      /* by which an error is measured: a single one may lie across */
+#define MEASURED 4.0 /* its margin */
 
 bool ric_eigen(int k, double *A, double *out)
 {
@@ -50,15 +51,21 @@ static int by_value(const void *p, const void *q)
     return a[0] != b[0] ? (a[0] < b[0] ? -1 : 1) : (a[1] > b[1]) - (a[1] < b[1]);
 }
 
-/* Of factors whose entries are moved by that much, pseudorandomly. */
-static bool moved_product(int m, const double *B, const double *C, double move, double *H, double *mu)
+/* By how much entries are moved, and in which pseudorandom way, from 1 on. */
+typedef struct {
+    double by;
+    unsigned way;
+} move_t;
+
+/* Of factors whose entries are moved. */
+static bool moved_product(int m, const double *B, const double *C, move_t move, double *H, double *mu)
 {
     double *R = H, *S = R + m * m, *A = S + m * m, tau[m];
     lapack_int pivot[m];
-    unsigned bits = 2654435769u;
+    unsigned bits = 2654435769u * move.way;
     for (int i = 0; i < m * m; i++) {
-        R[i] = B[i] + ric_moved(&bits, move);
-        A[i] = C[i] + ric_moved(&bits, move);
+        R[i] = B[i] + ric_moved(&bits, move.by);
+        A[i] = C[i] + ric_moved(&bits, move.by);
         if (!isfinite(R[i] + A[i])) return false;
     }
     memset(pivot, 0, sizeof pivot);
@@ -77,9 +84,13 @@ static bool moved_product(int m, const double *B, const double *C, double move, 
 bool ric_eigen_product(int m, const double *B, const double *C, double rounding, double *H, double *mu, double *error)
 {
     double moved[2 * m];
-    if (!moved_product(m, B, C, 0, H, mu) || !moved_product(m, B, C, rounding, H, moved)) return false;
-    for (int i = 0; i < m; i++)
-        error[i] = 2 * DBL_EPSILON * hypot(mu[2 * i], mu[2 * i + 1]) +
-                   MEASURED * hypot(moved[2 * i] - mu[2 * i], moved[2 * i + 1] - mu[2 * i + 1]);
+    if (!moved_product(m, B, C, (move_t){0}, H, mu)) return false;
+    memset(error, 0, (size_t)m * sizeof *error);
+    for (unsigned way = 1; way <= MOVES; way++) {
+        if (!moved_product(m, B, C, (move_t){rounding, way}, H, moved)) return false;
+        for (int i = 0; i < m; i++)
+            error[i] = fmax(error[i], MEASURED * hypot(moved[2 * i] - mu[2 * i], moved[2 * i + 1] - mu[2 * i + 1]));
+    }
+    for (int i = 0; i < m; i++) error[i] += 2 * DBL_EPSILON * hypot(mu[2 * i], mu[2 * i + 1]);
     return true;
 }

@@ -21,10 +21,10 @@ bool ric_eigen(int k, double *A, double *out);
 bool ric_eigen_conditions(int k, const double *A, double *out, double *condition);
 
 /* mu [2m] = eigenvalues of B C, [m * m] each, sorted, and the error [m] of each, measured on entries that are moved by
- * `rounding`. The product knows small eigenvalues no better than the rounding of the large ones, as it has the square
- * of their size. With B = Q R P' (pivoted) R P' C Q is similar to it, and its rows are graded from the large ones down,
- * to which the QR algorithm keeps: what cancels has the size of the factors, not of the product. H [3 m^2] is
- * workspace. */
+ * `rounding` in three ways. The product knows small eigenvalues no better than the rounding of the large ones, as it
+ * has the square of their size. With B = Q R P' (pivoted) R P' C Q is similar to it, and its rows are graded from the
+ * large ones down, to which the QR algorithm keeps: what cancels has the size of the factors, not of the product. H [3
+ * m^2] is workspace. */
 bool ric_eigen_product(int m, const double *B, const double *C, double rounding, double *H, double *mu, double *error);
 
 #endif
