@@ -47,5 +47,7 @@ void ric_floquet_widen(ric_floquet *floquet, const double *more);
 /* The multipliers of what was computed: 2 n_pair complex numbers as re, im pairs; NaN those of which less than three
  * digits are known, near +-1 those whose rho has less than six. */
 void ric_floquet_multipliers(const ric_floquet *floquet, double *out);
+/* One pair, lambda and 1 / lambda as re, im, from its rho [2]: re, im. */
+void ric_floquet_pair(const double *rho, double *out);
 
 #endif

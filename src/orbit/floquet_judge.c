@@ -161,7 +161,7 @@ void ric_floquet_widen(ric_floquet *f, const double *more)
     f->error = worst;
 }
 
-static void pair_from_rho(const double *rho, double *out)
+void ric_floquet_pair(const double *rho, double *out)
 {
     double complex lambda = ric_floquet_pairs_large(rho), inverse = 1 / lambda;
     out[0] = creal(lambda);
@@ -175,7 +175,7 @@ void ric_floquet_multipliers(const ric_floquet *f, double *out)
     for (int i = 0; i < f->n_pair; i++) {
         const double *rho = f->rho + 2 * i;
         bool known = f->each[i] == 0 || ric_floquet_pairs_large_error(rho, f->each[i]) <= LOST;
-        if (known) pair_from_rho(rho, out + 4 * i);
+        if (known) ric_floquet_pair(rho, out + 4 * i);
         else
             for (int k = 0; k < 4; k++) out[4 * i + k] = NAN;
     }

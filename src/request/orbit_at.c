@@ -104,6 +104,7 @@ static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_o
     if (!status) status = finish(m, chain, u, &t, &point, out);
     /* as it is stored: the same numbers, not merely equal ones */
     if (!status) status = ric_atlas_point(a, b->id, i, &(*out)->point, (*out)->state, (*out)->flights);
+    if (!status) ric_stored_multipliers(m, &point, (*out)->multipliers);
     ric_shooting_free(chain);
     ric_periodic_free(cycle);
     free(u);

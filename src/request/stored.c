@@ -1,5 +1,6 @@
 #include "stored.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,4 +74,12 @@ ric_status ric_stored_symmetries(const ric_atlas *a, const ric_branch *b, int i,
     }
     if (!end || !fits(m, b, i, c)) find_symmetries(m, b, c); /* the two start at different impacts */
     return ric_trust(RIC_OK);
+}
+
+bool ric_stored_multipliers(const ric_model *m, const ric_point *point, double *out)
+{
+    const double rho[2] = {ric_point_trace(point), 0};
+    if (m->n != 2 || point->stable == RIC_STABLE_UNDECIDED || !isfinite(rho[0] * rho[0])) return false;
+    ric_floquet_pair(rho, out);
+    return true;
 }

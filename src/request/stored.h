@@ -14,5 +14,9 @@ ric_status ric_stored_symmetries(const ric_atlas *atlas, const ric_branch *branc
  * leave it open: what is then computed from them belongs to no branch, and may take any time. */
 ric_status ric_stored_chain(const ric_model *model, const ric_branch *branch, int i, const ric_periodic *cycle,
                             ric_shooting **chain, double **u);
+/* The multipliers [4] of a point of two modes, from the trace that is stored with it. False where that does not say
+ * them: it is lost, or beyond a double, or on the border of stability, where only the error of the orbit tells whether
+ * a digit of them is known; and for other numbers of modes. */
+bool ric_stored_multipliers(const ric_model *model, const ric_point *point, double *out);
 
 #endif

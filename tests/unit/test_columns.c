@@ -1,4 +1,5 @@
 /* Numbers of a branch as columns, the sample of points that is replayed, and what is measured on an orbit. */
+#include <complex.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -131,6 +132,35 @@ static void test_multipliers_at_once_are_those_of_the_orbits(void **unused)
     ric_atlas_free(atlas);
 }
 
+/* Of two modes they are those of the trace that is stored with the point, to the bit, where it decides the stability.
+ */
+static void test_multipliers_of_two_modes_are_in_the_trace(void **unused)
+{
+    (void)unused;
+    int compared = 0;
+    ric_atlas *atlas = explore_text(text);
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        double *found = calloc(4 * (size_t)b.n_point, sizeof *found);
+        assert_non_null(found);
+        assert_int_equal(ric_atlas_multipliers(atlas, id, 0, b.n_point, 2, found), RIC_OK);
+        for (int i = 0; i < b.n_point; i++) {
+            ric_point p;
+            assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
+            const double trace = ric_point_trace(&p);
+            if (ric_branch_linear(ric_atlas_model(atlas), &b) || p.stable == RIC_STABLE_UNDECIDED || isnan(trace))
+                continue;
+            const double complex rho = trace, root = csqrt(rho * rho - 4), sum = (rho + root) / 2,
+                                 lambda = cabs(sum) < 1 ? (rho - root) / 2 : sum;
+            assert_true(found[4 * i] == creal(lambda) && found[4 * i + 1] == cimag(lambda));
+            compared++;
+        }
+        free(found);
+    }
+    assert_true(compared > 200);
+    ric_atlas_free(atlas);
+}
+
 static void test_a_sample_has_the_ends_and_the_middle(void **unused)
 {
     (void)unused;
@@ -259,6 +289,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_columns_are_the_points),
         cmocka_unit_test(test_multipliers_at_once_are_those_of_the_orbits),
+        cmocka_unit_test(test_multipliers_of_two_modes_are_in_the_trace),
         cmocka_unit_test(test_a_sample_has_the_ends_and_the_middle),
         cmocka_unit_test(test_impacts_exchange_the_momentum),
         cmocka_unit_test(test_springs_exchange_the_integral_of_their_force),
