@@ -8,7 +8,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. $(wildcard tests/*/.) bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench sanitize race memcheck memcheck-python package-check faults fuzz attack clean
+.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench sanitize race memcheck memcheck-python sanitize-python package-check faults fuzz attack clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -27,6 +27,7 @@ help:
 	@echo "make race      build with checks for data races in $(TSAN)/ and run what has threads"
 	@echo "make memcheck  run the test programs and all commands under valgrind (Debian: valgrind)"
 	@echo "make memcheck-python  run the tests of the Python package under valgrind"
+	@echo "make sanitize-python  the same with the library of $(ASAN)/, as make sanitize does, too"
 	@echo "make package-check    build the packages for Debian, and install, use and remove them in a clean root (Debian: mmdebstrap; as root)"
 	@echo "make faults    let every allocation and every writing call of a run fail once"
 	@echo "make attack    judge the atlases of 2,000 random structures, ATTACK='-n 60 --seed 1' for fewer"
@@ -115,6 +116,7 @@ time: setup-tests build
 	@RICOCHET=$(BUILD)/ricochet bash bench/time.sh
 	@ninja -C $(BUILD) --quiet tests/test_chain
 	@RICOCHET_TEST_TIME=1 $(BUILD)/tests/test_chain
+	@RICOCHET_TEST_TIME=1 PART=saved RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_view_page.sh
 	@RICOCHET_TEST_TIME=1 PART=million RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_view_page.sh
 
 picture: setup-tests build
@@ -135,6 +137,11 @@ sanitize: setup-tests $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet
 	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN)
 	@tools/memcheck-python -address $(ASAN) || [ $$? = 77 ]
+
+# The same of the Python package alone: the library is loaded into a Python that has no checks, behind that of the sanitizer.
+sanitize-python: setup-tests $(ASAN)/build.ninja
+	@ninja -C $(ASAN) --quiet ricochet $$(ninja -C $(ASAN) -t targets all | sed -n 's/^\(src\/libricochet.so[0-9.]*\): .*LINKER$$/\1/p')
+	@tools/memcheck-python -address $(ASAN)
 
 # The programs of tests/unit/test_*.c have one thread, but for `threads`; these tests have ricochet start several. Open MPI, which knows nothing of the sanitizer, is left out
 # by race.supp.
