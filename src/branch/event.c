@@ -645,6 +645,18 @@ static ric_status inner_events(ric_continuation *tr, double h, int test, double 
     return status;
 }
 
+/* The end as the last point. Read off cubics it may lie before the point with which the step over it began: what is
+ * stored behind it belongs to the image of the branch. */
+static ric_status keep_end(ric_continuation *tr)
+{
+    while (tr->n_point > 1) {
+        const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
+        if (!tr->mid.solved || last->arclength <= tr->mid.row.arclength) break;
+        tr->n_point--;
+    }
+    return ric_continuation_keep(tr, &tr->mid);
+}
+
 ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retry)
 {
     int test;
@@ -685,5 +697,5 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
         end_by(tr, test);
     }
     if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;
-    return ric_continuation_keep(tr, &tr->mid);
+    return keep_end(tr);
 }

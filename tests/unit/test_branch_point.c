@@ -341,10 +341,38 @@ static void faint_modes_together(void **state)
     }
 }
 
+/* A5[00101] of this structure arrives at a branch point just before the point from which the step over it begins: no
+ * point lies behind the end, and what is stable of a branch is a share of it. */
+static void an_end_before_the_last_point(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[8.494920630164673, -0.4949206301646726], "
+        "[-0.4949206301646726, 0.4949206301646726]]\n  contacts: [{normal: [-1, 1], clearance: 1}]\n"
+        "explore: {energy: [0, 0.4], frequency: [0.2, 1], impacts: 5, multiply: 3, depth: 2}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        double at[b.n_point];
+        int width;
+        assert_int_equal(ric_atlas_column(atlas, id, "arclength", &width, at), RIC_OK);
+        for (int i = 1; i < b.n_point; i++)
+            if (!(at[i] >= at[i - 1])) fail_msg("%s: point %d of %d lies before the last one", b.label, i, b.n_point);
+        if (!(b.stable_fraction >= 0 && b.stable_fraction <= 1))
+            fail_msg("%s: %g of it is stable", b.label, b.stable_fraction);
+        found += !strcmp(b.label, "A5[00101]");
+    }
+    assert_true(found > 0);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right), cmocka_unit_test(gaps),
-                                       cmocka_unit_test(nearly_left_and_right), cmocka_unit_test(faint_modes),
-                                       cmocka_unit_test(faint_modes_together)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right),
+                                       cmocka_unit_test(gaps),
+                                       cmocka_unit_test(nearly_left_and_right),
+                                       cmocka_unit_test(faint_modes),
+                                       cmocka_unit_test(faint_modes_together),
+                                       cmocka_unit_test(an_end_before_the_last_point)};
     return cmocka_run_group_tests_name("crossing", tests, NULL, NULL);
 }
