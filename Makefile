@@ -51,7 +51,7 @@ define configure
 endef
 
 $(BUILD)/build.ninja: $(FOLDERS) $(MESON_FILES) | setup
-	$(call configure,$(BUILD),)
+	$(call configure,$(BUILD),$(FRESH))
 
 $(ASAN)/build.ninja: $(FOLDERS) $(MESON_FILES) | setup
 	$(call configure,$(ASAN),-Dbuildtype=debugoptimized -Db_sanitize=address$(comma)undefined -Db_lundef=false)
@@ -95,9 +95,11 @@ demo: build
 paper: build
 	@tools/paper $(BUILD)
 
+# A new folder is built with every warning an error, which saves to compile all once more for it; STRICT=false does not.
+STRICT ?= true
 test:
 	@tools/setup tests
-	@$(MAKE) --no-print-directory build
+	@$(MAKE) --no-print-directory build FRESH=-Dstrict=$(STRICT)
 	@tools/run-tests $(BUILD)
 
 check: setup-tests build

@@ -76,12 +76,12 @@ static bool put_table(mat_t *file, const export_table *t)
     return done;
 }
 
-static bool same(const matvar_t *a, const matvar_t *b)
+static bool same(matvar_t *a, matvar_t *b)
 {
     if (!a || !b || a->class_type != b->class_type || a->dims[0] != b->dims[0] || a->dims[1] != b->dims[1])
         return false;
     const bool parts = a->class_type == MAT_C_CELL || a->class_type == MAT_C_STRUCT;
-    const size_t n = a->class_type == MAT_C_STRUCT ? Mat_VarGetNumberOfFields((matvar_t *)a) : a->dims[0] * a->dims[1];
+    const size_t n = a->class_type == MAT_C_STRUCT ? Mat_VarGetNumberOfFields(a) : a->dims[0] * a->dims[1];
     if (!parts) return a->nbytes == b->nbytes && (!a->nbytes || !memcmp(a->data, b->data, a->nbytes));
     for (size_t i = 0; i < n; i++)
         if (!same(((matvar_t *const *)a->data)[i], ((matvar_t *const *)b->data)[i])) return false;
