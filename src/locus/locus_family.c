@@ -8,6 +8,9 @@
 #include "model/room.h"
 #include "orbit/room.h"
 
+#define COMMENSURATE 1e-5 /* of the range: a locus is lost as near as this to where modes are commensurate */
+enum { COMMENSURATE_MOST = 8, RATIO_MOST = 100, COMMENSURATE_STEPS = 40 };
+
 double ric_locus_range(const ric_vary *v)
 {
     return v->to - v->from;
@@ -93,4 +96,47 @@ ric_status ric_locus_carry(const ric_shooting *chain, const double *u, const ric
         ric_shooting_nodes_put(*out, j, w, *v);
     }
     return RIC_OK;
+}
+
+/* omega_j / omega_i - m / n where the parameter is p. */
+static ric_status ratio_at(const ric_locus_problem *q, const ric_locus_commensurate *c, double p, double *off)
+{
+    ric_model *model = NULL;
+    ric_status status = ric_locus_model(q->base, &q->vary, p, NULL, &model);
+    if (!status) *off = model->omega[c->mode[1]] / model->omega[c->mode[0]] - (double)c->ratio[1] / c->ratio[0];
+    ric_model_free(model);
+    return status;
+}
+
+/* The value near p where two modes have the ratio of c, by secants over `within`. */
+static bool ratio_near(const ric_locus_problem *q, ric_locus_commensurate *c, double p, double within)
+{
+    double a = p - within, b = p + within, x, y;
+    if (ratio_at(q, c, a, &x) || ratio_at(q, c, b, &y)) return false;
+    if (!(x * y <= 0) || x == y) return false;
+    for (int k = 0; k < COMMENSURATE_STEPS && fabs(b - a) > 0; k++) {
+        const double next = b - y * (b - a) / (y - x);
+        if (!isfinite(next)) break;
+        a = b;
+        x = y;
+        b = next;
+        if (ratio_at(q, c, b, &y)) return false;
+    }
+    c->value = b;
+    return fabs(b - p) <= within;
+}
+
+bool ric_locus_commensurate_near(const ric_locus_problem *q, const ric_model *at, double p,
+                                 ric_locus_commensurate *out)
+{
+    const double within = COMMENSURATE * ric_locus_range(&q->vary);
+    for (int n = 1; n <= COMMENSURATE_MOST; n++)
+        for (int i = 0; i < at->n_dof; i++)
+            for (int j = i + 1; j < at->n_dof && at->omega[i] > 0; j++) {
+                const double m = round(n * at->omega[j] / at->omega[i]);
+                if (!(m < RATIO_MOST * n)) continue;
+                *out = (ric_locus_commensurate){.mode = {i, j}, .ratio = {n, (int)m}};
+                if (ratio_near(q, out, p, within)) return true;
+            }
+    return false;
 }

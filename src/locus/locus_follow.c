@@ -327,8 +327,13 @@ static ric_status end_lost(walk *w, const stand *at)
     const ric_locus_orbit *o = at->orbit;
     const double left = o->spare[SPARE_BRANCH] / w->start.spare[SPARE_BRANCH];
     char why[400], detail[200];
+    ric_locus_commensurate c;
     snprintf(detail, sizeof detail, "%s", ric_detail());
-    if (left < CROSSED)
+    if (ric_locus_commensurate_near(w->q, o->model, o->p, &c))
+        snprintf(why, sizeof why,
+                 "it is not followed further: modes %d and %d are commensurate, %d to %d, where the parameter is %.15g",
+                 c.mode[0] + 1, c.mode[1] + 1, c.ratio[0], c.ratio[1], c.value);
+    else if (left < CROSSED)
         snprintf(why, sizeof why,
                  "it is not followed further: another branch crosses the one that it lies on, or comes near; the "
                  "determinant that vanishes there is %.2g of that at the start",

@@ -66,6 +66,16 @@ ric_status ric_locus_model(const ric_model *model, const ric_vary *vary, double 
 ric_status ric_locus_carry(const ric_shooting *chain, const double *u, const ric_model *to, ric_shooting **out,
                            double **v);
 
+/* Two modes, from 0, of which one swings ratio[1] times while the other does ratio[0] times, and where. */
+typedef struct {
+    int mode[2], ratio[2];
+    double value;
+} ric_locus_commensurate;
+/* Such a place beside the value p, where the structure is `at`: families of orbits of two parameters cross the surface
+ * there, as of two modes without impacts. The smallest ratio is told. */
+bool ric_locus_commensurate_near(const ric_locus_problem *q, const ric_model *at, double p,
+                                 ric_locus_commensurate *out);
+
 /* -------------------------------------------------------- locus_orbit.c */
 
 /* Fills `out` from an orbit of the structure of the atlas, moved to the nearest point of its branch; what the problem

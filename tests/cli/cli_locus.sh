@@ -103,13 +103,106 @@ def law(name):
     good = [off for off, label in rows if off < 1e-8]
     assert len(good) >= 3 and len(good) >= 0.7 * len(rows), rows
 
-{f.__name__: f for f in (against_atlases, closed_form, orbits, fold, steps, law)}[sys.argv[3]](*sys.argv[4:])
+def modes(k):
+    "of M = diag(2, 1), K = [[8 + k, -k], [-k, k]]: frequencies, and what the gap has of them"
+    b, root = 8 + 3 * k, math.sqrt((8 + 3 * k) ** 2 - 64 * k)
+    out = []
+    for lam in ((b - root) / 4, (b + root) / 4):
+        x = (8 + k - 2 * lam) / k
+        out.append((math.sqrt(lam), (x - 1) / math.sqrt(2 + x * x)))
+    return out
+
+def largest(gap, speed, end):
+    "the largest |gap| inside, where the speed is 0"
+    n, best = 2000, 0
+    for i in range(4, n - 4):
+        a, b = end * i / n, end * (i + 1) / n
+        if speed(a) * speed(b) > 0: continue
+        for _ in range(100):
+            c = (a + b) / 2
+            if speed(a) * speed(c) <= 0: b = c
+            else: a = c
+        best = max(best, abs(gap(a)))
+    return best
+
+def ends_at(id):
+    rows = [r for r in locus("v.ricochet", id) if r["mark"] == "end" and r["what"] == "another gap touches, too"]
+    assert rows, id
+    return [(r["value"], 2 * math.pi / r["frequency"], r["energy"]) for r in rows]
+
+def codimension_two():
+    "ends at which something else touches, too, in closed form"
+    def two(id, order): # [01] out of its centre: flights of half a period, q_i ~ sin(omega_i (t - tau / 2))
+        for k, T, E in ends_at(id):
+            tau, m = T / 2, modes(k)
+            A = 1 / sum(c * c * math.tan(w * tau / 2) / w for w, c in m)
+            gap = lambda t: -A * sum(c * c * math.sin(w * (t - tau / 2)) / (w * math.cos(w * tau / 2)) for w, c in m)
+            speed = lambda t: -A * sum(c * c * math.cos(w * (t - tau / 2)) / math.cos(w * tau / 2) for w, c in m)
+            energy = A * A * sum(c * c / math.cos(w * tau / 2) ** 2 for w, c in m) / 2
+            assert abs(energy / E - 1) < 1e-11 and abs(largest(gap, speed, tau) - 1) < 1e-10, (id, k)
+            # -1 times half a period: a flight, and the impact by which it ends; two of four values are 1
+            n, cc = range(2), sum(c * c for _, c in m)
+            q = [-A * c * math.sin(w * tau / 2) / (w * math.cos(w * tau / 2)) for w, c in m]
+            pull = sum(-c * w * w * x for (w, c), x in zip(m, q))
+            cp = -A * sum(c * c for _, c in m)
+            fly = [[math.cos(w * tau), math.sin(w * tau) / w, -w * math.sin(w * tau), math.cos(w * tau)] for w, _ in m]
+            trace = 0
+            for i in n: # diagonal of S F
+                for j in n:
+                    R = (i == j) - 2 * m[i][1] * m[j][1] / cc
+                    bend = 2 * m[i][1] * pull / cc * m[j][1] / cp
+                    if i == j: trace += R * (fly[j][0] + fly[j][3]) + bend * fly[j][1]
+            assert min(abs(-trace - 2 - s * 2 * math.cos(math.pi * p / order)) for p in range(1, order) for s in (1, -1)) < 1e-9, (id, k, trace)
+    two("jamh8hj0h", 2) # a doubling of S2
+    two("ja1rbthgd", 3) # and a tripling
+    for k, T, E in ends_at("jqj8nbaqt"): # an extremum of A1[0]: one flight, q_i ~ cos(omega_i (t - T / 2))
+        m = modes(k)
+        def energy(T):
+            a = 1 / sum(c * c / math.tan(w * T / 2) / w for w, c in m)
+            return a * a * sum(c * c / math.sin(w * T / 2) ** 2 for w, c in m) / 2
+        a = 1 / sum(c * c / math.tan(w * T / 2) / w for w, c in m)
+        gap = lambda t: a * sum(c * c * math.cos(w * (t - T / 2)) / (w * math.sin(w * T / 2)) for w, c in m)
+        speed = lambda t: -a * sum(c * c * math.sin(w * (t - T / 2)) / math.sin(w * T / 2) for w, c in m)
+        assert abs(energy(T) / E - 1) < 1e-11 and abs(largest(gap, speed, T) - 1) < 1e-10
+        assert abs(energy(T * (1 + 1e-5)) - energy(T * (1 - 1e-5))) < 1e-11 * E, "dE/dT"
+
+def commensurate():
+    "where modes are commensurate a curve ends, and that place is told: omega_2 = 3 omega_1, and 7 : 3"
+    for id, p, q in (("j1y7c6gyb", 3, 1), ("jpr864d85", 3, 1), ("js5atyk7t", 7, 3)):
+        whats = [r["what"] for r in locus("v.ricochet", id) if r["mark"] == "end"]
+        said = [w for w in whats if f"modes 1 and 2 are commensurate, {q} to {p}, where the parameter is" in w]
+        assert said, whats
+        (one, _), (two, _) = modes(float(said[0].split()[-1]))
+        assert abs(two / one - p / q) < 1e-12, said
+
+def factor_of_four():
+    "C_33 of S2- and the branch point of S2+ that is the article's C1_32 at 20 values, a factor of four, and in atlases made there"
+    long_form = sys.argv[4] == "1"
+    values = [0.4 * 4 ** (i / 19) for i in range(19)] + [1.6]
+    chosen = values if long_form else [values[3], values[12]]
+    for k in chosen:
+        with open(f"{folder}/f.yaml", "w") as f:
+            f.write(f"model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[{8 + k!r}, {-k!r}], [{-k!r}, {k!r}]]\n  contacts: [{{normal: [-1, 1], clearance: 1}}]\n"
+                    "explore: {energy: [0, 60], frequency: [0.1, 12], impacts: 2, multiply: 3, depth: 1}\n")
+        subprocess.run([program, "run", f"{folder}/f.yaml", "-o", f"{folder}/f{k!r}.ricochet", "--quiet"], check=True)
+    for id, kind, multiple in (("jbezjyx5e", "multiplication", 3), ("js6sykkwf", "multiplication", 2), ("j9mf41qkm", "multiplication", 3), ("jna6p8eac", "branch-point", 1)):
+        rows = locus("v.ricochet", id, "--values", ",".join(map(repr, values)))
+        assert {r["value"] for r in rows} >= set(values), id
+        for k in chosen:
+            row = next(r for r in rows if r["value"] == k)
+            there = [j for j in ask("junctions", f"{folder}/f{k!r}.ricochet") if (j["kind"], j["multiple"], j["word"]) == (kind, multiple, "01")]
+            assert near(row, there)[1] < 1e-9, (id, k, near(row, there))
+
+{f.__name__: f for f in (against_atlases, closed_form, orbits, fold, steps, law, codimension_two, commensurate, factor_of_four)}[sys.argv[3]](*([] if sys.argv[3] == "factor_of_four" else sys.argv[4:]))
 P
 judge() { python3 "$folder/judge.py" "$ricochet" "$folder" "$@"; }
 ok "against atlases of other structures" judge against_atlases
 ok "linear modes in closed form" judge closed_form
 ok "states are orbits" judge orbits
 ok "two junctions annihilate each other" judge fold
+ok "ends of codimension two" judge codimension_two
+ok "commensurate modes" judge commensurate
+ok "a factor of four" judge factor_of_four "$(some_of 0 1)"
 ok "whatever the step" judge steps
 contact='{normal: [-1, 1], clearance: 1, law: bilinear, stiffness: 30}'
 power='{normal: [-1, 1], law: power, exponent: 3, stiffness: 1}'
