@@ -15,7 +15,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 THERE = set("""
 access acos acosh alarm asin asinh atan atan2 atanh bind cabs calloc cbrt ceil clock_gettime close cos cosh csqrt csqrtl cpow cexp clog creal cimag
 abort atexit connect dprintf dup dup2 execlp execv execvp exit _exit exp exp2 expm1 fabs fchmod fclose fcntl fdopen feof ferror fflush fgetc
-fgets fileno flock floor fma fmax fmemopen fmin fmod fopen fork fprintf fputc fputs fread free freeaddrinfo freelocale frexp fscanf fseek
+fgets fileno flock floor fma fmax fmemopen fmin fmod fopen fork fprintf fputc fputs fread free freeaddrinfo freelocale getentropy frexp fscanf fseek
 fseeko fstat fsync ftell ftello ftruncate fwrite getaddrinfo getc getenv geteuid gethostname getline getpid getsockname hypot ilogb inet_ntop
 inet_pton isatty kill ldexp lgamma link listen llround localtime_r log log10 log1p log2 lround lstat malloc memchr memcmp memcpy memmove memset
 mkdir mkdtemp mkstemp mktime modf munmap mmap nan nanosleep newlocale nextafter open open_memstream perror pipe poll pow pread printf
@@ -34,17 +34,15 @@ getrlimit getrusage setvbuf sleep strcasestr memmem strnlen strsep strtof strxfr
 asinhl atan2l cabsl cosl expl fabsl fmaxl fminl fmal frexpl hypotl ldexpl log1pl logl log2l powl sinl sqrtl tanl
 """.split())
 KNOWN = {
-    "fopencookie": "a stream that grows in memory and can fail (base/buffer.c); elsewhere funopen",
-    "getrandom": "the token of `ricochet view` (cli/view); elsewhere arc4random_buf",
+    "fopencookie": "a stream that grows in memory and can fail (base/buffer.c); elsewhere funopen, there",
     "ioctl": "TIOCGWINSZ, the width of a terminal (cli/common/output.c), which every Unix has; elsewhere as if there were none",
-    "sincos": "also made by the compiler out of sin and cos; elsewhere __sincos, or the two of them",
-    "sincosl": "made by the compiler out of sinl and cosl",
+    "sincos": "also made by the compiler out of sin and cos; elsewhere the two of them (base/elsewhere.h)",
+    "sincosl": "made by the compiler out of sinl and cosl, as sincos",
 }
 # What is not a call by name: __float128 and where linkers differ. Each is looked for in the sources and listed.
 WAYS = {
-    "/proc/self/exe": ("cli/common/module.c", "where the program lies; elsewhere _NSGetExecutablePath or what knows that"),
-    "__float128": ("src/*/*.[ch]", "a type of GCC: macOS needs GCC, or another type of 113 bits"),
-    "SOCK_CLOEXEC": ("cli/*/*.c", "a flag of Linux; elsewhere fcntl(FD_CLOEXEC)"),
+    "/proc/self/exe": ("cli/common/module.c", "where the program lies; elsewhere _NSGetExecutablePath, there"),
+    "__float128": ("src/*/*.[ch]", "a type of GCC; elsewhere long double, there"),
 }
 
 

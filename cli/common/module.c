@@ -5,8 +5,13 @@
 #include "module.h"
 
 #include <dlfcn.h>
+#include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#ifdef __APPLE__
+#include <mach-o/dyld.h>
+#endif
 
 #include "cli.h"
 
@@ -21,12 +26,26 @@ static cli_module_function *function_of(void *handle, const char *name)
     return out;
 }
 
-/* The folder of the program, links followed. */
-static bool own_folder(char out[PATH_SIZE])
+/* The file of the program, links followed. */
+#ifdef __APPLE__
+static bool own_file(char out[PATH_SIZE])
+{
+    char path[PATH_SIZE];
+    uint32_t size = PATH_SIZE;
+    return !_NSGetExecutablePath(path, &size) && realpath(path, out);
+}
+#else
+static bool own_file(char out[PATH_SIZE])
 {
     const ssize_t n = readlink("/proc/self/exe", out, PATH_SIZE - 1);
-    if (n <= 0) return false;
-    out[n] = '\0';
+    out[n > 0 ? n : 0] = '\0';
+    return n > 0;
+}
+#endif
+
+static bool own_folder(char out[PATH_SIZE])
+{
+    if (!own_file(out)) return false;
     *strrchr(out, '/') = '\0';
     return true;
 }

@@ -8,6 +8,7 @@
 #include <arpa/inet.h>
 #include <ctype.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <microhttpd.h>
 #include <netdb.h>
@@ -593,11 +594,12 @@ static bool is_loopback(const struct sockaddr *address)
 static int listen_at(const struct addrinfo *where, int port)
 {
     struct sockaddr_storage address;
-    const int one = 1, fd = socket(where->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const int one = 1, fd = socket(where->ai_family, SOCK_STREAM, 0);
     memcpy(&address, where->ai_addr, where->ai_addrlen);
     if (where->ai_family == AF_INET) ((struct sockaddr_in *)&address)->sin_port = htons((uint16_t)port);
     else ((struct sockaddr_in6 *)&address)->sin6_port = htons((uint16_t)port);
     if (fd < 0) return -1;
+    fcntl(fd, F_SETFD, FD_CLOEXEC);
     setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
     if (bind(fd, (struct sockaddr *)&address, where->ai_addrlen) || listen(fd, 64)) {
         const int reason = errno;
@@ -649,7 +651,7 @@ static int open_socket(view_server *server, const view_listen *where)
 static bool random_hex(size_t bytes, char *out)
 {
     unsigned char raw[64];
-    if (bytes > sizeof raw || getrandom(raw, bytes, 0) != (ssize_t)bytes) return false;
+    if (bytes > sizeof raw || getentropy(raw, bytes)) return false;
     for (size_t i = 0; i < bytes; i++) sprintf(out + 2 * i, "%02x", raw[i]);
     return true;
 }

@@ -25,13 +25,31 @@ static ssize_t append(void *buffer, const char *bytes, size_t n)
     return (ssize_t)n;
 }
 
+/* A stream that is written by `append`, of BSD and macOS or of the GNU library. */
+#ifdef RIC_BASE_ELSEWHERE_H
+static int append_or_fail(void *buffer, const char *bytes, int n)
+{
+    return append(buffer, bytes, (size_t)n) == n ? n : -1;
+}
+
+static FILE *stream_into(ric_buffer *b)
+{
+    return funopen(b, NULL, append_or_fail, NULL, NULL);
+}
+#else
+static FILE *stream_into(ric_buffer *b)
+{
+    return fopencookie(b, "w", (cookie_io_functions_t){.write = append});
+}
+#endif
+
 bool ric_buffer_open(ric_buffer *out)
 {
     enum { FIRST = 256 };
     *out = (ric_buffer){.text = ric_malloc(FIRST), .capacity = FIRST};
     if (out->text) {
         out->text[0] = '\0';
-        out->file = fopencookie(out, "w", (cookie_io_functions_t){.write = append});
+        out->file = stream_into(out);
     }
     if (!out->file) ric_buffer_free(out);
     return out->file;

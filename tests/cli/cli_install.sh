@@ -78,6 +78,20 @@ else
     ok "no new call that only Linux or the GNU library has" tools/portable.py "$ricochet" "$build"/ricochet-*.so "$build/src/libricochet.so"
 fi
 
+# What takes their place: compiled with the headers that there are, and what macOS declares besides. To run it takes a Mac.
+mkdir "$folder/mac" "$folder/mac/mach-o"
+echo 'int _NSGetExecutablePath(char *path, unsigned *size);' >"$folder/mac/mach-o/dyld.h"
+echo '#include <stdio.h>
+FILE *funopen(const void *, int (*)(void *, char *, int), int (*)(void *, const char *, int), fpos_t (*)(void *, fpos_t, int), int (*)(void *));' >"$folder/mac/mac.h"
+replaced() {
+    local source
+    for source in src/base/buffer.c cli/common/module.c $(grep -lE '\bsincosl?\(' src/*/*.c cli/*/*.c); do
+        cc -std=c11 -Wall -Wextra -Werror -fsyntax-only -D_GNU_SOURCE= -D__APPLE__ -DCLI_MODULES='"."' -Iinclude -Isrc -Icli -I"$folder/mac" \
+            -include "$folder/mac/mac.h" -include src/base/elsewhere.h "$source" || return 1
+    done
+}
+ok "what takes the place of such calls compiles" replaced
+
 # The packages themselves take minutes: a copy of the tree is built as Debian does it, searched for faults, and what is in it runs.
 packages() {
     mkdir "$folder/deb" "$folder/deb/x" && tar c --exclude=./build* --exclude=./.git --exclude=node_modules . | tar x --one-top-level="$folder/deb/ricochet" || return 1
