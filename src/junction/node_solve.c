@@ -50,23 +50,68 @@ static bool solve_finely(ric_criterion_work *q, double *u)
     return c->residual <= 4 * ric_continuation_tolerance(c);
 }
 
+/* f [4]: the function within h of u on either side, at these parts of it. */
+static const double parts[] = {-1, -0.5, 0.5, 1};
+
+static bool around(ric_criterion_work *q, const double *u, const double *normal, double h, double *f, double *noise)
+{
+    ric_shooting *c = q->chain;
+    int size = c->n_unknown, iterations;
+    double v[size], du[size], t[size];
+    *noise = 0;
+    for (int i = 0; i < 4; i++) {
+        for (int j = 0; j < size; j++) v[j] = u[j] + parts[i] * h * normal[j];
+        if (!ric_continuation_correct(c, v, u, normal, parts[i] * h, du, &iterations)) return false;
+        double sign = ric_continuation_tangent(c, normal, t);
+        f[i] = ric_criterion_value(q, v, t, sign);
+        if (isfinite(q->noise)) *noise = fmax(*noise, q->noise);
+    }
+    return true;
+}
+
+/* Whether f [4] is a straight line that is `middle` at u: by its slope over h, and more than what it may be off. */
+static bool straight(const double *f, double middle, double *slope)
+{
+    double off = 0;
+    *slope = 0;
+    for (int i = 0; i < 4; i++) *slope += parts[i] * f[i] / 2.5;
+    for (int i = 0; i < 4; i++) off = fmax(off, fabs(f[i] - middle - *slope * parts[i]));
+    return off < STRAIGHT * fabs(*slope);
+}
+
 /* Whether the function is a line through zero within h of u on either side. */
 static bool passes(ric_criterion_work *q, const double *u, const double *normal, double h)
 {
-    static const double place[] = {-1, -0.5, 0.5, 1};
-    ric_shooting *c = q->chain;
+    double f[4], slope, noise;
+    return around(q, u, normal, h, f, &noise) && straight(f, 0, &slope) && fabs(slope) > noise;
+}
+
+/* Whether the branch goes on for h on either side of u: all impacts have a speed, and flights a time. */
+static bool goes_on(ric_shooting *c, const double *u, const double *normal, double h)
+{
     int size = c->n_unknown, iterations;
-    double v[size], du[size], t[size], f[4], slope = 0, off = 0, noise = 0;
-    for (int i = 0; i < 4; i++) {
-        for (int j = 0; j < size; j++) v[j] = u[j] + place[i] * h * normal[j];
-        if (!ric_continuation_correct(c, v, u, normal, place[i] * h, du, &iterations)) return false;
-        double sign = ric_continuation_tangent(c, normal, t);
-        f[i] = ric_criterion_value(q, v, t, sign);
-        if (isfinite(q->noise)) noise = fmax(noise, q->noise);
-        slope += place[i] * f[i] / 2.5;
+    double v[size], du[size];
+    for (int side = -1; side <= 1; side += 2) {
+        for (int j = 0; j < size; j++) v[j] = u[j] + side * h * normal[j];
+        if (!ric_continuation_correct(c, v, u, normal, side * h, du, &iterations)) return false;
+        if (!(ric_continuation_approach(c, true) > 0)) return false;
+        for (int k = 0; k < c->n_flight; k++)
+            if (!(v[c->n_start + k] > 0)) return false;
     }
-    for (int i = 0; i < 4; i++) off = fmax(off, fabs(f[i] - slope * place[i]));
-    return fabs(slope) > noise && off < STRAIGHT * fabs(slope);
+    return true;
+}
+
+/* Whether the function is any line beside u: on a branch of one period its slope is rounding, of which a bound tells
+ * little. It is looked at in two distances, smaller ones beside an end. */
+static bool inclines(ric_criterion_work *q, const double *u, const double *normal)
+{
+    double f[4], slope, noise;
+    int looked = 0;
+    for (double h = BESIDE * q->chain->scale; h >= NARROWEST * q->chain->scale && looked < 2; h /= 10) {
+        if (around(q, u, normal, h, f, &noise) && straight(f, (f[0] + f[1] + f[2] + f[3]) / 4, &slope)) return true;
+        looked += goes_on(q->chain, u, normal, h);
+    }
+    return false;
 }
 
 /* Whether a zero at u stands out of rounding: at some distance the function passes it in a straight line. On a branch
@@ -197,7 +242,9 @@ static bool solve_criterion(ric_criterion_work *q, double *u)
     bool by_determinant = ric_criterion_breaks_symmetry(q->test) || q->test == RIC_TEST_DET ||
                           (q->test == RIC_TEST_ROTATION && ric_criterion_by_larger(q));
     if (q->test == RIC_TEST_ROTATION && !by_determinant) return solve_root(q, u);
-    if (!by_determinant) return true;
+    if (!by_determinant) /* an extremum, unless the secant has led away from it */
+        return (q->test != RIC_TEST_SLOPE && q->test != RIC_TEST_PERIOD) ||
+               least <= fmax(PLACED * c->scale * slope, ric_continuation_blur(c, q->test));
     bool blurred = ric_flight_law_of(c->model)->integrated && ric_criterion_breaks_symmetry(q->test) &&
                    !(q->noise <= FINE * c->scale * slope);
     if (blurred) return !q->last || solve_finely(q, u);
@@ -290,25 +337,21 @@ bool ric_node_solve_sharp(const ric_model *m, const ric_periodic *cycle, int tes
 {
     ric_criterion_work q = {.test = test};
     double *u = NULL, change = 0, blur = HUGE_VAL, h = 0;
+    bool line = false;
     if (!ric_periodic_to_chain(m, cycle, &q.chain, &u)) {
         ric_shooting *c = q.chain;
-        int size = c->n_unknown, iterations;
-        double v[size], du[size], normal[size], t[size];
+        double f[4], noise, normal[c->n_unknown];
         ric_shooting_evaluate(c, u);
         ric_continuation_tangent(c, NULL, normal);
         blur = ric_continuation_blur(c, test);
         h = BESIDE * c->scale;
-        for (int side = -1; side <= 1; side += 2) {
-            for (int j = 0; j < size; j++) v[j] = u[j] + side * h * normal[j];
-            if (!ric_continuation_correct(c, v, u, normal, side * h, du, &iterations)) blur = HUGE_VAL;
-            double sign = ric_continuation_tangent(c, normal, t);
-            change += side * ric_criterion_value(&q, v, t, sign);
-        }
+        if (around(&q, u, normal, h, f, &noise)) change = f[3] - f[0];
+        line = inclines(&q, u, normal);
         h /= c->scale;
     }
     ric_shooting_free(q.chain);
     free(u);
-    return PLACED * fabs(change) > 2 * h * blur;
+    return line && PLACED * fabs(change) > 2 * h * blur;
 }
 
 static bool solve_chain(ric_shooting *chain, double *u)

@@ -287,6 +287,61 @@ static void doublings_are_sharp(void **state)
     }
 }
 
+static int period_extrema(const ric_atlas *atlas, double energy)
+{
+    int count = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j = junction_of(atlas, id);
+        count += j.kind == RIC_KIND_PERIOD_EXTREMUM && near(j.energy, energy, 1e-5);
+    }
+    return count;
+}
+
+/* A branch of one period beside a branch point, where the slope of the period is rounding and changes its sign. */
+static void no_extremum_of_a_constant(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "model:\n  mass: [[1.015625, -0.1875, -0.203125], [-0.1875, 1.625, -0.0625], [-0.203125, -0.0625, 1.515625]]\n"
+        "  stiffness: [[2.3125, 1.6875, 1.1875], [1.6875, 2.8125, 3.0625], [1.1875, 3.0625, 10.3125]]\n"
+        "  contacts:\n    - {law: rigid, normal: [-1, 1, 0], clearance: 0.00188, sides: both}\n"
+        "    - {law: rigid, normal: [1, 0, -1], clearance: 0.000776, sides: upper}\n"
+        "explore: {energy: [0.19, 0.31], frequency: [0.1336, 9.151], impacts: 2, multiply: 1, depth: 2}\n";
+    ric_atlas *atlas = explore_text_with(text, NULL, 0.009);
+    int constant = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        constant += near(b.frequency_min, 0.829534047, 1e-9) && near(b.frequency_max, 0.829534047, 1e-9);
+    }
+    assert_int_equal(constant, 1);
+    assert_int_equal(period_extrema(atlas, 0.200449), 0);
+    ric_atlas_free(atlas);
+}
+
+/* Beside a multiplication by three the slope of the period is seen to change its sign where it has no zero: a place
+ * with a slope is no extremum, and what was seen is said. */
+static void an_extremum_has_no_slope(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "model:\n  mass: [[2.15625, -0.078125, -0.140625], [-0.078125, 1.96875, 0.359375], "
+        "[-0.140625, 0.359375, 2.640625]]\n"
+        "  stiffness: [[109375, 328125, -15625], [328125, 2546875, -109375], [-15625, -109375, 1140625]]\n"
+        "  contacts:\n    - {law: rigid, normal: [1, 0, 0], clearance: 0.772, sides: both}\n"
+        "    - {law: bilinear, normal: [0, 1, 0], clearance: 1.99, sides: both, stiffness: 20860000}\n"
+        "explore: {energy: [0, 40020000], frequency: [34.84, 3544], impacts: 6, multiply: 3, depth: 2}\n";
+    ric_atlas *atlas = explore_text(text);
+    int said = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        said += strstr(ric_branch_gaps(&b), "period extremum at E 33993.7") != NULL;
+    }
+    assert_int_equal(said, 1);
+    assert_int_equal(period_extrema(atlas, 33993.77), 0);
+    assert_int_equal(period_extrema(atlas, 35725.537806), 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(to_and_fro),
@@ -297,6 +352,8 @@ int main(void)
                                        cmocka_unit_test(extremum_of_another_branch),
                                        cmocka_unit_test(determinants_of_rounding),
                                        cmocka_unit_test(lost_pairs_are_said),
-                                       cmocka_unit_test(doublings_are_sharp)};
+                                       cmocka_unit_test(doublings_are_sharp),
+                                       cmocka_unit_test(no_extremum_of_a_constant),
+                                       cmocka_unit_test(an_extremum_has_no_slope)};
     return cmocka_run_group_tests_name("steps", tests, NULL, NULL);
 }
