@@ -143,9 +143,11 @@ def plant_touches(db):
     """Moves grazings, all that can be; ids and what was done."""
     planted = []
     for junction in db.execute("SELECT * FROM junction WHERE kind = 'grazing' AND word != ''").fetchall():
+        # where an impact has no speed either, what is planted is a grazing of its own
         point = db.execute(
             "SELECT point.* FROM point JOIN branch ON branch.id = point.branch WHERE branch.word = ? AND "
-            "(from_junction = ? OR to_junction = ?) AND abs(reach - 1) > 1e-5 AND abs(reach - 1) < 0.1 ORDER BY abs(reach - 1)",
+            "(from_junction = ? OR to_junction = ?) AND abs(reach - 1) > 1e-5 AND abs(reach - 1) < 0.1 AND "
+            "approach > 1e-3 * point.frequency ORDER BY abs(reach - 1)",
             [junction["word"], junction["id"], junction["id"]]).fetchone()
         if point:
             db.execute("UPDATE junction SET state = ?, flights = ?, energy = ?, frequency = ? WHERE id = ?",
