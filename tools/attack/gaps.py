@@ -9,6 +9,7 @@ FLAT = 1e-7  # part of the largest speed: a gap that changes no faster at an eve
 FINE = 0.05  # radians of the fastest mode between grid points
 MOST = 6000
 HALVINGS = 20  # of the first and last interval
+BRIEF = 1e-9  # of the period: a flight of that length begins and ends at once, and what is largest in it may be so by rounding
 
 
 class Reach:
@@ -40,6 +41,7 @@ class Reach:
         vectors, lam, rest = (ar.double(x) for x in s.phase(closed))
         u, v = (ar.double(x) for x in chain.after[k])
         tau = ar.double(chain.tau[:, k])
+        brief = tau < BRIEF * ar.double(chain.tau).sum(axis=1)
         w = np.sqrt(np.maximum(lam, 0))
         count = int(min(MOST, max(8, np.ceil(max(tau.max(), 0) * w.max() / FINE))))
         y, yd = (u - rest) @ vectors, v @ vectors
@@ -71,7 +73,7 @@ class Reach:
                     if at_end and abs(z - 1) < 1e-6:
                         continue
                     self.values[q].append(float(z))
-                    if z > self.stationary[q]:
+                    if z > self.stationary[q] and not brief[q]:
                         self.stationary[q], self.where[q] = z, f"face {f}, flight {k}"
                     if abs(z - 1) < 1e-8:
                         self.touches[q] += 1
