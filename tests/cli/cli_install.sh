@@ -72,6 +72,7 @@ ok "without them it is said what is missing" alone
 
 version=$("$ricochet" --version | cut -d' ' -f2)
 ok "debian/changelog has the same version" grep -q "^ricochet ($version)" debian/changelog
+ok "CITATION.cff has the same version" grep -qx "version: $version" CITATION.cff
 if sanitized; then
     left_out "calls that only Linux has" "a sanitizer brings its own"
 else
