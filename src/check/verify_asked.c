@@ -34,12 +34,12 @@ ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, cons
     ric_orbit **orbits = NULL;
     int n = 0, n_mode = ric_model_n_mode(ric_atlas_model(atlas));
     *out = (ric_verify_asked){0};
-    if (n_mode < 3 && point->stable != RIC_STABLE_UNDECIDED) return RIC_OK; /* all there is is stored */
+    if (n_mode < 3 && point && point->stable != RIC_STABLE_UNDECIDED) return RIC_OK; /* all there is is stored */
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status) return status;
     if (!(out->multipliers = ric_calloc(4 * (size_t)n_mode, sizeof *out->multipliers))) return RIC_E_NOMEM;
     out->end = i == 0 || i == b.n_point - 1;
-    out->joint = is_joint(atlas, &b, i, point->arclength);
+    out->joint = point && is_joint(atlas, &b, i, point->arclength);
     /* an orbit that the library does not give cannot be compared */
     out->given = !ric_orbit_find(atlas, branch, RIC_AT_POINT, i, &n, &orbits) && n > 0 &&
                  !ric_orbit_multipliers(orbits[0], out->multipliers);

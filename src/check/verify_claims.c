@@ -23,9 +23,10 @@
 #define MOST_OPEN 1e-11         /* no orbit that is more than this open passes */
 #define UNSEEN 1e-12            /* part of a normal below which a mode is not seen */
 #define EQUAL 1e-11             /* relative: squares of frequencies that are one */
-#define BACK 1e-6  /* an orbit that repeats itself is after part of the period where it began, to this part */
-#define IMAGE 1e-9 /* half a period later a symmetric orbit is its image to this part */
-#define FAULT 1e-6 /* relative, and LEAST: a reach or an approach that is off by this is found, or it is said */
+#define BACK 1e-6   /* an orbit that repeats itself is after part of the period where it began, to this part */
+#define IMAGE 1e-9  /* half a period later a symmetric orbit is its image to this part */
+#define STATED 1e-9 /* relative: a trace that is off by less is not wrong where the library knows it no better */
+#define FAULT 1e-6  /* relative, and LEAST: a reach or an approach that is off by this is found, or it is said */
 #define LEAST 1e-8
 #define NO_SPEED 1e-60 /* relative: no impact is slower */
 
@@ -265,6 +266,24 @@ static ric_status move_along(replay *r, const ric_atlas *atlas, int i, const ric
     return status;
 }
 
+/* A trace is stored without its error: by so much as the library states when it is asked, if that is less than STATED,
+ * it may be off. */
+static ric_status judge_stated(ric_pairs *p, const ric_atlas *atlas, const ric_point *stored, ric_claims *out)
+{
+    ric_verify_asked asked;
+    ric_claims again = *out;
+    ric_status status = ric_verify_asked_open(atlas, out->branch, out->point, NULL, &asked);
+    asked.error = fmin(asked.error, STATED * hypot(2, 2 * sinh(stored->trace)));
+    if (!status && asked.given) {
+        p->asked = &asked;
+        *again.finding = '\0';
+        ric_verify_pairs_judge(p, 2, stored, &again);
+        if (again.multipliers != RIC_AGREES_NO && again.stable != RIC_AGREES_NO) *out = again;
+    }
+    ric_verify_asked_close(&asked);
+    return status;
+}
+
 static ric_status check_multipliers(replay *r, const ric_atlas *atlas, const ric_verify_asked *asked,
                                     const ric_digits *d, ric_claims *out)
 {
@@ -285,7 +304,10 @@ static ric_status check_multipliers(replay *r, const ric_atlas *atlas, const ric
         m.growth = 1;
         found = run_once(&m, pairs.half, pairs.own + run * pairs.n_pair, &pairs.way[run]);
     }
+    const bool right = !*out->finding;
     if (found && !status) ric_verify_pairs_judge(&pairs, m.n_seen, &r->point, out);
+    if (right && m.n_seen == 2 && !asked->given && out->multipliers == RIC_AGREES_NO)
+        status = judge_stated(&pairs, atlas, &r->point, out);
     free(pairs.own);
     free(share);
     return status;

@@ -23,6 +23,7 @@ typedef struct {
     double *multipliers; /* [4 * n_pair] as ric_orbit_multipliers gives them */
 } ric_verify_asked;
 
+/* Asks where more than what is stored is there; `point` NULL: in any case. To be closed in any case. */
 ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point,
                                  ric_verify_asked *out);
 void ric_verify_asked_close(ric_verify_asked *asked);

@@ -430,6 +430,28 @@ static void verify_long_flight_to_a_stiff_spring(void **state)
                      "explore: {energy: [0, 47.48], frequency: [0.07539, 10.12], impacts: 2, multiply: 1, depth: 1}\n");
 }
 
+/* A spring that is met so slowly that the solver knows its trace to 1e-9, and is off by 3e-11. */
+static void verify_trace_as_it_is_known(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[1.890625, 0.0625], [0.0625, 1.25]]\n"
+                     "  stiffness: [[4.389102895087218, 2.4359507389626796], [2.4359507389626796, "
+                     "3.5054278839295074]]\n"
+                     "  contacts:\n    - {normal: [1, 0], law: bilinear, clearance: 1.81, sides: upper, stiffness: "
+                     "98.16}\n"
+                     "explore: {energy: [0, 53.49], frequency: [0.2, 6.004], impacts: 6, multiply: 2, depth: 2}\n");
+}
+
+/* At a branch's end, beside a grazing, a trace is lost that is found again to four digits. */
+static void verify_trace_that_is_lost_at_an_end(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[1.75, 0], [0, 2]]\n  stiffness: [[6, -0.75], [-0.75, 7]]\n"
+                     "  contacts:\n    - {normal: [1, 1], law: rigid, clearance: 1.38, sides: both}\n"
+                     "    - {normal: [1, -1], law: bilinear, clearance: 1.38, sides: both, stiffness: 128.9}\n"
+                     "explore: {energy: [0, 813.4], frequency: [0.35, 5.899], impacts: 8, multiply: 2, depth: 2}\n");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -456,6 +478,8 @@ int main(void)
         cmocka_unit_test(no_grazing_without_a_word),
         cmocka_unit_test(verify_touch_with_an_impact),
         cmocka_unit_test(verify_long_flight_to_a_stiff_spring),
+        cmocka_unit_test(verify_trace_as_it_is_known),
+        cmocka_unit_test(verify_trace_that_is_lost_at_an_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
