@@ -173,7 +173,7 @@ static bool solve_root(ric_criterion_work *q, double *u)
     double origin[size], normal[size], best[size], du[size], x0 = 0, x1 = FIRST_MOVE * c->scale;
     ric_shooting_evaluate(c, u);
     double f0 = ric_criterion_off_rotation(q), least = hypot(f0, q->aside), error = root_error(q, 0);
-    if (!isfinite(least) || least <= AT_ROOT + error) return true; /* lost, or there */
+    if (!isfinite(least) || least <= fmin(NEAR_ROOT, AT_ROOT + error)) return true; /* lost, or there */
     ric_continuation_tangent(c, NULL, normal);
     double scatter = 4 * scatter_of_root(q, u, normal, f0);
     memcpy(origin, u, sizeof origin);
