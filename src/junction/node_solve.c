@@ -165,7 +165,7 @@ static double scatter_of_root(ric_criterion_work *q, const double *u, const doub
 /* The determinant of the larger problem holds a stiff spring that closes for a short time to rounding times its
  * stiffness, and over that time the multipliers run through all they can: its zero is near the root, and may be far
  * from it in what matters. There the multipliers themselves are exact, and lead on from u by the secant, which is moved
- * if it comes nearer. False: it is known that no multiplier has the root. */
+ * if it comes nearer. False: it is known that no multiplier has the root, or nothing of them is. */
 static bool solve_root(ric_criterion_work *q, double *u)
 {
     ric_shooting *c = q->chain;
@@ -173,7 +173,8 @@ static bool solve_root(ric_criterion_work *q, double *u)
     double origin[size], normal[size], best[size], du[size], x0 = 0, x1 = FIRST_MOVE * c->scale;
     ric_shooting_evaluate(c, u);
     double f0 = ric_criterion_off_rotation(q), least = hypot(f0, q->aside), error = root_error(q, 0);
-    if (!isfinite(least) || least <= fmin(NEAR_ROOT, AT_ROOT + error)) return true; /* lost, or there */
+    if (!isfinite(least)) return !q->last; /* lost: nothing is known to be there */
+    if (least <= fmin(NEAR_ROOT, AT_ROOT + error)) return true;
     ric_continuation_tangent(c, NULL, normal);
     double scatter = 4 * scatter_of_root(q, u, normal, f0);
     memcpy(origin, u, sizeof origin);
