@@ -222,7 +222,7 @@ class Branch:
         """[n_point, 2 (n_mode - 1)] complex, computed when first asked for, on all processors; NaN where they are lost.
 
         Of two modes they follow from the stored trace, but for linear modes and what is undecided: a million points take a
-        fifth of a second. Others take the flight of every orbit: 30 microseconds a point with two modes, more with more.
+        quarter of a second. Others take the flight of every orbit: 30 microseconds a point with two modes, more with more.
         """
         if "multipliers" not in self._columns:
             array = np.empty((len(self), max(0, 2 * (self.atlas.model.n_mode - 1))), complex)

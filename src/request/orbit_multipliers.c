@@ -1,6 +1,6 @@
 /* Multipliers of many stored points of a branch, by several threads: those of the orbits that ric_orbit_find gives, to
  * the bit, without what else it finds out about an orbit. Those of two modes follow from the stored trace: a million
- * points take a fifth of a second, where an orbit that is flown takes 30 microseconds. */
+ * points take a quarter of a second, where an orbit that is flown takes 30 microseconds. */
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>

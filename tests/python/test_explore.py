@@ -9,7 +9,7 @@ import sqlite3
 import subprocess
 import sys
 
-from tap import PROGRAM, Skip, raises, run
+from tap import NEAR, PROGRAM, Skip, raises, run
 
 import ricochet
 from ricochet._running import Bar
@@ -115,6 +115,8 @@ def test_interrupt(folder):
     assert not part.finished and len(part) > 0
     again = ricochet.explore(study, path, progress=lambda now: True)
     assert not again.finished and len(again) >= len(part), "a run that is stopped sooner takes nothing away"
+    if NEAR:
+        return  # the rest is one long exploration more
     whole = ricochet.explore(study, path)
     assert whole.finished and len(whole) >= len(part) and tables(path) == by_program(study, folder)
 
