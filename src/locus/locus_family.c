@@ -126,8 +126,7 @@ static bool ratio_near(const ric_locus_problem *q, ric_locus_commensurate *c, do
     return fabs(b - p) <= within;
 }
 
-bool ric_locus_commensurate_near(const ric_locus_problem *q, const ric_model *at, double p,
-                                 ric_locus_commensurate *out)
+bool ric_locus_commensurate_near(const ric_locus_problem *q, const ric_model *at, double p, ric_locus_commensurate *out)
 {
     const double within = COMMENSURATE * ric_locus_range(&q->vary);
     for (int n = 1; n <= COMMENSURATE_MOST; n++)
