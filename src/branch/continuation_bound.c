@@ -8,9 +8,14 @@
 #include "base/room.h"
 #include "flow/room.h"
 
-#define NEAR_BORDER 100           /* of the error of rho: nearer to the border of stability it is measured */
-#define NEARLY_LOST 1e-5          /* error of rho of the map in use, over 1 + |rho|, from which on it is measured */
-#define SHARP 1e-10               /* the same, to which each pair is brought where multipliers are asked for */
+#define NEAR_BORDER 100  /* of the error of rho: nearer to the border of stability it is measured */
+#define NEARLY_LOST 1e-5 /* error of rho of the map in use, over 1 + |rho|, from which on it is measured */
+#define SHARP 1e-10      /* the same, to which each pair is brought where multipliers are asked for */
+/* OFF_BORDER: of the distance from there: multipliers that are known to that tell the side; and where orbits that are
+ * the same but for rounding move them by less than CLEAR of it, the first two ways to move them tell (of 70,000 orbits
+ * between springs the others moved them by 350 times as much, at most) */
+#define OFF_BORDER 0.01
+#define CLEAR 1e-6
 #define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
 
 double ric_continuation_approach(const ric_shooting *c, bool springs)
@@ -86,13 +91,23 @@ static bool solved_again(ric_shooting *c, double *u)
     return ric_continuation_correct(c, u, NULL, NULL, 0, du, &steps);
 }
 
-/* The flag and, in seen [n_pair], the error of each pair, by orbits that are the same but for rounding: f is again that
- * of u afterwards, undecided where one of them, with a margin, may be on the other side of the border. */
-static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, double *seen)
+/* Error of rho, over 1 + |rho|, that leaves the side of the border. */
+static double tells_side(const ric_floquet *f)
+{
+    const double margin = stable_margin(f, NULL);
+    double most = 0;
+    for (int i = 0; i < f->n_pair; i++) most = fmax(most, hypot(f->own[2 * i], f->own[2 * i + 1]));
+    return OFF_BORDER * fabs(margin) / (steepness(margin) * (1 + most));
+}
+
+/* The flag and, in seen [n_pair] unless NULL, the error of each pair, by orbits that are the same but for rounding, of
+ * which `enough` is known: f is again that of u afterwards, undecided where one of them, with a margin, may be on the
+ * other side of the border. */
+static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, double enough, double *seen)
 {
     enum { WAYS = RIC_TRACE_WAYS };
-    int k = f->n_pair, size = c->n_unknown;
-    int worst = 0;
+    static const int order[WAYS] = {1, 3, 2, 4}; /* the first two are moved to either side of both directions */
+    int k = f->n_pair, size = c->n_unknown, worst = 0;
     double at[2 * k], own[2 * k], each[k], moved[WAYS * size], margin = stable_margin(f, &worst), off = 0;
     ric_floquet kept = *f;
     /* one pair outside is enough: the others may be known less */
@@ -102,22 +117,24 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
     memcpy(at, f->rho, sizeof at);
     memcpy(own, f->own, sizeof own);
     memcpy(each, f->each, sizeof each);
-    memset(seen, 0, (size_t)k * sizeof *seen);
-    for (int way = 0; way < WAYS; way++) known = known && ric_continuation_move(c, u, way + 1, moved + way * size);
+    if (seen) memset(seen, 0, (size_t)k * sizeof *seen);
+    f->enough = enough;
+    for (int i = 0; i < WAYS; i++) known = known && ric_continuation_move(c, u, order[i], moved + i * size);
     for (int sample = 0; sample < 2 * WAYS && known && !status; sample++) {
         double *v = moved + sample / 2 * size;
+        if (!seen && sample == 4 && error + off < CLEAR * fabs(margin)) break;
         if (sample % 2 && !solved_again(c, v)) continue;
         ric_shooting_fly(c, v);
         if ((status = ric_floquet_compute(c, f))) break;
         off = fmax(off, RIC_MEASURED * fabs(stable_margin(f, NULL) - margin));
-        for (int i = 0; i < k; i++) seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, at + 2 * i));
+        for (int i = 0; i < k && seen; i++) seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, at + 2 * i));
     }
     ric_shooting_fly(c, u);
     memcpy(f->rho, at, sizeof at);
     memcpy(f->own, own, sizeof own);
     memcpy(f->each, each, sizeof each);
     *f = kept;
-    for (int i = 0; i < k && !known; i++) seen[i] = HUGE_VAL;
+    for (int i = 0; i < k && !known && seen; i++) seen[i] = HUGE_VAL;
     if (!known || !(fabs(margin) > error + off)) f->stable = RIC_STABLE_UNDECIDED;
     return status;
 }
@@ -152,9 +169,17 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
     double seen[f->n_pair + 1];
     if (!ric_continuation_doubtful(c, f)) return RIC_OK;
     const bool vague = doubt_of(c, f).trace;
-    ric_status status = measure(c, u, f, seen);
-    if (!status && vague) ric_floquet_widen(f, seen);
-    return status;
+    if (vague) {
+        ric_status status = measure(c, u, f, 0, seen);
+        if (!status) ric_floquet_widen(f, seen);
+        return status;
+    }
+    const ric_stability flag = f->stable;
+    ric_status status = measure(c, u, f, tells_side(f), NULL);
+    if (status || f->stable != RIC_STABLE_UNDECIDED) return status;
+    f->stable = flag;
+    ric_shooting_evaluate(c, u);
+    return measure(c, u, f, 0, NULL);
 }
 
 ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_floquet *f)
@@ -164,7 +189,7 @@ ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_fl
     f->sharp = SHARP;
     ric_status status = ric_floquet_compute(c, f);
     if (status || f->n_pair < 1) return status;
-    status = measure(c, u, f, seen);
+    status = measure(c, u, f, 0, seen);
     ric_floquet_widen(f, seen);
     return status;
 }
