@@ -32,7 +32,6 @@
 #define BRANCH_POINT 1e-7 /* smallest end pivot at the start below which it is one */
 /* LAST_STEP: of the size, towards a zero of the bordered determinant: crossings are read off from there (event.c) */
 #define LAST_STEP 1e-3
-#define MARGIN 1e-11   /* margins that count as rounding */
 #define BORDER 5e-13   /* slack of a window: what lies on its border is inside, whatever the rounding */
 #define AT_LOWEST 1e-9 /* relative: a start this near to the lower end of the energy window lies on it */
 /* MERGED: scaled time: two impacts of a ghost nearer than this are one, or none; beside it the orbit is known to
@@ -372,7 +371,7 @@ static ric_status without_negative_flights(ric_continuation *tr, ric_station *p)
     bool any = false, undecided = p->row.stable == RIC_STABLE_UNDECIDED;
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) {
         if (!(p->u[k] < 0)) continue;
-        if (p->u[k] < -MARGIN) p->solved = false;
+        if (p->u[k] < -RIC_MARGIN) p->solved = false;
         any = true;
         p->u[k] = 0;
     }
@@ -389,7 +388,7 @@ ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *statio
     memcpy(p->u = u, station->u, sizeof u);
     p->s = p->row.arclength;
     ric_status status = !p->solved || tr->limits->ghost ? RIC_OK : without_negative_flights(tr, p);
-    bool penetrates = p->row.reach > 1 + MARGIN && !tr->limits->ghost;
+    bool penetrates = p->row.reach > 1 + RIC_MARGIN && !tr->limits->ghost;
     if (status || !p->solved || penetrates) return status;
     if (p->doubtful && (status = ric_continuation_fill(tr, p->s, p))) return status;
     if (tr->n_point == tr->point_capacity) {
@@ -581,7 +580,7 @@ static bool margins_hold(const ric_station *p, unsigned ignored)
 {
     static const int margins[] = {RIC_TEST_REACH, RIC_TEST_APPROACH, RIC_TEST_FLIGHT};
     for (int i = 0; i < 3; i++)
-        if (!(p->test[margins[i]] > (ignored & 1u << margins[i] ? MARGIN : -MARGIN))) return false;
+        if (!(p->test[margins[i]] > (ignored & 1u << margins[i] ? RIC_MARGIN : -RIC_MARGIN))) return false;
     return true;
 }
 

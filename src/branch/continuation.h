@@ -231,6 +231,8 @@ ric_status ric_continuation_end_at(ric_continuation *trace, const double *u);
  * when converged. */
 bool ric_continuation_correct(ric_shooting *chain, double *u, const double *origin, const double *normal, double target,
                               double *du, int *iterations);
+#define RIC_MARGIN 1e-11 /* margins that count as rounding */
+
 /* Least speed of approach of the impacts; `springs`: of the closings and openings too. */
 double ric_continuation_approach(const ric_shooting *chain, bool springs);
 /* What an orbit has to spare, scaled: the largest gap in flight over the clearance (reach.h), the least speed of its

@@ -41,6 +41,7 @@
 #define SHORTEST 3e-7 /* step, of the size, that is not made shorter for a sign that comes out of rounding */
 /* SHORT_OF: of the size of the orbit: what is seen so far before a zero is seen before it. */
 #define SHORT_OF 1e-12
+#define SHORTENED 8 /* times that an end is taken back before its touch */
 #define STRETCHES 3 /* of a step, between its extrema of energy and of period */
 /* ROUNDING: relative distance from what was asked for at which orbits are not told apart by shorter steps */
 #define ROUNDING 1e-12
@@ -657,6 +658,22 @@ static ric_status keep_end(ric_continuation *tr)
     return ric_continuation_keep(tr, &tr->mid);
 }
 
+/* What is stored of the end at distance x: an orbit beyond a touch is not, and the branch would end a step before it.
+ * Where the place is known to less than counts as rounding it is one on the near side. */
+static ric_status near_side(ric_continuation *tr, double x, double h)
+{
+    const double before = tr->now.test[RIC_TEST_REACH];
+    bool good = true;
+    for (int i = 0; i < SHORTENED && good && before > 0 && tr->mid.row.reach > 1 + RIC_MARGIN; i++) {
+        const double beyond = tr->mid.row.reach - 1;
+        x -= 2 * x * beyond / (before + beyond);
+        ric_status status = ric_event_solve(tr, x, h, RIC_LOOK_ALL, &tr->mid, &good);
+        if (status) return status;
+    }
+    tr->mid.solved &= good;
+    return RIC_OK;
+}
+
 ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retry)
 {
     int test;
@@ -697,5 +714,6 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
         end_by(tr, test);
     }
     if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;
+    if (test == RIC_TEST_REACH && read < 0 && tr->mid.solved && (status = near_side(tr, end, h))) return status;
     return keep_end(tr);
 }

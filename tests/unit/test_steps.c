@@ -393,6 +393,38 @@ static void no_doubling_of_lost_multipliers(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A branch along which the frequency all but stays, and whose touch is located to 5e-10 of the clearance: the orbit
+ * there goes through the stop by that much, and the branch ended a step before it, with another largest energy. */
+static void the_end_is_stored(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "model:\n  mass: [[2.21875, 0.34375, 0.234375, 0.171875], [0.34375, 1.8125, 0.125, 0.25], "
+        "[0.234375, 0.125, 1.921875, -0.234375], [0.171875, 0.25, -0.234375, 0.921875]]\n"
+        "  stiffness: [[5.6307613622134784, 4.842600540544835, 1.8893817661410441, -0.01530251158971118], "
+        "[4.842600540544835, 10.62553528817497, 6.781831767693996, 1.5778914924705334], "
+        "[1.8893817661410441, 6.781831767693996, 9.674118723050775, 2.1204511477462824], "
+        "[-0.01530251158971118, 1.5778914924705334, 2.1204511477462824, 1.7927897441203475]]\n"
+        "  contacts:\n    - {law: bilinear, normal: [0, 0, -1, 1], clearance: 0.846, sides: both, stiffness: 167.5}\n"
+        "    - {law: rigid, normal: [0, 0, 1, 0], clearance: 1.17, sides: upper}\n"
+        "explore: {energy: [0, 31.07], frequency: [0.2, 9], impacts: 2, multiply: 1, depth: 1}\n";
+    static const double steps[] = {0.009, 0.03, 0.09};
+    for (int i = 0; i < 3; i++) {
+        ric_atlas *atlas = explore_text_with(text, NULL, steps[i]);
+        int ended = 0;
+        for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+            ric_branch b = branch_of(atlas, id);
+            if (b.impacts != 2 || b.to == 0) continue;
+            ric_junction j = junction_of(atlas, b.to);
+            ended += near(j.energy, 26.711379, 1e-6);
+            if (!near(b.energy_max, fmax(j.energy, b.energy_min), 1e-6) && b.energy_max < j.energy)
+                fail_msg("step %g: %s ends at E %.13g, %.13g are stored", steps[i], b.label, j.energy, b.energy_max);
+        }
+        assert_true(ended >= 1);
+        ric_atlas_free(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(to_and_fro),
@@ -407,6 +439,7 @@ int main(void)
                                        cmocka_unit_test(no_extremum_of_a_constant),
                                        cmocka_unit_test(an_extremum_has_no_slope),
                                        cmocka_unit_test(a_root_in_an_instant),
-                                       cmocka_unit_test(no_doubling_of_lost_multipliers)};
+                                       cmocka_unit_test(no_doubling_of_lost_multipliers),
+                                       cmocka_unit_test(the_end_is_stored)};
     return cmocka_run_group_tests_name("steps", tests, NULL, NULL);
 }
