@@ -193,13 +193,28 @@ def factor_of_four():
             there = [j for j in ask("junctions", f"{folder}/f{k!r}.ricochet") if (j["kind"], j["multiple"], j["word"]) == (kind, multiple, "01")]
             assert near(row, there)[1] < 1e-9, (id, k, near(row, there))
 
-{f.__name__: f for f in (against_atlases, closed_form, orbits, fold, steps, law, codimension_two, commensurate, factor_of_four)}[sys.argv[3]](*([] if sys.argv[3] == "factor_of_four" else sys.argv[4:]))
+def annihilation():
+    "two branch points of an orbit of eight impacts meet: on one side of the fold an atlas made there has both, on the other none"
+    id = "jmmrggzda"
+    turn = next(r["value"] for r in locus("v.ricochet", id) if r["mark"] == "fold")
+    for k, wanted in ((turn + 2e-3, 2), (turn - 2e-3, 0)):
+        with open(f"{folder}/n.yaml", "w") as f:
+            f.write(f"model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[{8 + k!r}, {-k!r}], [{-k!r}, {k!r}]]\n  contacts: [{{normal: [-1, 1], clearance: 1}}]\n"
+                    "explore: {energy: [0, 12], frequency: [0.2, 10], impacts: 8, multiply: 3, depth: 3}\n")
+        subprocess.run([program, "run", f"{folder}/n.yaml", "-o", f"{folder}/n{wanted}.ricochet", "--quiet"], check=True)
+        there = [j for j in ask("junctions", f"{folder}/n{wanted}.ricochet") if (j["kind"], j["word"]) == ("branch-point", "01010101") and 1.6 < j["energy"] < 1.7]
+        rows = [r for r in locus("v.ricochet", id, "--values", repr(k)) if r["mark"] == "asked"]
+        assert len(there) == len(rows) == wanted, (k, there, rows)
+        assert all(near(r, there)[1] < 1e-9 for r in rows), rows
+
+{f.__name__: f for f in (annihilation, against_atlases, closed_form, orbits, fold, steps, law, codimension_two, commensurate, factor_of_four)}[sys.argv[3]](*([] if sys.argv[3] == "factor_of_four" else sys.argv[4:]))
 P
 judge() { python3 "$folder/judge.py" "$ricochet" "$folder" "$@"; }
 ok "against atlases of other structures" judge against_atlases
 ok "linear modes in closed form" judge closed_form
 ok "states are orbits" judge orbits
 ok "two junctions annihilate each other" judge fold
+ok "and so say atlases made on either side" judge annihilation
 ok "ends of codimension two" judge codimension_two
 ok "commensurate modes" judge commensurate
 ok "a factor of four" judge factor_of_four "$(some_of 0 1)"
