@@ -17,10 +17,11 @@
 #include "explored.h"
 #include "sample.h"
 
-enum { SETTLE = 700, MORE = 6, PERIODS = 16, MOST = 64, STARTS = 125 };
+enum { SETTLE = 700, MORE = 12, PERIODS = 16, MOST = 64, STARTS = 125, PARTING = 400 };
 
 #define RESTITUTION 0.9
-#define SAME 1e-5 /* states of one motion that has settled to 1e-7 */
+#define CHAOTIC 0.02 /* parting, per period */
+#define SAME 1e-5    /* states of one motion that has settled to 1e-7 */
 
 static const double two_pi = 6.283185307179586;
 static const char
@@ -139,6 +140,36 @@ static int settle(const ric_model *model, const ric_shaking *shaking, double ome
     return found;
 }
 
+/* How fast a motion and a neighbour part, per period of the force, on the average over many: above 0 it is chaotic,
+ * about 0 it has several frequencies, below 0 it is periodic. 0 where it cannot be followed. */
+static double parting(const ric_model *model, const ric_shaking *shaking, double omega, double level, const double *at)
+{
+    const double aside = 1e-8;
+    double own[4], other[4], sum = 0, time;
+    memcpy(own, at, sizeof own);
+    memcpy(other, at, sizeof other);
+    other[0] += aside;
+    for (int k = 0; k < PARTING; k++) {
+        double *const both[] = {own, other};
+        double apart = 0;
+        for (int i = 0; i < 2; i++) {
+            ric_shaken *s;
+            double begun = 0;
+            assert_int_equal(ric_shaken_create(model, shaking, omega, level, &s), RIC_OK);
+            bool good = !ric_shaken_start(s, both[i], both[i] + 2, 0) && turn(s, &begun, omega, 1);
+            if (good) ric_shaken_state(s, &time, both[i], both[i] + 2);
+            ric_shaken_free(s);
+            if (!good) return 0;
+        }
+        for (int i = 0; i < 4; i++) apart += (other[i] - own[i]) * (other[i] - own[i]);
+        apart = sqrt(apart) / aside;
+        if (!(apart > 0)) return 0;
+        sum += log(apart);
+        for (int i = 0; i < 4; i++) other[i] = own[i] + (other[i] - own[i]) / apart;
+    }
+    return sum / PARTING;
+}
+
 /* Whether a state belongs to one of the motions, or to its mirror image half a period of the force later; *near: how
  * far the nearest is. */
 static bool known(const motions *all, int periods, const double *at, double *near)
@@ -186,7 +217,8 @@ static const char *const outcome_text[] = {"curve", "not-periodic", "rests", "un
 /* One level and frequency. */
 typedef struct {
     double level, omega;
-    int starts, count[OUTCOMES];
+    int starts, count[OUTCOMES], chaotic;
+    double slowest, fastest; /* parting of motions that are not periodic */
     motions *all;
 } place;
 
@@ -215,14 +247,20 @@ static void write_log(const char *path, const place *p, int start, outcome what)
     fclose(file);
 }
 
-static outcome one_start(const ric_model *model, const place *p, int start)
+static outcome one_start(const ric_model *model, place *p, int start)
 {
     const ric_shaking shaking = shaking_of(RESTITUTION);
     unsigned seed = 7 + 1000 * (unsigned)start;
     double at[4], near;
     const int periods = settle(model, &shaking, p->omega, p->level, &seed, at);
     if (periods < 0) return LOST;
-    if (periods == 0) return WILD;
+    if (periods == 0) {
+        const double rate = parting(model, &shaking, p->omega, p->level, at);
+        p->chaotic += rate > CHAOTIC;
+        p->slowest = fmin(p->slowest, rate);
+        p->fastest = fmax(p->fastest, rate);
+        return WILD;
+    }
     if (known(p->all, periods, at, &near)) return ON_CURVE;
     print_message("level %g, omega %g: start %d: an attractor of %d periods is on no curve, the nearest is %.3g away: "
                   "%.10g %.10g %.10g %.10g\n",
@@ -252,6 +290,9 @@ static void all_starts(const ric_atlas *atlas, place *p)
                   "orbits there\n",
                   p->level, p->omega, p->starts, p->count[ON_CURVE], p->count[WILD], p->count[LOST], p->count[UNKNOWN],
                   p->all->n);
+    if (p->fastest > -INFINITY)
+        print_message("%d of those that are not periodic are chaotic: neighbours part by %.3g to %.3g a period\n",
+                      p->chaotic, p->slowest, p->fastest);
     free(p->all);
     assert_int_equal(p->count[UNKNOWN], 0);
 }
@@ -263,7 +304,11 @@ static void test_attractors(void **state)
     ric_atlas *atlas = explore_text(study);
     for (int i = 0; i < (long_form() ? 3 : 1); i++)
         for (int j = 0; j < (long_form() ? 5 : 1); j++) {
-            place p = {.level = levels[i], .omega = omegas[j], .starts = long_form() ? STARTS : 6};
+            place p = {.level = levels[i],
+                       .omega = omegas[j],
+                       .starts = long_form() ? STARTS : 6,
+                       .slowest = INFINITY,
+                       .fastest = -INFINITY};
             all_starts(atlas, &p);
         }
     ric_atlas_free(atlas);
