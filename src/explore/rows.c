@@ -144,7 +144,7 @@ static ric_status put_in_order(int n_mark, ric_junction_row *marks, int n_sheet,
 static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const ric_branch_row *sheets,
                                 int n_mark, ric_atlas *atlas)
 {
-    ric_status status = ric_study_parse(ric_study_text(study), "study", ".", &atlas->study);
+    ric_status status = ric_study_copy(study, &atlas->study);
     if (status) return status;
     atlas->branches = ric_calloc((size_t)n + 1, sizeof *atlas->branches);
     atlas->junctions = ric_calloc((size_t)n_mark + 1, sizeof *atlas->junctions);

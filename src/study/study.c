@@ -496,10 +496,11 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     return write_text(study, raw);
 }
 
-static ric_status parse(const char *text, size_t size, const char *label, const char *base, ric_study **out)
+static ric_status parse(const char *text, size_t size, const char *label, const char *base, const ric_model *like,
+                        ric_study **out)
 {
     ric_yaml r = {.label = label, .base = base};
-    ric_raw_model raw = {0};
+    ric_raw_model raw = {.like = like};
     ric_study *study = NULL;
     bool loaded = false;
     /* numbers have a decimal point, whatever the locale of the calling program */
@@ -531,7 +532,13 @@ ric_status ric_study_parse(const char *text, const char *label, const char *base
     if (size > FILE_MAX)
         return ric_fail(RIC_E_INPUT, "%.200s: larger than %d MB; put large matrices into Matrix Market files",
                         label ? label : "study", FILE_MAX >> 20);
-    return parse(text, size, label ? label : "study", base, out);
+    return parse(text, size, label ? label : "study", base, NULL, out);
+}
+
+ric_status ric_study_copy(const ric_study *study, ric_study **out)
+{
+    *out = NULL;
+    return parse(study->text, strlen(study->text), "study", ".", study->model, out);
 }
 
 ric_status ric_study_read(const char *path, ric_study **out)
@@ -554,7 +561,7 @@ ric_status ric_study_read(const char *path, ric_study **out)
     }
     char *slash = strrchr(base, '/');
     base[!slash ? 0 : slash == base ? 1 : slash - base] = '\0';
-    status = parse(text, size, path, base, out);
+    status = parse(text, size, path, base, NULL, out);
 out:
     free(text);
     free(base);

@@ -10,6 +10,9 @@
 ric_status ric_study_override(ric_study *study, const char *section, const char *key, const char *text,
                               const char *label);
 
+/* The same study once more, from its text; the modes of its structure are not solved for again. */
+ric_status ric_study_copy(const ric_study *study, ric_study **out);
+
 /* Adds a region with larger budgets; it takes the place of those that ask for no more. RIC_E_RANGE: there are as many
  * as are kept. */
 ric_status ric_study_add_region(ric_study *study, const ric_region *region);

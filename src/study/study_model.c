@@ -9,6 +9,7 @@
 #include "matrix_market.h"
 #include "options.h"
 #include "base/room.h"
+#include "model/room.h"
 
 enum { CONTACT_MAX = 1000 };
 
@@ -393,8 +394,8 @@ static ric_status create_model(const ric_yaml *r, const ric_yaml_node *key, cons
 {
     static const char *const words[] = {"mass", "stiffness"};
     char why[600];
-    ric_status status = ric_model_create(raw->n, raw->mass, raw->stiffness, raw->n_contact, raw->contacts,
-                                         raw->restitution, out);
+    ric_status status = ric_model_create_near(raw->like, raw->n, raw->mass, raw->stiffness, raw->n_contact,
+                                              raw->contacts, raw->restitution, out);
     if (status != RIC_E_INPUT) return status;
     snprintf(why, sizeof why, "%s", ric_detail());
     for (int i = 0; i < COUNT(words); i++)

@@ -80,6 +80,7 @@ typedef struct {
     ric_contact *contacts; /* names and normals owned */
     double restitution;
     size_t restitution_line; /* 0 if not given */
+    const ric_model *like;   /* NULL, or the model of the same matrices whose modes are taken; borrowed */
     int n_mode;              /* modes that are kept; 0: all; -1: all, whatever a study without windows has */
     char remark[1600];       /* what was made of the matrices that the study does not say literally; "" */
 } ric_raw_model;

@@ -731,6 +731,36 @@ static void cut_texts_are_not_kept(void **state)
     assert_null(ric_buffer_take(&b));
 }
 
+/* Beside an atlas the study stands once more, with the modes that were solved for: the same structure to the bit, also
+ * where modes are kept, or are turned for the contacts because two have one frequency. */
+static void copies(void **state)
+{
+    (void)state;
+    static const char *const texts[] =
+        {"model:\n  modes: 2\n  mass: [[1, 0, 0], [0, 2, 0], [0, 0, 1]]\n"
+         "  stiffness: [[2, -1, 0], [-1, 2, -1], [0, -1, 2]]\n  contacts: [{normal: [0, 0, 1], clearance: 0.7}]\n"
+         "explore: {energy: [0, 3], frequency: [0.2, 4]}\n",
+         "model:\n  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n  stiffness: [[2, 0, 0], [0, 2, 0], [0, 0, 3]]\n"
+         "  contacts: [{normal: [1, 2, 1], clearance: 1}]\nexplore: {energy: [0, 3], frequency: [0.2, 4]}\n"};
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+        ric_study *study = NULL, *copy = NULL;
+        assert_int_equal(ric_study_parse(texts[k], "s.yaml", NULL, &study), RIC_OK);
+        assert_int_equal(ric_study_copy(study, &copy), RIC_OK);
+        assert_string_equal(ric_study_text(copy), ric_study_text(study));
+        const ric_model *a = ric_study_model(study), *b = ric_study_model(copy);
+        assert_int_equal(ric_model_n_mode(a), ric_model_n_mode(b));
+        double shapes[2][9], omega[2][3];
+        for (int i = 0; i < 2; i++) {
+            assert_int_equal(ric_model_modes(i ? b : a, shapes[i]), RIC_OK);
+            assert_int_equal(ric_model_frequencies(i ? b : a, omega[i]), RIC_OK);
+        }
+        assert_memory_equal(shapes[0], shapes[1], sizeof *shapes);
+        assert_memory_equal(omega[0], omega[1], sizeof *omega);
+        ric_study_free(study);
+        ric_study_free(copy);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -767,6 +797,7 @@ int main(void)
         cmocka_unit_test(few_aliases_are_fine),
         cmocka_unit_test(sizes_are_bounded),
         cmocka_unit_test(scrambled_studies_are_survived),
+        cmocka_unit_test(copies),
     };
     return cmocka_run_group_tests_name("study", tests, NULL, NULL);
 }
