@@ -329,7 +329,7 @@ for branch, point, flights in db.execute("SELECT branch, point, flights FROM poi
     db.execute("UPDATE point SET flights = ? WHERE branch = ? AND point = ?", [times.tobytes(), branch, point])
 db.commit()' "$folder/n.ricochet"
     tools/attack/atlas_digest.py "$folder/n.ricochet" >/dev/null
-    timeout 20 "$ricochet" "$1" ${2:+"$2"} "$folder/n.ricochet" "${@:3}" >"$folder-out" 2>&1
+    timeout 300 "$ricochet" "$1" ${2:+"$2"} "$folder/n.ricochet" "${@:3}" >"$folder-out" 2>&1
     local code=$?
     cat "$folder-out"
     [ $code = 1 ] && grep -q 'damaged atlas (table point, row .*: what is stored is no orbit' "$folder-out"

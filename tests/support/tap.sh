@@ -45,6 +45,12 @@ left_out()
     echo "ok $number - $1 # SKIP $2"
 }
 
+# With RICOCHET_TEST_COST=1: the processor's time of all that has ended up to here, after each test.
+cost() {
+    times >"$folder/times"
+    tail -n 1 "$folder/times" | sed 's/^/# user and system so far: /'
+}
+
 # ok NAME COMMAND...: one test; what the command prints is shown if it fails
 ok() {
     local name=$1
@@ -57,6 +63,7 @@ ok() {
         tail -n 12 "$folder/log" | sed 's/^/# /'
         failed=$((failed + 1))
     fi
+    [ -z "${RICOCHET_TEST_COST:-}" ] || cost
 }
 
 # refusal COMMAND CODE PATTERN ARGUMENTS...: the program ends with the code and a message that fits, and answers nothing
