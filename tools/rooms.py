@@ -162,6 +162,15 @@ def check_functions():
         f"{name} of tools/rooms.parameters does not, or is gone" for name in sorted(known - many)]
 
 
+def check_tests():
+    """cmocka compares floats: seven digits, whatever tolerance is written."""
+    return [f"{path.relative_to(ROOT)}:{number}: assert_float_equal compares in single precision; "
+            "tests/support/close.h has assert_close"
+            for path in sorted((ROOT / "tests").glob("*/*.c"))
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+            if re.search(r"\bassert_float_(not_)?equal\b", line)]
+
+
 def main():
     rooms, failed = rooms_of_map(), 0
     checks = [("every source lies in a room of docs/map.md", check_files(rooms)),
@@ -170,7 +179,8 @@ def main():
               ("functions carry the name of their file", check_prefixes()),
               ("only the ground asks which law a contact has", check_laws()),
               ("numbers of a tolerance have names", check_numbers()),
-              ("functions fit a screen and take few parameters", check_functions())]
+              ("functions fit a screen and take few parameters", check_functions()),
+              ("tests compare numbers in double", check_tests())]
     print(f"1..{len(checks)}")
     for number, (text, wrong) in enumerate(checks, 1):
         print(f"{'not ok' if wrong else 'ok'} {number} - {text}")

@@ -89,18 +89,32 @@ static bool jacobi(int n, real *A, real *V)
     return false;
 }
 
+/* phi' K phi, with K phi of twice the digits of a double, as it cancels; *size: what it is the sum of. */
+static real strain(const ric_simulator *sim, const real *phi, real *size)
+{
+    const int n = sim->n;
+    real sum = 0;
+    *size = 0;
+    for (int i = 0; i < n; i++) {
+        ric_twice force = {0, 0};
+        for (int j = 0; j < n; j++) {
+            const double k = sim->K[i * n + j], high = (double)phi[j];
+            ric_twice term = ric_twice_product(k, high);
+            term.lo += k * (double)(phi[j] - high);
+            force = ric_twice_add(force, term);
+            *size += fabs(phi[i] * k * phi[j]);
+        }
+        sum += phi[i] * ((real)force.hi + force.lo);
+    }
+    return sum;
+}
+
 /* omega_i of row phi_i in a frame. It is exactly 0 if phi' K phi is no larger than the rounding of the entries of K
  * themselves, and no spring holds it. */
 static real frequency(const ric_simulator *sim, const bool *closed, const real *phi)
 {
     int n = sim->n;
-    real sum = 0, size = 0, springs = 0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            real term = phi[i] * sim->K[i * n + j] * phi[j];
-            sum += term;
-            size += fabs(term);
-        }
+    real size, sum = strain(sim, phi, &size), springs = 0;
     for (int f = 0; f < sim->n_face; f++) {
         const face_t *face = &sim->face[f];
         real s = 0, largest = 0;

@@ -17,6 +17,7 @@
 #include "studies.h"
 #include "sample.h"
 #include "check/simulator.h"
+#include "close.h"
 
 static const double PI = 3.14159265358979323846;
 
@@ -56,16 +57,16 @@ static void map_is_the_simulators(const ric_impact_map *s)
         bool hit;
         if (!random_hit(s, &pair[0]) || !follow(s, &pair[0], &pair[1]) || fabs(pair[1].angle) > 1.5) continue;
         ric_impact_map_write(s, &pair[0], x, v);
-        assert_float_equal(ric_model_energy(s->model, x, v), s->energy, 1e-12 * s->energy);
+        assert_close(ric_model_energy(s->model, x, v), s->energy, 1e-12 * s->energy);
         assert_int_equal(ric_simulator_start(sim, x, v), RIC_OK);
         if (ric_simulator_advance(sim, 60, &hit, &impact)) continue; /* two stops met together */
         assert_true(hit);
         assert_int_equal(impact.face, pair[1].face);
-        assert_float_equal(impact.time, pair[0].tau, 1e-11);
+        assert_close(impact.time, pair[0].tau, 1e-11);
         ric_simulator_state(sim, &time, x, v);
         ric_impact_map_read(s, impact.face, x, v, &pair[0]);
-        assert_float_equal(pair[0].y, pair[1].y, 1e-10);
-        assert_float_equal(pair[0].angle, pair[1].angle, 1e-10);
+        assert_close(pair[0].y, pair[1].y, 1e-10);
+        assert_close(pair[0].angle, pair[1].angle, 1e-10);
         flown++;
     }
     assert_true(flown > 100);
@@ -86,8 +87,7 @@ static void map_has_its_slopes(const ric_impact_map *s)
         double D[4];
         if (!random_hit(s, &a) || !follow(s, &a, &b) || fabs(b.angle) > 1.2) continue;
         assert_true(ric_impact_map_slope(s, &a, &b, D));
-        assert_float_equal((D[0] * D[3] - D[1] * D[2]) * across(s, &b) / across(s, &a), 1,
-                           1e-9 * (1 + fabs(D[0] * D[3])));
+        assert_close((D[0] * D[3] - D[1] * D[2]) * across(s, &b) / across(s, &a), 1, 1e-9 * (1 + fabs(D[0] * D[3])));
         for (int k = 0; k < 2; k++) {
             bool good = true;
             for (int side = 0; side < 2; side++) {
@@ -97,8 +97,8 @@ static void map_has_its_slopes(const ric_impact_map *s)
             }
             if (!good) continue;
             double size = 1 + fabs(D[k]) + fabs(D[2 + k]);
-            assert_float_equal((ends[1].y - ends[0].y) / (2 * h), D[k], 1e-5 * size * size * size);
-            assert_float_equal((ends[1].angle - ends[0].angle) / (2 * h), D[2 + k], 1e-5 * size * size * size);
+            assert_close((ends[1].y - ends[0].y) / (2 * h), D[k], 1e-5 * size * size * size);
+            assert_close((ends[1].angle - ends[0].angle) / (2 * h), D[2 + k], 1e-5 * size * size * size);
             flown++;
         }
     }
@@ -199,7 +199,7 @@ static void test_closed_forms(void **state)
         for (int i = 0; i < h->n; i++) {
             const ric_prey *p = &h->prey[i];
             if (p->N == 2 && !p->symmetric) continue;
-            assert_float_equal(closed_form(h->section, p), energies[e], 1e-9 * energies[e]);
+            assert_close(closed_form(h->section, p), energies[e], 1e-9 * energies[e]);
             assert_true(p->reversible);
             found++;
         }

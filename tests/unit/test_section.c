@@ -13,6 +13,7 @@
 #include "simulated_models.h"
 #include "sample.h"
 #include "studies.h"
+#include "close.h"
 
 #define SPRING                                                                                                         \
     "title: spring\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"                               \
@@ -112,8 +113,8 @@ static void next_is_the_simulators(const ric_section *section, ric_simulator *si
         fail_msg("start %d, impact %ld: time %.17g, not %.17g; approach %g", start, k, t1 - t0, impact.time,
                  impact.approach);
     for (int i = 0; i < n; i++) {
-        assert_float_equal(x1[i], x[i], 1e-11 / slow);
-        assert_float_equal(v1[i], v[i], 1e-11 / slow);
+        assert_close(x1[i], x[i], 1e-11 / slow);
+        assert_close(v1[i], v[i], 1e-11 / slow);
     }
 }
 
@@ -204,8 +205,8 @@ static void measures_are_the_multipliers(const ric_model *model, ric_section_opt
     } else if (point->stable == RIC_STABLE_NO && trace > 10 && trace < 300) {
         double grown = track[1].lyapunov * track[1].time - track[0].lyapunov * track[0].time,
                multiplier = acosh(trace / 2);
-        assert_float_equal(grown / (2 * multiplier), 1, 0.05);
-        assert_float_equal(track[1].time, 4 * T, 1e-3 * T);
+        assert_close(grown / (2 * multiplier), 1, 0.05);
+        assert_close(track[1].time, 4 * T, 1e-3 * T);
         c->hyperbolic++;
     }
 }
@@ -281,7 +282,7 @@ static void no_exponent(const char *text, double energy)
             double scaled = t.lyapunov * t.time;
             if (!(fabs(scaled) < log((double)impacts) + 3))
                 fail_msg("%s: growth by exp(%g)", ric_study_title(study), scaled);
-            if (before[i] > 1) assert_float_equal((scaled - before[i]) / log(10), 1, 0.3);
+            if (before[i] > 1) assert_close((scaled - before[i]) / log(10), 1, 0.3);
             assert_true(fabs(t.lyapunov) <= 2 * t.lyapunov_error);
             before[i] = scaled;
         }
