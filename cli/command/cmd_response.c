@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "common/shaking.h"
 
@@ -254,6 +256,8 @@ static int run_response(request *ask, const ric_atlas *atlas)
 {
     ric_response *r = NULL;
     ric_status status;
+    struct stat before;
+    const bool is_new = lstat(ask->out, &before) != 0;
     cli_catch_signals();
     ask->options.shaking = cli_shaking_of(&ask->shaking);
     ask->options.n_harmonic = ask->shaking.n_harmonic;
@@ -264,6 +268,7 @@ static int run_response(request *ask, const ric_atlas *atlas)
     if ((status = ric_response_read(ask->out, &r))) return cli_report(status);
     const int code = ric_response_n_curve(r) ? list(ask, r) : none(ask, r);
     if (ric_response_n_curve(r)) say_skipped(r);
+    else if (is_new && ric_response_finished(r)) unlink(ask->out); /* it would refuse the next call */
     ric_response_free(r);
     return code;
 }

@@ -121,6 +121,7 @@ ok "a window the wrong way round" ends 2 "two numbers" "$atlas" --force 1,0 --da
 ok "no level" ends 2 "level" "$atlas" --force 1,0 --damping 0.01 --omega 1,2 -o "$folder/n"
 ok "nothing is written by what is refused" test ! -e "$folder/n"
 ok "a window with no orbit" ends 1 "no forced orbit" "$atlas" --force 1,0 --damping 0.01 --omega 1,1.1 --level 0.0001 --branch 3 -o "$folder/none"
+ok "and leaves no file, which would refuse another call" test ! -e "$folder/none"
 head -c 9000 "$folder/a" >"$folder/broken"
 ok "a file that was cut" ends 1 "not a response" "$folder/broken"
 ok "another program confirms the orbits" "$ricochet" verify "$folder/a" --quiet
