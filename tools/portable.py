@@ -35,6 +35,7 @@ asinhl atan2l cabsl cosl expl fabsl fmaxl fminl fmal frexpl hypotl ldexpl log1pl
 """.split())
 KNOWN = {
     "fopencookie": "a stream that grows in memory and can fail (base/buffer.c); elsewhere funopen, there",
+    "getauxval": "what the kernel began, where no /proc is mounted (cli/common/module.c); elsewhere _NSGetExecutablePath, there",
     "ioctl": "TIOCGWINSZ, the width of a terminal (cli/common/output.c), which every Unix has; elsewhere as if there were none",
     "sincos": "also made by the compiler out of sin and cos; elsewhere the two of them (base/elsewhere.h)",
     "sincosl": "made by the compiler out of sinl and cosl, as sincos",

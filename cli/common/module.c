@@ -8,9 +8,12 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #ifdef __APPLE__
 #include <mach-o/dyld.h>
+#else
+#include <sys/auxv.h>
 #endif
 
 #include "cli.h"
@@ -35,11 +38,13 @@ static bool own_file(char out[PATH_SIZE])
     return !_NSGetExecutablePath(path, &size) && realpath(path, out);
 }
 #else
+/* Where no /proc is mounted it is what the kernel was told to begin. */
 static bool own_file(char out[PATH_SIZE])
 {
     const ssize_t n = readlink("/proc/self/exe", out, PATH_SIZE - 1);
+    const char *begun = (const char *)getauxval(AT_EXECFN);
     out[n > 0 ? n : 0] = '\0';
-    return n > 0;
+    return n > 0 || (begun && realpath(begun, out));
 }
 #endif
 
@@ -48,6 +53,18 @@ static bool own_folder(char out[PATH_SIZE])
     if (!own_file(out)) return false;
     *strrchr(out, '/') = '\0';
     return true;
+}
+
+/* Whether another user may have laid a file into the folder: it is not of the user, of root or of whom the program is
+ * of, or all may write to it. Where all may write to the program, as on disks that know no owners, that tells
+ * nothing. */
+static bool is_open_to_others(const char *folder)
+{
+    char own[PATH_SIZE];
+    struct stat program = {0}, info;
+    if (own_file(own) && !stat(own, &program) && program.st_mode & S_IWOTH) return false;
+    if (stat(*folder ? folder : "/", &info) || info.st_mode & S_IWOTH) return true;
+    return info.st_uid != 0 && info.st_uid != geteuid() && info.st_uid != program.st_uid;
 }
 
 /* Where the module is; the last place that was looked at if it is nowhere. */
@@ -74,23 +91,34 @@ static bool fits(void *handle)
     return version && !strcmp(*version, RIC_VERSION);
 }
 
-cli_module_function *cli_module_find(const char *module, const char *function)
+static cli_module_function *load(const char *module, const char *path, const char *function)
 {
-    cli_module_function *out = function_of(dlopen(NULL, RTLD_NOW), function);
-    char path[PATH_SIZE + NAME_SIZE];
-    if (out) return out; /* the program was linked with it */
-    if (!find_file(module, path)) {
-        cli_say("ricochet: %s: a part of the program is missing, %s; install ricochet again, or leave the program "
-                "where it was "
-                "built, with all that is beside it\n",
-                module, path);
-        return NULL;
-    }
+    cli_module_function *out = NULL;
     void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (!handle) cli_say("ricochet: %s: a part of the program cannot be loaded: %s\n", module, dlerror());
     else if (!fits(handle)) cli_say("ricochet: %s: %s is of another version; install ricochet again\n", module, path);
     else if (!(out = function_of(handle, function))) cli_say("ricochet: %s: %s has no %s\n", module, path, function);
     return out;
+}
+
+cli_module_function *cli_module_find(const char *module, const char *function)
+{
+    cli_module_function *out = function_of(dlopen(NULL, RTLD_NOW), function);
+    char path[PATH_SIZE + NAME_SIZE], file[PATH_SIZE], folder[PATH_SIZE];
+    if (out) return out; /* the program was linked with it */
+    if (!find_file(module, path) || !realpath(path, file)) {
+        cli_say("ricochet: %s: a part of the program is missing, %s; install ricochet again, or leave the program "
+                "where it was built, with all that is beside it\n",
+                module, path);
+        return NULL;
+    }
+    snprintf(folder, sizeof folder, "%s", file);
+    *strrchr(folder, '/') = '\0';
+    if (!is_open_to_others(folder)) return load(module, file, function);
+    cli_say("ricochet: %s: %s is not loaded, as another user may have laid it there; move the program, with all that "
+            "is beside it, into a folder that only you can write to\n",
+            module, file);
+    return NULL;
 }
 
 int cli_module_run(const char *module, const char *command, int argc, char **argv)

@@ -69,6 +69,34 @@ alone() {
     [ $? = 1 ] && cat "$folder/told" && grep -q 'export: a part of the program is missing.*install' "$folder/told" && [ ! -e "$folder/b.csv" ]
 }
 ok "without them it is said what is missing" alone
+# A module that another user may have laid beside a program, or where its folder of modules would be, is not loaded.
+mkdir "$folder/all" && cp "$build"/ricochet "$build"/ricochet-export.so "$folder/all"
+exports() { (cd "$folder" && rm -f c.csv && "$folder/all/ricochet" export a.ricochet -o c.csv) >"$folder/told" 2>&1; }
+ok "a copy with its modules runs" exports
+refused() { ! exports && cat "$folder/told" && grep -q 'another user may have laid it there; move' "$folder/told" && [ ! -e "$folder/c.csv" ]; }
+chmod o+w "$folder/all"
+ok "not from a folder that all may write to" refused
+chmod a+w "$folder/all/ricochet"
+ok "unless all may write to the program itself" exports
+chmod go-w "$folder/all" "$folder/all/ricochet"
+if [ "$(id -u)" = 0 ]; then
+    chown 65534 "$folder/all"
+    ok "nor from the folder of another user" refused
+    chown 0 "$folder/all"
+else
+    left_out "nor from the folder of another user" "only root can give a folder away"
+fi
+# Without /proc: readlink fails there.
+echo '#include <sys/types.h>
+ssize_t readlink(const char *path, char *out, size_t n) { (void)path, (void)out, (void)n; return -1; }' >"$folder/no-proc.c"
+without_proc() { cc -shared -fPIC "$folder/no-proc.c" -o "$folder/no-proc.so" && rm -f "$folder/c.csv" && (cd "$folder/all" && LD_PRELOAD="$folder/no-proc.so" "$@" export ../a.ricochet -o ../c.csv); }
+if sanitized; then
+    left_out "modules are found without /proc" "a sanitizer wants to be loaded first"
+else
+    ok "modules are found without /proc" without_proc "$folder/all/ricochet"
+    ok "from the folder of the program, too" without_proc ./ricochet
+    PATH="$folder/all:$PATH" ok "and from any, by its name" without_proc ricochet
+fi
 
 version=$("$ricochet" --version | cut -d' ' -f2)
 ok "debian/changelog has the same version" grep -q "^ricochet ($version)" debian/changelog
