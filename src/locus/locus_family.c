@@ -98,44 +98,57 @@ ric_status ric_locus_carry(const ric_shooting *chain, const double *u, const ric
     return RIC_OK;
 }
 
-/* omega_j / omega_i - m / n where the parameter is p. */
-static ric_status ratio_at(const ric_locus_problem *q, const ric_locus_commensurate *c, double p, double *off)
+/* omega_j / omega_i - m / n. */
+static double ratio_off(const ric_model *m, const ric_locus_commensurate *c)
 {
-    ric_model *model = NULL;
-    ric_status status = ric_locus_model(q->base, &q->vary, p, NULL, &model);
-    if (!status) *off = model->omega[c->mode[1]] / model->omega[c->mode[0]] - (double)c->ratio[1] / c->ratio[0];
-    ric_model_free(model);
-    return status;
+    return m->omega[c->mode[1]] / m->omega[c->mode[0]] - (double)c->ratio[1] / c->ratio[0];
 }
 
-/* The value near p where two modes have the ratio of c, by secants over `within`. */
-static bool ratio_near(const ric_locus_problem *q, ric_locus_commensurate *c, double p, double within)
+/* The value between those of two structures, ends [2], where two modes have the ratio of c, by secants. */
+static bool ratio_between(const ric_locus_problem *q, const double *ends, ric_model *const *at,
+                          ric_locus_commensurate *c)
 {
-    double a = p - within, b = p + within, x, y;
-    if (ratio_at(q, c, a, &x) || ratio_at(q, c, b, &y)) return false;
+    double a = ends[0], b = ends[1], x = ratio_off(at[0], c), y = ratio_off(at[1], c);
     if (!(x * y <= 0) || x == y) return false;
     for (int k = 0; k < COMMENSURATE_STEPS && fabs(b - a) > 0; k++) {
+        ric_model *model = NULL;
         const double next = b - y * (b - a) / (y - x);
         if (!isfinite(next)) break;
         a = b;
         x = y;
         b = next;
-        if (ratio_at(q, c, b, &y)) return false;
+        if (ric_locus_model(q->base, &q->vary, b, NULL, &model)) return false;
+        y = ratio_off(model, c);
+        ric_model_free(model);
     }
     c->value = b;
-    return fabs(b - p) <= within;
+    return ends[0] <= b && b <= ends[1];
 }
 
-bool ric_locus_commensurate_near(const ric_locus_problem *q, const ric_model *at, double p, ric_locus_commensurate *out)
+/* Of the ratios between two structures the smallest. */
+static bool smallest_between(const ric_locus_problem *q, const double *ends, ric_model *const *at,
+                             ric_locus_commensurate *out)
 {
-    const double within = COMMENSURATE * ric_locus_range(&q->vary);
+    const double *omega = at[0]->omega;
     for (int n = 1; n <= COMMENSURATE_MOST; n++)
-        for (int i = 0; i < at->n_dof; i++)
-            for (int j = i + 1; j < at->n_dof && at->omega[i] > 0; j++) {
-                const double m = round(n * at->omega[j] / at->omega[i]);
+        for (int i = 0; i < at[0]->n_dof; i++)
+            for (int j = i + 1; j < at[0]->n_dof && omega[i] > 0; j++) {
+                const double m = round(n * omega[j] / omega[i]);
                 if (!(m < RATIO_MOST * n)) continue;
                 *out = (ric_locus_commensurate){.mode = {i, j}, .ratio = {n, (int)m}};
-                if (ratio_near(q, out, p, within)) return true;
+                if (ratio_between(q, ends, at, out)) return true;
             }
     return false;
+}
+
+bool ric_locus_commensurate_near(const ric_locus_problem *q, double p, ric_locus_commensurate *out)
+{
+    const double within = COMMENSURATE * ric_locus_range(&q->vary), ends[2] = {p - within, p + within};
+    ric_model *at[2] = {NULL, NULL};
+    const bool made = !ric_locus_model(q->base, &q->vary, ends[0], NULL, &at[0]) &&
+                      !ric_locus_model(q->base, &q->vary, ends[1], NULL, &at[1]);
+    const bool found = made && smallest_between(q, ends, at, out);
+    ric_model_free(at[0]);
+    ric_model_free(at[1]);
+    return found;
 }

@@ -329,7 +329,7 @@ static ric_status end_lost(walk *w, const stand *at)
     char why[400], detail[200];
     ric_locus_commensurate c;
     snprintf(detail, sizeof detail, "%s", ric_detail());
-    if (ric_locus_commensurate_near(w->q, o->model, o->p, &c))
+    if (ric_locus_commensurate_near(w->q, o->p, &c))
         snprintf(why, sizeof why,
                  "it is not followed further: modes %d and %d are commensurate, %d to %d, where the parameter is %.15g",
                  c.mode[0] + 1, c.mode[1] + 1, c.ratio[0], c.ratio[1], c.value);

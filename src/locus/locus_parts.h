@@ -71,10 +71,9 @@ typedef struct {
     int mode[2], ratio[2];
     double value;
 } ric_locus_commensurate;
-/* Such a place beside the value p, where the structure is `at`: families of orbits of two parameters cross the surface
- * there, as of two modes without impacts. The smallest ratio is told. */
-bool ric_locus_commensurate_near(const ric_locus_problem *q, const ric_model *at, double p,
-                                 ric_locus_commensurate *out);
+/* Such a place beside the value p: families of orbits of two parameters cross the surface there, as of two modes
+ * without impacts. The smallest ratio is told. */
+bool ric_locus_commensurate_near(const ric_locus_problem *q, double p, ric_locus_commensurate *out);
 
 /* -------------------------------------------------------- locus_orbit.c */
 
