@@ -27,6 +27,9 @@
 #define WIDEST 0.2     /* turns: half the width of tongues that are one by one */
 #define EXCITED 1e-12  /* share below which a mode does not take part at all: there is no tongue */
 #define ON_BORDER 1e-9 /* relative: of a period */
+/* NEARER: of the distance to a resonance at which a leap was refused: from there it is tried again. Beside the first
+ * touch of a spring the share of a mode is next to nothing and grows, so that it cannot be told beforehand */
+#define NEARER 0.7
 #define MOVED 0.05     /* of the size: what modes that are not in resonance may change over a tongue */
 #define RETURNS 1e-8   /* of the size: the way back leads to the same orbit */
 enum { ATTEMPTS = 4 }; /* at a border behind, ever farther away */
@@ -127,8 +130,9 @@ static cluster cluster_ahead(const ric_continuation *tr, const double *u, const 
     for (int k = 0; k < tr->chain->n; k++) n += tongue_ahead(tr, u, t, k, &list[n]);
     const double here = ric_shooting_time(tr->chain, u);
     for (int i = 0; i < n; i++) {
-        const double refused = list[i].period[0] + (list[i].period[1] - list[i].period[0]) / 2;
-        if (refused >= tr->refused[0] && refused <= tr->refused[1]) list[i] = list[--n], i--;
+        const double place = list[i].period[0] + (list[i].period[1] - list[i].period[0]) / 2;
+        const bool nearer = fabs(here - place) < NEARER * fabs(tr->tried - place);
+        if (place >= tr->refused[0] && place <= tr->refused[1] && !nearer) list[i] = list[--n], i--;
     }
     for (int i = 0; i < n; i++)
         if (first < 0 || fabs(list[i].period[0] - here) < fabs(list[first].period[0] - here)) first = i;
@@ -346,6 +350,7 @@ ric_status ric_leap_try(ric_continuation *tr, bool *over)
         *over = tr->n_point > before;
     }
     if (!*over) {
+        tr->tried = here;
         tr->refused[0] = fmin(here, period);
         tr->refused[1] = fmax(here, period);
     }

@@ -44,6 +44,20 @@ draws() { "$ricochet" plot fep "$folder/$1.ricochet" -o "$folder/$1.svg" && [ "$
 ok 'the picture names a resonance that is followed' draws follow 1
 ok 'and leaves a gap where none is' draws cross 0
 
+# Right behind the first touch, where the spring hardly acts, nothing tells how large the mode will be: it is tried again.
+cat >"$folder/near.yaml" <<'E1'
+model:
+  mass: [[1, 0], [0, 1]]
+  stiffness: [[1, 0], [0, 49.021]]
+  contacts: [{normal: [1, 0.004], clearance: 1, sides: upper, law: bilinear, stiffness: 40}]
+explore: {start: [1], energy: [0, 50], frequency: [0.1, 20], impacts: 2, multiply: 1, depth: 1, tongues: cross}
+E1
+"$ricochet" run "$folder/near.yaml" -o "$folder/near.ricochet" >"$folder/near.log" 2>&1
+far() { "$ricochet" branches "$folder/near.ricochet" --json | python3 -c 'import json, sys; sys.exit(max(b["frequency_max"] for b in json.load(sys.stdin)) < 1.6)'; }
+ok 'a resonance 0.0002 behind the first touch is stepped over' far
+ok 'as are the ones that follow' grep -q 'steps over 7 : 1 .*steps over 6 : 1 .*steps over 5 : 1 ' "$folder/near.log"
+ok 'and every orbit passes' "$ricochet" verify "$folder/near.ricochet" --all
+
 # The same tables again from what is kept, and with workers.
 again()
 {
