@@ -15,6 +15,8 @@
 
 /* Of the largest entry: what rounding of a study's numbers leaves of symmetry; more is a mistake in them. */
 #define ASYMMETRIC 1e-12
+/* Entry of a matrix: products with twice the digits of a double overflow beyond 1.3e300 (twice.h). */
+#define LARGEST 1e300
 /* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
 #define ORTHOGONAL 1e-12
 
@@ -32,6 +34,11 @@ static ric_status check_matrix(int n, const double *A, const char *name)
         if (!isfinite(A[i]))
             return ric_fail(RIC_E_INPUT, "%s matrix: the entry of row %d, column %d is not a finite number", name,
                             i / n + 1, i % n + 1);
+        if (fabs(A[i]) > LARGEST)
+            return ric_fail(RIC_E_INPUT,
+                            "%s matrix: the entry of row %d, column %d is %g, and numbers up to %g are taken; choose "
+                            "other units",
+                            name, i / n + 1, i % n + 1, A[i], LARGEST);
         largest = fmax(largest, fabs(A[i]));
     }
     for (int i = 0; i < n; i++)
