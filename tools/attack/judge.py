@@ -525,7 +525,7 @@ class Judge:
     # ---- power laws
 
     def _fly_ahead(self):
-        """All points of a structure at once, which costs a tenth of one branch after the other."""
+        """All points of a structure at once, which costs a fifth of one branch after the other."""
         chosen = [(branch, self._sample(branch["id"], self.atlas.points[branch["id"]])) for branch in self.atlas.branches]
         chosen = [(branch, rows) for branch, rows in chosen if rows and not self._unseen(rows)]
         with np.errstate(all="ignore"):
