@@ -414,13 +414,16 @@ static void stiff_links(void **state)
     assert_true(ric_atlas_n_branch(atlas) >= 1);
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
         for (int i = 0; i < branch_of(atlas, id).n_point; i++) point_passes(atlas, id, i);
-    assert_true(ric_atlas_n_junction(atlas) >= 1);
+    int grazings = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         const ric_junction j = junction_of(atlas, id);
         assert_int_equal(claims_of(atlas, id, -1).numbers, RIC_AGREES_YES);
+        if (j.kind != RIC_KIND_GRAZING) continue;
         /* (x1^2 + 2) lambda / 2 of the shape (x1, 1), in 40 digits */
-        if (j.kind == RIC_KIND_GRAZING) assert_close(j.energy, 0.74999999998750000000023, 1e-15);
+        assert_close(j.energy, 0.74999999998750000000023, 1e-15);
+        grazings++;
     }
+    assert_true(grazings > 0);
     ric_atlas_free(atlas);
 }
 
