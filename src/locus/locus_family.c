@@ -101,7 +101,7 @@ ric_status ric_locus_carry(const ric_shooting *chain, const double *u, const ric
 /* omega_j / omega_i - m / n. */
 static double ratio_off(const ric_model *m, const ric_locus_commensurate *c)
 {
-    return m->omega[c->mode[1]] / m->omega[c->mode[0]] - (double)c->ratio[1] / c->ratio[0];
+    return m->frequency[c->mode[1]] / m->frequency[c->mode[0]] - (double)c->ratio[1] / c->ratio[0];
 }
 
 /* The value between those of two structures, ends [2], where two modes have the ratio of c, by secants. */
@@ -125,16 +125,17 @@ static bool ratio_between(const ric_locus_problem *q, const double *ends, ric_mo
     return ends[0] <= b && b <= ends[1];
 }
 
-/* Of the ratios between two structures the smallest. */
+/* Of the ratios between two structures the smallest, of modes that meet a contact. */
 static bool smallest_between(const ric_locus_problem *q, const double *ends, ric_model *const *at,
                              ric_locus_commensurate *out)
 {
-    const double *omega = at[0]->omega;
+    const double *omega = at[0]->frequency;
     for (int n = 1; n <= COMMENSURATE_MOST; n++)
-        for (int i = 0; i < at[0]->n_dof; i++)
-            for (int j = i + 1; j < at[0]->n_dof && omega[i] > 0; j++) {
+        for (int k = 0; k < at[0]->n; k++)
+            for (int l = k + 1; l < at[0]->n; l++) {
+                const int i = at[0]->mode[k], j = at[0]->mode[l];
                 const double m = round(n * omega[j] / omega[i]);
-                if (!(m < RATIO_MOST * n)) continue;
+                if (!(omega[i] > 0 && m < RATIO_MOST * n)) continue;
                 *out = (ric_locus_commensurate){.mode = {i, j}, .ratio = {n, (int)m}};
                 if (ratio_between(q, ends, at, out)) return true;
             }

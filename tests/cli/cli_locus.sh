@@ -217,6 +217,12 @@ ok "two junctions annihilate each other" judge fold
 ok "and so say atlases made on either side" judge annihilation
 ok "ends of codimension two" judge codimension_two
 ok "commensurate modes" judge commensurate
+# A third mass hangs on nothing that the contact sees: its mode lies between the two that the curve belongs to.
+printf 'model:\n  mass: [[2, 0, 0], [0, 1, 0], [0, 0, 1]]\n  stiffness: [[9, -1, 0], [-1, 1, 0], [0, 0, 2.1]]\n  contacts: [{normal: [-1, 1, 0], clearance: 1}]
+explore: {energy: [0, 12], frequency: [0.2, 10], impacts: 2, multiply: 3, depth: 3}
+vary: {name: k2, at: 1, from: 0.4, to: 1.6, stiffness: [[1, -1, 0], [-1, 1, 0], [0, 0, 0]]}\n' >"$folder/third.yaml"
+seen() { "$ricochet" run "$folder/third.yaml" -o "$folder/third.ricochet" --quiet && "$ricochet" locus "$folder/third.ricochet" --junction j1y7c6gyb --csv >"$folder/third" 2>&1 && grep 'modes 1 and 3 are commensurate, 1 to 3, where the parameter is 0.5112790290120' "$folder/third"; }
+ok "of those that the contact sees" seen
 ok "a factor of four" judge factor_of_four "$(some_of 0 1)"
 ok "whatever the step" judge steps
 contact='{normal: [-1, 1], clearance: 1, law: bilinear, stiffness: 30}'
