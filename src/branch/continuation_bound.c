@@ -161,7 +161,19 @@ static doubt doubt_of(const ric_shooting *c, const ric_floquet *f)
 bool ric_continuation_doubtful(const ric_shooting *c, const ric_floquet *f)
 {
     const doubt d = doubt_of(c, f);
-    return f->n_pair > 0 && (d.flag || d.trace);
+    return f->n_pair > 0 && (d.flag || d.trace || (f->n_pair > 1 && f->stable == RIC_STABLE_UNDECIDED));
+}
+
+/* The flag of multipliers each of which is found again by itself: where several are near the border, or near each
+ * other, what is known of all may not say on which side one is. */
+static ric_status judge_sharply(ric_shooting *c, const double *u, ric_floquet *f)
+{
+    ric_shooting_evaluate(c, u);
+    f->sharp = SHARP;
+    ric_status status = ric_floquet_compute(c, f);
+    if (!status && f->stable != RIC_STABLE_UNDECIDED) status = measure(c, u, f, 0, NULL);
+    f->sharp = 0;
+    return status;
 }
 
 ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
@@ -175,11 +187,13 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
         return status;
     }
     const ric_stability flag = f->stable;
+    if (flag == RIC_STABLE_UNDECIDED) return judge_sharply(c, u, f);
     ric_status status = measure(c, u, f, tells_side(f), NULL);
     if (status || f->stable != RIC_STABLE_UNDECIDED) return status;
     f->stable = flag;
     ric_shooting_evaluate(c, u);
-    return measure(c, u, f, 0, NULL);
+    status = measure(c, u, f, 0, NULL);
+    return !status && f->stable == RIC_STABLE_UNDECIDED && f->n_pair > 1 ? judge_sharply(c, u, f) : status;
 }
 
 ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_floquet *f)

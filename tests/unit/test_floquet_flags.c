@@ -264,12 +264,43 @@ static void no_flag_beside_several_touches(void **state)
     ric_study_free(study);
 }
 
+/* Four masses with a stop and a spring of 4e10, three pairs near the border: the bound of all of them together left a
+ * stable part of a branch undecided; each pair by itself, and the independent judge, know it. */
+static void each_pair_decides(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.765625, -0.171875, -0.234375, 0.1875], [-0.171875, 1.1875, 0.3125, "
+        "-0.1875], [-0.234375, 0.3125, 1.65625, -0.078125], [0.1875, -0.1875, -0.078125, 1.65625]]\n"
+        "  stiffness: [[454017.8865822943, -74776.00559623481, 42656.05946630573, 107141.28241822192], "
+        "[-74776.00559623481, 2591253.069304248, 667719.7738236744, -783112.3026049485], "
+        "[42656.05946630573, 667719.7738236744, 1513487.8365518416, 223773.91380033208], "
+        "[107141.28241822192, -783112.3026049485, 223773.91380033208, 847617.8843934726]]\n"
+        "  contacts:\n    - {normal: [0, 1, 0, 0], law: bilinear, clearance: 0.00141, sides: lower, "
+        "stiffness: 4.431e10}\n"
+        "    - {normal: [1, 0, 0, 0], law: rigid, clearance: 0.00123, sides: lower}\n"
+        "explore: {energy: [0, 8584000], frequency: [99.94, 4501], impacts: 4, multiply: 1, depth: 1}\n");
+    int decided = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b;
+        assert_int_equal(ric_atlas_branch(atlas, id, &b), RIC_OK);
+        for (int i = 0; i < b.n_point; i++) {
+            ric_claims claims;
+            assert_int_equal(ric_verify_claims(atlas, id, i, &claims), RIC_OK);
+            if (claims.stable == RIC_AGREES_NO) fail_msg("branch %d, point %d: %s", id, i, claims.finding);
+            decided += claims.stable == RIC_AGREES_YES;
+        }
+    }
+    assert_true(decided > 0);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_flag_beside_several_touches), cmocka_unit_test(rows_belong_to_orbits),
         cmocka_unit_test(flags_keep_to_the_bound),        cmocka_unit_test(flags_agree),
-        cmocka_unit_test(traces_at_grazings_are_lost),
+        cmocka_unit_test(traces_at_grazings_are_lost),    cmocka_unit_test(each_pair_decides),
     };
     return cmocka_run_group_tests_name("floquet_flags", tests, NULL, NULL);
 }
