@@ -106,8 +106,8 @@ static double return_tolerance(ric_shooting *c, const double *u)
     assert_int_equal(ric_floquet_compute(c, &f), RIC_OK);
     for (int i = 0; i < f.n_pair; i++) largest = fmax(largest, hypot(f.rho[2 * i], f.rho[2 * i + 1]));
     ric_floquet_release(&f);
-    return fmax(1e-9, 1e-14 * largest); /* docs/theory.md section 11; the last digits of a state, 1e-16, times the
-                                         * multiplier */
+    /* docs/theory.md section 11: what the state is solved to, times the multiplier */
+    return fmax(1e-9, ric_continuation_tolerance(c) * largest);
 }
 
 /* CVODE comes back after the full period, as far as it is sure of itself. */
