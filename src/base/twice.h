@@ -63,4 +63,11 @@ static inline ric_twice ric_twice_from(double a)
     return (ric_twice){a, 0};
 }
 
+/* Of a number in extended precision, which has no more digits than that. */
+static inline ric_twice ric_twice_of(long double x)
+{
+    const double hi = (double)x;
+    return (ric_twice){hi, (double)(x - hi)};
+}
+
 #endif

@@ -127,13 +127,13 @@ ric_limits ric_continuation_limits(const ric_model *model, const double energy[2
  *               is none
  *   steep       law power: somewhere more is lost in rounding than it ought to be
  *   leap_at     period of the border of a tongue, from where the next step leaps; 0: none
- *   refused     periods between which no leap is tried again, but (tried) from much nearer to the resonance than the
- *               period from where it was
+ *   refused     periods from where and to where a leap was refused: it is tried again from much nearer to the
+ *               resonance only
  *   on_mode     the mode, from 1, along whose tongue the branch has climbed, with its turns in a period; 0: none
  *   ignore      tests that vanish at the very start, as bits; cleared after the first step */
 #define RIC_CARRIED                                                                                                    \
     double definite[RIC_N_TEST], step, step_max, wanted, after, longest, lowest, blind, blind_at[2], crowded_at[2],    \
-        leap_at, refused[2], tried;                                                                                    \
+        leap_at, refused[2];                                                                                           \
     int32_t unresolved, approaches, avoided, steep, has_past, on_mode, on_turns;                                       \
     uint32_t ignore;
 typedef struct {

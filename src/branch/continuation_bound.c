@@ -164,8 +164,8 @@ bool ric_continuation_doubtful(const ric_shooting *c, const ric_floquet *f)
     return f->n_pair > 0 && (d.flag || d.trace || (f->n_pair > 1 && f->stable == RIC_STABLE_UNDECIDED));
 }
 
-/* The flag of multipliers each of which is found again by itself: where several are near the border, or near each
- * other, what is known of all may not say on which side one is. */
+/* The flag of multipliers each of which is found again by itself, and of orbits that are known as well: where several
+ * are near the border, or near each other, what is known of all may not say on which side one is. */
 static ric_status judge_sharply(ric_shooting *c, const double *u, ric_floquet *f)
 {
     ric_shooting_evaluate(c, u);
@@ -179,21 +179,15 @@ static ric_status judge_sharply(ric_shooting *c, const double *u, ric_floquet *f
 ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
 {
     double seen[f->n_pair + 1];
+    ric_status status = RIC_OK;
     if (!ric_continuation_doubtful(c, f)) return RIC_OK;
-    const bool vague = doubt_of(c, f).trace;
-    if (vague) {
-        ric_status status = measure(c, u, f, 0, seen);
+    if (doubt_of(c, f).trace) {
+        status = measure(c, u, f, 0, seen);
         if (!status) ric_floquet_widen(f, seen);
         return status;
     }
-    const ric_stability flag = f->stable;
-    if (flag == RIC_STABLE_UNDECIDED) return judge_sharply(c, u, f);
-    ric_status status = measure(c, u, f, tells_side(f), NULL);
-    if (status || f->stable != RIC_STABLE_UNDECIDED) return status;
-    f->stable = flag;
-    ric_shooting_evaluate(c, u);
-    status = measure(c, u, f, 0, NULL);
-    return !status && f->stable == RIC_STABLE_UNDECIDED && f->n_pair > 1 ? judge_sharply(c, u, f) : status;
+    if (f->stable != RIC_STABLE_UNDECIDED) status = measure(c, u, f, tells_side(f), NULL);
+    return !status && f->stable == RIC_STABLE_UNDECIDED ? judge_sharply(c, u, f) : status;
 }
 
 ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_floquet *f)

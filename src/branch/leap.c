@@ -131,8 +131,9 @@ static cluster cluster_ahead(const ric_continuation *tr, const double *u, const 
     const double here = ric_shooting_time(tr->chain, u);
     for (int i = 0; i < n; i++) {
         const double place = list[i].period[0] + (list[i].period[1] - list[i].period[0]) / 2;
-        const bool nearer = fabs(here - place) < NEARER * fabs(tr->tried - place);
-        if (place >= tr->refused[0] && place <= tr->refused[1] && !nearer) list[i] = list[--n], i--;
+        const bool refused = (place - tr->refused[0]) * (place - tr->refused[1]) <= 0,
+                   nearer = fabs(here - place) < NEARER * fabs(tr->refused[0] - place);
+        if (refused && !nearer) list[i] = list[--n], i--;
     }
     for (int i = 0; i < n; i++)
         if (first < 0 || fabs(list[i].period[0] - here) < fabs(list[first].period[0] - here)) first = i;
@@ -350,9 +351,8 @@ ric_status ric_leap_try(ric_continuation *tr, bool *over)
         *over = tr->n_point > before;
     }
     if (!*over) {
-        tr->tried = here;
-        tr->refused[0] = fmin(here, period);
-        tr->refused[1] = fmax(here, period);
+        tr->refused[0] = here;
+        tr->refused[1] = period;
     }
     return RIC_OK;
 }

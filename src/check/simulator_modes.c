@@ -98,11 +98,8 @@ static real strain(const ric_simulator *sim, const real *phi, real *size)
     for (int i = 0; i < n; i++) {
         ric_twice force = {0, 0};
         for (int j = 0; j < n; j++) {
-            const double k = sim->K[i * n + j], high = (double)phi[j];
-            ric_twice term = ric_twice_product(k, high);
-            term.lo += k * (double)(phi[j] - high);
-            force = ric_twice_add(force, term);
-            *size += fabs(phi[i] * k * phi[j]);
+            force = ric_twice_add(force, ric_twice_scale(sim->K[i * n + j], ric_twice_of(phi[j])));
+            *size += fabs(phi[i] * sim->K[i * n + j] * phi[j]);
         }
         sum += phi[i] * ((real)force.hi + force.lo);
     }

@@ -29,26 +29,18 @@ static void multiply(int n, const double *A, const long double *X, long double *
 }
 
 /* The same with sums of twice the digits of a double: of a low mode K x cancels by as much as the highest mode is
- * stiffer, 1e9 in a beam of short finite elements, and what rounding leaves of it mixes the low modes. `room` [2 n *
- * n]. */
-static void multiply_twice(int n, const double *A, const long double *X, long double *out, double *room)
+ * stiffer, 1e9 in a beam of short finite elements, and what rounding leaves of it mixes the low modes. `room` [n * n].
+ */
+static void multiply_twice(int n, const double *A, const long double *X, long double *out, ric_twice *room)
 {
-    double *high = room, *low = room + n * n;
-    for (int i = 0; i < n * n; i++) {
-        high[i] = (double)X[i];
-        low[i] = (double)(X[i] - high[i]);
-    }
+    for (int i = 0; i < n * n; i++) room[i] = ric_twice_of(X[i]);
     for (int i = 0; i < n; i++) {
         ric_twice sum[n];
         memset(sum, 0, sizeof sum);
         for (int k = 0; k < n; k++) {
             const double a = A[i * n + k];
             if (a == 0) continue;
-            for (int j = 0; j < n; j++) {
-                ric_twice term = ric_twice_product(a, high[k * n + j]);
-                term.lo += a * low[k * n + j];
-                sum[j] = ric_twice_add(sum[j], term);
-            }
+            for (int j = 0; j < n; j++) sum[j] = ric_twice_add(sum[j], ric_twice_scale(a, room[k * n + j]));
         }
         for (int j = 0; j < n; j++) out[i * n + j] = (long double)sum[j].hi + sum[j].lo;
     }
@@ -82,7 +74,7 @@ static void refine_once(const ric_model *m, int n, long double *X, long double *
                         long double *S, long double *lambda)
 {
     multiply(n, m->M, X, MX);
-    multiply_twice(n, m->K, X, KX, (double *)R);
+    multiply_twice(n, m->K, X, KX, (ric_twice *)R);
     multiply_transposed(n, true, -1, X, MX, R);
     multiply_transposed(n, false, 1, X, KX, S);
     for (int i = 0; i < n; i++) lambda[i] = S[i * n + i] / (1 - R[i * n + i]);
