@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "explored.h"
+#include "close.h"
 
 #define MOST 9 /* duplicates, as in Fig. 20 */
 
@@ -70,11 +71,6 @@ static int divisor(int a, int b)
     return b ? divisor(b, a % b) : a;
 }
 
-static void assert_close(double found, double wanted, double tolerance)
-{
-    if (!(fabs(found - wanted) <= tolerance * fabs(wanted))) fail_msg("%.17g instead of %.17g", found, wanted);
-}
-
 /* --------------------------------------------------------------- duplicates */
 
 /* Section 3.2.1 of the article: k - 1 multiplications on every k-duplicate of S2-[01] and of S2+[01], one for each
@@ -103,7 +99,7 @@ static void backbones_have_one_less(void **state)
                 count++;
                 assert_int_equal(junction.rotation[0] * common, j);
                 assert_int_equal(junction.rotation[1] * common, k);
-                assert_close(points[p].frequency, junction.frequency / common, 1e-15);
+                assert_relative(points[p].frequency, junction.frequency / common, 1e-15);
             }
             assert_int_equal(count, k - 1);
             free(points);
@@ -150,8 +146,8 @@ static void resonances_are_where_they_should_be(void **state)
             for (int p = 0; p < n; p++) {
                 if (points[p].j != times * resonances[i].p) continue;
                 found++;
-                assert_close(points[p].energy, resonances[i].energy, 1e-9);
-                assert_close(points[p].frequency, resonances[i].omega / k, 1e-9);
+                assert_relative(points[p].energy, resonances[i].energy, 1e-9);
+                assert_relative(points[p].frequency, resonances[i].omega / k, 1e-9);
             }
             assert_int_equal(found, 1);
             free(points);
@@ -173,7 +169,7 @@ static void grazings_are_multiplied(void **state)
         assert_int_equal(points[0].origin, RIC_DUPLICATE_COPY);
         assert_int_equal(points[0].times, k);
         assert_int_equal(junction.multiple, k);
-        assert_close(junction.frequency, junction_of(atlas, mode.to).frequency / k, 1e-15);
+        assert_relative(junction.frequency, junction_of(atlas, mode.to).frequency / k, 1e-15);
         free(points);
     }
     int n = points_of(atlas, loop.id, 3, &points);
@@ -228,8 +224,8 @@ static void segments_make_up_the_branch(void **state)
         }
         assert_true(points <= branch.n_point - 2);
         assert_true(energy[0] <= branch.energy_min * (1 + 1e-9) && energy[1] >= branch.energy_max * (1 - 1e-9));
-        assert_close(frequency[0], branch.frequency_min, 1e-6);
-        assert_close(frequency[1], branch.frequency_max, 1e-6);
+        assert_relative(frequency[0], branch.frequency_min, 1e-6);
+        assert_relative(frequency[1], branch.frequency_max, 1e-6);
         free(segments);
     }
     ric_atlas_free(atlas);
@@ -395,7 +391,7 @@ static void duplicated_grazings_have_the_word_once(void **state)
         if (junction.kind != RIC_KIND_GRAZING || junction.multiple == 1) continue;
         n++;
         for (int i = 0; i < (junction.impacts ? junction.impacts : 1); i++) period += junction.flights[i];
-        assert_close(junction.frequency * junction.multiple * period, 2 * acos(-1), 1e-12);
+        assert_relative(junction.frequency * junction.multiple * period, 2 * acos(-1), 1e-12);
     }
     assert_true(n > 5);
     ric_atlas_free(atlas);
