@@ -107,9 +107,10 @@ static bool inclines(ric_criterion_work *q, const double *u, const double *norma
 {
     double f[4], slope, noise;
     int looked = 0;
-    for (double h = BESIDE * q->chain->scale; h >= NARROWEST * q->chain->scale && looked < 2; h /= 10) {
-        if (around(q, u, normal, h, f, &noise) && straight(f, (f[0] + f[1] + f[2] + f[3]) / 4, &slope)) return true;
-        looked += goes_on(q->chain, u, normal, h);
+    for (double h = BESIDE; h >= NARROWEST && looked < 2; h /= 10) {
+        const double size = h * q->chain->scale;
+        if (around(q, u, normal, size, f, &noise) && straight(f, (f[0] + f[1] + f[2] + f[3]) / 4, &slope)) return true;
+        looked += goes_on(q->chain, u, normal, size);
     }
     return false;
 }

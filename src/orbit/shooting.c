@@ -42,6 +42,7 @@ ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mir
     c->n_flight = n_flight;
     c->n_start = count_start(model, start);
     c->parts = 1;
+    c->scale = 1;
     c->n_unknown = c->n_start + n_flight;
     c->n_end = count_end(n, end);
     c->ld = start == RIC_MIRROR_NONE ? 2 * n + 1 : n + 2;

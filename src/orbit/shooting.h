@@ -45,7 +45,7 @@ typedef struct {
     double *approach; /* [n_flight + 1] speed of the gap coordinate into the face; [0] only for a start on an
                        * impact mirror */
     double residual;  /* largest residual relative to 1 + |w| */
-    double scale;     /* 1 + |w| */
+    double scale;     /* 1 + |w|; 1 before the first flight */
     double share;     /* of scale that flights round to: |w| under a power law if that is below 1, since its orbits
                        * become linear, whatever their size, towards nothing; otherwise 1 */
     double stiff;     /* what closed springs make of an error of the displacements, relative to scale: a velocity

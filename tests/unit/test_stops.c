@@ -6,6 +6,7 @@
 #include "junction/switching.h"
 #include "explored.h"
 #include "branch/continuation_pause.h"
+#include "base/halt.h"
 #include "sample.h"
 
 /* Asked by the kernels about every millisecond of work: from the `after`-th question on which something new has been
@@ -157,9 +158,40 @@ static void after_the_first_points(void **state)
     ric_study_free(study);
 }
 
+static bool yes(void *user)
+{
+    (void)user;
+    return true;
+}
+
+/* A stop that comes when the solver of a junction has not flown once: it comes to an end, and nothing is found. */
+static void before_the_first_flight(void **state)
+{
+    (void)state;
+    static const int tests[] = {RIC_TEST_REACH, RIC_TEST_DET,    RIC_TEST_SLOPE,    RIC_TEST_A,    RIC_TEST_B,
+                                RIC_TEST_D,     RIC_TEST_PERIOD, RIC_TEST_APPROACH, RIC_TEST_FLIGHT};
+    ric_study *study = study_of(PAIR "    - {normal: [-1, 1], law: power, exponent: 3, length: 1, reference: 1}\n"
+                                     "explore: {energy: [0, 2], frequency: [0.2, 10], multiply: 1, depth: 0}\n");
+    ric_graph *g = explored_graph(study);
+    assert_true(g->n_node > 0);
+    alarm(20); /* it has gone round for ever */
+    ric_halt_ask(yes, NULL);
+    assert_true(ric_halt(HUGE_VAL));
+    for (size_t i = 0; i < sizeof tests / sizeof *tests; i++) {
+        ric_node *out = NULL;
+        ric_node_interior(g->model, g->nodes[0]->cycle, tests[i], &out);
+        assert_null(out);
+    }
+    ric_halt_ask(NULL, NULL);
+    alarm(0);
+    ric_graph_free(g);
+    ric_study_free(study);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(before_the_first_flight),
         cmocka_unit_test(after_the_first_points),
         cmocka_unit_test(stops_and_branches),
         cmocka_unit_test(springs),
