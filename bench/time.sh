@@ -11,7 +11,7 @@ sed 's/^  energy:.*/  energy: [0, 1000]/; s/^  impacts:.*/  impacts: 24/; s/^  m
 
 complete() {
     local TIMEFORMAT='%U' taken
-    taken=$({ time "$ricochet" run "$folder/study.yaml" -o "$folder/atlas.ricochet" 2>"$folder/said"; } 2>&1) || return 1
+    taken=$({ time "$ricochet" run "$folder/study.yaml" -o "$folder/atlas.ricochet" >"$folder/said" 2>&1; } 2>&1) || return 1
     cat "$folder/said"
     echo "processor time: $taken s"
     grep -q '^departures taken: ' "$folder/said" && ! grep -q 'refused\|failed\|no junctions' "$folder/said" && awk -v t="$taken" 'BEGIN {exit !(t < 1)}'
