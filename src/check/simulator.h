@@ -25,6 +25,10 @@ ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear
 /* Largest gap over clearance, at a maximum in a part of the present flight: of the face, or of its image under x -> -x;
  * of a closed one 2 less that, at a minimum. `best` if none is larger. */
 double ric_simulator_highest(const ric_simulator *sim, int face, bool image, double from, double to, double best);
+/* The same, from part[0] to part[1], of the points at which the gap bends the other way at a speed of at most `slow`,
+ * where a maximum may begin: what is nearest to `wanted`; infinite if there is none. */
+double ric_simulator_level(const ric_simulator *sim, int face, bool image, const double part[2], double slow,
+                           double wanted);
 void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_real *w);
 
 #endif

@@ -8,6 +8,8 @@
 #include "simulator_parts.h"
 #include "base/room.h"
 
+#define LEVEL_PARTS 8 /* of a panel, in each of which a gap bends the other way once at most, or in vain */
+
 ric_sample ric_simulator_search_look(const ric_simulator *sim, const face_t *face, double t)
 {
     int n = sim->n;
@@ -226,15 +228,19 @@ void ric_simulator_search_start_reach(ric_simulator *sim)
     }
 }
 
+/* The face seen from the other side, on which the motion is its image. */
+static face_t image_of(face_t face)
+{
+    real s = face.start + face.level; /* sign * s */
+    face.sign = -face.sign;
+    face.start = -s - face.level;
+    face.rest = -face.rest;
+    return face;
+}
+
 double ric_simulator_highest(const ric_simulator *sim, int f, bool image, double from, double to, double best)
 {
-    face_t face = sim->face[f];
-    if (image) {
-        real s = face.start + face.level; /* sign * s */
-        face.sign = -face.sign;
-        face.start = -s - face.level;
-        face.rest = -face.rest;
-    }
+    face_t face = image ? image_of(sim->face[f]) : sim->face[f];
     double h = ric_simulator_search_panel(&face), more = face.closed ? 2 : 0;
     if (!isfinite(h)) return best;
     ric_sample a = ric_simulator_search_look(sim, &face, from);
@@ -244,6 +250,28 @@ double ric_simulator_highest(const ric_simulator *sim, int f, bool image, double
         double level = (best - more) * (double)face.limit - (double)face.level,
                top = highest(sim, &face, &a, &b, level);
         if (top > level) best = ric_simulator_search_to_reach(&face, top) + more;
+        a = b;
+    }
+    return best;
+}
+
+double ric_simulator_level(const ric_simulator *sim, int f, bool image, const double part[2], double slow,
+                           double wanted)
+{
+    face_t face = image ? image_of(sim->face[f]) : sim->face[f];
+    double h = ric_simulator_search_panel(&face) / LEVEL_PARTS, more = face.closed ? 2 : 0, best = HUGE_VAL;
+    if (!isfinite(h)) return best;
+    ric_sample a = ric_simulator_search_look(sim, &face, part[0]);
+    while (a.t < part[1]) {
+        ric_sample b = ric_simulator_search_look(sim, &face, fmin(part[1], a.t + h)), at = b;
+        if (b.t <= a.t) break;
+        if (a.g[2] * b.g[2] < 0) {
+            ric_root root = ric_root_between(a.t, a.g[2], b.t, b.g[2], DBL_EPSILON * b.t);
+            while (ric_root_next(&root)) root.f = ric_simulator_search_look(sim, &face, root.x).g[2];
+            at = ric_simulator_search_look(sim, &face, root.x);
+        }
+        const double value = ric_simulator_search_to_reach(&face, at.g[0]) + more;
+        if (a.g[2] * b.g[2] <= 0 && fabs(at.g[1]) <= slow && fabs(value - wanted) < fabs(best - wanted)) best = value;
         a = b;
     }
     return best;

@@ -428,6 +428,10 @@ static ric_status check_margins(replay *r, const ric_digits *d, ric_claims *out)
         status = ric_verify_reach_find(r, &reach);
         ric_replay_make_chain(r);
     }
+    if (!status && r->n_event && !reach_agrees(&reach)) {
+        reach.levels = true;
+        status = ric_verify_reach_find(r, &reach);
+    }
     if (!status && !reach_agrees(&reach))
         say(out, "reach", r->point.reach, reach.stored < reach.sure ? reach.sure : reach.nearest);
     if (!approach_agrees(r, approach))

@@ -62,6 +62,12 @@ static ric_status reach_in_flight(replay *r, int k, int f, bool image, ric_reach
     bool brief = r->n_event && t <= BRIEF * r->period;
     count(reach, !brief, top);
     count(reach, false, whole);
+    if (reach->levels) {
+        const double part[2] = {(double)edge, (double)(t - edge)},
+                     slow = reach->near * (double)ric_replay_fastest(r, face),
+                     value = ric_simulator_level(r->sim, f, image, part, slow, reach->stored);
+        if (isfinite(value)) count(reach, false, value);
+    }
     const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
     bool smooth = !end || end->spring > 0 ||
                   fabs(ric_replay_dot(r->n, end->c, face->c)) <= RIC_VERIFY_ORTHOGONAL * sqrt(end->cc * face->cc),

@@ -8,13 +8,15 @@
 
 /* The largest gap over clearance of all maxima. An impact that does not turn the gap back may fall on one, which then
  * lies in none of the flights or in either, and a contact may be too short to tell whether it has one; where a branch
- * ends a touch counts as an impact or as a reach of 1. What is stored is one of those that may count, and not less than
- * any that does. */
+ * ends a touch counts as an impact or as a reach of 1. Where the gap stops without turning back, on the way to its
+ * face, a maximum and a minimum are one, and rounding decides whether there are any. What is stored is one of those
+ * that may count, and not less than any that does. */
 typedef struct {
     double stored, near; /* the number that is judged, and how near is the same */
     double sure, also;   /* of what counts in any case; of the others too, but for touches */
     double nearest;      /* to the stored one */
     bool skipped;        /* a flight that begins beyond a stop was not looked at */
+    bool levels;         /* gaps that stop without turning back are looked for: by the caller */
 } ric_reached;
 
 /* Of the orbit and, if it is symmetric, of its image; `stored` and `near` are given. */

@@ -323,6 +323,16 @@ static void verify_reach_without_push(void **state)
                      "explore: {energy: [0, 29.25], frequency: [0.4453, 6.68], impacts: 2, multiply: 3, depth: 2}\n");
 }
 
+/* A free body whose masses are at rest to one another as one of them strikes: halfway to the other stop that one stands
+ * still for an instant, and goes on. Orbits beside have a largest gap there, and this one has it as their limit. */
+static void verify_reach_at_a_standstill(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[1125000, -1125000], [-1125000, 1125000]]\n"
+                     "  contacts: [{normal: [0, 1], law: rigid, clearance: 1.6, sides: both}]\n"
+                     "explore: {energy: [0, 10370000], frequency: [300, 4500], impacts: 2, multiply: 1, depth: 2}\n");
+}
+
 /* A4[0101] ends in the double of an orbit that is its image backwards about any of its impacts: stored within 6e-11 of
  * it, the end keeps the mirror points of its branch, or its multipliers are those of another orbit. */
 static void multipliers_at_ends(void **state)
@@ -472,6 +482,7 @@ int main(void)
         cmocka_unit_test(verify_stop_and_stiff_spring),
         cmocka_unit_test(verify_flow_at_closing),
         cmocka_unit_test(verify_reach_without_push),
+        cmocka_unit_test(verify_reach_at_a_standstill),
         cmocka_unit_test(multipliers_at_ends),
         cmocka_unit_test(reach_between_contacts),
         cmocka_unit_test(verify_stop_and_spring),
