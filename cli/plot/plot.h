@@ -128,12 +128,20 @@ plot_box plot_text_box(plot_point at, plot_anchor anchor, double size, bool upri
 
 /* ------------------------------------------------------- axes, panels (plot_axes.c) */
 
-typedef enum { PLOT_SCALE_LINEAR, PLOT_SCALE_LOG, PLOT_SCALE_BROKEN, PLOT_SCALE_ASINH } plot_scale;
+typedef enum { PLOT_SCALE_LINEAR, PLOT_SCALE_LOG, PLOT_SCALE_BROKEN, PLOT_SCALE_CUT, PLOT_SCALE_ASINH } plot_scale;
+enum { PLOT_MAX_CUT = 5 };
+
+/* What a cut axis leaves out between two linear pieces: lo to hi, and the part of the length where the cut stands. */
+typedef struct {
+    double lo, hi, at;
+} plot_cut;
 
 typedef struct {
     plot_scale scale;
-    double lo, hi;   /* data */
-    double knee;     /* broken: linear below, logarithmic above */
+    double lo, hi; /* data */
+    double knee;   /* broken: linear below, logarithmic above */
+    int n_cut;     /* cut: between n_cut + 1 pieces */
+    plot_cut cut[PLOT_MAX_CUT];
     double from, to; /* pixels */
     double unit;     /* numbers at the axis are data times this; 0: as they are */
 } plot_axis;
@@ -143,6 +151,8 @@ typedef struct {
 } plot_panel;
 
 double plot_axis_at(const plot_axis *axis, double value);
+/* Whether a cut axis leaves the value out. */
+bool plot_axis_omits(const plot_axis *axis, double value);
 plot_box plot_panel_box(const plot_panel *panel);
 /* Frame, tics and axis titles (NULL: tics without numbers). */
 void plot_panel_frame(plot_page *page, const plot_panel *panel, const char *x_title, const char *y_title);

@@ -8,6 +8,7 @@
 
 static const double far_away = 1e6;   /* pixels, for values that a logarithm does not reach */
 static const double knee_part = 0.68; /* of a broken axis lies below its knee */
+static const double cut_part = 0.014; /* of a cut axis is the width of a cut */
 static const double type = 12;
 
 /* --------------------------------------------------------------------- axes */
@@ -15,6 +16,44 @@ static const double type = 12;
 static double clamp_pixels(double value)
 {
     return isnan(value) ? value : fmax(-far_away, fmin(far_away, value));
+}
+
+/* Piece i of a cut axis, or its cut i: data and pixels, by which it is linear. */
+static plot_axis piece_of(const plot_axis *a, int i, bool is_cut)
+{
+    const double length = a->to - a->from, half = cut_part * length / 2;
+    const plot_cut *below = i > 0 ? &a->cut[i - 1] : NULL, *above = i < a->n_cut ? &a->cut[i] : NULL;
+    plot_axis piece = {.scale = PLOT_SCALE_LINEAR, .unit = a->unit};
+    if (is_cut) {
+        const double at = a->from + a->cut[i].at * length;
+        piece.lo = a->cut[i].lo;
+        piece.hi = a->cut[i].hi;
+        piece.from = at - half;
+        piece.to = at + half;
+        return piece;
+    }
+    piece.lo = below ? below->hi : a->lo;
+    piece.hi = above ? above->lo : a->hi;
+    piece.from = below ? a->from + below->at * length + half : a->from;
+    piece.to = above ? a->from + above->at * length - half : a->to;
+    return piece;
+}
+
+bool plot_axis_omits(const plot_axis *a, double value)
+{
+    bool omits = false;
+    for (int i = 0; i < a->n_cut && a->scale == PLOT_SCALE_CUT; i++)
+        omits |= value > a->cut[i].lo && value < a->cut[i].hi;
+    return omits;
+}
+
+static double cut_axis_at(const plot_axis *a, double value)
+{
+    int i = 0;
+    while (i < a->n_cut && value > a->cut[i].lo) i++;
+    const bool in_cut = i > 0 && value < a->cut[i - 1].hi;
+    const plot_axis piece = piece_of(a, in_cut ? i - 1 : i, in_cut);
+    return piece.from + (piece.to - piece.from) * (value - piece.lo) / (piece.hi - piece.lo);
 }
 
 double plot_axis_at(const plot_axis *axis, double value)
@@ -28,6 +67,7 @@ double plot_axis_at(const plot_axis *axis, double value)
         if (value > axis->knee)
             return clamp_pixels(fold + (axis->to - fold) * log(value / axis->knee) / log(axis->hi / axis->knee));
         return clamp_pixels(axis->from + (fold - axis->from) * (value - axis->lo) / (axis->knee - axis->lo));
+    case PLOT_SCALE_CUT: return clamp_pixels(cut_axis_at(axis, value));
     default: return clamp_pixels(axis->from + length * (value - axis->lo) / (axis->hi - axis->lo));
     }
 }
@@ -185,6 +225,18 @@ static void asinh_ticks(tick_list *list, double pixels)
     }
 }
 
+/* Each piece has tics of its own; every one shows its numbers. */
+static void cut_ticks(tick_list *list, double spacing)
+{
+    const plot_axis *axis = &list->axis;
+    for (int i = 0; i <= axis->n_cut; i++) {
+        const plot_axis piece = piece_of(axis, i, false);
+        list->low = piece.lo;
+        list->high = piece.hi;
+        linear_ticks(list, piece.to - piece.from, spacing, false);
+    }
+}
+
 static void axis_ticks(tick_list *list, const plot_axis *axis, double spacing, const char *title)
 {
     const double pixels = axis->to - axis->from, unit = axis->unit > 0 ? axis->unit : 1;
@@ -193,12 +245,17 @@ static void axis_ticks(tick_list *list, const plot_axis *axis, double spacing, c
     list->axis.lo *= unit;
     list->axis.hi *= unit;
     list->axis.knee *= unit;
+    for (int i = 0; i < axis->n_cut; i++) {
+        list->axis.cut[i].lo *= unit;
+        list->axis.cut[i].hi *= unit;
+    }
     list->low = axis->lo;
     list->high = axis->hi;
     switch (axis->scale) {
     case PLOT_SCALE_LINEAR: linear_ticks(list, pixels, spacing, title && *title); break;
     case PLOT_SCALE_LOG: log_ticks(list, pixels, spacing); break;
     case PLOT_SCALE_ASINH: asinh_ticks(list, pixels); break;
+    case PLOT_SCALE_CUT: cut_ticks(list, spacing); break;
     case PLOT_SCALE_BROKEN:
         list->high = axis->knee;
         linear_ticks(list, knee_part * pixels, spacing, false);
@@ -317,6 +374,17 @@ static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *a
     plot_page_text(page, (plot_point){x, (box->bottom + box->top) / 2}, PLOT_CENTRE, size, "#222222", true, title);
 }
 
+/* A line across, and the sign of a broken axis at both ends of it. */
+static void draw_break(plot_page *page, const plot_box *box, double at)
+{
+    draw_segment(page, PLOT_GRID, box->left, at, box->right, at);
+    for (int side = 0; side < 2; side++)
+        for (int stripe = -1; stripe <= 1; stripe += 2) {
+            const double x = side ? box->right : box->left, y = at + 2.5 * stripe;
+            draw_segment(page, PLOT_FRAME, x - 7, y - 4, x + 7, y + 4);
+        }
+}
+
 void plot_panel_frame(plot_page *page, const plot_panel *panel, const char *x_title, const char *y_title)
 {
     const plot_box box = plot_panel_box(panel);
@@ -328,15 +396,10 @@ void plot_panel_frame(plot_page *page, const plot_panel *panel, const char *x_ti
                                   {box.left, box.bottom}});
     draw_x_axis(page, &box, &panel->x, x_title);
     draw_y_axis(page, &box, &panel->y, y_title);
-    if (panel->y.scale == PLOT_SCALE_BROKEN) {
-        const double knee = plot_axis_at(&panel->y, panel->y.knee);
-        draw_segment(page, PLOT_GRID, box.left, knee, box.right, knee);
-        for (int side = 0; side < 2; side++)
-            for (int stripe = -1; stripe <= 1; stripe += 2) {
-                const double x = side ? box.right : box.left, y = knee + 2.5 * stripe;
-                draw_segment(page, PLOT_FRAME, x - 7, y - 4, x + 7, y + 4);
-            }
-    }
+    const plot_axis *y = &panel->y;
+    if (y->scale == PLOT_SCALE_BROKEN) draw_break(page, &box, plot_axis_at(y, y->knee));
+    for (int i = 0; i < y->n_cut && y->scale == PLOT_SCALE_CUT; i++)
+        draw_break(page, &box, y->from + y->cut[i].at * (y->to - y->from));
 }
 
 /* Liang and Barsky 1984. */

@@ -201,15 +201,14 @@ static bool track_range(const curves *c, double x[2], double y[2])
 
 static plot_axis axis_of(const quantity *q, bool logarithmic, const double range[2], double from, double to)
 {
-    return (plot_axis){logarithmic        ? PLOT_SCALE_LOG
-                       : q->kind == TRACE ? PLOT_SCALE_ASINH
-                                          : PLOT_SCALE_LINEAR,
-                       range[0],
-                       range[1],
-                       0,
-                       from,
-                       to,
-                       q->unit};
+    return (plot_axis){.scale = logarithmic        ? PLOT_SCALE_LOG
+                                : q->kind == TRACE ? PLOT_SCALE_ASINH
+                                                   : PLOT_SCALE_LINEAR,
+                       .lo = range[0],
+                       .hi = range[1],
+                       .from = from,
+                       .to = to,
+                       .unit = q->unit};
 }
 
 /* Range of z on what the windows of x and y leave. */

@@ -232,7 +232,7 @@ static plot_point data_at(const fep *f, int i)
 
 /* A linear mode on which nothing happens is shown up to so many times beyond the frequencies at which something does.
  */
-#define NEIGHBOUR 3.0
+#define NEIGHBOUR 1.5
 
 typedef struct {
     double lo, hi;
@@ -280,7 +280,6 @@ static ric_status add_part(const fep *f, const fep_source *s, const fep_part *pa
     return status;
 }
 
-/* The linear motion of a mode that touches no contact within the windows: a level line on which nothing happens. */
 static bool is_idle(const fep_source *s, const fep_part *part)
 {
     ric_branch branch;
@@ -293,6 +292,13 @@ static bool near_span(const span *s, double value)
     return value >= s->lo / NEIGHBOUR && value <= s->hi * NEIGHBOUR;
 }
 
+void fep_leave_out(fep *f, double lowest, double highest)
+{
+    f->n_idle++;
+    f->idle[0] = f->n_idle == 1 ? lowest : fmin(f->idle[0], lowest);
+    f->idle[1] = f->n_idle == 1 ? highest : fmax(f->idle[1], highest);
+}
+
 /* Of a structure of many modes most are idle, and would press what happens to the foot of the picture: those far from
  * it are left out where no window was given. */
 static ric_status find_window(fep *f, span *energy, span *frequency)
@@ -303,15 +309,14 @@ static ric_status find_window(fep *f, span *energy, span *frequency)
         const span lively = *frequency;
         for (int k = 0; k < f->n_source; k++)
             for (int i = 0; status == RIC_OK && i < f->sources[k].n_part; i++) {
-                const fep_source *s = &f->sources[k];
+                fep_source *s = &f->sources[k];
                 span e = {INFINITY, -INFINITY}, w = e;
-                if (is_idle(s, &s->parts[i]) != idle) continue;
+                if (!idle) s->parts[i].idle = is_idle(s, &s->parts[i]);
+                if (s->parts[i].idle != idle) continue;
                 status = add_part(f, s, &s->parts[i], &e, &w);
                 if (status != RIC_OK || !(w.hi >= w.lo)) continue;
                 if (idle && lively.hi >= lively.lo && !(near_span(&lively, w.lo) && near_span(&lively, w.hi))) {
-                    f->n_idle++;
-                    f->idle[0] = f->n_idle == 1 ? w.lo : fmin(f->idle[0], w.lo);
-                    f->idle[1] = f->n_idle == 1 ? w.hi : fmax(f->idle[1], w.hi);
+                    fep_leave_out(f, w.lo, w.hi);
                     continue;
                 }
                 span_join(energy, e);
@@ -383,6 +388,11 @@ static void widen_axes(const fep *f, plot_axis *x, plot_axis *y)
         if (x->scale == PLOT_SCALE_LINEAR) x->lo = o->linear ? 0 : fmax(0, x->lo);
     }
     if (o->has_frequency) return;
+    if (y->scale == PLOT_SCALE_CUT) { /* by the pieces at its ends */
+        y->lo = fmax(0, y->lo - 0.08 * (y->cut[0].lo - y->lo));
+        y->hi += 0.08 * (y->hi - y->cut[y->n_cut - 1].hi);
+        return;
+    }
     plot_range_widen(y->scale == PLOT_SCALE_LOG, 0.06, &y->lo, &y->hi);
     if (y->scale == PLOT_SCALE_BROKEN) /* the margin below goes with the linear part only */
         y->lo = lowest - fmin(lowest - y->lo, 0.08 * fmax(0, y->knee - lowest));

@@ -46,6 +46,7 @@ typedef struct {
 typedef struct {
     int branch, k;
     double lo, hi;
+    bool idle; /* a linear mode that touches no contact within the windows: a level line on which nothing happens */
 } fep_part;
 
 typedef struct {
@@ -87,6 +88,8 @@ typedef struct {
 plot_tag *fep_new_tag(fep *f);
 /* Whether a place is drawn larger in another panel than the first, which is being drawn: its label is there. */
 bool fep_in_zoom(const fep *f, plot_point data);
+/* A linear mode on which nothing happens is left out: its frequencies are noted for the report. */
+void fep_leave_out(fep *f, double lowest, double highest);
 /* Whether a name was asked for with --label; notes that it was found. */
 bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, int junction);
 

@@ -27,13 +27,15 @@ static bool add_part(fep_source *s, fep_part part)
 
 static bool add_whole(fep_source *s, int branch, int k)
 {
-    return add_part(s, (fep_part){branch, k, -INFINITY, INFINITY});
+    return add_part(s, (fep_part){.branch = branch, .k = k, .lo = -INFINITY, .hi = INFINITY});
 }
 
 static bool add_segment(fep_source *s, const plot_segment *segment, int k)
 {
-    return add_part(s, (fep_part){segment->branch, k, fmin(segment->s[0], segment->s[1]),
-                                  fmax(segment->s[0], segment->s[1])});
+    return add_part(s, (fep_part){.branch = segment->branch,
+                                  .k = k,
+                                  .lo = fmin(segment->s[0], segment->s[1]),
+                                  .hi = fmax(segment->s[0], segment->s[1])});
 }
 
 /* --duplicate K:SEGMENT */
@@ -111,7 +113,7 @@ int fep_choose_parts(fep *f, fep_source *s)
     for (int i = 0; i < originals && good; i++)
         for (int k = 2; s->parts[i].k == 1 && k <= f->options->duplicates && good; k++) {
             const fep_part part = s->parts[i];
-            good = add_part(s, (fep_part){part.branch, k, part.lo, part.hi});
+            good = add_part(s, (fep_part){.branch = part.branch, .k = k, .lo = part.lo, .hi = part.hi});
         }
     return good ? CLI_DONE : cli_report(RIC_E_NOMEM);
 }

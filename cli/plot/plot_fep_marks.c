@@ -203,7 +203,7 @@ static void add_reference(const fep *f, int *n, reference *list, double frequenc
 {
     for (int i = 0; i < *n; i++)
         if (fabs(list[i].frequency - frequency) <= 1e-9 * frequency) return;
-    if (frequency > f->panel->y.lo && frequency < f->panel->y.hi) {
+    if (frequency > f->panel->y.lo && frequency < f->panel->y.hi && !plot_axis_omits(&f->panel->y, frequency)) {
         list[*n] = (reference){.frequency = frequency, .stroke = stroke};
         snprintf(list[(*n)++].text, sizeof list->text, "%s", text);
     }

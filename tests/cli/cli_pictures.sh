@@ -86,6 +86,19 @@ draw linear fep "$folder/two.ricochet" --linear-frequency --log
 ok 'scales that were asked for are not told' sees linear <<'END'
 check(p.has("frequency ω (rad/s)") and p.has("scaled energy E") and p.has("10"), p.texts)
 END
+# A beam of which mode 1 has no more than its touch, the branches of mode 3 lie between 9 and 10 rad/s, and modes 2, 4 and 5 do nothing.
+atlas beam examples/beam-midspan/study.yaml
+ok 'frequencies far apart' draw cut fep "$folder/beam.ricochet"
+cp "$folder/message" "$folder/left-out"
+ok 'are drawn in pieces, with numbers of their own, and what is left out is said' sees cut <<'END'
+solved = [y for name in p.lines if name.endswith(("stable", "unstable")) and "linear" not in name for line in p.lines[name] for x, y in line if y < 0.75 * p.height]
+check(p.has("1.005") and p.has("9.2") and p.has("9.8") and not p.has("ω_2") and max(solved) - min(solved) > 0.4 * p.height, p.texts, min(solved), max(solved))
+END
+ok 'with their number' grep -q 'linear modes touch no contact in the windows and are not shown, at 4 to 25 rad/s' "$folder/left-out"
+draw uncut fep "$folder/beam.ricochet" --linear-frequency
+ok 'but not where a scale was asked for' sees uncut <<'END'
+check(p.has("ω_2") and p.has("8") and not p.has("9.2"), p.texts)
+END
 ok 'energies that begin at zero' draw zero fep "$folder/two.ricochet" --energy 0:5
 ok 'are on a linear axis' sees zero <<'END'
 check(p.has("scaled energy E") and p.has("0"), p.texts)
