@@ -168,7 +168,7 @@ static bool yes(void *user)
 static void before_the_first_flight(void **state)
 {
     (void)state;
-    static const int tests[] = {RIC_TEST_REACH, RIC_TEST_DET,    RIC_TEST_SLOPE,    RIC_TEST_A,    RIC_TEST_B,
+    static const int tests[] = {RIC_TEST_REACH, RIC_TEST_DET,    RIC_TEST_SLOPE,    RIC_TEST_A,     RIC_TEST_B,
                                 RIC_TEST_D,     RIC_TEST_PERIOD, RIC_TEST_APPROACH, RIC_TEST_FLIGHT};
     ric_study *study = study_of(PAIR "    - {normal: [-1, 1], law: power, exponent: 3, length: 1, reference: 1}\n"
                                      "explore: {energy: [0, 2], frequency: [0.2, 10], multiply: 1, depth: 0}\n");
