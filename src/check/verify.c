@@ -226,13 +226,14 @@ static bool accept_impact(const replay *r, int k, event *e)
 }
 
 /* How much later flight k may meet its face, at that speed or faster, by the stored digits alone: as the gap is drawn
- * back from the face, up to twice as much as its speed alone says. A spring opens where the simulator saw it close,
- * which the chain may be off by as well. */
+ * back from the face, up to twice as much as its speed alone says. A spring opens where the simulator saw it close, and
+ * closes where it saw it open if that is how the flight began: which the chain may be off by as well. */
 static real late_by_digits(const replay *r, int k, real speed)
 {
     if (!r->digits || !r->n_event || !(speed > 0)) return 0;
-    const real gap = r->digits->gap[k] + (ric_replay_opens(r, k) && k > 0 ? r->digits->gap[k - 1] : 0),
-               own = fabs(r->speed[k + 1]), *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n,
+    const bool level = k > 0 && (ric_replay_opens(r, k) || ric_replay_end_face(r, k - 1) == ric_replay_end_face(r, k));
+    const real gap = r->digits->gap[k] + (level ? r->digits->gap[k - 1] : 0), own = fabs(r->speed[k + 1]),
+               *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n,
                bent = 2 * gap * fabs(ric_replay_pull(r, k, ric_replay_end_face(r, k), w));
     return gap / speed * (own > 0 ? 2 * own / (own + sqrt(fmax(0, own * own - bent))) : 1);
 }
