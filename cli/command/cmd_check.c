@@ -220,21 +220,14 @@ static void touch_title(const facts *f, size_t size, char *out)
 /* With the unit of mass that follows from the others, by which mistakes in units show. */
 static void print_units(const facts *f)
 {
-    static const struct {
-        const char *length, *force, *mass;
-    } masses[] = {{"m", "N", "kg"},      {"mm", "N", "t"},       {"m", "kN", "t"},     {"mm", "mN", "kg"},
-                  {"cm", "N", "100 kg"}, {"mm", "kN", "1000 t"}, {"m", "MN", "1000 t"}};
-    const char *mass = NULL;
+    char mass[32];
     if (!*f->names->length) return;
-    for (size_t i = 0; i < sizeof masses / sizeof *masses; i++)
-        if (!strcmp(masses[i].length, f->names->length) && !strcmp(masses[i].force, f->names->force))
-            mass = masses[i].mass;
+    ric_study_units_mass(f->names, sizeof mass, mass);
     printf(
         "units: lengths in %s, forces in %s, time in %s; so masses in %s %s^2/%s%s%s, stiffness in %s/%s, energies in "
         "%s %s\n",
         f->names->length, f->names->force, f->names->time, f->names->force, f->names->time, f->names->length,
-        mass ? ", which is " : "", mass ? mass : "", f->names->force, f->names->length, f->names->force,
-        f->names->length);
+        *mass ? ", which is " : "", mass, f->names->force, f->names->length, f->names->force, f->names->length);
 }
 
 static void print_modes(const facts *f)

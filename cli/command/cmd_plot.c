@@ -154,8 +154,7 @@ static int run(int argc, char **argv)
                 return cli_wrong("plot %s: -o FILE.svg, FILE.pdf, FILE.png or FILE.gp is missing", argv[1]);
             if ((options.physical || options.hertz) && !kinds[i].units)
                 return cli_wrong(
-                    "plot %s: scaled units only; fep, orbit, orbits, curves, floquet and simulate have --physical "
-                    "and --hz",
+                    "plot %s: in units of the study, or of none, as it is; --physical and --hz go with other pictures",
                     argv[1]);
             int code = plot_check_target(&options);
             cli_handles handles = {.argc = argc - 1, .argv = argv + 1};
@@ -377,8 +376,7 @@ static const cli_item items[] = {
              "given a size is 740 pixels wide: printed on 174 mm its letters have 8 points, its indices 6"},
     {.name = "--dpi", .value = "N", .text = "PNG: pixels per inch, 96 unless given"},
     {.name = "--physical",
-     .text = "fep, orbit, orbits, curves, floquet and simulate: lengths, speeds and energies in the units of the "
-             "study, also "
+     .text = "all but law and model: lengths, speeds and energies in the units of the study, also "
              "those of windows and of --energy; in names of orbits they stay scaled"},
     {.name = "--hz", .text = "frequencies in Hz, also those of windows and of --frequency"},
     {.name = "names", .picture = true, .text = "how orbits and parts of branches are named"},

@@ -241,7 +241,9 @@ static const char drawing[] =
     "\"minLength\": 1, \"maxLength\": 15},\n"
     "        \"time\": {\"const\": \"s\"},\n"
     "        \"force\": {\"description\": \"such as N\", \"type\": \"string\", \"minLength\": 1, "
-    "\"maxLength\": 15}\n"
+    "\"maxLength\": 15},\n"
+    "        \"mass\": {\"description\": \"what follows from the others, such as kg; one that does not is refused\", "
+    "\"type\": \"string\", \"minLength\": 1, \"maxLength\": 15}\n"
     "      }\n"
     "    },\n";
 

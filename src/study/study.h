@@ -28,4 +28,7 @@ bool ric_study_window_chosen(const ric_study *study, bool frequency);
  * rounding; "" if nothing. Borrowed. */
 const char *ric_study_remark(const ric_study *study);
 
+/* The unit of mass that follows from the others, such as kg of N, m and s; "" where one of their names is not known. */
+void ric_study_units_mass(const ric_units *units, size_t size, char *out);
+
 #endif

@@ -252,4 +252,13 @@ named() { # units on the axes of a force curve
         ! grep -q '(N)' "$folder/law.svg"
 }
 ok 'force curves have their units' named
+masses() { # LENGTH FORCE MASS WORDS: what check says of the unit of mass
+    sed "s/^units:.*/units: {length: $1, force: $2, mass: $3}/" "$folder/named.yaml" >"$folder/masses.yaml"
+    "$ricochet" check "$folder/masses.yaml" 2>&1 | grep -q -- "$4"
+}
+ok 'the unit of mass follows' masses mm N t 'masses in N s^2/mm, which is t,'
+ok 'also where it is none with a name' masses mm kN parcel 'which is 1000 t,'
+ok 'and of pounds and inches' masses in lbf slinch 'which is slinch,'
+ok 'masses in kg where t belong are refused, with the factor' masses mm N kg 'units.mass: .* masses are in t: multiply those in kg by 0.001'
+ok 'a mass is no length' masses mm N cm 'cm is no unit of mass, but of length'
 finish
