@@ -359,10 +359,9 @@ static const cli_item items[] = {
              "stability of the one in the atlas, and that of a saddle"},
     {.name = "stable", .text = "whether the first of the two is predicted to be stable; the second never is"},
     {.name = "trusted",
-     .text =
-         "yes, or why not: period (it hardly depends on the energy), multiplier (one is near 1), grazing, size (the "
-         "next order is not small), level (it is too near the threshold), work (the force does none), error (of a "
-         "quadrature)"},
+     .text = "yes, or why not: period (it hardly depends on the energy), force (it is not small beside the motion), "
+             "multiplier (one is near 1), grazing, size (the next order is not small), level (it is too near the "
+             "threshold), work (the force does none), error (of a quadrature)"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},

@@ -97,25 +97,47 @@ static double margin(const ric_point *p)
     return least;
 }
 
-/* The energy that is exchanged in a period, relative, moves amplitudes by half as much; the time that this costs has to
- * be made up by the energy, where the period hardly depends on it by a large part; multipliers near 1 answer with as
- * much more. A level that is no farther from the threshold than this may be on its other side. */
-static double estimate(const ric_prediction *p, double exchanged, double log_t, double away)
+/* How far a force of this amplitude moves the structure to and fro, relative to the motion: slow modes as free masses,
+ * fast ones as springs. Large where the motion has little of the harmonic in question, and the force must be large. */
+static double shake(const ric_force *f, double level, const ric_prediction *p)
 {
-    const double relative = exchanged / p->energy;
-    return relative / 2 * (1 + 1 / (2 * RIC_TWO_PI * fabs(log_t)) + 1 / away);
+    double sum = 0;
+    for (int i = 0; i < f->n; i++) {
+        const double speed = level * f->g[i] / fmax(p->omega, f->model->frequency[i]);
+        sum += speed * speed;
+    }
+    return sqrt(sum / (2 * p->energy));
 }
 
-static void judge(const ric_point *point, double exchanged, course c, double away, double level, ric_prediction *p)
+/* What the estimate of the next order is made of. */
+typedef struct {
+    double exchanged, shaken; /* energy in a period; by the force to and fro: both relative to the motion */
+    double away;              /* of multipliers from 1 */
+    course way;
+} reasons;
+
+/* The energy that is exchanged in a period, relative, moves amplitudes by half as much; the time that this costs has to
+ * be made up by the energy, where the period hardly depends on it by a large part; multipliers near 1 answer with as
+ * much more, to the force within a period, too. A level that is no farther from the threshold than this may be on its
+ * other side. */
+static double estimate(const reasons *r)
 {
-    const double relative = exchanged / p->energy, drift = relative / (4 * RIC_TWO_PI * fabs(c.log_t));
-    p->estimate = estimate(p, exchanged, c.log_t, away);
+    return r->exchanged / 2 * (1 + 1 / (2 * RIC_TWO_PI * fabs(r->way.log_t)) + 1 / r->away) +
+           r->shaken * (1 + 1 / r->away);
+}
+
+static void judge(const ric_point *point, const reasons *r, double level, ric_prediction *p)
+{
+    const double drift = r->exchanged / (4 * RIC_TWO_PI * fabs(r->way.log_t));
+    p->estimate = estimate(r);
     p->why = "";
     if (isinf(p->threshold)) p->why = "work";
     else if (!(p->error <= WELL_KNOWN)) p->why = "error";
-    else if (!(fabs(c.log_t) > CONSTANT_PERIOD) || !(drift <= NEAR) || !(2 * drift * fabs(c.change) <= HALF_WAY))
+    else if (!(fabs(r->way.log_t) > CONSTANT_PERIOD) || !(drift <= NEAR) ||
+             !(2 * drift * fabs(r->way.change) <= HALF_WAY))
         p->why = "period";
-    else if (!(relative / (2 * away) <= NEAR)) p->why = "multiplier";
+    else if (!(r->shaken <= NEAR)) p->why = "force";
+    else if (!((r->exchanged / 2 + r->shaken) / r->away <= NEAR)) p->why = "multiplier";
     else if (!(p->estimate <= NEAR)) p->why = "size";
     else if (!(p->estimate <= HALF_WAY * margin(point))) p->why = "grazing";
     else if (level > 0 && !(fabs(level / p->threshold - 1) > p->estimate)) p->why = "level";
@@ -168,6 +190,10 @@ ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *or
                             .slope = log_t * RIC_TWO_PI / point.frequency / point.energy};
     find_phases(level, work, loss, log_t, out);
     out->stable = log_t != 0 && isfinite(1 / log_t) ? ric_orbit_stability(orbit) : RIC_STABLE_UNDECIDED;
-    judge(&point, fmax(loss, works ? level * work : 0), way, away_from_one(orbit), level, out);
+    const reasons r = {.exchanged = fmax(loss, works ? level * work : 0) / point.energy,
+                       .shaken = works ? shake(f, fmax(level, out->threshold), out) : 0,
+                       .away = away_from_one(orbit),
+                       .way = way};
+    judge(&point, &r, level, out);
     return RIC_OK;
 }

@@ -53,6 +53,11 @@ assert all((r["state"] is None) == (r["fault"] != "") for r in rows)'
 ok "and named" grep -q "no forced orbit is found: a stop is passed" "$folder/err"
 ok "exact without a level" ends 2 "level" "$atlas" --force 1,0 --damping 0.001 --exact
 ok "exact below the threshold" ends 1 "below the threshold" "$atlas" --force 1,0 --damping 0.001 --energy 1 --level 0.001 --exact --branch 3
+"$ricochet" force "$atlas" --force 1,0 --damping 0.001 --harmonic 3 --level 10 --exact --json >"$folder/rows" 2>"$folder/err"
+ok "a force that moves the structure as far as the motion is not trusted" rows 'said = [r for r in rows if r["trusted"] == "force"]
+pairs = {(r["branch"], r["omega"]) for r in said}
+other = {(r["branch"], r["omega"]) for r in said if r["fault"] != "" or r["distance"] > 0.1 or r["largest"] > 2}
+assert pairs and pairs == other and not [r for r in rows if r["trusted"] == "yes"]'
 isolas() { "$ricochet" force "$atlas" --damping 0.01 --restitution 0.9 --isolas "$@" --json >"$folder/rows" 2>"$folder/err"; }
 ok "births of detached resonances" isolas --force 1,-0.1
 ok "are located" rows 'first = next(r for r in rows if r["branch"] == 3)
