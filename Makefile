@@ -116,8 +116,8 @@ ten: setup-tests build
 
 time: setup-tests build
 	@RICOCHET=$(BUILD)/ricochet bash bench/time.sh
-	@ninja -C $(BUILD) --quiet tests/test_chain
-	@RICOCHET_TEST_TIME=1 $(BUILD)/tests/test_chain
+	@ninja -C $(BUILD) --quiet tests/test_shooting
+	@RICOCHET_TEST_TIME=1 $(BUILD)/tests/test_shooting
 	@RICOCHET_TEST_TIME=1 PART=saved RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_view_page.sh
 	@RICOCHET_TEST_TIME=1 PART=million RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_view_page.sh
 

@@ -31,6 +31,9 @@ picture() { # the command of the README, with the picture beside the one that is
         && "$ricochet" plot fep "$folder/e.ricochet" --break 2.2 -o "$folder/e.svg" && grep -q '</svg>' "$folder/e.svg" docs/elementary.svg
 }
 ok 'README.md: the picture' picture
+while read -r name; do
+    ok "Makefile: $name has its source" test -f "tests/unit/${name#tests/}.c"
+done < <(grep -oE 'tests/test_[a-z0-9_]+' Makefile | sort -u)
 for target in build demo paper test; do
     ok "make $target is a target" grep -q "^$target:" "$root/Makefile"
 done
