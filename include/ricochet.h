@@ -680,7 +680,7 @@ typedef struct {
 /* What a response takes where nothing is said. */
 void ric_response_defaults(ric_response_options *out);
 /* Curves of the forced structure, into a file of their own; with the same call on the same file it goes on where it
- * stopped. RIC_E_CONFLICT: the file is of another call. stop may be NULL. */
+ * stopped. RIC_E_CONFLICT: the file is of another call that found something, or is not finished. stop may be NULL. */
 ric_status ric_response_run(const ric_atlas *atlas, const ric_response_options *options, const char *path,
                             bool (*stop)(void *user), void *user);
 

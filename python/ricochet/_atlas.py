@@ -463,7 +463,7 @@ class Atlas:
         Parameters
         ----------
         path : str
-            A file of its own: not that of the atlas.
+            A file of its own: not that of the atlas. None is left where no motion is found.
         force, damping, restitution
             As of `shaking`.
         level : float or array

@@ -312,6 +312,7 @@ def _options(along: str, omega, level, shaking: dict, harmonic, rest: dict):
 def respond(atlas, path, along: str, omega, level, shaking: dict, harmonic, progress, rest: dict) -> Response:
     """As the command `response` does it."""
     options, keep = _options(along, omega, level, shaking, harmonic, rest)
+    new = not os.path.lexists(path)
     bar, began = Bar(progress), time.monotonic()
 
     def call(job: Job) -> int:
@@ -323,4 +324,7 @@ def respond(atlas, path, along: str, omega, level, shaking: dict, harmonic, prog
     finally:
         bar.close()
         del keep
-    return Response(path)
+    found = Response(path)
+    if new and found.finished and not found.curves:
+        os.unlink(path)
+    return found

@@ -419,6 +419,22 @@ static ric_status begin_file(const ric_response_file *f, const char *text, const
     return status ? status : run(f, "COMMIT");
 }
 
+/* A response that is finished and has no curve has nothing to keep: another call takes its file. */
+static ric_status give_way(const ric_response_file *f, const char *text, const char *study)
+{
+    char *asked = NULL, *finished = NULL;
+    ric_status status = get_meta(f, "asked", &asked);
+    if (!status) status = get_meta(f, "finished", &finished);
+    const bool other = asked && finished && strcmp(asked, text) != 0;
+    free(asked);
+    free(finished);
+    if (status || !other || number_of(f->db, "SELECT count(*) FROM curve") != 0) return status;
+    status = run(f, "BEGIN IMMEDIATE; DELETE FROM meta; DELETE FROM task;");
+    if (!status) status = put_meta(f, "study", study);
+    if (!status) status = put_meta(f, "asked", text);
+    return status ? status : run(f, "COMMIT");
+}
+
 /* ------------------------------------------------------------ another study */
 
 /* The key of a branch of the atlas, by which it is known where other budgets have given it another number. */
@@ -486,6 +502,7 @@ ric_status ric_response_store_open(const char *path, const char *text, const cha
     ric_status status = open_file(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, &f);
     if (!status && number_of(f->db, "SELECT count(*) FROM sqlite_master") == 0) status = begin_file(f, text, study);
     if (!status) status = check_identity(f);
+    if (!status) status = give_way(f, text, study);
     if (!status) status = get_meta(f, "asked", &before);
     if (!status) status = get_meta(f, "study", &of);
     if (!status) status = get_meta(f, "finished", &finished);

@@ -121,7 +121,11 @@ ok "a window the wrong way round" ends 2 "two numbers" "$atlas" --force 1,0 --da
 ok "no level" ends 2 "level" "$atlas" --force 1,0 --damping 0.01 --omega 1,2 -o "$folder/n"
 ok "nothing is written by what is refused" test ! -e "$folder/n"
 ok "a window with no orbit" ends 1 "no forced orbit" "$atlas" --force 1,0 --damping 0.01 --omega 1,1.1 --level 0.0001 --branch 3 -o "$folder/none"
-ok "and leaves no file, which would refuse another call" test ! -e "$folder/none"
+ok "and leaves no file" test ! -e "$folder/none"
+touch "$folder/there"
+ok "a file that was there stays" ends 1 "no forced orbit" "$atlas" --force 1,0 --damping 0.01 --omega 1,1.1 --level 0.0001 --branch 3 -o "$folder/there"
+ok "and another call takes it" "$ricochet" response "$atlas" --force 1,0 --damping 0.01 --level 0.2 --omega 1.2,1.3 -o "$folder/there"
+ok "which then is kept from others" ends 1 "another force" "$atlas" --force 1,0 --damping 0.01 --omega 1,1.1 --level 0.0001 --branch 3 -o "$folder/there"
 head -c 9000 "$folder/a" >"$folder/broken"
 ok "a file that was cut" ends 1 "not a response" "$folder/broken"
 ok "another program confirms the orbits" "$ricochet" verify "$folder/a" --quiet

@@ -94,6 +94,7 @@ def test_along(folder):
         assert response.along == along and response.curves and check_curves(response, theirs)
     none = atlas.response(os.path.join(folder, "none"), [1, 0], level=1e-4, omega=(1, 1.1), damping=0.01, branch="S2+[01]")
     assert not none.curves and "no forced orbit" in repr(none)
+    assert not os.path.exists(none.path), "a file without a curve is left"
     path = os.path.join(folder, "wrong")
     raises(ValueError, "window", atlas.response, path, [1, 0], level=1, omega=1.3)
     raises(ValueError, "does not vary", atlas.response, path, [1, 0], level=(0.1, 1), along="level", omega=(1, 2))
