@@ -381,6 +381,12 @@ static ric_status without_negative_flights(ric_continuation *tr, ric_station *p)
     return status;
 }
 
+bool ric_continuation_goes_wrong(const ric_continuation *tr, const ric_station *p)
+{
+    const double unit = tr->chain->model->length * tr->chain->model->omega_ref;
+    return p->row.approach < -RIC_MARGIN * unit;
+}
+
 ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *station)
 {
     double u[tr->chain->n_unknown];
@@ -388,8 +394,8 @@ ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *statio
     memcpy(p->u = u, station->u, sizeof u);
     p->s = p->row.arclength;
     ric_status status = !p->solved || tr->limits->ghost ? RIC_OK : without_negative_flights(tr, p);
-    bool penetrates = p->row.reach > 1 + RIC_MARGIN && !tr->limits->ghost;
-    if (status || !p->solved || penetrates) return status;
+    bool inadmissible = p->row.reach > 1 + RIC_MARGIN || ric_continuation_goes_wrong(tr, p);
+    if (status || !p->solved || (inadmissible && !tr->limits->ghost)) return status;
     if (p->doubtful && (status = ric_continuation_fill(tr, p->s, p))) return status;
     if (tr->n_point == tr->point_capacity) {
         int capacity = tr->point_capacity + tr->point_capacity / 2 + 64; /* one point, too, may be a full array */
@@ -410,7 +416,7 @@ ric_status ric_continuation_end_at(ric_continuation *tr, const double *u)
     ric_status status = ric_continuation_fill(tr, tr->end.s, &p);
     if (!status && p.solved) status = without_negative_flights(tr, &p);
     const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
-    if (status || !p.solved) return status;
+    if (status || !p.solved || ric_continuation_goes_wrong(tr, &p)) return status;
     p.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
     memcpy(tr->end.u, own, sizeof own);
     if (last->arclength < tr->end.s) return ric_continuation_keep(tr, &p);

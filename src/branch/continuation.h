@@ -12,7 +12,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 32
+#define RIC_NUMERICS 33
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -222,9 +222,12 @@ const ric_user_point *ric_continuation_user_point(const ric_continuation *trace,
  * evaluated there. Its test functions, and stability next to another branch, are the caller's. */
 ric_status ric_continuation_fill(ric_continuation *trace, double s, ric_station *station);
 /* Stores a point of the branch. One that is not solved is none, nor is one that penetrates a stop by more than
- * rounding, as the orbit of a junction may by which several gaps close within its tolerance. All points of a branch
- * come by here, but for the last one, which the orbit of its junction may replace. */
+ * rounding, as the orbit of a junction may by which several gaps close within its tolerance, nor one that meets a face
+ * from behind. All points of a branch come by here, but for the last one, which the orbit of its junction may replace.
+ */
 ric_status ric_continuation_keep(ric_continuation *trace, const ric_station *station);
+/* Whether some face is met from behind, by more than rounding. */
+bool ric_continuation_goes_wrong(const ric_continuation *trace, const ric_station *station);
 /* The orbit at u becomes the end of the branch, stored if it is solved. */
 ric_status ric_continuation_end_at(ric_continuation *trace, const double *u);
 

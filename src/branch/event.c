@@ -674,6 +674,27 @@ static ric_status near_side(ric_continuation *tr, double x, double h)
     return RIC_OK;
 }
 
+/* The same of a corner. Where a spring closes beside an impact on a stop it loses its speed before the two fall
+ * together if that impact, however slow, kicks it back: the last orbit that meets all faces from the right side is
+ * stored. */
+static ric_status right_side(ric_continuation *tr, double x, double h)
+{
+    bool good = true;
+    double meets = -1;
+    ric_status status;
+    if (!(tr->now.row.approach > 0) || !ric_continuation_goes_wrong(tr, &tr->mid)) return RIC_OK;
+    ric_root r = ric_root_between(0, tr->now.row.approach, x, tr->mid.row.approach, RIC_LAST_DIGIT * h);
+    while (good && ric_root_next(&r)) {
+        if ((status = ric_event_solve(tr, r.x, h, RIC_LOOK_REACH, &tr->mid, &good))) return status;
+        r.f = tr->mid.row.approach;
+        if (good && r.f >= 0) meets = r.x;
+    }
+    if (!good || meets < 0) return RIC_OK;
+    if ((status = ric_event_solve(tr, meets, h, RIC_LOOK_ALL, &tr->mid, &good))) return status;
+    tr->mid.solved &= good;
+    return RIC_OK;
+}
+
 ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retry)
 {
     int test;
@@ -715,5 +736,6 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
     }
     if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;
     if (test == RIC_TEST_REACH && read < 0 && tr->mid.solved && (status = near_side(tr, end, h))) return status;
+    if (test == RIC_TEST_FLIGHT && read < 0 && tr->mid.solved && (status = right_side(tr, end, h))) return status;
     return keep_end(tr);
 }

@@ -434,6 +434,8 @@ static ric_status check_margins(replay *r, const ric_digits *d, ric_claims *out)
     }
     if (!status && !reach_agrees(&reach))
         say(out, "reach", r->point.reach, reach.stored < reach.sure ? reach.sure : reach.nearest);
+    const double behind = NUMBER * (double)(r->norm > 0 ? r->norm : 1);
+    if (approach[1] < -behind) say(out, "approach from behind a face", r->point.approach, approach[1]);
     if (!approach_agrees(r, approach))
         say(out, "approach", r->point.approach, isinf(approach[0]) ? NAN : (approach[0] + approach[1]) / 2);
     bool more = reach.also > fmax(reach.sure, reach.stored) + fault(reach.stored); /* which may count or not */
