@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "common/section.h"
+#include "common/shaking.h"
 #include "plot/plot.h"
 
 /* ------------------------------------------------------------------ options */
@@ -130,10 +131,12 @@ static const struct {
     {"section", plot_section, true, true},   {"simulate", plot_simulate, false, true},
     {"law", plot_law, false, false},         {"model", plot_model, false, false},
     {"response", plot_response, true, true}, {"locus", plot_locus, true, true},
+    {"force", plot_force, false, true},
 };
 
 #define PICTURES                                                                                                       \
-    "fep, orbit, orbits, curves, floquet, cascade, sheet, strobe, section, simulate, law, model, response and locus"
+    "fep, orbit, orbits, curves, floquet, cascade, sheet, strobe, section, simulate, law, model, response, "           \
+    "force and locus"
 
 static int run(int argc, char **argv)
 {
@@ -347,6 +350,19 @@ static const cli_item items[] = {
      .picture = true,
      .text = "studies or atlases: nodes and lines where the study has a `drawing`, else masses, springs and "
              "contacts in a row"},
+    {.name = "force",
+     .picture = true,
+     .text = "frequency-energy plot on which the parts of the branches that a harmonic force keeps up to first order "
+             "lie on bands, thin ones where that is not to be trusted, with the births and joins of isolas and their "
+             "levels; options as of `ricochet force`"},
+    CLI_ITEMS_SHAKING,
+    CLI_ITEM_SHAKING_STUDY,
+    {.name = "--level", .value = "L,..", .text = "amplitude of the force, or up to four of them"},
+    {.name = "--output",
+     .value = "X",
+     .text = "the amplitude of a displacement, x1, x2, .., over the frequency of the force instead"},
+    {.name = "--log", .text = "a logarithmic axis of the energies, or of the amplitudes"},
+    {.name = "--window", .value = "A:B,C:D", .text = "what the axes show"},
     {.name = "response",
      .picture = true,
      .text = "a file of `ricochet response`: the amplitude of exact forced motions over what varies, unstable ones "
@@ -426,6 +442,9 @@ const cli_command cli_plot = {
              "           [--coordinates LIST] [--data FILE.csv] -o FILE\n"
              "ricochet plot law STUDY|ATLAS... [--key TEXT] -o FILE\n"
              "ricochet plot model STUDY|ATLAS... -o FILE\n"
+             "ricochet plot force ATLAS [--force F1,F2,..] [--damping ZETA|FILE] [--restitution E]\n"
+             "           [--harmonic M] [--study STUDY] [--level L,..] [--output X] [--log]\n"
+             "           [--window A:B,C:D] -o FILE\n"
              "ricochet plot response FILE [--output X] [--rms] [--level L] [--log] [--window A:B,C:D]\n"
              "           -o FILE\n"
              "with each: [--title TEXT] [--size WxH] [--font PT] [--dpi N] [--physical] [--hz]\n",

@@ -30,7 +30,8 @@ typedef enum {
     PLOT_NATURAL,
     PLOT_LOCKED,
     PLOT_ISLAND,                     /* under a branch that no chain of junctions joins to a linear mode */
-    PLOT_GHOST,                      /* + 0, 1: an original, a duplicate */
+    PLOT_LIT,                        /* + 0..3: under what a level of a force keeps up; + 4..7: not trusted */
+    PLOT_GHOST = PLOT_LIT + 8,       /* + 0, 1: an original, a duplicate */
     PLOT_DUPLICATE = PLOT_GHOST + 2, /* + 3 times 0..8, + 0..2: as those from PLOT_LINEAR on */
     PLOT_LINEAR = PLOT_DUPLICATE + 3 * PLOT_N_BRANCH, /* + 0..2 */
     PLOT_ASYMMETRIC = PLOT_LINEAR + 3,
@@ -444,6 +445,7 @@ int plot_strobe(int argc, char **argv, const plot_options *options);
 int plot_section(int argc, char **argv, const plot_options *options);
 int plot_curves(int argc, char **argv, const plot_options *options);
 int plot_response(int argc, char **argv, const plot_options *options);
+int plot_force(int argc, char **argv, const plot_options *options);
 int plot_locus(int argc, char **argv, const plot_options *options);
 int plot_floquet(int argc, char **argv, const plot_options *options);
 int plot_cascade(int argc, char **argv, const plot_options *options);

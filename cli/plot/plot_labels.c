@@ -38,7 +38,8 @@ int plot_legend_entries(const bool family[3], unsigned stability, const bool *ki
 /* A piece of a line; proofs are rings, and bands end with their round ends. */
 static void draw_sample(plot_page *page, int stroke, double from, double to, double y)
 {
-    const double middle = (from + to) / 2, end = stroke == PLOT_ISLAND ? 5 : 0;
+    const double middle = (from + to) / 2,
+                 end = stroke == PLOT_ISLAND || (stroke >= PLOT_LIT && stroke < PLOT_LIT + 8) ? 5 : 0;
     if (stroke != PLOT_PROOF) {
         plot_page_line(page, (plot_stroke)stroke, 2, (plot_point[]){{from + end, y}, {to - end, y}});
         return;

@@ -69,5 +69,22 @@ ok "none is an answer" isolas --force 1,-0.1 --branch 1
 ok "that is said" grep -q "no least or largest" "$folder/err"
 ok "no single energy" ends 2 "leave --energy" "$atlas" --force 1,0 --damping 0.01 --isolas --energy 1
 ok "nor exact orbits" ends 2 "leave --exact" "$atlas" --force 1,0 --damping 0.01 --isolas --exact --level 1
+picture() { "$ricochet" plot force "$atlas" --force 1,-0.1 --damping 0.01 --restitution 0.9 "$@" 2>"$folder/err"; }
+ok "a picture of what two levels keep up" picture --level 0.4,0.6 -o "$folder/lit.svg"
+ok "with the level at which an isola is born" grep -q '>0.3073<' "$folder/lit.svg"
+ok "and what the bands mean" bash -c "grep -q 'kept up at 0.6' '$folder/lit.svg' && grep -q 'kept up at 0.4' '$folder/lit.svg' && grep -q 'isola is born' '$folder/lit.svg'"
+ok "amplitudes over the frequency of the force" picture --level 0.4 --output x2 -o "$folder/over.svg"
+ok "which the axes say" bash -c "grep -q 'frequency of the force' '$folder/over.svg' && grep -q '>0.3073<' '$folder/over.svg'"
+narrow() { "$ricochet" plot force "$atlas" --force 1,0 --damping 0.001 --window 0.998:1.002,1.2375:1.2382 "$@" -o "$folder/edge.svg" 2>"$folder/err"; }
+ok "above the threshold 0.01247 of the middle of a window there is a band" narrow --level 0.01249
+ok "the legend has it" grep -q 'kept up at 0.01249' "$folder/edge.svg"
+ok "below it there is none" narrow --level 0.01245
+ok "that is said" grep -q "no part of a branch in the picture is kept up" "$folder/err"
+no_picture() { ! picture "$@" -o "$folder/none.svg" && ! test -e "$folder/none.svg" && grep -q "$words" "$folder/err"; }
+words="level L is missing" ok "no level" no_picture
+words="above 0" ok "a level below 0" no_picture --level -1
+words="displacement, x1 to x2" ok "a displacement that is none" no_picture --level 0.4 --output y1
+words="from 1 to 2" ok "one that is not there" no_picture --level 0.4 --output x3
+words="one harmonic" ok "several harmonics" no_picture --level 0.4 --harmonic 1,3
 ok "the atlas is what it was" test "$before" = "$(cksum "$atlas")"
 finish
