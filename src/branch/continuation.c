@@ -17,13 +17,7 @@
 #define SOFT_STEP 0.1       /* first step from the grazing of a spring, of its compliance */
 #define FIRST_STEP 3e-5     /* of the size of the unknowns */
 #define SMALLEST_STEP 1e-11 /* of the size of the unknowns: below it the branch counts as failed */
-#define NEWTON_STEPS 8
-#define HOPELESS 1e3   /* residual, of the size, from which no Newton step leads back */
-#define STRAIGHT 1e-12 /* angle of a step, rad, that is rounding */
-#define FLOOR 0.03     /* of the tolerance: where another Newton step changes nothing */
-#define ACCEPTED 4     /* tolerances: the largest residual of an orbit that is stored */
-/* LOST: the same over ACCEPTED where the tolerance is larger: where more is rounding, nothing is known of an orbit */
-#define LOST 2.5e-10
+#define STRAIGHT 1e-12      /* angle of a step, rad, that is rounding */
 /* STEEP: rounding of a flight beyond which inner nodes are asked for: what verify asks of a stored start */
 #define STEEP 1e-11
 #define ALIKE 1e-8        /* length, of the size of the unknowns, of a step in which resonances are not told apart */
@@ -47,76 +41,6 @@ ric_limits ric_continuation_limits(const ric_model *m, const double energy[2], c
                         .period = {RIC_TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER), longest * (1 + BORDER)},
                         .max_step = max_step,
                         .max_points = max_points};
-}
-
-/* ---------------------------------------------------------------- corrector */
-
-/* Rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured. */
-static double of_flights(const ric_shooting *c)
-{
-    return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
-}
-
-/* A closed spring makes a velocity of the rounding of the displacement at which it was met. */
-static double rounding(const ric_shooting *c)
-{
-    return of_flights(c) * (1 + c->stiff);
-}
-
-double ric_continuation_tolerance(const ric_shooting *c)
-{
-    return rounding(c) * c->share + DBL_EPSILON * c->grain;
-}
-
-/* The kernel vector is lost by rounding / pivot as it stands; and the orbit is known to what its residual leaves /
- * pivot, towards the other branch, where the field of directions turns by 1 / distance, that is, by 1 / pivot once
- * more. */
-double ric_continuation_blur(const ric_shooting *c, int test)
-{
-    double kernel = rounding(c) / c->smallest * (1 + FLOOR / c->smallest);
-    return test == RIC_TEST_PERIOD ? sqrt(c->n_flight) * kernel : kernel;
-}
-
-bool ric_continuation_solved(const ric_shooting *c)
-{
-    return c->residual <= ACCEPTED * fmin(ric_continuation_tolerance(c), LOST);
-}
-
-bool ric_continuation_correct(ric_shooting *c, double *u, const double *origin, const double *normal, double target,
-                              double *du, int *iterations)
-{
-    int size = c->n_unknown;
-    double last = HUGE_VAL, kernel[size];
-    for (int i = 0; i <= NEWTON_STEPS; i++) {
-        *iterations = i;
-        ric_shooting_evaluate(c, u);
-        if (c->singular || !(c->residual < HOPELESS)) return false;
-        /* at rounding level, and not merely passing through it: an unstable orbit needs every digit */
-        double tolerance = fmin(ric_continuation_tolerance(c), LOST);
-        /* with springs most displacements are met better than they may be */
-        double floor = FLOOR * of_flights(c) * c->share;
-        if (i > 0 && (c->residual <= floor || (c->residual <= tolerance && c->residual > 0.1 * last))) return true;
-        if (i > 2 && c->residual > 0.5 * last) return ric_continuation_solved(c);
-        last = c->residual;
-        ric_shooting_step(c, true, 0, du);
-        if (normal) {
-            ric_shooting_step(c, false, 1, kernel);
-            double across = ric_dot(size, normal, kernel), now = ric_dot(size, normal, du) - target;
-            for (int j = 0; j < size; j++) now += normal[j] * (u[j] - origin[j]);
-            if (fabs(across) < RIC_RANK) return false;
-            for (int j = 0; j < size; j++) du[j] -= now / across * kernel[j];
-        }
-        for (int j = 0; j < size; j++) u[j] += du[j];
-    }
-    return false;
-}
-
-double ric_continuation_tangent(const ric_shooting *c, const double *along, double *t)
-{
-    ric_shooting_step(c, false, 1, t);
-    if (!along || ric_dot(c->n_unknown, t, along) >= 0) return 1;
-    for (int i = 0; i < c->n_unknown; i++) t[i] = -t[i];
-    return -1;
 }
 
 /* ------------------------------------------------------------------ stations */
@@ -196,7 +120,7 @@ static void keep_definite(ric_continuation *tr, ric_station *p, double approach)
     ric_shooting *c = tr->chain;
     int size = c->n_unknown;
     double blur = 1 + (1 + 1 / fabs(approach)) * c->scale / c->smallest,
-           move = rounding(c) * c->scale * (1 + 1 / c->smallest);
+           move = ric_continuation_rounding(c) * c->scale * (1 + 1 / c->smallest);
     const ric_floquet *f = &tr->floquet;
     double value[3] = {f->det_a, f->det_b, f->det_d}, error[3] = {f->error_a, f->error_b, f->error_d}, seen[3] = {0},
            size_of[3];
@@ -505,7 +429,7 @@ ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const 
     tr->longest = HUGE_VAL;
     tr->step_max = limits->max_step * chain->scale;
     tr->step = first_step(tr, regular, norm);
-    bool still = ric_continuation_approach(chain, false) < rounding(chain) * chain->scale;
+    bool still = ric_continuation_approach(chain, false) < ric_continuation_rounding(chain) * chain->scale;
     if ((status = ric_continuation_keep(tr, &tr->now))) goto out;
     /* where impacts without speed drive no motion across the orbit their saltation is 0/0, and any trace would do */
     if (still && ignore & RIC_SINGULAR_START && tr->n_point > 0) ((ric_point *)tr->points)->trace = NAN;

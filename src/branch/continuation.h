@@ -263,9 +263,13 @@ bool ric_continuation_move(const ric_shooting *chain, const double *u, int way, 
  * their rounding, and what the residual leaves open. Measured, with a margin: several flights. Pairs of which less than
  * three digits are left are lost. */
 ric_status ric_continuation_multipliers(ric_shooting *chain, const double *u, ric_floquet *floquet);
+/* Newton from u onto the curve, to an orbit that is the same but for rounding. False: it does not converge, or leads to
+ * another one. */
+bool ric_continuation_correct_beside(ric_shooting *chain, double *u);
 /* Whether an orbit counts as solved: nothing but rounding is left of the residual of the last flight. */
 bool ric_continuation_solved(const ric_shooting *chain);
-/* Residual that counts as rounding for a chain. */
+/* What flights round to, relative to the size, and the residual that counts as that for a chain. */
+double ric_continuation_rounding(const ric_shooting *chain);
 double ric_continuation_tolerance(const ric_shooting *chain);
 /* Error of dE/ds (relative to the scale) or dT/ds at the last evaluation: the kernel vector is known to rounding over
  * the smallest pivot. */

@@ -16,6 +16,9 @@
  * between springs the others moved them by 350 times as much, at most) */
 #define OFF_BORDER 0.01
 #define CLEAR 1e-6
+/* BESIDE: of the size, under a power law: what is farther from an orbit is another one of another energy, which says
+ * nothing of this one, and whose flight may take seconds */
+#define BESIDE 0.1
 #define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
 
 double ric_continuation_approach(const ric_shooting *c, bool springs)
@@ -50,7 +53,7 @@ bool ric_continuation_move(const ric_shooting *c, const double *u, int way, doub
     const double far = ric_continuation_tolerance(c) * c->scale / second, each = of_unknown(c) * c->scale,
                  across = way & 1 ? far : -far, along = way & 2 ? far : -far;
     for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, each) + across * plane[i] + along * plane[size + i];
-    return isfinite(far);
+    return far <= (ric_flight_law_of(c->model)->integrated ? BESIDE * c->scale : DBL_MAX);
 }
 
 /* How far the nearest of the pairs `rho` [2 count] is from one. */
@@ -80,15 +83,6 @@ static double stable_margin(const ric_floquet *f, int *pair)
 static double steepness(double margin)
 {
     return margin < 0 ? (2 + margin) / 2 * ((2 + margin) / 2) : 1;
-}
-
-/* The orbit beside u that Newton's method ends at from there: where several impacts are slow at once the equations
- * leave more directions open than the two that ric_continuation_move knows, and it lies along all of them. */
-static bool solved_again(ric_shooting *c, double *u)
-{
-    double du[c->n_unknown];
-    int steps;
-    return ric_continuation_correct(c, u, NULL, NULL, 0, du, &steps);
 }
 
 /* Error of rho, over 1 + |rho|, that leaves the side of the border. */
@@ -123,7 +117,9 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
     for (int sample = 0; sample < 2 * WAYS && known && !status; sample++) {
         double *v = moved + sample / 2 * size;
         if (!seen && sample == 4 && error + off < CLEAR * fabs(margin)) break;
-        if (sample % 2 && !solved_again(c, v)) continue;
+        /* where several impacts are slow at once the equations leave more directions open than the two that
+         * ric_continuation_move knows, and the orbit at which Newton's method ends lies along all of them */
+        if (sample % 2 && !ric_continuation_correct_beside(c, v)) continue;
         ric_shooting_fly(c, v);
         if ((status = ric_floquet_compute(c, f))) break;
         off = fmax(off, RIC_MEASURED * fabs(stable_margin(f, NULL) - margin));

@@ -418,6 +418,33 @@ static void bridge(void **state)
     ric_atlas_free(atlas);
 }
 
+static bool counted(void *user)
+{
+    ++*(int *)user;
+    return false;
+}
+
+/* At a branch point the unknowns are known to rounding over a pivot that is rounding, too: what is moved by that is
+ * another orbit, whose flights through any energy take seconds, and it says nothing of the multipliers. The work is
+ * counted by the questions whether to stop. */
+static void ends_cost_no_more(void **state)
+{
+    int asked = 0, ends = 0;
+    (void)state;
+    ric_atlas *atlas = explore(article, 3, "start: [2], energy: [0.9, 30], frequency: [0.9, 10], multiply: 1, depth: 2",
+                               0);
+    ric_halt_ask(counted, &asked);
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_branch b = branch_of(atlas, id);
+        for (int end = 0; end < 2 && b.from && b.to; end++, ends++)
+            largest_multiplier(atlas, id, end * (b.n_point - 1));
+    }
+    ric_halt_ask(NULL, NULL);
+    print_message("# %d ends: %d questions\n", ends, asked);
+    assert_true(ends == 4 && asked < 400);
+    ric_atlas_free(atlas);
+}
+
 /* The second asymmetric branch of Fig. 26, from one branch point of the first to another. Near energy 26.83 neighbours
  * grow to 1600 times their distance between the middle and the end of a period, and to 12 times over all of it: by the
  * matrix of the period alone no step converges. */
@@ -581,6 +608,7 @@ int main(void)
         cmocka_unit_test(orbits_return),
         cmocka_unit_test(tends_to_the_stop),
         cmocka_unit_test(bridge),
+        cmocka_unit_test(ends_cost_no_more),
         cmocka_unit_test(grows_on_the_way),
         cmocka_unit_test(labels_are_measured),
         cmocka_unit_test(arrivals_without_mirrors),
