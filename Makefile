@@ -107,7 +107,7 @@ check: setup-tests build
 
 long: export RICOCHET_TEST_LONG = 1
 long: setup-tests build
-	@tools/run-tests $(BUILD) --timeout-multiplier 4
+	@tools/run-tests $(BUILD) --timeout-multiplier 40
 
 TIMES ?= 10
 BUSY ?= 2
@@ -137,7 +137,7 @@ bench: build
 
 sanitize: setup-tests $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet
-	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN)
+	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN) --timeout-multiplier 10
 	@tools/memcheck-python -address $(ASAN) || [ $$? = 77 ]
 
 # The same of the Python package alone: the library is loaded into a Python that has no checks, behind that of the sanitizer.
@@ -150,7 +150,7 @@ sanitize-python: setup-tests $(ASAN)/build.ninja
 THREADED ?= threads cli_workers cli_regions cli_hunt cli_view cli_view_page cli_mpi
 race: setup-tests $(TSAN)/build.ninja
 	@ninja -C $(TSAN) --quiet
-	@TSAN_OPTIONS=halt_on_error=1:suppressions=$(CURDIR)/tools/race.supp tools/run-tests $(TSAN) --timeout-multiplier 4 $(THREADED)
+	@TSAN_OPTIONS=halt_on_error=1:suppressions=$(CURDIR)/tools/race.supp tools/run-tests $(TSAN) --timeout-multiplier 40 $(THREADED)
 
 memcheck: setup-tests build
 	@command -v valgrind >/dev/null || { echo 'valgrind is missing (Debian: valgrind)'; exit 1; }

@@ -84,9 +84,10 @@ def test_all_digits(folder):
 
 
 CHILD = """
-import sys
+import signal, sys
 sys.path[:0] = [{tests!r}]
 import tap, ricochet
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that has started the suite behind itself ignores it
 def look(now):
     if now.depth >= 2 and now.branches >= 16: print("far enough", flush=True)
 ricochet.explore({study!r}, {path!r}, workers=2, progress=look)
