@@ -1,21 +1,14 @@
 /* ricochet verify ATLAS: replays stored orbits with the simulator, which knows nothing of how they were found, and
  * computes anew what is stored with them. */
-#define _POSIX_C_SOURCE 200809L
-
 #include <limits.h>
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 #include "base/halt.h"
 #include "common/cli.h"
-
-enum { MOST_WORKERS = 256 };
+#include "common/workers.h"
 
 typedef enum { OF_POINT, OF_BRANCH, OF_JUNCTION } subject;
 static const char *const subject_text[] = {"point", "branch", "junction"};
@@ -32,13 +25,7 @@ typedef struct {
     bool all;
     result *results;
     int n, room, branches;
-    atomic_int next, finished;
-    atomic_bool stop;
-    ric_status status; /* the first that failed, and why */
-    char detail[400];
-    pthread_mutex_t mutex;
-    double seconds;
-    struct timespec start;
+    cli_workers workers;
 } audit;
 
 /* --------------------------------------------------------------- what to do */
@@ -89,31 +76,11 @@ static ric_status add_branch(audit *a, int id, long point)
 
 /* ------------------------------------------------------------------ working */
 
-static void fail(audit *a, ric_status status)
-{
-    pthread_mutex_lock(&a->mutex);
-    if (!a->status) {
-        a->status = status;
-        snprintf(a->detail, sizeof a->detail, "%s", ric_detail());
-    }
-    pthread_mutex_unlock(&a->mutex);
-    a->stop = true;
-}
-
-/* Asked within a point, which may take long. */
-static bool is_over(void *user)
-{
-    const audit *a = user;
-    return a->stop || cli_stopped() || cli_seconds_since(&a->start) > a->seconds;
-}
-
-static void *work(void *user)
+static void work(void *user)
 {
     audit *a = user;
-    ric_halt_ask(is_over, a);
-    while (!a->stop) {
-        int i = atomic_fetch_add(&a->next, 1);
-        if (i >= a->n) break;
+    ric_halt_ask(cli_workers_over, &a->workers);
+    for (int i; (i = cli_workers_take(&a->workers)) >= 0;) {
         result *r = &a->results[i];
         int branch = r->check.branch, point = r->check.point;
         ric_status status = r->of == OF_BRANCH     ? ric_verify_branch(a->atlas, branch, &r->claims)
@@ -122,43 +89,23 @@ static void *work(void *user)
         if (!status && r->of == OF_POINT) status = ric_verify_claims(a->atlas, branch, point, &r->claims);
         if (ric_halted()) break; /* what was found since is no answer */
         if (status) {
-            fail(a, status);
+            cli_workers_fail(&a->workers, status);
             break;
         }
         r->done = true;
-        atomic_fetch_add(&a->finished, 1);
+        cli_workers_finish(&a->workers);
     }
-    if (ric_halted()) a->stop = true;
+    if (ric_halted()) a->workers.stop = true;
     ric_halt_ask(NULL, NULL);
-    return NULL;
-}
-
-/* Until all is done, the time is over or a signal comes; shows on a terminal how far it is. */
-static void wait_for_end(audit *a, int workers, pthread_t *threads)
-{
-    bool terminal = isatty(STDERR_FILENO);
-    const struct timespec nap = {0, 5000000};
-    int naps = 0;
-    while (!a->stop && a->finished < a->n && a->next < a->n + workers) {
-        nanosleep(&nap, NULL);
-        if (cli_stopped() || cli_seconds_since(&a->start) > a->seconds) a->stop = true;
-        if (terminal && ++naps % 20 == 0)
-            fprintf(stderr, "\r\033[K%d of %d points, %.0f s", (int)a->finished, a->n, cli_seconds_since(&a->start));
-    }
-    for (int i = 0; i < workers; i++) pthread_join(threads[i], NULL);
-    if (terminal) fputs("\r\033[K", stderr);
 }
 
 static ric_status work_all(audit *a, int workers)
 {
-    pthread_t threads[MOST_WORKERS];
-    int started = 0;
-    clock_gettime(CLOCK_MONOTONIC, &a->start);
-    cli_catch_signals();
-    while (started < workers && !pthread_create(&threads[started], NULL, work, a)) started++;
-    if (started == 0) work(a);
-    wait_for_end(a, started, threads);
-    return a->status;
+    a->workers.n = a->n;
+    a->workers.pieces = "points";
+    a->workers.work = work;
+    a->workers.user = a;
+    return cli_workers_run(&a->workers, workers);
 }
 
 /* ------------------------------------------------------------------ answers */
@@ -289,19 +236,20 @@ static int run(int argc, char **argv)
     const char *text, *point_text, *seconds_text;
     long branch = 0, point = -1, workers = 0;
     ric_atlas *atlas = NULL;
-    audit a = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
+    audit a = {.workers = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER}};
     a.all = cli_take_flag(&argc, argv, "--all");
     const bool verbose = cli_take_flag(&argc, argv, "--verbose"), quiet = cli_take_flag(&argc, argv, "--quiet");
     cli_choice choice;
     if (!cli_take_format(&argc, argv, &format) || !cli_take_sort(&argc, argv, &choice) ||
         !cli_take_value(&argc, argv, "--branch", &text) || !cli_take_value(&argc, argv, "--point", &point_text) ||
         !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
-        !cli_take_workers(&argc, argv, MOST_WORKERS, &workers) || !cli_operands(&cli_verify, argc, argv, 1) ||
+        !cli_take_workers(&argc, argv, CLI_WORKERS_MOST, &workers) || !cli_operands(&cli_verify, argc, argv, 1) ||
         (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
         (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
-        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &a.seconds)))
+        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &a.workers.seconds)))
         return CLI_WRONG;
-    if (!(a.seconds > 0)) return cli_wrong("verify: --seconds: %s is no time; give a number above 0", seconds_text);
+    if (!(a.workers.seconds > 0))
+        return cli_wrong("verify: --seconds: %s is no time; give a number above 0", seconds_text);
     if (point_text && !text) return cli_wrong("verify: --point needs --branch ID, whose points it counts");
     if (ric_response_is(argv[1])) return cli_verify_response(argv[1], a.all, quiet, format);
     ric_status status = ric_atlas_read(argv[1], &atlas);
@@ -310,14 +258,14 @@ static int run(int argc, char **argv)
     for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(atlas); id++) status = add_branch(&a, id, -1);
     for (int id = 1; !status && !branch && id <= ric_atlas_n_junction(atlas); id++)
         status = add(&a, OF_JUNCTION, -1, id);
-    if (!status && (status = work_all(&a, workers ? (int)workers : 1)) && *a.detail) {
-        cli_say("ricochet: %s\n", a.detail);
+    if (!status && (status = work_all(&a, workers ? (int)workers : 1)) && *a.workers.detail) {
+        cli_say("ricochet: %s\n", a.workers.detail);
         free(a.results);
         ric_atlas_free(atlas);
         return CLI_FAILED;
     }
     int code = status ? cli_report(status) : print_audit(&a, format, &choice, verbose, quiet);
-    if (!workers && !quiet && !status) cli_tell_idle("verify", cli_seconds_since(&a.start));
+    if (!workers && !quiet && !status) cli_tell_idle("verify", cli_seconds_since(&a.workers.start));
     free(a.results);
     ric_atlas_free(atlas);
     return code;

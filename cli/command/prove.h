@@ -2,11 +2,8 @@
 #ifndef RIC_CLI_PROVE_H
 #define RIC_CLI_PROVE_H
 
-#include <pthread.h>
-#include <stdatomic.h>
-#include <time.h>
-
 #include "common/cli.h"
+#include "common/workers.h"
 
 typedef struct {
     bool done, kept;
@@ -24,13 +21,7 @@ typedef struct {
     prove_result *results;
     int n;
     char *model; /* first line of the certificates */
-    atomic_int next, finished;
-    atomic_bool stop;
-    ric_status status;
-    char detail[400];
-    pthread_mutex_t mutex;
-    double seconds;
-    struct timespec start;
+    cli_workers workers;
 } prove_list;
 
 /* Keeps in the file of the atlas what is proved now. */

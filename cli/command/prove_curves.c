@@ -17,7 +17,7 @@ ric_status prove_curves_add(prove_list *w, int branch)
         prove_result *r = &w->results[w->n++];
         r->curve.branch = id;
         r->done = r->kept = !w->certified && ric_prover_available() && ric_curve_proof_kept(w->atlas, id, &r->curve);
-        w->finished += r->done;
+        w->workers.finished += r->done;
     }
     ric_branch row;
     return ric_atlas_branch(w->atlas, first, &row);

@@ -18,7 +18,7 @@ ric_status prove_junctions_add(prove_list *w)
         r->junction.junction = id;
         r->done = r->kept = !w->certified && ric_prover_available() &&
                             ric_junction_proof_kept(w->atlas, id, &r->junction);
-        w->finished += r->done;
+        w->workers.finished += r->done;
     }
     return RIC_OK;
 }

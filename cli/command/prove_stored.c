@@ -11,26 +11,15 @@
 #include "common/module.h"
 #include "prove.h"
 
-enum { MOST_WORKERS = 256, MOST_TOLD = 20 };
+enum { MOST_TOLD = 20 };
 
 /* ------------------------------------------------------------------ working */
 
-static void fail(prove_list *w, ric_status status)
-{
-    pthread_mutex_lock(&w->mutex);
-    if (!w->status) {
-        w->status = status;
-        snprintf(w->detail, sizeof w->detail, "%s", ric_detail());
-    }
-    pthread_mutex_unlock(&w->mutex);
-    w->stop = true;
-}
-
 static void keep_model(prove_list *w, const ric_prover *prover)
 {
-    pthread_mutex_lock(&w->mutex);
+    pthread_mutex_lock(&w->workers.mutex);
     if (!w->model) w->model = strdup(ric_prover_model(prover));
-    pthread_mutex_unlock(&w->mutex);
+    pthread_mutex_unlock(&w->workers.mutex);
 }
 
 static ric_status prove_one(prove_list *w, ric_prover *prover, prove_result *r)
@@ -42,55 +31,20 @@ static ric_status prove_one(prove_list *w, ric_prover *prover, prove_result *r)
     const char *text = ric_prover_certificate(prover);
     if (*text && !(r->certificate = strdup(text))) return RIC_E_NOMEM;
     r->done = true;
-    atomic_fetch_add(&w->finished, 1);
+    cli_workers_finish(&w->workers);
     return RIC_OK;
 }
 
-static void *work(void *user)
+static void work(void *user)
 {
     prove_list *w = user;
     ric_prover *prover = NULL;
     ric_status status = ric_prover_create(w->atlas, &prover);
     if (!status) keep_model(w, prover);
-    while (!status && !w->stop) {
-        int i = atomic_fetch_add(&w->next, 1);
-        if (i >= w->n) break;
+    for (int i; !status && (i = cli_workers_take(&w->workers)) >= 0;)
         if (!w->results[i].done) status = prove_one(w, prover, &w->results[i]);
-    }
-    if (status) fail(w, status);
+    if (status) cli_workers_fail(&w->workers, status);
     ric_prover_free(prover);
-    return NULL;
-}
-
-static void wait_for_end(prove_list *w, int workers, pthread_t *threads)
-{
-    const bool terminal = isatty(STDERR_FILENO);
-    const struct timespec nap = {0, 5000000};
-    int naps = 0;
-    while (!w->stop && w->finished < w->n) {
-        nanosleep(&nap, NULL);
-        if (cli_stopped() || cli_seconds_since(&w->start) > w->seconds) w->stop = true;
-        if (terminal && ++naps % 20 == 0)
-            fprintf(stderr, "\r\033[K%d of %d %s, %.0f s", (int)w->finished, w->n,
-                    w->curves      ? "curves"
-                    : w->junctions ? "junctions"
-                                   : "points",
-                    cli_seconds_since(&w->start));
-    }
-    for (int i = 0; i < workers; i++) pthread_join(threads[i], NULL);
-    if (terminal) fputs("\r\033[K", stderr);
-}
-
-static ric_status work_all(prove_list *w, int workers)
-{
-    pthread_t threads[MOST_WORKERS];
-    int started = 0;
-    clock_gettime(CLOCK_MONOTONIC, &w->start);
-    cli_catch_signals();
-    while (started < workers && !pthread_create(&threads[started], NULL, work, w)) started++;
-    if (started == 0) work(w);
-    wait_for_end(w, started, threads);
-    return w->status;
 }
 
 /* ---------------------------------------------------------------- the points */
@@ -111,7 +65,7 @@ static ric_status add_points(prove_list *w, int id, long point)
         *r = (prove_result){.proof = {.branch = id, .point = i}};
         if (!ric_prover_available() || !ric_proof_kept(w->atlas, id, i, &r->proof, &certificate)) continue;
         r->done = r->kept = true;
-        w->finished++;
+        w->workers.finished++;
         if (!(r->certificate = strdup(certificate))) return RIC_E_NOMEM;
     }
     return RIC_OK;
@@ -278,9 +232,14 @@ static void release(prove_list *w)
 /* Proves what is listed and keeps it. */
 static ric_status prove_all(prove_list *w, const char *path, int workers)
 {
-    const ric_status status = work_all(w, workers);
+    cli_workers *all = &w->workers;
+    all->n = w->n;
+    all->pieces = w->curves ? "curves" : w->junctions ? "junctions" : "points";
+    all->work = work;
+    all->user = w;
+    const ric_status status = cli_workers_run(all, workers);
     if (!status) keep(w, path);
-    if (status && *w->detail) cli_say("ricochet: %s\n", w->detail);
+    if (status && *all->detail) cli_say("ricochet: %s\n", all->detail);
     return status;
 }
 
@@ -308,7 +267,9 @@ static int print(const prove_list *w, cli_format format, bool verbose)
 static int prove_kind(const char *path, int workers, bool curves, bool junctions, FILE *out)
 {
     ric_atlas *atlas = NULL;
-    prove_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER, .curves = curves, .junctions = junctions};
+    prove_list w = {.workers = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER},
+                    .curves = curves,
+                    .junctions = junctions};
     ric_status status = ric_atlas_read(path, &atlas);
     w.atlas = atlas;
     if (!status) status = list_all(&w, 0, -1);
@@ -350,7 +311,7 @@ int prove_command(int argc, char **argv)
     const char *text, *point_text, *seconds_text, *path;
     long branch = 0, point = -1, workers = 1;
     ric_atlas *atlas = NULL;
-    prove_list w = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER};
+    prove_list w = {.workers = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER}};
     if (cli_take_flag(&argc, argv, "--complete")) return prove_complete(argc, argv);
     const bool verbose = cli_take_flag(&argc, argv, "--verbose");
     w.curves = cli_take_flag(&argc, argv, "--curves");
@@ -358,12 +319,13 @@ int prove_command(int argc, char **argv)
     if (!prove_complete_only(&argc, argv) || !cli_take_format(&argc, argv, &format) ||
         !cli_take_value(&argc, argv, "--branch", &text) || !cli_take_value(&argc, argv, "--point", &point_text) ||
         !cli_take_value(&argc, argv, "-o", &path) || !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
-        !cli_take_workers(&argc, argv, MOST_WORKERS, &workers) || !cli_operands(&cli_prove, argc, argv, 1) ||
+        !cli_take_workers(&argc, argv, CLI_WORKERS_MOST, &workers) || !cli_operands(&cli_prove, argc, argv, 1) ||
         (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
         (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
-        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &w.seconds)))
+        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &w.workers.seconds)))
         return CLI_WRONG;
-    if (!(w.seconds > 0)) return cli_wrong("prove: --seconds: %s is no time; give a number above 0", seconds_text);
+    if (!(w.workers.seconds > 0))
+        return cli_wrong("prove: --seconds: %s is no time; give a number above 0", seconds_text);
     if (!fits(&w, text, point_text)) return CLI_WRONG;
     ric_status status = ric_atlas_read(argv[1], &atlas);
     w.atlas = atlas;
