@@ -39,8 +39,9 @@ static void seek(hunt *h, double a, double at_a, double up_a, double b, double a
     const double length = b - a, most = h->r->bend * length;
     if (fmax(at_a, at_b) + most * length / 8 <= h->best + FLAT * (1 + fabs(h->best))) return;
     if (up_a - most > 0 || up_b - most > 0 || up_a + most < 0 || up_b + most < 0) return; /* it rises, or falls */
-    if (depth == 0) return;
-    if (up_a > 0 && up_b < 0 && depth <= DEEPEST - 4) {
+    /* Flat within rounding: parts of it could be told apart no better, and there are as many as one looks at. */
+    const bool last = depth == 0 || most * length / 8 <= FLAT * (1 + fabs(h->best));
+    if (up_a > 0 && up_b < 0 && (last || depth <= DEEPEST - 4)) {
         double slope;
         const double t = crest(h->r, a, b), top = ric_force_frame_look(h->r, t, &slope);
         if (top > h->best) {
@@ -48,6 +49,7 @@ static void seek(hunt *h, double a, double at_a, double up_a, double b, double a
             h->time = t;
         }
     }
+    if (last) return;
     double slope;
     const double t = a + length / 2, value = ric_force_frame_look(h->r, t, &slope);
     seek(h, a, at_a, up_a, t, value, slope, depth - 1);

@@ -113,6 +113,17 @@ ok "another structure, the same file" ends 1 "another structure" "$folder/t" --f
 ok "a grazing at which an impact comes once in two periods" bash -c "printf 'model:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts: [{normal: [1], clearance: 1, sides: upper}]\nexplore: {energy: [0, 10], depth: 1, impacts: 2}\n' >'$folder/o.yaml' &&
     '$ricochet' run '$folder/o.yaml' -o '$folder/o' --quiet &&
     '$ricochet' response '$folder/o' --force 1 --damping 0.02 --restitution 0.9 --along level --level 0.02,0.6 --omega 0.81 --once-in 2 -o '$folder/once' --csv | grep -q '^[0-9]*,0,1,2,'"
+cat >"$folder/b.yaml" <<'END'
+model:
+  mass: [[2.4, 0], [0, 1.1]]
+  stiffness: [[6, -1.2], [-1.2, 2.2]]
+  contacts: [{normal: [-0.7, 1], clearance: 0.6, law: bilinear, stiffness: 9}]
+explore: {impacts: 8, multiply: 2, depth: 2}
+damping: [0.002, 0.0007]
+forcing: {coordinate: 2, frequency: [1.1, 2.6], amplitude: 0.02}
+END
+"$ricochet" run "$folder/b.yaml" -o "$folder/b" --quiet 2>/dev/null
+ok "flights so short that nothing changes in them are looked through" timeout 300 "$ricochet" response "$folder/b" --impacts 4 -o "$folder/b.response"
 ok "no file" ends 2 "-o FILE is missing" "$atlas" --force 1,0 --damping 0.01 --omega 1,2 --level 0.2
 ok "a negative damping" ends 2 negative "$atlas" --force 1,0 --damping -0.01 --omega 1,2 --level 0.2 -o "$folder/n"
 ok "a force of the wrong length" ends 2 "3 numbers" "$atlas" --force 1,0,0 --damping 0.01 --omega 1,2 --level 0.2 -o "$folder/n"
