@@ -15,6 +15,9 @@ export interface Frame {
   other: Orbit | null; // to compare with
 }
 
+// A picture is drawn without what moves, which is drawn over it at every frame.
+export type Moving = (pen: Pen, now: number) => void;
+
 interface Axes {
   x: (value: number) => number;
   y: (value: number) => number;
@@ -77,8 +80,8 @@ function drawLine(f: Frame, points: number[], colour: string, other: boolean, da
 
 const both = (f: Frame, orbit: Orbit): Orbit[] => (f.other?.history ? [f.other, orbit] : [orbit]);
 
-export function drawHistory(f: Frame, orbit: Orbit, now: number): void {
-  if (!orbit.history) return;
+export function drawHistory(f: Frame, orbit: Orbit): Moving | null {
+  if (!orbit.history) return null;
   const { pen, palette: p, size, length: d, coordinates: chosen } = f;
   const box: [number, number, number, number] = [46, 1.6 * size, f.width - 8, f.height - 2.6 * size];
   const orbits = both(f, orbit);
@@ -91,17 +94,22 @@ export function drawHistory(f: Frame, orbit: Orbit, now: number): void {
       drawLine(f, h.t.flatMap((t, k) => [a.x(t), a.y(d * h.x[i][k])]), colourOf(p, c), o !== orbit, c === 1 ? [7, 3] : c === 2 ? [9, 3, 2, 3] : undefined);
     });
   chosen.forEach((i, c) => pen.text(box[2] - 2.3 * size * (chosen.length - 1 - c), box[1] - 5, `x${lower(i + 1)}`, { size: size - 1, fill: colourOf(p, c), anchor: "end", bold: true }));
-  pen.path([a.x(now), box[1], a.x(now), box[3]], { stroke: p.accent, width: 1.5 });
+  return timeLine(a, box, p);
 }
 
+const timeLine = (a: Axes, box: number[], p: Palette): Moving => (pen, now) => pen.path([a.x(now), box[1], a.x(now), box[3]], { stroke: p.accent, width: 1.5 });
+
 /* The gap of each contact over its clearance, between the stops at +1 and -1: where the impacts are is seen at a glance. */
-export function drawGaps(f: Frame, orbit: Orbit, model: Model, now: number): void {
+export function drawGaps(f: Frame, orbit: Orbit, model: Model): Moving | null {
   const h = orbit.history;
-  if (!h) return;
+  if (!h) return null;
   const { pen, palette: p, size } = f;
   const box: [number, number, number, number] = [46, 8, f.width - 8, f.height - 2.6 * size];
   const list = model.contacts.filter((c) => c.clearance !== null).slice(0, 4);
-  if (!list.length) return pen.text(f.width / 2, f.height / 2, "no stops: springs of a power law", { size, fill: p.soft, anchor: "middle" });
+  if (!list.length) {
+    pen.text(f.width / 2, f.height / 2, "no stops: springs of a power law", { size, fill: p.soft, anchor: "middle" });
+    return null;
+  }
   const orbits = both(f, orbit);
   const curves = orbits.map((o) => list.map((c) => o.history!.t.map((_, k) => gap(c.normal, o.history!.x, k) / c.clearance!)));
   const [lo, hi] = range([...curves.flat(), [-1.05, 1.05]]);
@@ -115,7 +123,7 @@ export function drawGaps(f: Frame, orbit: Orbit, model: Model, now: number): voi
     const face = model.faces[orbit.impact_faces[k]];
     if (face) pen.circle(a.x(t), a.y(face.side), 3.2, { fill: p.paper, stroke: p.ink, width: 1.2 });
   });
-  pen.path([a.x(now), box[1], a.x(now), box[3]], { stroke: p.accent, width: 1.5 });
+  return timeLine(a, box, p);
 }
 
 const gap = (normal: number[], x: number[][], k: number) => normal.reduce((sum, b, i) => sum + b * x[i][k], 0);
@@ -151,15 +159,14 @@ function phaseLines(o: Orbit, i: number, a: Axes, d: number): { points: number[]
   return { points, jumps };
 }
 
-export function drawPhase(f: Frame, orbit: Orbit, model: Model, now: number): void {
-  if (!orbit.history) return;
+export function drawPhase(f: Frame, orbit: Orbit, model: Model): Moving | null {
+  if (!orbit.history) return null;
   const { pen, palette: p, size, length: d, coordinates: chosen } = f;
   const columns = Math.min(2, chosen.length);
   const rows = Math.ceil(chosen.length / columns);
   const [w, height] = [f.width / columns, f.height / rows];
-  const state = stateAt(orbit, model.dofs, now);
   const orbits = both(f, orbit);
-  chosen.forEach((i, c) => {
+  const scales = chosen.map((i, c) => {
     const [left, top] = [(c % columns) * w, Math.floor(c / columns) * height];
     const box: [number, number, number, number] = [left + 46, top + 1.6 * size, left + w - 8, top + height - 2.6 * size];
     const all = (key: "x" | "v") => range(orbits.map((o) => o.history![key][i].map((value) => d * value)));
@@ -169,8 +176,12 @@ export function drawPhase(f: Frame, orbit: Orbit, model: Model, now: number): vo
       drawLine(f, points, colourOf(p, c), o !== orbit);
       if (o === orbit) pen.path(jumps, { stroke: p.soft, width: 1, dash: [3, 3] });
     }
-    pen.circle(a.x(d * state.x[i]), a.y(d * state.v[i]), 4, { fill: p.accent, stroke: p.paper, width: 1.5 });
+    return a;
   });
+  return (over, now) => {
+    const state = stateAt(orbit, model.dofs, now);
+    chosen.forEach((i, c) => over.circle(scales[c].x(d * state.x[i]), scales[c].y(d * state.v[i]), 4, { fill: p.accent, stroke: p.paper, width: 1.5 }));
+  };
 }
 
 export function drawCircle(f: Frame, orbit: Orbit): void {

@@ -1,5 +1,5 @@
 // Lines with WebGL 2: one quad per segment, rounded and smoothed by its distance from the segment, dashes by the length drawn before it. Where there is
-// no WebGL 2 the same segments are drawn with a 2D context.
+// none but an emulated one the same segments are drawn with a 2D context.
 
 export interface Style {
   colour: string; // #rrggbb
@@ -86,13 +86,11 @@ void main() {
 
 export interface LineRenderer {
   draw(segments: Segments, styles: Style[], width: number, height: number, scale: number): void;
-  readonly name: string;
 }
 
 const channels = (colour: string) => [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16) / 255);
 
 class Gl implements LineRenderer {
-  readonly name = "WebGL 2";
   private program: WebGLProgram;
   private buffer: WebGLBuffer;
   private capacity = 0;
@@ -178,23 +176,16 @@ export function drawOn(context: CanvasRenderingContext2D, segments: Segments, st
   context.setLineDash([]);
 }
 
-class Flat implements LineRenderer {
-  readonly name = "2D";
-  constructor(
-    private canvas: HTMLCanvasElement,
-    private context: CanvasRenderingContext2D,
-  ) {}
+// How drivers without graphics hardware call themselves: ANGLE's, Mesa's, Windows', Apple's.
+const EMULATED = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
-  draw(segments: Segments, styles: Style[], width: number, height: number, scale: number): void {
-    this.canvas.width = Math.round(width * scale);
-    this.canvas.height = Math.round(height * scale);
-    this.context.scale(scale, scale);
-    drawOn(this.context, segments, styles);
-  }
-}
-
-export function createLines(canvas: HTMLCanvasElement): LineRenderer {
-  const gl = canvas.getContext("webgl2", { antialias: false, premultipliedAlpha: true, preserveDrawingBuffer: true });
-  if (gl) return new Gl(canvas, gl);
-  return new Flat(canvas, canvas.getContext("2d")!);
+/* None where WebGL 2 is not there or is emulated: each frame then costs several times what a 2D context takes for the same segments, and the page is put
+ * together from one canvas less. Not every browser calls an emulation a caveat: the name of the driver tells. */
+export function createLines(canvas: HTMLCanvasElement): LineRenderer | null {
+  const gl = canvas.getContext("webgl2", { antialias: false, premultipliedAlpha: true, preserveDrawingBuffer: true, failIfMajorPerformanceCaveat: true });
+  if (!gl) return null;
+  const info = gl.getExtension("WEBGL_debug_renderer_info");
+  if (!info || !EMULATED.test(String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)))) return new Gl(canvas, gl);
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return null;
 }

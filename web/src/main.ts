@@ -675,7 +675,7 @@ class Page {
   // For tests: where things are and how long frames take.
   probe() {
     return {
-      frames: this.plot.frames, renderer: this.plot.lines.name, points: this.atlas.total, segments: this.plot.scene.segments.n,
+      frames: this.plot.frames, renderer: this.plot.lines ? "WebGL 2" : "2D", points: this.atlas.total, segments: this.plot.scene.segments.n,
       toPage: (energy: number, frequency: number) => this.plot.toPage(energy, frequency), window: () => ({ ...this.plot.view.window }),
       off: (branch: number, energy: number, frequency: number) => this.plot.scene.distance(branch, this.plot.view.px(this.plot.view.toX(energy)), this.plot.view.py(this.plot.view.toY(frequency))),
       other: this.plot.other?.branches.length ?? 0, doubts: this.plot.scene.doubts.length, refining: this.refiner.running, section: this.section.probe(), force: this.force.probe(), lit: this.plot.lit.length, selected: () => this.plot.selected, orbit: () => this.orbit.orbit, branches: this.atlas.branches.length,

@@ -3,9 +3,9 @@ import { getOrbit, mayCompute, type Orbit } from "./api";
 import type { Atlas, Branch } from "./atlas";
 import { button, digits, el } from "./dom";
 import { animatedPng } from "./apng";
-import { coordinates, drawCircle, drawGaps, drawHistory, drawMasses, drawPhase, type Frame } from "./figures";
+import { coordinates, drawCircle, drawGaps, drawHistory, drawMasses, drawPhase, type Frame, type Moving } from "./figures";
 import { branchRuns, junctionRuns, toHtml } from "./labels";
-import { CanvasPen, SvgPen } from "./pen";
+import { CanvasPen, type Pen, SvgPen } from "./pen";
 import { saved } from "./saved";
 import { drawStructure } from "./structure";
 import type { Selected } from "./plot";
@@ -35,7 +35,8 @@ type Row = [key: string, name: string, value: string];
 interface Figure {
   canvas: HTMLCanvasElement;
   height: number;
-  draw: (f: Frame, orbit: Orbit, now: number) => void;
+  draw: (f: Frame, orbit: Orbit) => Moving | null;
+  still: { canvas: HTMLCanvasElement; moving: Moving | null } | null; // as it was drawn last, without what moves
 }
 
 export class OrbitPanel {
@@ -75,18 +76,19 @@ export class OrbitPanel {
       button("◀", "One stored point back (left arrow)", () => this.step(-1)), this.playButton, button("▶", "One stored point on (right arrow)", () => this.step(1)), this.slider, this.pinButton);
     this.chosen.oninput = () => this.drawAll();
     const { drawing } = this.atlas().description;
-    const motion: Figure["draw"] = (f, o, t) => {
-      if (!drawing) return drawMasses(f, o, this.atlas().description.model, t);
-      const times = drawStructure(f, o, this.atlas().description.model, drawing, t);
-      this.scaleNote.textContent = ` displacements × ${Number(times.toPrecision(2))}`;
+    const motion: Figure["draw"] = (f, o) => (pen, t) => {
+      if (!drawing) return drawMasses({ ...f, pen }, o, this.atlas().description.model, t);
+      const times = drawStructure({ ...f, pen }, o, this.atlas().description.model, drawing, t);
+      const note = ` displacements × ${Number(times.toPrecision(2))}`;
+      if (this.scaleNote.textContent !== note) this.scaleNote.textContent = note;
     };
     this.slider.oninput = () => this.go(this.slider.valueAsNumber);
     const many = this.atlas().description.model.dofs > 2;
     this.root.append(this.head, steps, this.error, this.pinNote, this.figure(drawing ? "The structure" : "The masses", drawing ? 190 : 112, motion, el("span", {}, this.scaleNote, " ", this.stillButton)),
-      this.facts, this.figure("Displacements", 190, (f, o, t) => drawHistory(f, o, t), many ? el("label", { class: "chosen" }, "x ", this.chosen) : undefined),
-      this.figure("Gaps between the stops at ±1, impacts", 150, (f, o, t) => drawGaps(f, o, this.atlas().description.model, t)),
-      this.figure("Phase portraits", 210, (f, o, t) => drawPhase(f, o, this.atlas().description.model, t)),
-      this.figure("Multipliers on the unit circle", 190, (f, o) => drawCircle(f, o)), this.more, this.impacts);
+      this.facts, this.figure("Displacements", 190, drawHistory, many ? el("label", { class: "chosen" }, "x ", this.chosen) : undefined),
+      this.figure("Gaps between the stops at ±1, impacts", 150, (f, o) => drawGaps(f, o, this.atlas().description.model)),
+      this.figure("Phase portraits", 210, (f, o) => drawPhase(f, o, this.atlas().description.model)),
+      this.figure("Multipliers on the unit circle", 190, (f, o) => (drawCircle(f, o), null)), this.more, this.impacts);
     requestAnimationFrame((t) => this.tick(t));
   }
 
@@ -94,7 +96,7 @@ export class OrbitPanel {
     const canvas = el("canvas", { class: "figure" });
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", title);
-    this.figures.push({ canvas, height, draw });
+    this.figures.push({ canvas, height, draw, still: null });
     return el("figure", {}, el("figcaption", {}, title, extra), canvas);
   }
 
@@ -336,13 +338,24 @@ export class OrbitPanel {
     this.last = t;
     if (this.orbit && this.moving && this.root.isConnected && this.root.offsetParent) {
       this.clock = (this.clock + passed / 1000 / onScreen(this.orbit.period)) % 1;
-      this.drawAll();
+      this.drawMotion();
     }
     requestAnimationFrame((next) => this.tick(next));
   }
 
+  private frame(pen: Pen, width: number, height: number, size: number): Frame {
+    return { pen, width, height, palette: this.palette(), size, length: this.units().length, coordinates: this.drawn, other: this.pinned?.orbit ?? null };
+  }
+
   private drawAll(): void {
-    if (!this.orbit) return;
+    for (const f of this.figures) f.still = null;
+    this.drawMotion();
+  }
+
+  // What has not changed is kept: a motion then costs little more than what moves.
+  private drawMotion(): void {
+    const { orbit } = this;
+    if (!orbit) return;
     const scale = window.devicePixelRatio || 1;
     const bottom = window.innerHeight;
     for (const f of this.figures) {
@@ -355,11 +368,24 @@ export class OrbitPanel {
         [f.canvas.width, f.canvas.height] = [w, h];
         f.canvas.style.height = `${height}px`;
       }
+      if (f.still?.canvas.width !== w || f.still.canvas.height !== h) {
+        const canvas = Object.assign(document.createElement("canvas"), { width: w, height: h });
+        const context = canvas.getContext("2d")!;
+        context.setTransform(scale, 0, 0, scale, 0, 0);
+        f.still = { canvas, moving: f.draw(this.frame(new CanvasPen(context), width, height, this.settings.size), orbit) };
+      }
       const context = f.canvas.getContext("2d")!;
+      context.setTransform(1, 0, 0, 1, 0, 0);
+      context.clearRect(0, 0, w, h);
+      context.drawImage(f.still.canvas, 0, 0);
       context.setTransform(scale, 0, 0, scale, 0, 0);
-      context.clearRect(0, 0, width, height);
-      f.draw({ pen: new CanvasPen(context), width, height, palette: this.palette(), size: this.settings.size, length: this.units().length, coordinates: this.drawn, other: this.pinned?.orbit ?? null }, this.orbit, this.clock * this.orbit.period);
+      f.still.moving?.(new CanvasPen(context), this.clock * orbit.period);
     }
+  }
+
+  // One picture at a time of a period, on the pen of its frame.
+  private drawAt(f: Figure, frame: Frame, orbit: Orbit, part: number): void {
+    f.draw(frame, orbit)?.(frame.pen, part * orbit.period);
   }
 
   // All pictures of the orbit below each other, for a file.
@@ -370,7 +396,7 @@ export class OrbitPanel {
     let y = 0;
     for (const f of this.figures) {
       const height = f.height;
-      pen.clipped(0, y, width, height, () => f.draw({ pen, width, height, palette: this.palette(), size, length: this.units().length, coordinates: this.drawn, other: this.pinned?.orbit ?? null }, this.orbit!, this.clock * this.orbit!.period));
+      pen.clipped(0, y, width, height, () => this.drawAt(f, this.frame(pen, width, height, size), this.orbit!, this.clock));
       y += height + 8;
     }
     return pen.finish(width, y, this.palette().paper);
@@ -393,7 +419,7 @@ export class OrbitPanel {
       const pen = new CanvasPen(context);
       let y = 0;
       for (const f of figures) {
-        pen.clipped(0, y, width, f.height, () => f.draw({ pen, width, height: f.height, palette: this.palette(), size, length: this.units().length, coordinates: this.drawn, other: this.pinned?.orbit ?? null }, orbit, (i / FRAMES) * orbit.period));
+        pen.clipped(0, y, width, f.height, () => this.drawAt(f, this.frame(pen, width, f.height, size), orbit, i / FRAMES));
         y += f.height + 8;
       }
       const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));

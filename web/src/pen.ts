@@ -20,10 +20,20 @@ export interface TextLook {
   halo?: string; // a border of this colour keeps it readable on lines
 }
 
+// A name set in runs: letters with a border that keeps them readable on lines.
+export interface Label {
+  runs: Run[];
+  at: number[]; // where each begins
+  size: number;
+  fill: string;
+  halo: string;
+}
+
 export interface Pen {
   path(points: number[], look: Look, close?: boolean): void;
   circle(x: number, y: number, r: number, look: Look): void;
   text(x: number, y: number, text: string, look: TextLook): void;
+  runs(label: Label, x: number, y: number): void;
   segments(segments: Segments, styles: Style[]): void;
   clipped(x: number, y: number, w: number, h: number, draw: () => void): void;
 }
@@ -31,6 +41,8 @@ export interface Pen {
 export const FONT = '"Inter", "Segoe UI", "Helvetica Neue", "Noto Sans", "DejaVu Sans", Arial, sans-serif';
 
 export class CanvasPen implements Pen {
+  private font = ""; // that the context has: to name it again is dear
+
   constructor(readonly c: CanvasRenderingContext2D) {}
 
   private finish(look: Look): void {
@@ -75,22 +87,42 @@ export class CanvasPen implements Pen {
 
   text(x: number, y: number, text: string, look: TextLook): void {
     const c = this.c;
-    c.save();
-    c.translate(x, y);
-    if (look.upright) c.rotate(-Math.PI / 2);
-    c.font = `${look.bold ? "600 " : ""}${look.size}px ${FONT}`;
+    if (look.upright) {
+      c.save();
+      c.translate(x, y);
+      c.rotate(-Math.PI / 2);
+      this.text(0, 0, text, { ...look, upright: false });
+      return this.restore();
+    }
+    const font = `${look.bold ? "600 " : ""}${look.size}px ${FONT}`;
+    if (font !== this.font) c.font = this.font = font;
     c.textAlign = look.anchor === "middle" ? "center" : (look.anchor ?? "start");
     if (look.halo) {
       c.strokeStyle = look.halo;
       c.lineWidth = 3;
       c.lineJoin = "round";
-      c.strokeText(text, 0, 0);
+      c.strokeText(text, x, y);
     }
     if (look.fill !== "none") {
       c.fillStyle = look.fill;
-      c.fillText(text, 0, 0);
+      c.fillText(text, x, y);
     }
-    c.restore();
+  }
+
+  private restore(): void {
+    this.c.restore();
+    this.font = "";
+  }
+
+  // A picture of it, made once: letters with borders are the dearest of what a view shows. It lands on whole pixels, which keep it sharp.
+  runs(label: Label, x: number, y: number): void {
+    const c = this.c;
+    const { a: scale, e, f } = c.getTransform();
+    const picture = pictureOf(label, scale);
+    c.save();
+    c.setTransform(1, 0, 0, 1, 0, 0);
+    c.drawImage(picture.canvas, Math.round(scale * x + e) - picture.left, Math.round(scale * y + f) - picture.up);
+    this.restore();
   }
 
   segments(segments: Segments, styles: Style[]): void {
@@ -104,7 +136,7 @@ export class CanvasPen implements Pen {
     this.c.clip();
     this.c.translate(x, y);
     draw();
-    this.c.restore();
+    this.restore();
   }
 }
 
@@ -144,6 +176,10 @@ export class SvgPen implements Pen {
     this.parts.push(
       `<text x="${n2(x)}" y="${n2(y)}" font-size="${n2(look.size)}" fill="${look.fill}" text-anchor="${look.anchor ?? "start"}"${look.bold ? ' font-weight="600"' : ""}${halo}${turn}>${escape(text)}</text>`,
     );
+  }
+
+  runs(label: Label, x: number, y: number): void {
+    drawLetters(this, label, x, y);
   }
 
   segments(segments: Segments, styles: Style[]): void {
@@ -191,10 +227,36 @@ export function textWidth(text: string, size: number): number {
   return width;
 }
 
-export function drawRuns(pen: Pen, runs: Run[], at: number[], x: number, y: number, size: number, fill: string, halo: string): void {
+function drawLetters(pen: Pen, { runs, at, size, fill, halo }: Label, x: number, y: number): void {
   // all borders lie below all letters: an index stands close to what is raised over it
   for (const border of [true, false])
     runs.forEach((r, i) => pen.text(x + at[i], y + runRise(r, size), r.text, { size: runSize(r, size), fill: border ? "none" : fill, halo: border ? halo : undefined }));
+}
+
+interface Picture {
+  canvas: HTMLCanvasElement;
+  left: number; // of the canvas, before where the label begins, in pixels of the screen
+  up: number;
+}
+
+const MOST_PICTURES = 1000;
+const pictures = new Map<string, Picture>();
+
+function pictureOf(label: Label, scale: number): Picture {
+  const { runs, at, size, fill, halo } = label;
+  let key = `${scale} ${size} ${fill} ${halo}`;
+  for (const r of runs) key += ` ${r.shift}${r.text}`;
+  let picture = pictures.get(key);
+  if (picture) return picture;
+  if (pictures.size >= MOST_PICTURES) pictures.clear();
+  const width = Math.max(0, ...runs.map((r, i) => at[i] + textWidth(r.text, runSize(r, size))));
+  const [left, up] = [Math.ceil(4 * scale), Math.ceil((1.4 * size + 3) * scale)];
+  const canvas = Object.assign(document.createElement("canvas"), { width: Math.ceil(scale * (width + 4)) + left, height: up + Math.ceil((0.6 * size + 3) * scale) });
+  const context = canvas.getContext("2d")!;
+  context.setTransform(scale, 0, 0, scale, left, up);
+  drawLetters(new CanvasPen(context), label, 0, 0);
+  pictures.set(key, (picture = { canvas, left, up }));
+  return picture;
 }
 
 // Marks as the drawn pictures have them: circle grazing, square branch point, triangle extremum, diamond corner, star multiplication, cross asked for.

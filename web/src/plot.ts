@@ -5,7 +5,7 @@ import type { Lit } from "./forcepanel";
 import { junctionRuns, measure } from "./labels";
 import { createLines, type LineRenderer, Segments, type Style } from "./lines";
 import { placeLabels, type Label, type LabelChoice } from "./place";
-import { CanvasPen, drawMark, drawRuns, type Pen, textWidth } from "./pen";
+import { CanvasPen, drawMark, type Pen, textWidth } from "./pen";
 import { Scene, type Hit, type Mark } from "./scene";
 import type { Painter, Palette } from "./theme";
 import type { Units } from "./units";
@@ -55,7 +55,7 @@ export class Plot {
   fresh = new Set<number>(); // branches that have just appeared
   drawn = 0; // segments in view
   frames: number[] = []; // ms of work per frame, for whoever measures
-  readonly lines: LineRenderer;
+  readonly lines: LineRenderer | null; // with none they are drawn on the overlay, below the rest
   private gl = document.createElement("canvas");
   private overlay = document.createElement("canvas");
   private mini = document.createElement("canvas");
@@ -94,6 +94,7 @@ export class Plot {
     this.mini.title = "The whole atlas; click or drag to go there";
     host.append(this.gl, this.overlay, this.mini);
     this.lines = createLines(this.gl);
+    if (!this.lines) this.gl.remove();
     this.view.window = this.home();
     this.listen();
     new ResizeObserver(() => this.resize()).observe(host);
@@ -274,7 +275,8 @@ export class Plot {
     if (under) this.hoveredMark = scene.marks.find((m) => m.junction.id === under.junction.id && m.k === under.k) ?? null;
     const lines = this.withHighlights();
     this.drawn = lines.n;
-    this.lines.draw(lines, [...scene.painter.styles, ...this.highlightStyles()], view.width, view.height, scale);
+    const styles = [...scene.painter.styles, ...this.highlightStyles()];
+    this.lines?.draw(lines, styles, view.width, view.height, scale);
     const [w, h] = [this.host.clientWidth, this.host.clientHeight];
     if (this.overlay.width !== Math.round(w * scale) || this.overlay.height !== Math.round(h * scale)) {
       this.overlay.width = Math.round(w * scale);
@@ -283,7 +285,9 @@ export class Plot {
     const context = this.overlay.getContext("2d")!;
     context.setTransform(scale, 0, 0, scale, 0, 0);
     context.clearRect(0, 0, w, h);
-    this.paint(new CanvasPen(context), w, h);
+    const pen = new CanvasPen(context);
+    if (!this.lines) this.paintLines(pen, lines, styles);
+    this.paint(pen, w, h);
     this.drawMini(scale);
     this.frames.push(performance.now() - begin);
     if (this.frames.length > 2000) this.frames.splice(0, 1000);
@@ -338,11 +342,15 @@ export class Plot {
     pen.clipped(this.pad.left, this.pad.top, this.view.width, this.view.height, () => this.paintInside(pen));
   }
 
+  private paintLines(pen: Pen, lines: Segments, styles: Style[]): void {
+    pen.clipped(this.pad.left, this.pad.top, this.view.width, this.view.height, () => pen.segments(lines, styles));
+  }
+
   // What is seen, on any pen: the picture to save.
   render(pen: Pen): { width: number; height: number } {
     const [w, h] = [this.host.clientWidth, this.host.clientHeight];
     this.hovered = this.hoveredMark = null; // the pointer is no part of the picture
-    pen.clipped(this.pad.left, this.pad.top, this.view.width, this.view.height, () => pen.segments(this.withHighlights(), [...this.scene.painter.styles, ...this.highlightStyles()]));
+    this.paintLines(pen, this.withHighlights(), [...this.scene.painter.styles, ...this.highlightStyles()]);
     this.paint(pen, w, h);
     this.paintLegend(pen);
     this.paintMarks(pen, h + 0.9 * this.size);
@@ -376,7 +384,7 @@ export class Plot {
       const runs = junctionRuns(text);
       const { at, width } = measure(runs, size - 1, textWidth);
       pen.path([x, y - 0.3 * size, x + 22, y - 0.3 * size], { stroke: style.colour, width: style.width, dash: style.dash ?? undefined });
-      drawRuns(pen, runs, at, x + 28, y, size - 1, p.ink, p.paper);
+      pen.runs({ runs, at, size: size - 1, fill: p.ink, halo: p.paper }, x + 28, y);
       x += 28 + width + 16;
     }
     if (this.other) {
@@ -436,7 +444,7 @@ export class Plot {
     if (this.hoveredMark) pen.circle(this.hoveredMark.x, this.hoveredMark.y, 9, { stroke: p.accent, width: 1.5 });
     for (const { label, dx, dy } of placed) {
       const fill = label.style < 0 ? p.ink : (scene.painter.styles[label.style]?.colour ?? p.ink);
-      drawRuns(pen, label.runs, label.at, label.x + dx, label.y + dy, label.size, fill, p.paper);
+      pen.runs({ runs: label.runs, at: label.at, size: label.size, fill, halo: p.paper }, label.x + dx, label.y + dy);
     }
     this.paintSelected(pen);
     if (this.rubber) {
