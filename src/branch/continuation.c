@@ -267,7 +267,7 @@ static void station_free(ric_station *p)
 
 int ric_continuation_watched(const ric_continuation *tr)
 {
-    return RIC_N_TEST + tr->n_resonance + (int)(sizeof tr->now.factor / sizeof *tr->now.factor);
+    return RIC_N_TEST + tr->n_resonance + (int)(sizeof tr->now.factor / sizeof *tr->now.factor) + tr->chain->n;
 }
 
 static bool samples_create(ric_continuation *tr)

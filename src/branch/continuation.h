@@ -12,7 +12,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 33
+#define RIC_NUMERICS 34
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -178,7 +178,8 @@ typedef struct {
     long evaluations;
 } ric_continuation;
 
-/* What is kept of a point of a step: tests, resonances, and the factors A, B, D, smooth where their tests jump. */
+/* What is kept of a point of a step: tests, resonances, the factors A, B, D, smooth where their tests jump, and pairs.
+ */
 int ric_continuation_watched(const ric_continuation *trace);
 /* Room for the stations of a trace that has its chain and its resonances. */
 ric_status ric_continuation_equip(ric_continuation *trace);

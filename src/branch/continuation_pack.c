@@ -9,7 +9,7 @@
 
 /* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and what another version has
  * stored is dropped when a run begins (ric_continuation_version). */
-#define PACK_FORMAT 10
+#define PACK_FORMAT 11
 #define TEXT_OF(value) #value
 #define TEXT(macro) TEXT_OF(macro)
 #define SANE 10000000

@@ -3,7 +3,12 @@
  * the nearest other point, with an error of twice what a fourth point, the next nearest, adds to it. A zero is known
  * where the signs differ and neither curve has another one; none where they agree and zero is farther away than
  * parabola and error reach. Anything else is halved, down to FINEST, or until MOST points are known. Costs nothing but
- * arithmetic where no zero is near. */
+ * arithmetic where no zero is near.
+ *
+ * Two of several pairs lambda + 1/lambda that pass one resonance in the same interval leave the sign of its function as
+ * it was, and so does one that passes it and comes back beside another: so pairs are looked at by themselves, too, and
+ * whether two between which the resonance lies may meet, by the square of their distance, which is smooth where they
+ * do. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +21,7 @@
 #define SEEN 8      /* points at which curves are looked at */
 /* RATIO: of distances from an end at which functions may have poles: what happens there does so on every scale */
 #define RATIO 16
+#define NEAR_PAIR 32    /* of lambda + 1/lambda: pairs farther out than this pass no resonance beside others that do */
 #define LOST_WIDTH 0.05 /* relative: how well the place is known where multipliers get lost in rounding */
 #define LOST_LEAST 1e-4 /* the same, of the size, away from an end */
 
@@ -31,6 +37,12 @@ static int smooth(const ric_continuation *tr, int test)
     return test == RIC_TEST_A ? first : test == RIC_TEST_B ? first + 1 : test == RIC_TEST_D ? first + 2 : -1;
 }
 
+/* The column of pair j, sorted: NAN where it is not real. */
+static int pair_column(const ric_continuation *tr, int j)
+{
+    return RIC_N_TEST + tr->n_resonance + 3 + j;
+}
+
 static void take(ric_continuation *tr, int i, double x, const ric_station *p)
 {
     double *value = ric_event_samples_values(tr, i);
@@ -41,6 +53,8 @@ static void take(ric_continuation *tr, int i, double x, const ric_station *p)
     for (int k = 0; k < tr->n_resonance; k++)
         value[RIC_N_TEST + k] = lost ? NAN : ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[k].rho);
     for (int k = RIC_TEST_A; k <= RIC_TEST_D; k++) value[smooth(tr, k)] = value[k] == 0 ? 0 : p->factor[k - RIC_TEST_A];
+    for (int j = 0; tr->n_resonance && j < tr->floquet.n_pair; j++)
+        value[pair_column(tr, j)] = p->own[2 * j + 1] == 0 ? p->own[2 * j] : NAN;
 }
 
 ric_status ric_event_samples_insert(ric_continuation *tr, double x, double h, bool *good)
@@ -155,20 +169,35 @@ static bool shows_more(const curve *c)
     return false;
 }
 
-static bool resolved(const ric_continuation *tr, int i, int test)
+/* What is read of the points: a column, less a number; or the square of how far another one is from it. */
+typedef struct {
+    int column, other; /* other: -1, none */
+    double less, most; /* most: values of columns beyond it are not read */
+} reading;
+
+static double read_at(const ric_continuation *tr, const reading *of, int i)
+{
+    const double *value = ric_event_samples_values(tr, i), f = value[of->column];
+    if (fabs(f) > of->most) return NAN;
+    if (of->other < 0) return f - of->less;
+    const double apart = value[of->other] - f;
+    return fabs(value[of->other]) > of->most ? NAN : apart * apart;
+}
+
+static bool is_resolved(const ric_continuation *tr, int i, const reading *of)
 {
     const ric_event_samples *q = &tr->samples;
     double x[4], f[4];
     int n = 2;
     for (int j = 0; j < 2; j++) {
         x[j] = q->x[i + j] - q->x[i];
-        f[j] = ric_event_samples_values(tr, i + j)[test];
+        f[j] = read_at(tr, of, i + j);
     }
     if (f[0] == 0 || f[1] == 0 || !isfinite(f[0] + f[1])) return true;
     for (int before = i - 1, after = i + 2; n < 4 && (before >= 0 || after < q->n);) {
         bool first = after >= q->n || (before >= 0 && q->x[i] - q->x[before] <= q->x[after] - q->x[i + 1]);
         int j = first ? before-- : after++;
-        f[n] = ric_event_samples_values(tr, j)[test];
+        f[n] = read_at(tr, of, j);
         x[n] = q->x[j] - q->x[i];
         if (isfinite(f[n])) n++;
     }
@@ -182,6 +211,25 @@ static bool resolved(const ric_continuation *tr, int i, int test)
     double reach = fmax(fabs(x[2]), fabs(x[2] - x[1])), all = fabs(c.bend) + c.error * reach;
     if (f[0] * f[1] > 0 && fmin(fabs(f[0]), fabs(f[1])) > x[1] * x[1] / 4 * all) return true;
     return !shows_more(&c);
+}
+
+static bool resolved(const ric_continuation *tr, int i, int test)
+{
+    return is_resolved(tr, i, &(reading){test, -1, 0, HUGE_VAL});
+}
+
+/* Whether each pair by itself, of several, stays on its side of rho, and none comes from there to meet another. */
+static bool pairs_stay(const ric_continuation *tr, int i, double rho)
+{
+    const double *a = ric_event_samples_values(tr, i), *b = ric_event_samples_values(tr, i + 1);
+    for (int j = 0; j < tr->floquet.n_pair; j++) {
+        const int own = pair_column(tr, j);
+        const bool below = a[own] < rho && b[own]<rho, above = a[own]> rho && b[own] > rho;
+        if ((below || above) && !is_resolved(tr, i, &(reading){own, -1, rho, NEAR_PAIR})) return false;
+        if (!below || j + 1 == tr->floquet.n_pair || !(a[own + 1] > rho && b[own + 1] > rho)) continue;
+        if (!is_resolved(tr, i, &(reading){own, own + 1, 0, NEAR_PAIR})) return false;
+    }
+    return true;
 }
 
 /* Where one end of an interval has multipliers and the other has lost them. */
@@ -214,8 +262,10 @@ static bool all_resolved(const ric_continuation *tr, int i, unsigned which, bool
 {
     for (int test = 0; test < RIC_N_TEST; test++)
         if (which >> test & 1 && !(resolved(tr, i, test) && smoothly(tr, i, test))) return false;
-    for (int k = 0; pairs && k < tr->n_resonance; k++)
+    for (int k = 0; pairs && k < tr->n_resonance; k++) {
         if (!resolved(tr, i, RIC_N_TEST + k)) return false;
+        if (tr->floquet.n_pair > 1 && !pairs_stay(tr, i, tr->resonances[k].rho)) return false;
+    }
     return true;
 }
 

@@ -425,6 +425,28 @@ static void the_end_is_stored(void **state)
     }
 }
 
+/* Two pairs of multipliers pass one resonance within one step, each in its own direction, or one passes it and comes
+ * back beside another that stays near it: of both nothing is left in the sign of a function of all pairs. */
+static void two_multiplications_in_a_step(void **state)
+{
+    (void)state;
+    ric_atlas_free(same_for_all_steps(
+        "model:\n  mass: [[1.15625, 0.203125, -0.15625], [0.203125, 1.015625, 0.0625], [-0.15625, 0.0625, 1.5625]]\n"
+        "  stiffness: [[828125, -15625, 218750], [-15625, 1734375, -687500], [218750, -687500, 1312500]]\n  contacts:\n"
+        "    - {normal: [-1, 1, 0], law: rigid, clearance: 1.56, sides: both}\n"
+        "    - {normal: [0, -1, 1], law: rigid, clearance: 1.56, sides: both}\n"
+        "    - {normal: [0, 1, 0], law: rigid, clearance: 1.56, sides: lower}\n"
+        "explore: {energy: [0, 1183000], frequency: [136, 4539], impacts: 4, multiply: 3, depth: 2}\n"));
+    ric_atlas_free(same_for_all_steps(
+        "model:\n  mass: [[0.5, 0, 0, 0, 0], [0, 1, 0, 0, 0], [0, 0, 1.25, 0, 0], [0, 0, 0, 0.5, 0], [0, 0, 0, 0, 1]]\n"
+        "  stiffness: [[5.25, -5.25, 0, 0, 0], [-5.25, 5.75, -0.5, 0, 0], [0, -0.5, 7, -6.5, 0], "
+        "[0, 0, -6.5, 9, -2.5], [0, 0, 0, -2.5, 2.5]]\n  contacts:\n"
+        "    - {normal: [0, 0, -1, 1, 0], law: bilinear, clearance: 9.2, sides: both, stiffness: 0.005759}\n"
+        "    - {normal: [0, 0, 1, 0, 0], law: bilinear, clearance: 0.0092, sides: both, stiffness: 1117000}\n"
+        "    - {normal: [0, 0, 0, 0, 1], law: rigid, clearance: 10.9, sides: both}\n"
+        "explore: {energy: [0, 1.564e-5], frequency: [0.1389, 14.26], impacts: 2, multiply: 2, depth: 1}\n"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(to_and_fro),
@@ -440,6 +462,7 @@ int main(void)
                                        cmocka_unit_test(an_extremum_has_no_slope),
                                        cmocka_unit_test(a_root_in_an_instant),
                                        cmocka_unit_test(no_doubling_of_lost_multipliers),
-                                       cmocka_unit_test(the_end_is_stored)};
+                                       cmocka_unit_test(the_end_is_stored),
+                                       cmocka_unit_test(two_multiplications_in_a_step)};
     return cmocka_run_group_tests_name("steps", tests, NULL, NULL);
 }
