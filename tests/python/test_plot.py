@@ -4,7 +4,7 @@ import re
 import subprocess
 import sys
 
-from tap import raises, run
+from tap import LONG, raises, run
 
 import ricochet
 from ricochet import plot
@@ -75,9 +75,7 @@ def test_stable_parts(folder):
 def test_zoom(folder):
     """a zoom has its junction inside, and the ends of the branches that meet there at it"""
     atlas = atlas_in(folder)
-    for one in atlas.junctions:
-        if one.kind == "start":
-            continue
+    for one in [one for one in atlas.junctions if one.kind != "start"][::1 if LONG else 3]:  # each draws all branches anew
         ax = plot.zoom(one)
         (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
         assert left < one.energy < right and low < one.frequency < high

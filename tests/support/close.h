@@ -4,6 +4,7 @@
 #define RIC_TESTS_CLOSE_H
 
 #include <math.h>
+#include <stdbool.h>
 
 /* |found - wanted| <= tolerance; a NaN is near nothing. */
 #define assert_close(found, wanted, tolerance) assert_close_at(found, wanted, tolerance, __FILE__, __LINE__)
@@ -21,6 +22,12 @@ static inline void assert_close_at(double found, double wanted, double tolerance
 static inline void assert_relative_at(double found, double wanted, double tolerance, const char *file, int line)
 {
     assert_close_at(found, wanted, tolerance * fabs(wanted), file, line);
+}
+
+/* Whether it would hold. */
+static inline bool agrees(double found, double wanted, double tolerance)
+{
+    return fabs(found - wanted) <= tolerance * fabs(wanted);
 }
 
 #endif
