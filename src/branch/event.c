@@ -42,9 +42,6 @@
 /* SHORT_OF: of the size of the orbit: what is seen so far before a zero is seen before it. */
 #define SHORT_OF 1e-12
 #define SHORTENED 8 /* times that an end is taken back before its touch */
-#define STRETCHES 3 /* of a step, between its extrema of energy and of period */
-/* ROUNDING: relative distance from what was asked for at which orbits are not told apart by shorter steps */
-#define ROUNDING 1e-12
 
 static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT |
                                  1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX |
@@ -217,24 +214,13 @@ static ric_status close_up(ric_continuation *tr, const double *home, double s)
 }
 
 typedef struct {
-    int test;
-    double x;
-} root;
-
-static int by_place(const void *a, const void *b)
-{
-    const root *p = a, *q = b;
-    return p->x < q->x ? -1 : p->x > q->x ? 1 : p->test - q->test;
-}
-
-typedef struct {
     int n, capacity;
-    root *root;
+    ric_event_root *root;
 } root_list;
 
 static void list_root(root_list *list, int test, double x)
 {
-    if (list->n < list->capacity) list->root[list->n++] = (root){test, x};
+    if (list->n < list->capacity) list->root[list->n++] = (ric_event_root){test, x};
 }
 
 /* Zeros of one test between the points that are known, up to distance `to`. A sign that rounding hid at some of them
@@ -339,7 +325,7 @@ static ric_status find_reach(ric_continuation *tr, double h, root_list *list, bo
  * its distance. */
 static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *test, double *end, bool *retry)
 {
-    root roots[RIC_MOST_SAMPLES];
+    ric_event_root roots[RIC_MOST_SAMPLES];
     root_list list = {.capacity = RIC_MOST_SAMPLES, .root = roots};
     *test = -1;
     *end = h;
@@ -349,7 +335,7 @@ static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *
     if (!status) status = find_roots(tr, which & ~reach, h, &list, retry);
     if (!status && !*retry && reach) status = find_reach(tr, h, &list, retry);
     if (status || *retry || !list.n) return status;
-    qsort(roots, (size_t)list.n, sizeof *roots, by_place);
+    qsort(roots, (size_t)list.n, sizeof *roots, ric_event_by_place);
     *test = roots[0].test;
     *end = roots[0].x;
     return RIC_OK;
@@ -379,100 +365,6 @@ static ric_status sample(ric_continuation *tr, unsigned which, int test, double 
     return status ? status : ric_event_samples_refine(tr, which, pairs, from, end, h);
 }
 
-/* ---------------------------------------------------------- what was asked for */
-
-/* The point at distance x: solved, or in a step over a branch point, where nothing can be, on the cubic. */
-static ric_status look(ric_continuation *tr, bool solve, double x, double h, ric_station *out, bool *good)
-{
-    *good = true;
-    if (solve) return ric_event_solve(tr, x, h, RIC_LOOK_ALL, out, good);
-    ric_event_cubic(tr, x, h, out->u);
-    memcpy(out->t, tr->now.t, (size_t)tr->chain->n_unknown * sizeof *out->t);
-    return ric_continuation_fill(tr, tr->now.s + (tr->next.s - tr->now.s) * (x / h), out);
-}
-
-static double on_cubic(ric_continuation *tr, int test, double xa, double fa, double xb, double fb, double h)
-{
-    bool good;
-    ric_root r = ric_root_between(xa, fa, xb, fb, RIC_LAST_DIGIT * h);
-    while (ric_root_next(&r)) {
-        look(tr, false, r.x, h, &tr->mid, &good);
-        r.f = ric_event_value(tr, test, &tr->mid);
-    }
-    return r.x;
-}
-
-/* Passages between the distances xa and xb, at which what was asked for is `before` and `after` away, with no extremum
- * in between. A value met exactly counts as above, so that it is found in one of the two steps that end there. */
-static ric_status find_monotonic(ric_continuation *tr, bool solve, double xa, double xb, const double *before,
-                                 const double *after, double h, root *roots, int *n, bool *retry)
-{
-    /* on a horizontal branch the frequency is one number but for rounding, and passes nothing */
-    bool horizontal = tr->now.test[RIC_TEST_PERIOD] == 0 && tr->next.test[RIC_TEST_PERIOD] == 0;
-    for (int k = 0; k < tr->limits->n_asked; k++) {
-        int test = RIC_N_TEST + tr->n_resonance + k;
-        double fa = before[k], fb = after[k], x = xb;
-        bool zero = true;
-        if ((fa < 0) == (fb < 0) || (horizontal && tr->limits->asked[k].frequency)) continue;
-        if (!solve) x = on_cubic(tr, test, xa, fa, xb, fb, h);
-        else {
-            ric_status status = ric_event_locate(tr, test, xa, fa, xb, fb, h, &x, &zero);
-            if (status) return status;
-        }
-        if (!zero && fmax(fabs(fa), fabs(fb)) > ROUNDING) {
-            *retry = true;
-            return RIC_OK;
-        }
-        roots[(*n)++] = (root){test, zero ? x : xb};
-    }
-    return RIC_OK;
-}
-
-static void distances(const ric_continuation *tr, const ric_station *p, double *out)
-{
-    for (int k = 0; k < tr->limits->n_asked; k++) out[k] = ric_event_value(tr, RIC_N_TEST + tr->n_resonance + k, p);
-}
-
-/* Where what was asked for is passed up to distance `to`, between the extrema of energy and period among the *n roots
- * known: so a value passed twice, on both sides of an extremum, is found twice. Room for STRETCHES * n_asked more
- * roots. */
-static ric_status find_asked(ric_continuation *tr, bool solve, double to, double h, root *roots, int *n, bool *retry)
-{
-    int known = *n;
-    double from = 0, f[2][RIC_USER_POINTS_MAX];
-    if (tr->limits->n_asked == 0) return RIC_OK;
-    qsort(roots, (size_t)known, sizeof *roots, by_place);
-    distances(tr, &tr->now, f[0]);
-    for (int i = 0; i <= known && !*retry; i++) {
-        if (i < known && roots[i].test != RIC_TEST_SLOPE && roots[i].test != RIC_TEST_PERIOD) continue;
-        double x = i < known ? roots[i].x : to;
-        bool good = true, last = i == known && to == h;
-        ric_status status = last ? RIC_OK : look(tr, solve, x, h, &tr->mid, &good);
-        if (status) return status;
-        distances(tr, last ? &tr->next : &tr->mid, f[1]);
-        if (!(*retry = !good)) status = find_monotonic(tr, solve, from, x, f[0], f[1], h, roots, n, retry);
-        if (status) return status;
-        memcpy(f[0], f[1], sizeof f[0]);
-        from = x;
-    }
-    return RIC_OK;
-}
-
-/* The same in a step over a branch point, whose other events have been kept, the first of them `first`. */
-static ric_status cross_asked(ric_continuation *tr, int first, double to, double h)
-{
-    int n = 0, known = tr->n_event - first;
-    double scale = h / (tr->next.s - tr->now.s);
-    root roots[known + STRETCHES * tr->limits->n_asked + 1];
-    bool good, retry = false;
-    for (; n < known; n++) roots[n] = (root){tr->events[first + n].test, (tr->events[first + n].s - tr->now.s) * scale};
-    ric_status status = find_asked(tr, false, to, h, roots, &n, &retry);
-    for (int i = known; i < n && !status; i++)
-        if (!(status = look(tr, false, roots[i].x, h, &tr->mid, &good)))
-            status = ric_event_keep(tr, roots[i].test, &tr->mid);
-    return status;
-}
-
 /* ------------------------------------------------------- over a branch point */
 
 /* Whether a branch comes to a corner of orbits that are their own image there: the family on which both contacts stay
@@ -491,7 +383,7 @@ static bool meets_corner(const ric_continuation *tr, const ric_event_bridge *q, 
 /* Where resonance k is passed up to distance `to` in a step over a branch point at `at`, looked at between the points
  * that are known: multipliers may go to and fro beside it. Room for BRIDGED places; returns their number. */
 static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q, int k, double at, double to, double h,
-                           root *out)
+                           ric_event_root *out)
 {
     int test = RIC_N_TEST + k, n = 0;
     double from = 0, before = ric_event_value(tr, test, &tr->now);
@@ -502,7 +394,7 @@ static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q
         double value = x == h ? ric_event_value(tr, test, &tr->next) : ric_event_bridge_test(tr, q, test, x);
         if (before * value < 0) {
             double root_at = ric_event_bridge_root(tr, q, test, from, x, before, NAN);
-            if (root_at < to || to == h) out[n++] = (root){test, root_at};
+            if (root_at < to || to == h) out[n++] = (ric_event_root){test, root_at};
         }
         from = x;
         before = value;
@@ -535,7 +427,7 @@ static bool at_image(ric_continuation *tr, const ric_event_bridge *q, double h,
 static ric_status cross(ric_continuation *tr, double h, int *end_test, double *end, bool *retry)
 {
     ric_event_bridge q;
-    root roots[RIC_N_TEST + BRIDGED * tr->n_resonance];
+    ric_event_root roots[RIC_N_TEST + BRIDGED * tr->n_resonance];
     int n = 0;
     int first = tr->n_event;
     ric_status status = ric_event_bridge_build(tr, h, &q);
@@ -572,15 +464,15 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
         if (!(before * after < 0)) continue;
         double x = i == RIC_TEST_DET ? at : ric_event_bridge_root(tr, &q, i, 0, h, before, shared ? at : NAN);
         if (arrived && x >= at) continue;
-        roots[n++] = (root){i, x};
+        roots[n++] = (ric_event_root){i, x};
     }
     for (int k = 0; k < tr->n_resonance; k++) n += cross_resonance(tr, &q, k, at, arrived ? at : h, h, roots + n);
-    qsort(roots, (size_t)n, sizeof *roots, by_place);
+    qsort(roots, (size_t)n, sizeof *roots, ric_event_by_place);
     for (int i = 0; i < n && !status; i++) {
         ric_event_bridge_station(tr, &q, roots[i].x, h, &tr->mid);
         status = ric_event_keep(tr, roots[i].test, &tr->mid);
     }
-    if (!status) status = cross_asked(tr, first, arrived ? at : h, h);
+    if (!status) status = ric_event_asked_cross(tr, first, arrived ? at : h, h);
     for (int i = 0; i < RIC_N_TEST; i++) /* no sign is expected */
         if ((image || repeated) && (EVENT_SINGULAR & 1u << i)) tr->definite[i] = tr->next.test[i] = 0;
     if (arrived && !status) ric_event_bridge_station(tr, &q, at, h, &tr->mid);
@@ -624,7 +516,7 @@ static ric_status find_inside(ric_continuation *tr, unsigned which, double h, ro
 static ric_status inner_events(ric_continuation *tr, double h, int test, double to, bool *retry)
 {
     int most = RIC_N_TEST + tr->n_resonance + 4 * RIC_MOST_SAMPLES;
-    root roots[most + STRETCHES * tr->limits->n_asked];
+    ric_event_root roots[most + RIC_EVENT_STRETCHES * tr->limits->n_asked];
     root_list list = {.capacity = most, .root = roots};
     bool good;
     unsigned inner = seen_in(tr, ~terminal & ((1u << RIC_N_TEST) - 1));
@@ -632,12 +524,12 @@ static ric_status inner_events(ric_continuation *tr, double h, int test, double 
     *retry = tr->samples.n < tr->samples.now + 2;
     if (!status && !*retry) status = find_inside(tr, inner, h, &list, retry);
     for (int i = 0; i < list.n && !status && !*retry; i++) *retry = roots[i].test == RIC_TEST_DET;
-    if (!status && !*retry) status = find_asked(tr, true, to, h, roots, &list.n, retry);
+    if (!status && !*retry) status = ric_event_asked_find(tr, true, to, h, roots, &list.n, retry);
     if (status || *retry) return status;
     double lost = lost_length(tr);
     if (lost > 0) ric_continuation_widen(tr, tr->blind == 0, tr->blind_at);
     tr->blind += lost;
-    qsort(roots, (size_t)list.n, sizeof *roots, by_place);
+    qsort(roots, (size_t)list.n, sizeof *roots, ric_event_by_place);
     for (int i = 0; i < list.n && !status; i++)
         if (!(status = ric_event_solve(tr, roots[i].x, h, RIC_LOOK_ALL, &tr->mid, &good)) &&
             !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))

@@ -44,6 +44,23 @@ ric_status ric_event_samples_refine(ric_continuation *trace, unsigned which, boo
 /* More points at distances from `end` that fall from that of `other` to `least`. */
 ric_status ric_event_samples_approach(ric_continuation *trace, double end, double other, double least, double h);
 
+/* A zero of a test at a distance; their order along the step, for qsort. */
+typedef struct {
+    int test;
+    double x;
+} ric_event_root;
+
+int ric_event_by_place(const void *a, const void *b);
+
+/* Where what was asked for is passed up to distance `to`, between the extrema of energy and period among the *n roots
+ * known: so a value passed twice, on both sides of an extremum, is found twice. Room for RIC_EVENT_STRETCHES * n_asked
+ * more roots. `solve`: at orbits that are solved; false: on the cubic. */
+enum { RIC_EVENT_STRETCHES = 3 }; /* of a step, between its extrema of energy and of period */
+ric_status ric_event_asked_find(ric_continuation *trace, bool solve, double to, double h, ric_event_root *roots, int *n,
+                                bool *retry);
+/* The same in a step over a branch point, whose other events have been kept, the first of them `first`. */
+ric_status ric_event_asked_cross(ric_continuation *trace, int first, double to, double h);
+
 /* A step over a branch point: four points of it, and the cubics through them. free(u). */
 typedef struct {
     double x[4], test[4][RIC_N_TEST];
