@@ -16,10 +16,7 @@
 #include "region.h"
 #include "windows.h"
 
-enum {
-    FILE_MAX = 64 << 20,
-    NAME_MAX_COUNT = 10000,
-};
+enum { FILE_MAX = 64 << 20 };
 
 struct ric_study {
     char *title, *text;
@@ -32,8 +29,7 @@ struct ric_study {
     ric_forcing forcing; /* its parts are owned */
     ric_vary vary;       /* its parts are owned; name NULL: there is none */
     bool chosen[2];      /* the windows of energy and frequency, by the program */
-    int n_name;
-    ric_name *names;
+    ric_study_names names;
 };
 
 /* ----------------------------------------------------------------- explore */
@@ -201,70 +197,6 @@ static ric_status settle_look(const ric_yaml *r, const places *given, const ric_
                           "step over are not the linear ones; write follow");
 }
 
-/* ------------------------------------------------------------------- names */
-
-static ric_status check_kind(const ric_yaml *r, const ric_yaml_node *value, const char *key)
-{
-    for (int kind = RIC_KIND_START; kind <= RIC_KIND_USER; kind++)
-        if (!strcmp(ric_yaml_text(value), ric_kind_text((ric_kind)kind))) return RIC_OK;
-    return ric_yaml_wrong(r, value, key,
-                          "'%.40s' is no kind of junction; write start, grazing, corner, extremum, branch-point, "
-                          "multiplication, period-extremum or user",
-                          ric_yaml_text(value));
-}
-
-static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const char *path, ric_name *out)
-{
-    static const char *const keys[] = {"name", "kind", "energy", "frequency"};
-    ric_yaml_slot slots[4];
-    char key[RIC_KEY_MAX], *texts[2] = {NULL, NULL};
-    ric_status status = ric_yaml_map(r, map, path, 4, keys, slots);
-    for (int i = 0; i < 4 && !status; i++) {
-        ric_yaml_join(key, path, keys[i]);
-        if (!slots[i].key)
-            status =
-                ric_yaml_wrong(r, map, key,
-                               "missing; a name is {name: C1_32, kind: branch-point, energy: 1.9, frequency: 1.4}");
-        else if (i < 2) status = ric_yaml_string(r, slots[i].value, key, &texts[i]);
-        else status = ric_yaml_real(r, slots[i].value, key, i == 2 ? &out->energy : &out->frequency);
-        if (!status && i == 1) status = check_kind(r, slots[1].value, key);
-    }
-    out->name = texts[0];
-    out->kind = texts[1];
-    ric_yaml_join(key, path, "energy");
-    if (!status && out->energy < 0)
-        status = ric_yaml_wrong(r, slots[2].value, key, "%.10g is negative; give the scaled energy of the junction",
-                                out->energy);
-    ric_yaml_join(key, path, "frequency");
-    if (!status && out->frequency <= 0)
-        status = ric_yaml_wrong(r, slots[3].value, key,
-                                "%.10g is not positive; give the frequency of the junction in rad/s", out->frequency);
-    return status;
-}
-
-static ric_status read_names(const ric_yaml *r, const ric_yaml_slot *from, ric_study *study)
-{
-    char key[RIC_KEY_MAX];
-    if (!from->key) return RIC_OK;
-    if (!ric_yaml_is_list(from->value))
-        return ric_yaml_wrong(r, from->value, "names",
-                              "expected a list, found %s; write '- {name: C1_32, kind: branch-point, energy: 1.9, "
-                              "frequency: 1.4}'",
-                              ric_yaml_kind(from->value));
-    int n = ric_yaml_length(from->value);
-    if (n > NAME_MAX_COUNT)
-        return ric_yaml_wrong(r, from->value, "names", "%d names; at most %d are read", n, NAME_MAX_COUNT);
-    study->names = ric_calloc((size_t)n + 1, sizeof *study->names);
-    if (!study->names) return ric_yaml_no_memory(r);
-    for (int i = 0; i < n; i++) {
-        snprintf(key, sizeof key, "names[%d]", i + 1);
-        study->n_name = i + 1;
-        ric_status status = read_name(r, ric_yaml_item(r, from->value, i), key, &study->names[i]);
-        if (status) return status;
-    }
-    return RIC_OK;
-}
-
 /* ----------------------------------------------------------------- regions */
 
 static const char *const region_keys[] = {"energy", "frequency", "depth", "impacts", "multiply"};
@@ -372,20 +304,6 @@ static void write_options(const ric_explore_options *options, FILE *out)
     write_regions(options, out);
 }
 
-static void write_names(const ric_study *study, FILE *out)
-{
-    if (study->n_name) fputs("names:\n", out);
-    for (int i = 0; i < study->n_name; i++) {
-        fputs("  - {name: ", out);
-        ric_yaml_write(study->names[i].name, out);
-        fprintf(out, ", kind: %s, energy: ", study->names[i].kind);
-        ric_option_text_write(study->names[i].energy, out);
-        fputs(", frequency: ", out);
-        ric_option_text_write(study->names[i].frequency, out);
-        fputs("}\n", out);
-    }
-}
-
 /* Text of the study with the explore options as they are now; the rest from `raw`, or from the text there is if raw is
  * NULL. */
 static ric_status write_text(ric_study *study, const ric_raw_model *raw)
@@ -405,7 +323,7 @@ static ric_status write_text(ric_study *study, const ric_raw_model *raw)
     write_options(&study->options, out);
     ric_buffer_sync(&written);
     size_t end = written.size;
-    if (raw) write_names(study, out);
+    if (raw) ric_study_names_write(&study->names, out);
     if (raw) {
         ric_study_drawing_write(&study->drawing, out);
         ric_study_vary_write(&study->vary, raw->n, raw->n_contact, out);
@@ -473,7 +391,8 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         status = ric_study_option_read(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value,
                                        &study->options);
     if (status || (status = read_regions(r, &slots[S_REGIONS], &study->options, &relative)) ||
-        (status = read_names(r, &slots[S_NAMES], study)) || (status = ric_study_units_read(r, &slots[S_UNITS], &units)))
+        (status = ric_study_names_read(r, &slots[S_NAMES], &study->names)) ||
+        (status = ric_study_units_read(r, &slots[S_UNITS], &units)))
         return status;
     if (!slots[S_MODEL].key)
         return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
@@ -653,11 +572,7 @@ ric_status ric_study_add_region(ric_study *study, const ric_region *region)
 void ric_study_free(ric_study *study)
 {
     if (!study) return;
-    for (int i = 0; i < study->n_name; i++) {
-        free((void *)(uintptr_t)study->names[i].name);
-        free((void *)(uintptr_t)study->names[i].kind);
-    }
-    free(study->names);
+    ric_study_names_free(&study->names);
     ric_study_drawing_free(&study->drawing);
     ric_study_vary_free(&study->vary);
     ric_study_forcing_free(&study->forcing);
@@ -742,13 +657,13 @@ const ric_explore_options *ric_study_options(const ric_study *study)
 
 int ric_study_n_name(const ric_study *study)
 {
-    return study->n_name;
+    return study->names.n;
 }
 
 ric_status ric_study_name(const ric_study *study, int i, ric_name *out)
 {
-    if (i < 0 || i >= study->n_name)
-        return ric_fail(RIC_E_RANGE, "name %d does not exist; there are %d, from 0", i, study->n_name);
-    *out = study->names[i];
+    if (i < 0 || i >= study->names.n)
+        return ric_fail(RIC_E_RANGE, "name %d does not exist; there are %d, from 0", i, study->names.n);
+    *out = study->names.name[i];
     return RIC_OK;
 }

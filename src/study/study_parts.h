@@ -120,6 +120,18 @@ ric_status ric_study_drawing_read(const ric_yaml *r, const ric_yaml_slot *from, 
 void ric_study_drawing_write(const ric_drawing *drawing, FILE *out);
 void ric_study_drawing_free(ric_drawing *drawing);
 
+/* ------------------------------------------------------------- study_names.c */
+
+typedef struct {
+    int n;
+    ric_name *name; /* owned, as their texts are */
+} ric_study_names;
+
+/* Fills `out`, to be freed also on failure. */
+ric_status ric_study_names_read(const ric_yaml *r, const ric_yaml_slot *from, ric_study_names *out);
+void ric_study_names_write(const ric_study_names *names, FILE *out);
+void ric_study_names_free(ric_study_names *names);
+
 /* -------------------------------------------------------------- study_vary.c */
 
 /* Fills `out`, whose parts are owned, to be freed also on failure; without the section its name stays NULL. */
