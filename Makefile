@@ -8,7 +8,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. $(wildcard tests/*/.) bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench sanitize race memcheck memcheck-python sanitize-python package-check faults fuzz attack clean
+.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench sanitize race memcheck memcheck-python sanitize-python package-check container-check faults fuzz attack clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -29,6 +29,7 @@ help:
 	@echo "make memcheck-python  run the tests of the Python package under valgrind"
 	@echo "make sanitize-python  the same with the library of $(ASAN)/, as make sanitize does, too"
 	@echo "make package-check    build the packages for Debian, and install, use and remove them in a clean root (Debian: mmdebstrap; as root)"
+	@echo "make container-check  the steps of the Dockerfile in clean roots, without Docker (Debian: mmdebstrap; as root)"
 	@echo "make faults    let every allocation and every writing call of a run fail once"
 	@echo "make attack    judge the atlases of 2,000 random structures, ATTACK='-n 60 --seed 1' for fewer"
 	@echo "make fuzz      build the fuzzing harnesses in $(FUZZ)/ and run each for SECONDS=60 (Debian: clang-14, libclang-rt-14-dev)"
@@ -161,6 +162,9 @@ memcheck-python: setup-tests build
 
 package-check: setup-tests
 	@tools/package-check
+
+container-check:
+	@tools/container-check
 
 faults: setup-tests build
 	@FAULTS_ALL=1 RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_faults.sh
