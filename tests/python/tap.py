@@ -36,6 +36,11 @@ def program(*arguments):
     return json.loads(done.stdout)
 
 
+def near(found, wanted):
+    """What is left to compare with other roundings."""
+    return abs(found - wanted) <= 1e-5 * (1 + abs(wanted))
+
+
 def same(found, wanted, where):
     """Equal to the bit: numbers, texts, flags, arrays; null is NaN, infinite or None."""
     if wanted is None:
@@ -47,7 +52,7 @@ def same(found, wanted, where):
     elif isinstance(found, complex):
         same([found.real, found.imag], wanted, where)
     elif NEAR and isinstance(wanted, float):
-        assert abs(found - wanted) <= 1e-5 * (1 + abs(wanted)), (where, found, wanted)
+        assert near(found, wanted), (where, found, wanted)
     else:
         assert found == wanted, (where, found, wanted)
 

@@ -5,7 +5,7 @@ import math
 import os
 import subprocess
 
-from tap import LONG, NEAR, PROGRAM, run
+from tap import LONG, NEAR, PROGRAM, near, run
 
 import ricochet
 import numpy as np
@@ -38,7 +38,7 @@ def same(found, wanted, where):
         if not math.isfinite(value):
             assert wanted is None or isinstance(wanted, str), (where, found, wanted)
         else:
-            assert wanted is not None and value == float(wanted), (where, found, wanted)
+            assert wanted is not None and (value == float(wanted) or NEAR and near(value, float(wanted))), (where, found, wanted)
     else:
         assert found == wanted, (where, found, wanted)
 
