@@ -590,7 +590,7 @@ typedef struct {
     double error;             /* of loss and work, where they are quadratures, relative */
     bool trusted;
     const char
-        *why; /* period, grazing, multiplier, size, level, work or error: what forbids to trust it; "" otherwise */
+        *why; /* period, force, grazing, multiplier, size, level, work or error: why it is not trusted; "" if it is */
 } ric_prediction;
 
 /* The prediction of first order from an orbit of a branch, the force at `harmonic` times its frequency; level: physical
@@ -622,9 +622,9 @@ typedef struct {
     const char *fault; /* "", or why there is no forced orbit: then nothing else holds */
 } ric_forced;
 
-/* Newton's method on the exact forced problem from an orbit and a phase; level: physical amplitude. Rigid stops and
- * modal damping (RIC_E_INPUT otherwise). state [2 n_dof] right after the first impact, scaled, flights [letters] in
- * seconds, multipliers [4 n_dof] of the map over a period as re, im, of all modes. */
+/* Newton's method on the exact forced problem from an orbit and a phase; level: physical amplitude. state [2 n_dof]
+ * right after the first impact, scaled, flights [letters] in seconds, multipliers [4 n_dof] of the map over a period as
+ * re, im, of all modes. */
 ric_status ric_force_solve(const ric_force *force, const ric_orbit *orbit, int harmonic, double level, double phase,
                            ric_forced *out, double *state, double *flights, double *multipliers);
 
@@ -656,7 +656,7 @@ typedef enum {
     RIC_RESPONSE_WINDOW,
     RIC_RESPONSE_BUDGET,
     RIC_RESPONSE_CLOSED, /* comes back to its start: a detached resonance */
-    RIC_RESPONSE_JOINS,  /* begins at an event of another curve */
+    RIC_RESPONSE_JOINS,  /* at an event of another curve */
     RIC_RESPONSE_FAILED,
 } ric_response_stop;
 const char *ric_response_stop_text(ric_response_stop stop);

@@ -27,7 +27,8 @@ typedef struct {
     ric_response *r;
     ric_response_file *file;
     ric_response_trace_options trace;
-    double level; /* of the curves that are looked for, physical */
+    double level;   /* of the curves that are looked for, physical */
+    bool own_image; /* the event that is left is an orbit that x -> -x maps to itself */
 } driver;
 
 /* --------------------------------------------------------------------- rows */
@@ -221,6 +222,31 @@ static int known_event(driver *d, ric_force_orbit *o)
     return found;
 }
 
+/* Whether an orbit, of a curve that leaves events of this kind, is the one of such an event: there it is known to the
+ * third root of rounding only. */
+static bool at_event(driver *d, ric_force_orbit *o, const ric_response_mark *e)
+{
+    const ric_response_line *line = &d->r->curves[e->data.curve - 1];
+    const int copies = e->data.kind == RIC_RESPONSE_DOUBLING ? 2 : 1;
+    if (e->data.kind != RIC_RESPONSE_DOUBLING && e->data.kind != RIC_RESPONSE_BRANCH_POINT) return false;
+    if (line->data.harmonic * copies != o->harmonic) return false;
+    if (!(fabs(value_of(d, &e->data.at) / *ric_force_orbit_parameter(o, d->trace.along) - 1) < SAME)) return false;
+    ric_force_orbit *once = orbit_from(d, line, &e->row), *x = once ? ric_response_word_repeat(once, copies) : NULL;
+    const bool same = x && x->drive.level == o->drive.level && same_motion(d, o, x, BLURRED);
+    ric_force_orbit_free(once);
+    ric_force_orbit_free(x);
+    return same;
+}
+
+/* The branch point or doubling at which this orbit of a trace arrives, 0: none that is known. */
+static int arrival(driver *d, const ric_response_trace *t, const ric_response_orbit *at)
+{
+    ric_response_trace_put(at, t->shape);
+    for (int i = 0; i < d->r->n_event; i++)
+        if (at_event(d, t->shape, &d->r->events[i])) return d->r->events[i].data.id;
+    return 0;
+}
+
 /* ------------------------------------------------------------------- keeping */
 
 static ric_status keep_events(driver *d, ric_response_trace *t, ric_response_curve *c)
@@ -252,14 +278,16 @@ static ric_status keep(driver *d, ric_response_trace *t, int branch, int from)
 {
     ric_status status = t->status;
     int *word = status ? NULL : word_from(t->shape);
-    const ric_response_curve data = {.letters = t->shape->events ? t->shape->N : 0,
-                                     .impacts = impacts_of(t->shape),
-                                     .harmonic = t->shape->harmonic,
-                                     .level = d->trace.along == RIC_ALONG_LEVEL ? NAN : t->shape->drive.level,
-                                     .branch = branch,
-                                     .from = from,
-                                     .begin = from ? RIC_RESPONSE_JOINS : t->other,
-                                     .end = t->stop};
+    ric_response_curve data = {.letters = t->shape->events ? t->shape->N : 0,
+                               .impacts = impacts_of(t->shape),
+                               .harmonic = t->shape->harmonic,
+                               .level = d->trace.along == RIC_ALONG_LEVEL ? NAN : t->shape->drive.level,
+                               .branch = branch,
+                               .from = from,
+                               .begin = from ? RIC_RESPONSE_JOINS : t->other,
+                               .end = t->stop};
+    if (!status && t->stop == RIC_RESPONSE_JOINS) data.to = arrival(d, t, &t->points[t->n_point - 1]);
+    if (!status && !from && t->other == RIC_RESPONSE_JOINS) data.from = arrival(d, t, &t->points[0]);
     ric_response_line *line = word ? ric_response_add_curve(d->r, &data, word) : NULL;
     if (!status && !line) status = ric_no_memory("a response");
     for (int i = 0; line && i < t->n_point && !status; i++) {
@@ -453,7 +481,20 @@ static bool mute(const driver *d, int curve, int event)
     return c->from == event || c->to == event;
 }
 
-/* Whether a curve with this word leaves the event already, whatever letter it begins with. */
+/* Whether a is b from letter `turn` on, or, mirrored, with all faces exchanged for those on the other side. */
+static bool same_word(const ric_model *m, int letters, const int *a, const int *b, int turn, bool mirrored)
+{
+    const int faces = m->n_face;
+    for (int i = 0; i < letters; i++) {
+        int f = b[(i + turn) % letters] % faces, other = f;
+        for (int g = 0; mirrored && g < faces; g++)
+            if (g != f && m->face[g].contact == m->face[f].contact) other = g;
+        if (a[i] != other + (b[(i + turn) % letters] - f)) return false;
+    }
+    return true;
+}
+
+/* Whether a curve with this word leaves the event already, whatever letter it begins with, or its mirror image does. */
 static bool has_left(const driver *d, const ric_force_orbit *o, int event)
 {
     int *word = word_from(o);
@@ -463,10 +504,9 @@ static bool has_left(const driver *d, const ric_force_orbit *o, int event)
         const ric_response_curve *other = &d->r->curves[c].data;
         if (!mute(d, c, event) || other->letters != letters || other->harmonic != o->harmonic) continue;
         found = letters == 0;
-        for (int turn = 0; turn < letters && !found; turn++) {
-            found = true;
-            for (int i = 0; i < letters && found; i++) found = word[i] == other->word[(i + turn) % letters];
-        }
+        for (int turn = 0; turn < letters && !found; turn++)
+            for (int image = 0; image <= d->own_image && !found; image++)
+                found = same_word(d->medium->model, letters, word, d->r->curves[c].word, turn, image);
     }
     free(word);
     return found;
@@ -542,19 +582,19 @@ static bool secant(driver *d, const ric_response_mark *e, double *out)
     return found && length > 0;
 }
 
-/* Whether a curve that left another branch point has come to this one: there it folds. At a branch point a motion is
- * known to the third root of rounding only. */
-static bool reached(driver *d, const ric_force_orbit *o, const ric_response_mark *event)
+/* Whether a curve that left another event, or began beside an orbit of the atlas, has come to this one. */
+static bool reached(driver *d, const ric_response_mark *event)
 {
     bool found = false;
-    for (int i = 0; i < d->r->n_event && !found; i++) {
-        const ric_response_mark *e = &d->r->events[i];
-        const ric_response_line *line = &d->r->curves[e->data.curve - 1];
-        if (e->data.kind != RIC_RESPONSE_FOLD || e->data.curve == event->data.curve || !line->data.from) continue;
-        if (!(fabs(value_of(d, &e->data.at) / value_of(d, &event->data.at) - 1) < SAME)) continue;
-        ric_force_orbit *x = orbit_from(d, line, &e->row);
-        found = x && same_motion(d, o, x, BLURRED);
-        ric_force_orbit_free(x);
+    for (int i = 0; i < d->r->n_curve && !found; i++) {
+        const ric_response_line *line = &d->r->curves[i];
+        for (int end = 0; end < 2 && !found && line->data.n_point > 0; end++) {
+            const bool joins = end ? line->data.end == RIC_RESPONSE_JOINS
+                                   : line->data.begin == RIC_RESPONSE_JOINS && !line->data.from;
+            ric_force_orbit *x = joins ? orbit_from(d, line, &line->points[end ? line->data.n_point - 1 : 0]) : NULL;
+            found = (end ? line->data.to : line->data.from) == event->data.id || (x && at_event(d, x, event));
+            ric_force_orbit_free(x);
+        }
     }
     return found;
 }
@@ -566,7 +606,7 @@ static ric_status leave_aside(driver *d, ric_force_orbit *o, int branch, int eve
     double row[m + 1], direction[m + 1];
     ric_status status = RIC_OK;
     if (o->harmonic * copies > d->r->asked.periods || impacts_of(o) * copies > d->r->asked.impacts ||
-        (copies == 1 && reached(d, o, &d->r->events[event - 1])) || !secant(d, &d->r->events[event - 1], row))
+        reached(d, &d->r->events[event - 1]) || !secant(d, &d->r->events[event - 1], row))
         return RIC_OK;
     for (int side = 0; side < sides && !status; side++) {
         ric_force_orbit *x = ric_response_word_aside(o, &d->trace, row, copies, side ? -1 : 1, direction);
@@ -574,6 +614,19 @@ static ric_status leave_aside(driver *d, ric_force_orbit *o, int branch, int eve
         else ric_force_orbit_free(x);
     }
     return status;
+}
+
+static bool own_image(const driver *d, const ric_force_orbit *o)
+{
+    const int size = 2 * o->n;
+    double z[size], x[size], most = 0, length = 1;
+    if (!ric_model_symmetric(d->medium->model)) return false;
+    if (ric_force_motion_strobe(o, 0, z) || ric_force_motion_strobe(o, RIC_PI, x)) return false;
+    for (int j = 0; j < size; j++) {
+        most = fmax(most, fabs(z[j] + x[j]));
+        length = fmax(length, 1 + fabs(z[j]));
+    }
+    return most < SAME * length;
 }
 
 static ric_status leave(driver *d, int event)
@@ -584,6 +637,7 @@ static ric_status leave(driver *d, int event)
     ric_force_orbit *o = orbit_from(d, &d->r->curves[e->data.curve - 1], &e->row);
     ric_status status = RIC_OK;
     if (!o) return ric_trust(RIC_OK);
+    d->own_image = own_image(d, o);
     if (kind == RIC_RESPONSE_GRAZING) status = leave_grazing(d, o, branch, event);
     if (kind == RIC_RESPONSE_GRAZING && !status) status = leave_grazing_once(d, o, branch, event);
     if (kind == RIC_RESPONSE_BRANCH_POINT || kind == RIC_RESPONSE_DOUBLING)

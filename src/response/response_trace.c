@@ -16,6 +16,10 @@
 #define LOCATED 1e-13  /* of a step: where an event is */
 #define ON_CIRCLE 1e-4 /* multipliers at a place of Neimark and Sacker */
 #define BESIDE 0.1     /* of a step: how far from where it was seen a branch point is */
+#define ARRIVED 1e-3   /* relative: an orbit that is its own image; there it is known to the third root of rounding */
+#define NEARER 0.1     /* how much nearer to that than the ends of its step it must be */
+#define FINEST 1e-3    /* of the longest step: events that lie closer are not told apart */
+#define UNKNOWN 1e-6   /* multipliers nearer to the circle count on neither side */
 #define OPEN 0.5       /* gaps wider than that part of the clearance tell nothing */
 
 enum { QUICK = 5, LOCATE_MOST = 100, STEP_WORK = 10000 /* multiplications of a step, about */ };
@@ -259,6 +263,76 @@ static bool make_room(void **array, int n, int *room, size_t each)
     return true;
 }
 
+/* How far the orbit is, relative, from one that repeats itself within its period or that is its own mirror image;
+ * infinite where there is no such image to compare it with. */
+static double asymmetry(const tracer *t, const ric_response_orbit *at)
+{
+    ric_force_orbit *o = t->o;
+    const int size = 2 * o->n, images = ric_model_symmetric(o->medium->model) ? 2 : 1;
+    double z[size], x[size], least = INFINITY;
+    ric_response_trace_put(at, o);
+    const double begin = ric_force_orbit_theta(o, 0) + o->drive.omega * ric_force_orbit_tau(o, 0) / 2;
+    if (ric_force_motion_strobe(o, begin, z)) return INFINITY;
+    for (int i = 0; i < images; i++)
+        for (int k = i ? 0 : 1; k < o->harmonic; k++) {
+            double most = 0, length = 1;
+            if (ric_force_motion_strobe(o, begin + RIC_TWO_PI * k + (i ? RIC_PI : 0), x)) continue;
+            for (int j = 0; j < size; j++) {
+                most = fmax(most, fabs(z[j] - (i ? -x[j] : x[j])));
+                length = fmax(length, 1 + fabs(z[j]));
+            }
+            least = fmin(least, most / length);
+        }
+    return least;
+}
+
+/* Whether the curve, which turns at p between a and b, comes to an orbit with more symmetry there: that of the curve
+ * which it left at its other end, or another one. Beyond, it is its own image. */
+static bool arrives(const tracer *t, const probe *a, const probe *p, const probe *b)
+{
+    const double there = asymmetry(t, &p->orbit);
+    return there < ARRIVED && there < NEARER * fmin(asymmetry(t, &a->orbit), asymmetry(t, &b->orbit));
+}
+
+/* Multipliers outside the unit circle, -1: some are not known to be on either side. */
+static int outside(const tracer *t, const probe *p)
+{
+    int count = 0;
+    for (int i = 0; i < 2 * t->o->n; i++) {
+        const double size = hypot(p->orbit.multipliers[2 * i], p->orbit.multipliers[2 * i + 1]);
+        if (!(fabs(size - 1) > UNKNOWN + p->orbit.rounding)) return -1;
+        count += size > 1;
+    }
+    return count;
+}
+
+/* Whether multipliers cross the circle between a and b otherwise than the events from `first` on say: some lie so close
+ * that a step does not tell them apart. */
+static bool unexplained(const tracer *t, const probe *a, const probe *b, int first)
+{
+    const int before = outside(t, a), behind = outside(t, b);
+    int single = 0, pairs = 0;
+    for (int i = first; i < t->out->n_event; i++) {
+        const ric_response_kind kind = t->out->events[i].kind;
+        single += kind == RIC_RESPONSE_FOLD || kind == RIC_RESPONSE_BRANCH_POINT || kind == RIC_RESPONSE_DOUBLING;
+        pairs += kind == RIC_RESPONSE_NEIMARK_SACKER;
+    }
+    if (before < 0 || behind < 0) return false;
+    const int change = abs(behind - before);
+    return change > single + 2 * pairs || (change - single) % 2 != 0;
+}
+
+static void drop_events(tracer *t, int first, double beyond)
+{
+    ric_response_trace *out = t->out;
+    int kept = first;
+    for (int i = first; i < out->n_event; i++) {
+        if (out->events[i].at.arclength > beyond) ric_response_trace_orbit_free(&out->events[i].at);
+        else out->events[kept++] = out->events[i];
+    }
+    out->n_event = kept;
+}
+
 static bool keep_event(tracer *t, ric_response_kind kind, probe *p)
 {
     ric_response_trace *out = t->out;
@@ -268,19 +342,24 @@ static bool keep_event(tracer *t, ric_response_kind kind, probe *p)
     return true;
 }
 
-/* Events of the step from a to b, of length h, the grazing at its end among them; *ends: there is one. */
-static bool find_events(tracer *t, const probe *a, const probe *b, double h, bool *ends)
+typedef enum { GOES_ON, GRAZES, ARRIVES } step_end;
+
+/* Events of the step from a to b, of length h, the grazing at its end among them; *ends: how. At an arrival b becomes
+ * the orbit there. */
+static bool find_events(tracer *t, const probe *a, probe *b, double h, step_end *ends)
 {
     static const ric_response_kind kinds[] = {RIC_RESPONSE_FOLD, RIC_RESPONSE_BRANCH_POINT, RIC_RESPONSE_DOUBLING,
                                               RIC_RESPONSE_NEIMARK_SACKER, RIC_RESPONSE_GRAZING};
     const bool folds = a->orbit.tangent[t->o->m] * b->orbit.tangent[t->o->m] < 0;
+    const int before = t->out->n_event;
     double end = INFINITY;
-    *ends = b->orbit.margin < 0;
+    *ends = b->orbit.margin < 0 ? GRAZES : GOES_ON;
     for (int what = BY_MARGIN; what >= BY_FOLD; what--) {
         const double first = read_probe(t, a, (reading)what), last = read_probe(t, b, (reading)what);
         probe p;
         if (!(first * last < 0) || (what == BY_ONE && folds)) continue;
         if (!probe_create(t, &p)) return false;
+        p.orbit.arclength = NAN; /* until an orbit is found; at an arrival the last ones may not be */
         const bool found = locate(t, a, (reading)what, h, last, &p);
         if (!found && what == BY_MARGIN) {
             ric_response_trace_orbit_free(&p.orbit);
@@ -288,6 +367,15 @@ static bool find_events(tracer *t, const probe *a, const probe *b, double h, boo
         }
         if (found && what == BY_MARGIN) end = p.orbit.arclength;
         if (found && what == BY_ONE) settle_branch_point(t, a, h, &p);
+        if (what == BY_FOLD && p.orbit.arclength <= end && arrives(t, a, &p, b)) {
+            const probe swap = *b;
+            *b = p;
+            p = swap;
+            *ends = ARRIVES;
+            drop_events(t, before, b->orbit.arclength - BESIDE * h);
+            ric_response_trace_orbit_free(&p.orbit);
+            continue;
+        }
         if (found && p.orbit.arclength <= end && (what != BY_PAIRS || on_circle(t, &p)) &&
             !keep_event(t, kinds[what], &p)) {
             ric_response_trace_orbit_free(&p.orbit);
@@ -369,7 +457,8 @@ static ric_response_stop follow(tracer *t, probe *a)
     ric_response_stop stop = RIC_RESPONSE_FAILED;
     if (!probe_create(t, &b)) return stop;
     while (true) {
-        bool ends;
+        step_end ends;
+        const int known = t->out->n_event;
         if (t->out->n_point >= t->options->points) {
             stop = RIC_RESPONSE_BUDGET;
             break;
@@ -390,11 +479,20 @@ static ric_response_stop follow(tracer *t, probe *a)
             taken = b.orbit.arclength - a->orbit.arclength;
         }
         if (!find_events(t, a, &b, taken, &ends)) break;
-        if (ends) {
+        if (ends == GRAZES) {
             stop = RIC_RESPONSE_GRAZES;
             break;
         }
+        if (ends == GOES_ON && taken > FINEST * longest && unexplained(t, a, &b, known)) {
+            drop_events(t, known, -INFINITY);
+            h = taken / 2;
+            continue;
+        }
         if (!keep_point(t, &b)) break;
+        if (ends == ARRIVES) {
+            stop = RIC_RESPONSE_JOINS;
+            break;
+        }
         if (leaves) {
             stop = RIC_RESPONSE_WINDOW;
             break;

@@ -51,7 +51,9 @@ curves = read("curves")
 at = [c[k] for c in curves for k in ("from", "to") if c[k]]
 grazing = [e["id"] for e in read("events") if e["kind"] == "grazing"]
 assert all(at.count(i) == 2 for i in grazing), at
-assert any(c["ends"] == "closed" for c in curves)'
+kinds = {e["id"]: e["kind"] for e in read("events")}
+aside = [c for c in curves if c["begins"] == c["ends"] == "event"]
+assert len(aside) == 1 and [kinds[aside[0][k]] for k in ("from", "to")] == ["branch-point"] * 2'
 ok "curves are solved to rounding" rows 'assert all(p["residual"] < 1e-12 for p in read("points"))'
 "$ricochet" force "$atlas" --force 1,0 --damping 0.01 --branch 3 --energy 1 --level 0.2 --exact --json >"$folder/exact"
 ok "what force finds lies on a curve" rows '
@@ -124,6 +126,46 @@ forcing: {coordinate: 2, frequency: [1.1, 2.6], amplitude: 0.02}
 END
 "$ricochet" run "$folder/b.yaml" -o "$folder/b" --quiet 2>/dev/null
 ok "flights so short that nothing changes in them are looked through" timeout 300 "$ricochet" response "$folder/b" --impacts 4 -o "$folder/b.response"
+cat >"$folder/u.yaml" <<'END'
+model:
+  mass: [[1.3, 0], [0, 0.7]]
+  stiffness: [[5.2, -1.9], [-1.9, 3.4]]
+  contacts: [{normal: [1, 0], clearance: 0.8, sides: upper}]
+explore: {impacts: 6, multiply: 2, depth: 1}
+damping: {alpha: 0.002, beta: 0.001}
+restitution: 0.996
+forcing: {vector: [0.3, 1], frequency: [1.2, 3.4], amplitude: 0.03}
+END
+"$ricochet" run "$folder/u.yaml" -o "$folder/u" --quiet 2>/dev/null
+"$ricochet" response "$folder/u" --impacts 4 -o "$folder/u.response" --json >"$folder/doubled"
+"$ricochet" response "$folder/u.response" --events --json >"$folder/events"
+ok "a curve of twice the period goes from one doubling to the other, once" rows '
+twice = [c for c in read("doubled") if c["periods"] == 2]
+kinds = {e["id"]: e["kind"] for e in read("events")}
+assert len(twice) == 1 and twice[0]["begins"] == twice[0]["ends"] == "event" and twice[0]["from"] != twice[0]["to"]
+assert kinds[twice[0]["from"]] == kinds[twice[0]["to"]] == "doubling"'
+ok "what its multipliers do between two steps is found" rows '
+twice = next(c["id"] for c in read("doubled") if c["periods"] == 2)
+on = [(e["kind"], e["omega"]) for e in read("events") if e["curve"] == twice]
+assert sorted(k for k, _ in on) == ["fold", "neimark-sacker"]
+assert all(abs(w - {"fold": 1.9097161666108944, "neimark-sacker": 1.9097153088666878}[k]) < 1e-12 for k, w in on)'
+cat >"$folder/f.yaml" <<'END'
+model:
+  mass: [[1, 0, 0, 0, 0], [0, 1.2, 0, 0, 0], [0, 0, 0.9, 0, 0], [0, 0, 0, 1.4, 0], [0, 0, 0, 0, 0.7]]
+  stiffness: [[3.1, -1, 0, 0, 0], [-1, 2.5, -1.2, 0, 0], [0, -1.2, 2.9, -1, 0], [0, 0, -1, 2.4, -0.8],
+              [0, 0, 0, -0.8, 1.9]]
+  contacts: [{normal: [0, 0, 0, 0, 1], clearance: 0.4}]
+explore: {start: [2], impacts: 2, multiply: 1, depth: 1}
+damping: 0.0015
+restitution: 0.998
+forcing: {coordinate: 1, frequency: [1.2, 1.27], amplitude: 0.02}
+END
+"$ricochet" run "$folder/f.yaml" -o "$folder/f" --quiet 2>/dev/null
+"$ricochet" response "$folder/f" --impacts 2 --branch "$("$ricochet" branches "$folder/f" --json | python3 -c 'import json, sys
+print(next(b["id"] for b in json.load(sys.stdin) if b["symmetric"] and b["impacts"] == 2))')" -o "$folder/f.response" --json >"$folder/aside"
+ok "a curve that has lost a symmetry goes from one branch point to the other, once" rows '
+a, b = read("aside")
+assert (b["begins"], b["ends"]) == ("event", "event") and 0 < b["from"] < b["to"] and a["ends"] == "window"'
 ok "no file" ends 2 "-o FILE is missing" "$atlas" --force 1,0 --damping 0.01 --omega 1,2 --level 0.2
 ok "a negative damping" ends 2 negative "$atlas" --force 1,0 --damping -0.01 --omega 1,2 --level 0.2 -o "$folder/n"
 ok "a force of the wrong length" ends 2 "3 numbers" "$atlas" --force 1,0,0 --damping 0.01 --omega 1,2 --level 0.2 -o "$folder/n"
