@@ -17,7 +17,7 @@ if ! command -v python3 >/dev/null; then
     echo '1..0 # SKIP python3 is not there to make the matrices'
     exit 77
 fi
-for spring in 3.98 3.99 4.01; do
+for spring in $(some_of 4.01 '3.98 3.99 4.01'); do
     ok "spring $spring: run" explored $spring
     ok "spring $spring: no branch failed" closed $spring
     ok "spring $spring: every stored point verifies" "$ricochet" verify "$folder/$spring.ricochet" --all
