@@ -39,17 +39,6 @@ ric_resonance *ric_resonance_list(bool half, int largest, int *n)
     return list;
 }
 
-int ric_resonance_below(const ric_resonance *list, int n, double rho)
-{
-    int low = 0, high = n;
-    while (low < high) {
-        int middle = (low + high) / 2;
-        if (list[middle].rho < rho) low = middle + 1;
-        else high = middle;
-    }
-    return low;
-}
-
 static bool faint(const ric_model *m, int mode)
 {
     for (int f = 0; f < m->n_face; f++)

@@ -18,9 +18,6 @@ typedef struct {
  * memory. */
 ric_resonance *ric_resonance_list(bool half, int largest, int *n);
 
-/* How many of them lie below rho. */
-int ric_resonance_below(const ric_resonance *list, int n, double rho);
-
 /* A function that changes its sign where one of the pairs rho [2 * n_pair: re, im] passes `value`, and is smooth where
  * pairs meet. */
 double ric_resonance_test(const double *rho, int n_pair, double value);

@@ -185,7 +185,8 @@ ric_status ric_locus_orbit_begin(ric_locus_problem *q, const ric_periodic *cycle
     return measure(q, NULL, o);
 }
 
-/* offset [n_unknown], may be NULL: of the orbit from the centre carried to its structure. */
+/* The orbit at (a, b) of a chart. RIC_E_NUMERIC where there is none or it does not converge. offset [n_unknown], may be
+ * NULL: of the orbit from the centre carried to its structure. */
 static ric_status orbit_at(ric_locus_problem *q, const ric_locus_chart *chart, double a, double b, double *offset,
                            ric_locus_orbit *o)
 {
@@ -202,12 +203,6 @@ static ric_status orbit_at(ric_locus_problem *q, const ric_locus_chart *chart, d
         return ric_fail(RIC_E_NUMERIC, "Newton's method does not converge");
     for (int i = 0; i < size && offset; i++) offset[i] = o->u[i] - origin[i];
     return measure(q, centre, o);
-}
-
-ric_status ric_locus_orbit_at(ric_locus_problem *q, const ric_locus_chart *chart, double a, double b,
-                              ric_locus_orbit *out)
-{
-    return orbit_at(q, chart, a, b, NULL, out);
 }
 
 /* Secant iteration to the last digit: the best of what it passes counts. */

@@ -81,9 +81,6 @@ bool ric_locus_commensurate_near(const ric_locus_problem *q, double p, ric_locus
  * still lacks, the touch or the flight that vanishes, is read off it. RIC_E_NUMERIC where it does not converge. out is
  * to be freed also on failure. */
 ric_status ric_locus_orbit_begin(ric_locus_problem *q, const ric_periodic *cycle, ric_locus_orbit *out);
-/* The orbit at (a, b) of a chart. RIC_E_NUMERIC where there is none or it does not converge. */
-ric_status ric_locus_orbit_at(ric_locus_problem *q, const ric_locus_chart *chart, double a, double b,
-                              ric_locus_orbit *out);
 void ric_locus_orbit_free(ric_locus_orbit *orbit);
 /* The chart of an orbit: slopes by central differences; `ahead` turned to the side of `before` [2], NULL: to rising b.
  */
