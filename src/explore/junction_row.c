@@ -99,7 +99,7 @@ out:
 
 /* The linear motion of a mode at an energy that was asked for; its contacts may not see it, so that it is no node of
  * the graph. */
-static ric_status mark_linear(const ric_model *m, int mode, double energy, int index, ric_junction_row *out)
+static ric_status linear_row(const ric_model *m, int mode, double energy, int index, ric_junction_row *out)
 {
     ric_junction_record *r = &out->record;
     int n = m->n_dof;
@@ -123,7 +123,8 @@ static ric_status mark_linear(const ric_model *m, int mode, double energy, int i
     return RIC_OK;
 }
 
-ric_status ric_junction_row_energies(const ric_graph *g, int mode, ric_branch_row *s, ric_junction_row *marks, int *n)
+ric_status ric_junction_row_energies(const ric_graph *g, int mode, ric_branch_row *s, ric_junction_row *junctions,
+                                     int *n)
 {
     ric_status status = RIC_OK;
     ric_branch_record *r = &s->record;
@@ -132,7 +133,7 @@ ric_status ric_junction_row_energies(const ric_graph *g, int mode, ric_branch_ro
         const ric_user_point *asked = &g->limits.asked[i];
         if (asked->frequency || asked->value >= r->row.energy_max) continue;
         r->junction_at[r->row.n_junction++] = ric_linear_amplitude(g->model->frequency[mode], asked->value);
-        status = mark_linear(g->model, mode, asked->value, g->n_node + *n, &marks[*n]);
+        status = linear_row(g->model, mode, asked->value, g->n_node + *n, &junctions[*n]);
         (*n)++;
     }
     return status;
@@ -152,7 +153,7 @@ int ric_junction_row_order(const void *p, const void *q)
     return k->index - l->index;
 }
 
-ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_row *marks)
+ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_row *junctions)
 {
     for (int k = 0; k < ric_study_n_name(study); k++) {
         ric_name name;
@@ -161,19 +162,19 @@ ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_ro
         ric_status status = ric_study_name(study, k, &name);
         if (status) return status;
         for (int i = 0; i < n; i++) {
-            const ric_junction *j = &marks[i].record.row;
+            const ric_junction *j = &junctions[i].record.row;
             double off = fabs(j->energy / name.energy - 1) + fabs(j->frequency / name.frequency - 1);
             if (strcmp(ric_kind_text(j->kind), name.kind) || !(off < least)) continue;
             least = off;
             best = i;
         }
         if (best < 0) continue;
-        free(marks[best].record.name);
-        if (!(marks[best].record.name = ric_strdup(name.name))) return ric_no_rows();
+        free(junctions[best].record.name);
+        if (!(junctions[best].record.name = ric_strdup(name.name))) return ric_no_rows();
     }
     for (int i = 0; i < n; i++) {
-        if (!marks[i].record.name && !(marks[i].record.name = ric_strdup(""))) return ric_no_rows();
-        marks[i].record.row.name = marks[i].record.name;
+        if (!junctions[i].record.name && !(junctions[i].record.name = ric_strdup(""))) return ric_no_rows();
+        junctions[i].record.row.name = junctions[i].record.name;
     }
     return RIC_OK;
 }

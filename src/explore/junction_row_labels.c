@@ -16,16 +16,17 @@
 
 typedef struct {
     ric_graph *graph;
-    ric_junction_row *marks;
+    ric_junction_row *junctions;
     pthread_mutex_t lock; /* of the store, of whom to ask, and of the numbers */
     int left, unmeasured;
     time_t saved;
-} workshop;
+} measuring;
 
-static bool has_label(const ric_junction_row *mark)
+static bool has_label(const ric_junction_row *junction)
 {
-    return mark->node && (mark->node->kind == RIC_KIND_EXTREMUM || mark->node->kind == RIC_KIND_BRANCH_POINT ||
-                          mark->node->kind == RIC_KIND_MULTIPLICATION);
+    return junction->node &&
+           (junction->node->kind == RIC_KIND_EXTREMUM || junction->node->kind == RIC_KIND_BRANCH_POINT ||
+            junction->node->kind == RIC_KIND_MULTIPLICATION);
 }
 
 /* ------------------------------------------------------------------- keeping */
@@ -52,7 +53,7 @@ static ric_status label_key(const ric_node *node, char *key, size_t size)
 }
 
 /* Whether the label has been measured before. */
-static bool recall(workshop *s, const char *key, ric_junction *row)
+static bool recall(measuring *s, const char *key, ric_junction *row)
 {
     void *blob = NULL;
     size_t size = 0;
@@ -72,7 +73,7 @@ static bool recall(workshop *s, const char *key, ric_junction *row)
     return true;
 }
 
-static ric_status keep(workshop *s, const char *key, const ric_junction *row)
+static ric_status keep(measuring *s, const char *key, const ric_junction *row)
 {
     const int32_t label[3] = {row->a, row->b, row->decided};
     ric_status status = RIC_OK;
@@ -94,7 +95,7 @@ static ric_status keep(workshop *s, const char *key, const ric_junction *row)
 /* One thread at a time shows how far all are; the others go by what it was told. */
 static bool stopped(void *user)
 {
-    workshop *s = user;
+    measuring *s = user;
     if (s->graph->stopping || pthread_mutex_trylock(&s->lock)) return s->graph->stopping;
     s->graph->progress.labels = s->left;
     s->graph->progress.open = 0;
@@ -103,7 +104,7 @@ static bool stopped(void *user)
     return stop;
 }
 
-static void count(workshop *s, bool measured)
+static void count(measuring *s, bool measured)
 {
     pthread_mutex_lock(&s->lock);
     s->left--;
@@ -111,14 +112,14 @@ static void count(workshop *s, bool measured)
     pthread_mutex_unlock(&s->lock);
 }
 
-static ric_status measure_in_shop(void *user, int i)
+static ric_status measure_row(void *user, int i)
 {
-    workshop *s = user;
-    const ric_node *node = s->marks[i].node;
-    ric_junction *row = &s->marks[i].record.row;
+    measuring *s = user;
+    const ric_node *node = s->junctions[i].node;
+    ric_junction *row = &s->junctions[i].record.row;
     char key[300];
     ric_status status = RIC_OK;
-    if (!has_label(&s->marks[i])) return RIC_OK;
+    if (!has_label(&s->junctions[i])) return RIC_OK;
     if ((status = label_key(node, key, sizeof key))) {
         count(s, false);
         return status;
@@ -137,13 +138,13 @@ static ric_status measure_in_shop(void *user, int i)
     return status;
 }
 
-ric_status ric_junction_rows_measure(ric_graph *g, int n, ric_junction_row *marks, bool *all)
+ric_status ric_junction_rows_measure(ric_graph *g, int n, ric_junction_row *junctions, bool *all)
 {
-    workshop shop = {.graph = g, .marks = marks};
-    for (int i = 0; i < n; i++) shop.left += has_label(&marks[i]);
-    pthread_mutex_init(&shop.lock, NULL);
-    ric_status status = ric_workers_each(g->n_worker, n, measure_in_shop, &shop);
-    pthread_mutex_destroy(&shop.lock);
-    *all = *all && !shop.unmeasured;
+    measuring work = {.graph = g, .junctions = junctions};
+    for (int i = 0; i < n; i++) work.left += has_label(&junctions[i]);
+    pthread_mutex_init(&work.lock, NULL);
+    ric_status status = ric_workers_each(g->n_worker, n, measure_row, &work);
+    pthread_mutex_destroy(&work.lock);
+    *all = *all && !work.unmeasured;
     return status;
 }

@@ -23,8 +23,8 @@ static bool departed(const ric_node *node)
     return false;
 }
 
-static ric_status linear_sheets(const ric_graph *g, ric_branch_row *sheets, int *n, ric_junction_row *marks,
-                                int *n_mark)
+static ric_status linear_rows(const ric_graph *g, ric_branch_row *branches, int *n, ric_junction_row *junctions,
+                              int *n_junction)
 {
     const ric_model *m = g->model;
     double *energy = ric_calloc((size_t)m->n_dof, sizeof *energy);
@@ -38,9 +38,9 @@ static ric_status linear_sheets(const ric_graph *g, ric_branch_row *sheets, int 
         for (int k = 0; k < g->n_node; k++)
             if (seen >= 0 && g->nodes[k]->mode == seen && g->nodes[k]->multiple == 1) node = k;
         if (m->frequency[i] == 0 || !(started(g->options, i) || (node >= 0 && departed(g->nodes[node])))) continue;
-        status = ric_branch_row_linear(m, g->options, i, seen, node, seen >= 0 ? energy[i] : HUGE_VAL, &sheets[*n]);
-        if (!started(g->options, i)) sheets[*n].record.row.depth = g->nodes[node]->depth + 1;
-        if (!status) status = ric_junction_row_energies(g, i, &sheets[*n], marks, n_mark);
+        status = ric_branch_row_linear(m, g->options, i, seen, node, seen >= 0 ? energy[i] : HUGE_VAL, &branches[*n]);
+        if (!started(g->options, i)) branches[*n].record.row.depth = g->nodes[node]->depth + 1;
+        if (!status) status = ric_junction_row_energies(g, i, &branches[*n], junctions, n_junction);
         (*n)++;
     }
     free(energy);
@@ -49,7 +49,7 @@ static ric_status linear_sheets(const ric_graph *g, ric_branch_row *sheets, int 
 }
 
 /* The nodes that some branch meets, or that belong to a mode. */
-static void mark_used(const ric_graph *g, bool *used)
+static void find_used(const ric_graph *g, bool *used)
 {
     for (int i = 0; i < g->n_node; i++) used[i] = g->nodes[i]->mode >= 0 || g->nodes[i]->mixture >= 0;
     for (int i = 0; i < g->n_edge; i++) {
@@ -72,17 +72,17 @@ static ric_status list_branch(ric_junction_row *k, int id)
     return RIC_OK;
 }
 
-/* For each junction the branches that meet there. `marks` lie in the order of ids. */
-static ric_status list_branches(ric_junction_row *marks, int n, const ric_branch_row *sheets, const int *id)
+/* For each junction the branches that meet there. `junctions` lie in the order of ids. */
+static ric_status list_branches(ric_junction_row *junctions, int n, const ric_branch_row *branches, const int *id)
 {
     ric_status status = RIC_OK;
     for (int i = 0; i < n && !status; i++) {
-        const ric_branch_row *s = &sheets[i];
-        if (s->from >= 0) status = list_branch(&marks[id[s->from] - 1], i + 1);
-        if (s->to >= 0 && !status) status = list_branch(&marks[id[s->to] - 1], i + 1);
+        const ric_branch_row *s = &branches[i];
+        if (s->from >= 0) status = list_branch(&junctions[id[s->from] - 1], i + 1);
+        if (s->to >= 0 && !status) status = list_branch(&junctions[id[s->to] - 1], i + 1);
         for (int j = 0; j < s->record.row.n_junction && !status; j++)
             if (ric_branch_row_passed(s, j) >= 0)
-                status = list_branch(&marks[id[ric_branch_row_passed(s, j)] - 1], i + 1);
+                status = list_branch(&junctions[id[ric_branch_row_passed(s, j)] - 1], i + 1);
     }
     return status;
 }
@@ -95,61 +95,63 @@ static void note_ends(ric_branch_row *s, const int *id)
     memcpy(s->ends, ends, sizeof ends);
 }
 
-static void link_sheets(int n, ric_branch_row *sheets, const int *id)
+static void link_branches(int n, ric_branch_row *branches, const int *id)
 {
     for (int i = 0; i < n; i++) {
-        ric_branch_record *r = &sheets[i].record;
+        ric_branch_record *r = &branches[i].record;
         r->row.id = i + 1;
-        r->row.from = sheets[i].from >= 0 ? id[sheets[i].from] : 0;
-        r->row.to = sheets[i].to >= 0 ? id[sheets[i].to] : 0;
-        for (int k = 0; k < r->row.n_junction; k++) r->junctions[k] = id[ric_branch_row_passed(&sheets[i], k)];
+        r->row.from = branches[i].from >= 0 ? id[branches[i].from] : 0;
+        r->row.to = branches[i].to >= 0 ? id[branches[i].to] : 0;
+        for (int k = 0; k < r->row.n_junction; k++) r->junctions[k] = id[ric_branch_row_passed(&branches[i], k)];
     }
 }
 
 /* Rows are made one by one from what is finished: by all workers. */
 typedef struct {
     const ric_graph *graph;
-    ric_branch_row *sheets;
-    ric_junction_row *marks;
-} workshop;
+    ric_branch_row *branches;
+    ric_junction_row *junctions;
+} making;
 
-static ric_status sheet_in_shop(void *user, int i)
+static ric_status make_branch(void *user, int i)
 {
-    const workshop *s = user;
-    return ric_branch_row_make(s->graph, &s->graph->edges[i], &s->sheets[i]);
+    const making *s = user;
+    return ric_branch_row_make(s->graph, &s->graph->edges[i], &s->branches[i]);
 }
 
-static ric_status mark_in_shop(void *user, int i)
+static ric_status make_junction(void *user, int i)
 {
-    const workshop *s = user;
-    int node = s->marks[i].index;
-    return ric_junction_row_make(s->graph->model, s->graph->nodes[node], node, &s->marks[i]);
+    const making *s = user;
+    int node = s->junctions[i].index;
+    return ric_junction_row_make(s->graph->model, s->graph->nodes[node], node, &s->junctions[i]);
 }
 
 /* Junctions are numbered, and branches in the order of what they meet. */
-static ric_status put_in_order(int n_mark, ric_junction_row *marks, int n_sheet, ric_branch_row *sheets, int *id)
+static ric_status put_in_order(int n_junction, ric_junction_row *junctions, int n_branch, ric_branch_row *branches,
+                               int *id)
 {
-    qsort(marks, (size_t)n_mark, sizeof *marks, ric_junction_row_order);
-    for (int i = 0; i < n_mark; i++) {
-        marks[i].record.row.id = i + 1;
-        id[marks[i].index] = i + 1;
+    qsort(junctions, (size_t)n_junction, sizeof *junctions, ric_junction_row_order);
+    for (int i = 0; i < n_junction; i++) {
+        junctions[i].record.row.id = i + 1;
+        id[junctions[i].index] = i + 1;
     }
-    for (int i = 0; i < n_sheet; i++) note_ends(&sheets[i], id);
-    qsort(sheets, (size_t)n_sheet, sizeof *sheets, ric_branch_row_order);
-    link_sheets(n_sheet, sheets, id);
-    return list_branches(marks, n_sheet, sheets, id);
+    for (int i = 0; i < n_branch; i++) note_ends(&branches[i], id);
+    qsort(branches, (size_t)n_branch, sizeof *branches, ric_branch_row_order);
+    link_branches(n_branch, branches, id);
+    return list_branches(junctions, n_branch, branches, id);
 }
 
-/* An atlas with room for junctions, and with the records of branches, which stay the sheets' own until all is done. */
-static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const ric_branch_row *sheets,
-                                int n_mark, ric_atlas *atlas)
+/* An atlas with room for junctions, and with the records of branches, which stay those of the rows until all is done.
+ */
+static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const ric_branch_row *branches,
+                                int n_junction, ric_atlas *atlas)
 {
     ric_status status = ric_study_copy(study, &atlas->study);
     if (status) return status;
     atlas->branches = ric_calloc((size_t)n + 1, sizeof *atlas->branches);
-    atlas->junctions = ric_calloc((size_t)n_mark + 1, sizeof *atlas->junctions);
+    atlas->junctions = ric_calloc((size_t)n_junction + 1, sizeof *atlas->junctions);
     if (!atlas->branches || !atlas->junctions) return ric_no_rows();
-    for (int i = 0; i < n; i++) atlas->branches[i] = sheets[i].record;
+    for (int i = 0; i < n; i++) atlas->branches[i] = branches[i].record;
     for (int i = 0; i < g->n_edge; i++) {
         atlas->n_unplaced += g->edges[i].n_unplaced;
         atlas->n_blind += g->edges[i].trace->blind > 0;
@@ -162,46 +164,47 @@ ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ri
 {
     ric_status status = RIC_OK;
     const ric_model *m = g->model;
-    int n_sheet = 0, n_mark = 0;
-    ric_branch_row *sheets = ric_calloc((size_t)(g->n_edge + m->n_dof), sizeof *sheets);
+    int n_branch = 0, n_junction = 0;
+    ric_branch_row *branches = ric_calloc((size_t)(g->n_edge + m->n_dof), sizeof *branches);
     size_t most = (size_t)g->n_node + (size_t)m->n_dof * (size_t)g->limits.n_asked + 1;
-    ric_junction_row *marks = ric_calloc(most, sizeof *marks);
+    ric_junction_row *junctions = ric_calloc(most, sizeof *junctions);
     int *id = ric_calloc(most, sizeof *id);
     bool *used = ric_calloc(most, sizeof *used);
     ric_atlas *atlas = ric_calloc(1, sizeof *atlas);
     *out = NULL;
-    if (!sheets || !marks || !id || !used || !atlas) {
+    if (!branches || !junctions || !id || !used || !atlas) {
         status = ric_no_rows();
         goto out;
     }
-    if ((status = linear_sheets(g, sheets, &n_sheet, marks, &n_mark))) goto out;
-    workshop shop = {.graph = g, .sheets = sheets + n_sheet, .marks = marks + n_mark};
-    n_sheet += g->n_edge;
-    mark_used(g, used);
+    if ((status = linear_rows(g, branches, &n_branch, junctions, &n_junction))) goto out;
+    making work = {.graph = g, .branches = branches + n_branch, .junctions = junctions + n_junction};
+    n_branch += g->n_edge;
+    find_used(g, used);
     for (int i = 0; i < g->n_node; i++)
-        if (used[i]) marks[n_mark++].index = i;
-    if ((status = ric_workers_each(g->n_worker, g->n_edge, sheet_in_shop, &shop))) goto out;
-    if ((status = ric_workers_each(g->n_worker, (int)(marks + n_mark - shop.marks), mark_in_shop, &shop))) goto out;
-    if ((status = put_in_order(n_mark, marks, n_sheet, sheets, id))) goto out;
+        if (used[i]) junctions[n_junction++].index = i;
+    if ((status = ric_workers_each(g->n_worker, g->n_edge, make_branch, &work))) goto out;
+    if ((status = ric_workers_each(g->n_worker, (int)(junctions + n_junction - work.junctions), make_junction, &work)))
+        goto out;
+    if ((status = put_in_order(n_junction, junctions, n_branch, branches, id))) goto out;
     atlas->finished = finished;
-    if ((status = bind_branches(g, study, n_sheet, sheets, n_mark, atlas))) goto out;
-    status = ric_junction_rows_measure(g, n_mark, marks, &atlas->finished);
-    if (!status) status = ric_junction_rows_name(study, n_mark, marks);
+    if ((status = bind_branches(g, study, n_branch, branches, n_junction, atlas))) goto out;
+    status = ric_junction_rows_measure(g, n_junction, junctions, &atlas->finished);
+    if (!status) status = ric_junction_rows_name(study, n_junction, junctions);
     if (status) goto out;
-    for (int i = 0; i < n_mark; i++) atlas->junctions[i] = marks[i].record;
-    atlas->n_junction = n_mark;
-    n_sheet = n_mark = 0;
+    for (int i = 0; i < n_junction; i++) atlas->junctions[i] = junctions[i].record;
+    atlas->n_junction = n_junction;
+    n_branch = n_junction = 0;
     if ((status = ric_keys_make(atlas)) || (status = ric_junction_labels_give(g->labels, atlas)) ||
         (status = ric_links_make(atlas)))
         goto out;
     *out = atlas;
     atlas = NULL;
 out:
-    if (atlas && n_sheet) atlas->n_branch = 0; /* they belong to the sheets */
-    for (int i = 0; sheets && i < n_sheet; i++) ric_atlas_branch_record_free(&sheets[i].record);
-    for (int i = 0; marks && i < n_mark; i++) ric_atlas_junction_record_free(&marks[i].record);
-    free(sheets);
-    free(marks);
+    if (atlas && n_branch) atlas->n_branch = 0; /* they belong to the rows */
+    for (int i = 0; branches && i < n_branch; i++) ric_atlas_branch_record_free(&branches[i].record);
+    for (int i = 0; junctions && i < n_junction; i++) ric_atlas_junction_record_free(&junctions[i].record);
+    free(branches);
+    free(junctions);
     free(id);
     free(used);
     ric_atlas_free(atlas);

@@ -1,4 +1,4 @@
-/* Rows of an atlas while they are made from the graph (rows.h): a sheet for each branch, a mark for each junction. */
+/* Rows of an atlas while they are made from the graph (rows.h): one for each branch, one for each junction. */
 #ifndef RIC_EXPLORE_ROWS_PARTS_H
 #define RIC_EXPLORE_ROWS_PARTS_H
 
@@ -12,7 +12,7 @@ typedef struct {
     ric_branch_record record;
     int from, to; /* nodes */
     const ric_edge *edge;
-    int user;    /* first of the marks on a linear mode, in the numbering of nodes */
+    int user;    /* first of the junctions on a linear mode, in the numbering of nodes */
     int ends[4]; /* ids of the junctions and ways out of them, which tell apart what is alike in all else */
 } ric_branch_row;
 
@@ -62,15 +62,16 @@ int ric_branch_row_order(const void *p, const void *q);
 /* The record of node `index`, without its multiplicities, label and name. */
 ric_status ric_junction_row_make(const ric_model *model, const ric_node *node, int index, ric_junction_row *out);
 
-/* What was asked for on a linear mode: energies; its frequency is one number and passes nothing. marks [*n] grows. */
-ric_status ric_junction_row_energies(const ric_graph *graph, int mode, ric_branch_row *sheet, ric_junction_row *marks,
-                                     int *n);
+/* What was asked for on a linear mode: energies; its frequency is one number and passes nothing. junctions [*n] grows.
+ */
+ric_status ric_junction_row_energies(const ric_graph *graph, int mode, ric_branch_row *branch,
+                                     ric_junction_row *junctions, int *n);
 
 /* qsort: by impacts, energy, frequency and kind. */
 int ric_junction_row_order(const void *p, const void *q);
 
 /* C_ab of one junction after the other; those that a stop leaves unmeasured have a = b = 0, and then *all is false. */
-ric_status ric_junction_rows_measure(ric_graph *graph, int n, ric_junction_row *marks, bool *all);
+ric_status ric_junction_rows_measure(ric_graph *graph, int n, ric_junction_row *junctions, bool *all);
 
 /* Labels of all junctions, which have their keys and names: within a family they are numbered in the order of their
  * ids; one whose name is a label of its family has that, and no other has a label that is a name. What `kept`, lines of
@@ -79,6 +80,6 @@ ric_status ric_junction_rows_measure(ric_graph *graph, int n, ric_junction_row *
 ric_status ric_junction_labels_give(const char *kept, ric_atlas *atlas);
 
 /* Names of the study: the nearest junction of the right kind, within what the digits of a printed number leave open. */
-ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_row *marks);
+ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_row *junctions);
 
 #endif
