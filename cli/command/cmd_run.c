@@ -312,6 +312,16 @@ static bool too_large(const ric_study *study, double seconds)
     return ric_model_n_mode(ric_study_model(study)) > MANY_MODES && seconds == HUGE_VAL;
 }
 
+/* Of a few hundred coordinates the modes take seconds, before there is anything else to show. */
+static ric_status read_study(const char *path, bool quiet, ric_study **out)
+{
+    const bool shown = !quiet && isatty(STDERR_FILENO);
+    if (shown) cli_say("%s: read, and its modes solved for ...", path);
+    const ric_status status = ric_study_read(path, out);
+    if (shown) fputs("\r\033[K", stderr);
+    return status;
+}
+
 static int run(int argc, char **argv)
 {
     const char *given, *step, *seconds_text;
@@ -328,7 +338,7 @@ static int run(int argc, char **argv)
         (seconds_text && !cli_parse_number(seconds_text, "--seconds", &d.seconds)))
         return CLI_WRONG;
     if (!(d.seconds > 0)) return cli_wrong("run: --seconds: %s is no time; give a number above 0", seconds_text);
-    ric_status status = ric_study_read(argv[1], &study);
+    ric_status status = read_study(argv[1], d.quiet, &study);
     if (!status && step) status = ric_study_override(study, "explore", "step", step, "--max-step");
     if (!status && !(path = given ? strdup(given) : default_path(argv[1]))) status = RIC_E_NOMEM;
     if (status) code = cli_report(status);
