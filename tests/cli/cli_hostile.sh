@@ -339,7 +339,7 @@ ok 'nor a stored point shown' no_orbits orbit '' --branch 3 --point 1
 ok 'nor ghosts followed' no_orbits plot fep --ghosts -o "$folder/n.svg"
 
 # The short form of tools/attack/craft.py: fields of every table replaced by hostile values. 10,000 under the sanitizers take half an hour.
-count=$(some_of 30 100)
+count=$(some_of 15 100)
 ok "$count atlases with hostile values end in answers or messages" tools/attack/craft.py --program "$ricochet" --count $count --seed 7 --short
 
 finish
