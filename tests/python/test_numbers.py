@@ -43,9 +43,12 @@ def same(found, wanted, where):
         assert found == wanted, (where, found, wanted)
 
 
-def pairs(values):
-    """Complex numbers as the program prints them."""
-    return [[value.real, value.imag] for value in values]
+def same_complex(found, wanted, where):
+    """Complex numbers as the program prints them; with other roundings the one of a pair may come before the other."""
+    if not NEAR:
+        return same([[value.real, value.imag] for value in found], wanted, where)
+    known = [complex(*row) for row in wanted if None not in row]
+    assert len(found) == len(wanted) and all(any(near(value, one) for value in found) for one in known), (where, found, wanted)
 
 
 def word_said(stable, undecided):
@@ -89,7 +92,7 @@ def check_points(one):
             same(arrays[name][i], row[name], f"branch {one.id} point {i} {name}")
         assert row["stable"] == word_said(one.stable[i], one.undecided[i])
         if row.get("multipliers") and i % (1 if LONG else 9) == 0:
-            same(pairs(one.point(i).multipliers), row["multipliers"], f"branch {one.id} point {i} multipliers")
+            same_complex(one.point(i).multipliers, row["multipliers"], f"branch {one.id} point {i} multipliers")
     assert len(rows) == len(one)
 
 
@@ -100,7 +103,7 @@ def check_orbit(found, row, where):
         same(getattr(found, name).tolist(), row[name], f"{where} {name}")
     for name in ("period", "frequency", "energy"):
         same(getattr(found, name), row[name], f"{where} {name}")
-    same(pairs(found.multipliers), row["multipliers"], where + " multipliers")
+    same_complex(found.multipliers, row["multipliers"], where + " multipliers")
     assert row["stable"] == word_said(found.stable, found.undecided)
 
 
@@ -120,6 +123,9 @@ def check_orbits(one):
         same([t[i], *x[i], *v[i]], list(row.values()), f"{where} history {i}")
 
 
+ROUNDING = ("flight_error", "return_error", "condition", "energy_error", "multiplier_error", "multiplier_bound")
+
+
 def check_verification(atlas):
     rows = program("verify", atlas.path)
     names = ("kind", "branch", "point", "junction", "flight_error", "return_error", "condition", "energy_error", "faces_agree",
@@ -127,6 +133,8 @@ def check_verification(atlas):
     checks = atlas.verify(workers=2)
     for one, row in zip(checks, rows, strict=True):
         for name in names:
+            if NEAR and name in ROUNDING:
+                continue  # what is measured of it is another one
             same(getattr(one, name), row[name], f"verify {one.kind} {one.branch} {one.point} {name}")
     assert bool(checks) == all(row["passed"] for row in rows)
 
@@ -191,7 +199,7 @@ def test_hunt(folder):
         for name in ("word", "impacts", "period", "frequency", "symmetric", "reversible", "trace", "branch", "family",
                      "atlas", "reason"):
             same(getattr(one, name), row[name], f"hunt {name}")
-        same(pairs(one.multipliers), row["multipliers"], "hunt multipliers")
+        same_complex(one.multipliers, row["multipliers"], "hunt multipliers")
         same(one.state.tolist(), row["state"], "hunt state")
         same(one.flights.tolist(), row["flights"], "hunt flights")
     assert "found again" in repr(hunt)
