@@ -341,15 +341,15 @@ static bool same_problem(const ric_shooting *a, const ric_shooting *b)
            a->parts == b->parts && a->closed[0] == b->closed[0] && !memcmp(a->face, b->face, faces * sizeof *a->face);
 }
 
-/* Under a power law, and with springs, the end of a branch at a junction, read off cubics, is replaced by the orbit of
- * the junction itself: of its images, as orbits of the branch's own problem, the one that lies there. What bends the
- * curves there grows with the stiffness. */
+/* The end of a branch at a junction, read off cubics, is replaced by the orbit of the junction itself: of its images, as
+ * orbits of the branch's own problem, the one that lies there. What bends the curves there grows with the stiffness;
+ * between stops, too, an orbit beside a branch point may as well be one of the other branch. */
 static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ric_node *node, unsigned choice)
 {
     ric_shooting *c = tr->chain;
     int size = c->n_unknown;
     double nearest = END_NEAR * c->scale, best[size];
-    if (ric_flight_law_of(g->model)->turns || !ric_node_leaves(node, choice)) return RIC_OK;
+    if (!ric_node_leaves(node, choice)) return RIC_OK;
     ric_symmetry problem = ric_node_problem(node, choice);
     ric_periodic *whole = ric_symmetry_cycle(node->cycle, &problem);
     if (!whole) return ric_no_memory("the end of a branch");

@@ -522,6 +522,31 @@ static void no_end_meets_a_face_from_behind(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A2[01] comes to its branch point from the side, where the end read off cubics lay 8e-9 of the energy beside it, on
+ * the other branch, and elsewhere for every step. It is the orbit of the junction, as it is with springs. */
+static void an_end_is_its_branch_point(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.25, 0], [0, 1.25]]\n  stiffness: [[12, -5.25], [-5.25, 11.25]]\n"
+        "  contacts: [{normal: [-1, 1], law: rigid, clearance: 13.6, sides: both}]\n"
+        "explore: {energy: [0, 4572], frequency: [0.4512, 11.03], impacts: 2, multiply: 2, depth: 2}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        if (b.symmetric || b.to == 0 || junction_of(atlas, b.to).kind != RIC_KIND_BRANCH_POINT) continue;
+        const ric_junction j = junction_of(atlas, b.to);
+        ric_point last;
+        assert_int_equal(ric_atlas_point(atlas, id, b.n_point - 1, &last, NULL, NULL), RIC_OK);
+        if (fabs(last.energy / j.energy - 1) > 1e-13)
+            fail_msg("branch %d ends at E %.17g, its branch point is at %.17g", id, last.energy, j.energy);
+        point_passes(atlas, id, b.n_point - 1);
+        found++;
+    }
+    assert_true(found > 0);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -541,6 +566,7 @@ int main(void)
         cmocka_unit_test(ends_between_their_mirrors),
         cmocka_unit_test(asked_energies),
         cmocka_unit_test(no_end_meets_a_face_from_behind),
+        cmocka_unit_test(an_end_is_its_branch_point),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
