@@ -222,7 +222,10 @@ static bool parse_along(const char *text, ric_response_along *out)
 static bool is_window(int n, const double *values, const char *option)
 {
     if (n == 2 && values[0] > 0 && values[1] > values[0]) return true;
-    cli_wrong("response: %s gives what varies: two numbers above 0, the smaller one first, such as 0.5,2", option);
+    if (!strcmp(option, "--restitution"))
+        cli_wrong("response: --restitution gives what varies: two numbers above 0, at which bodies would stay together "
+                  "after an impact, and at most 1, the smaller one first, such as 0.5,1");
+    else cli_wrong("response: %s gives what varies: two numbers above 0, the smaller one first, such as 0.5,2", option);
     return false;
 }
 

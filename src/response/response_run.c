@@ -723,6 +723,16 @@ static ric_status check(const ric_response_options *o)
     return RIC_OK;
 }
 
+/* A restitution is one of rigid stops. */
+static ric_status check_along(const ric_force_medium *m, const ric_response_options *o)
+{
+    bool rigid = o->along != RIC_RESPONSE_RESTITUTION;
+    for (int f = 0; f < m->model->n_face && !rigid; f++) rigid = ric_force_medium_rigid(m, f);
+    if (rigid) return RIC_OK;
+    return ric_fail(RIC_E_INPUT, "the restitution cannot vary, as no contact of this structure is rigid; vary the "
+                                 "frequency or the level of the force");
+}
+
 static ric_status open_driver(const ric_atlas *atlas, const ric_response_options *o, const char *path, driver *d)
 {
     *d = (driver){.atlas = atlas};
@@ -731,6 +741,7 @@ static ric_status open_driver(const ric_atlas *atlas, const ric_response_options
     ric_status status = check(o);
     if (!status) status = ric_force_create(atlas, &shaking, &d->force);
     if (!status) status = ric_force_medium_create(d->force, &d->medium);
+    if (!status) status = check_along(d->medium, o);
     if (status) return status;
     d->r = ric_response_create(d->medium->model);
     if (d->r) d->r->atlas = atlas;

@@ -115,7 +115,7 @@ ok "another structure, the same file" ends 1 "another structure" "$folder/t" --f
 ok "a grazing at which an impact comes once in two periods" bash -c "printf 'model:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts: [{normal: [1], clearance: 1, sides: upper}]\nexplore: {energy: [0, 10], depth: 1, impacts: 2}\n' >'$folder/o.yaml' &&
     '$ricochet' run '$folder/o.yaml' -o '$folder/o' --quiet &&
     '$ricochet' response '$folder/o' --force 1 --damping 0.02 --restitution 0.9 --along level --level 0.02,0.6 --omega 0.81 --once-in 2 -o '$folder/once' --csv | grep -q '^[0-9]*,0,1,2,'"
-cat >"$folder/b.yaml" <<'END'
+cat >"$folder/springs.yaml" <<'END'
 model:
   mass: [[2.4, 0], [0, 1.1]]
   stiffness: [[6, -1.2], [-1.2, 2.2]]
@@ -124,8 +124,8 @@ explore: {impacts: 8, multiply: 2, depth: 2}
 damping: [0.002, 0.0007]
 forcing: {coordinate: 2, frequency: [1.1, 2.6], amplitude: 0.02}
 END
-"$ricochet" run "$folder/b.yaml" -o "$folder/b" --quiet 2>/dev/null
-ok "flights so short that nothing changes in them are looked through" timeout 300 "$ricochet" response "$folder/b" --impacts 4 -o "$folder/b.response"
+"$ricochet" run "$folder/springs.yaml" -o "$folder/springs" --quiet 2>/dev/null
+ok "flights so short that nothing changes in them are looked through" timeout 300 "$ricochet" response "$folder/springs" --impacts 4 -o "$folder/springs.response"
 cat >"$folder/u.yaml" <<'END'
 model:
   mass: [[1.3, 0], [0, 0.7]]
@@ -171,6 +171,8 @@ ok "a negative damping" ends 2 negative "$atlas" --force 1,0 --damping -0.01 --o
 ok "a force of the wrong length" ends 2 "3 numbers" "$atlas" --force 1,0,0 --damping 0.01 --omega 1,2 --level 0.2 -o "$folder/n"
 ok "restitution 0" ends 2 "restitution 0" "$atlas" --force 1,0 --restitution 0 --omega 1,2 --level 0.2 -o "$folder/n"
 ok "a window the wrong way round" ends 2 "two numbers" "$atlas" --force 1,0 --damping 0.01 --omega 2,1 --level 0.2 -o "$folder/n"
+ok "a restitution of springs" ends 2 "no contact of this structure is rigid" "$folder/springs" --along restitution --restitution 0.5,1 --omega 1.7 -o "$folder/n"
+ok "restitutions from 0 on" ends 2 "above 0.*at most 1" "$atlas" --force 1,0 --damping 0.01 --along restitution --restitution 0,1 --omega 1.2 --level 0.2 -o "$folder/n"
 ok "no level" ends 2 "level" "$atlas" --force 1,0 --damping 0.01 --omega 1,2 -o "$folder/n"
 ok "nothing is written by what is refused" test ! -e "$folder/n"
 ok "a window with no orbit" ends 1 "no forced orbit" "$atlas" --force 1,0 --damping 0.01 --omega 1,1.1 --level 0.0001 --branch 3 -o "$folder/none"
