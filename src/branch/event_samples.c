@@ -173,6 +173,8 @@ static bool shows_more(const curve *c)
 typedef struct {
     int column, other; /* other: -1, none */
     double less, most; /* most: values of columns beyond it are not read */
+    bool lost_at_zero; /* 0: its sign is lost in rounding, as that of a factor; else it is a zero, beside which others
+                        * may lie */
 } reading;
 
 static double read_at(const ric_continuation *tr, const reading *of, int i)
@@ -193,7 +195,7 @@ static bool is_resolved(const ric_continuation *tr, int i, const reading *of)
         x[j] = q->x[i + j] - q->x[i];
         f[j] = read_at(tr, of, i + j);
     }
-    if (f[0] == 0 || f[1] == 0 || !isfinite(f[0] + f[1])) return true;
+    if (!isfinite(f[0] + f[1]) || (of->lost_at_zero && f[0] * f[1] == 0)) return true;
     for (int before = i - 1, after = i + 2; n < 4 && (before >= 0 || after < q->n);) {
         bool first = after >= q->n || (before >= 0 && q->x[i] - q->x[before] <= q->x[after] - q->x[i + 1]);
         int j = first ? before-- : after++;
@@ -215,7 +217,8 @@ static bool is_resolved(const ric_continuation *tr, int i, const reading *of)
 
 static bool resolved(const ric_continuation *tr, int i, int test)
 {
-    return is_resolved(tr, i, &(reading){test, -1, 0, HUGE_VAL});
+    return is_resolved(tr, i,
+                       &(reading){test, -1, 0, HUGE_VAL, test < RIC_N_TEST || test >= RIC_N_TEST + tr->n_resonance});
 }
 
 /* Whether each pair by itself, of several, stays on its side of rho, and none comes from there to meet another. */
@@ -225,9 +228,9 @@ static bool pairs_stay(const ric_continuation *tr, int i, double rho)
     for (int j = 0; j < tr->floquet.n_pair; j++) {
         const int own = pair_column(tr, j);
         const bool below = a[own] < rho && b[own]<rho, above = a[own]> rho && b[own] > rho;
-        if ((below || above) && !is_resolved(tr, i, &(reading){own, -1, rho, NEAR_PAIR})) return false;
+        if ((below || above) && !is_resolved(tr, i, &(reading){own, -1, rho, NEAR_PAIR, false})) return false;
         if (!below || j + 1 == tr->floquet.n_pair || !(a[own + 1] > rho && b[own + 1] > rho)) continue;
-        if (!is_resolved(tr, i, &(reading){own, own + 1, 0, NEAR_PAIR})) return false;
+        if (!is_resolved(tr, i, &(reading){own, own + 1, 0, NEAR_PAIR, false})) return false;
     }
     return true;
 }

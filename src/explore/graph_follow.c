@@ -341,8 +341,8 @@ static bool same_problem(const ric_shooting *a, const ric_shooting *b)
            a->parts == b->parts && a->closed[0] == b->closed[0] && !memcmp(a->face, b->face, faces * sizeof *a->face);
 }
 
-/* The end of a branch at a junction, read off cubics, is replaced by the orbit of the junction itself: of its images, as
- * orbits of the branch's own problem, the one that lies there. What bends the curves there grows with the stiffness;
+/* The end of a branch at a junction, read off cubics, is replaced by the orbit of the junction itself: of its images,
+ * as orbits of the branch's own problem, the one that lies there. What bends the curves there grows with the stiffness;
  * between stops, too, an orbit beside a branch point may as well be one of the other branch. */
 static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ric_node *node, unsigned choice)
 {

@@ -441,6 +441,13 @@ static void two_multiplications_in_a_step(void **state)
         "    - {normal: [0, 0, 1, 0, 0], law: bilinear, clearance: 0.0092, sides: both, stiffness: 1117000}\n"
         "    - {normal: [0, 0, 0, 0, 1], law: rigid, clearance: 10.9, sides: both}\n"
         "explore: {energy: [0, 1.564e-5], frequency: [0.1389, 14.26], impacts: 2, multiply: 2, depth: 1}\n"));
+    /* three doublings, of which the outer two are located first, to the last digit: what lies between has no end of a
+     * sign */
+    ric_atlas_free(
+        same_for_all_steps("model:\n  mass: [[1.25, 0, 0], [0, 1, 0], [0, 0, 1.25]]\n"
+                           "  stiffness: [[10.25, -7.25, 0], [-7.25, 14.75, -7.5], [0, -7.5, 13]]\n"
+                           "  contacts: [{normal: [2, 1, 0], law: rigid, clearance: 1.74, sides: both}]\n"
+                           "explore: {energy: [0, 40], frequency: [0.2979, 14], impacts: 4, multiply: 2, depth: 2}\n"));
 }
 
 int main(void)
