@@ -607,12 +607,15 @@ static ric_status move_on(ric_continuation *tr, bool *done)
             tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
     ric_status status = ric_leap_leave(tr, done);
     if (status || *done) return status;
+    /* what is broken off here is done again: nothing that a stop may reach comes behind the first change of a station
+     */
+    if ((status = ric_trust(ric_continuation_keep(tr, &tr->next)))) return status;
     tr->ignore = 0;
     tr->approaches = 0;
     if (fabs(tr->next.test[RIC_TEST_DET]) > fabs(tr->now.test[RIC_TEST_DET])) tr->avoided = false;
     ric_event_samples_shift(tr);
     swap_stations(tr);
-    return ric_continuation_keep(tr, &tr->now);
+    return RIC_OK;
 }
 
 ric_status ric_continuation_advance(ric_continuation *tr, bool *done)

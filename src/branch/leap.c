@@ -309,7 +309,7 @@ static ric_status land(ric_continuation *tr, const cluster *all, double width)
     const int before = tr->n_point;
     double rate = 0;
     ric_status status = note_gap(tr, all);
-    if (!status) status = ric_continuation_keep(tr, &tr->next);
+    if (!status) status = ric_trust(ric_continuation_keep(tr, &tr->next)); /* a stop leaves the stations as they are */
     if (status || tr->n_point == before) {
         tr->n_gap -= !status;
         return status;
