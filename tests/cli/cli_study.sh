@@ -52,7 +52,7 @@ nonsense() { # PATTERN UNITS
     [ $? = 2 ] && grep -e "$1" "$folder/said" || { cat "$folder/said"; return 1; }
 }
 ok 'a force is no length' nonsense 'try.yaml:2: units.length: N is no unit of length, but of force' '{length: N, force: N}'
-ok 'a mass is no force' nonsense 'units.force: kg is no unit of force; write one, such as N' '{length: mm, force: kg}'
+ok 'a mass is no force' nonsense 'units.force: kg is no unit of force, but of mass; write one, such as N' '{length: mm, force: kg}'
 ok 'a number is no name' nonsense 'is no name of a unit' '{length: 5, force: N}'
 ok 'one is not enough' nonsense 'units.force: missing' '{length: mm}'
 ok 'time is in seconds' nonsense 'frequencies are in rad/s' '{length: mm, force: N, time: ms}'

@@ -47,8 +47,9 @@ left_out()
 
 # With RICOCHET_TEST_COST=1: the processor's time of all that has ended up to here, after each test.
 cost() {
-    times >"$folder/times"
-    tail -n 1 "$folder/times" | sed 's/^/# user and system so far: /'
+    times >"$folder-times"
+    tail -n 1 "$folder-times" | sed 's/^/# user and system so far: /'
+    rm -f "$folder-times"
 }
 
 # ok NAME COMMAND...: one test; what the command prints is shown if it fails
