@@ -320,7 +320,7 @@ ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *statio
     ric_status status = !p->solved || tr->limits->ghost ? RIC_OK : without_negative_flights(tr, p);
     bool inadmissible = p->row.reach > 1 + RIC_MARGIN || ric_continuation_goes_wrong(tr, p);
     if (status || !p->solved || (inadmissible && !tr->limits->ghost)) return status;
-    if (p->doubtful && (status = ric_continuation_fill(tr, p->s, p))) return status;
+    if (p->doubtful && (status = ric_trust(ric_continuation_fill(tr, p->s, p)))) return status;
     if (tr->n_point == tr->point_capacity) {
         int capacity = tr->point_capacity + tr->point_capacity / 2 + 64; /* one point, too, may be a full array */
         double *grown = ric_realloc(tr->points, (size_t)capacity * tr->stride * sizeof *grown);

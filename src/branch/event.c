@@ -542,6 +542,9 @@ static ric_status inner_events(ric_continuation *tr, double h, int test, double 
  * stored behind it belongs to the image of the branch. */
 static ric_status keep_end(ric_continuation *tr)
 {
+    /* a stop gives points back, which nothing may have taken the place of */
+    const ric_status whole = ric_trust(RIC_OK);
+    if (whole) return whole;
     while (tr->n_point > 1) {
         const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
         if (!tr->mid.solved || last->arclength <= tr->mid.row.arclength) break;
