@@ -1,4 +1,5 @@
 /* The structure at a value of its parameter, and orbits carried from one value to another. */
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +10,7 @@
 #include "orbit/room.h"
 
 #define COMMENSURATE 1e-5 /* of the range: a locus is lost as near as this to where modes are commensurate */
+#define WHOLE 3e-3        /* swings in a period: an orbit that comes so near to a linear motion */
 enum { COMMENSURATE_MOST = 8, RATIO_MOST = 100, COMMENSURATE_STEPS = 40 };
 
 double ric_locus_range(const ric_vary *v)
@@ -125,8 +127,22 @@ static bool ratio_between(const ric_locus_problem *q, const double *ends, ric_mo
     return ends[0] <= b && b <= ends[1];
 }
 
+/* Whether one of the two modes swings a whole number of times in a period. */
+static bool swings(const double *omega, double frequency, ric_locus_commensurate *c)
+{
+    c->off = INFINITY;
+    for (int k = 0; k < 2; k++) {
+        const double times = omega[c->mode[k]] / frequency, whole = round(times);
+        if (!(whole >= 1 && whole < INT_MAX && fabs(times - whole) < c->off)) continue;
+        c->swinging = c->mode[k];
+        c->swings = (int)whole;
+        c->off = fabs(times - whole);
+    }
+    return c->off < WHOLE;
+}
+
 /* Of the ratios between two structures the smallest, of modes that meet a contact. */
-static bool smallest_between(const ric_locus_problem *q, const double *ends, ric_model *const *at,
+static bool smallest_between(const ric_locus_problem *q, const double *ends, double frequency, ric_model *const *at,
                              ric_locus_commensurate *out)
 {
     const double *omega = at[0]->frequency;
@@ -137,18 +153,18 @@ static bool smallest_between(const ric_locus_problem *q, const double *ends, ric
                 const double m = round(n * omega[j] / omega[i]);
                 if (!(omega[i] > 0 && m < RATIO_MOST * n)) continue;
                 *out = (ric_locus_commensurate){.mode = {i, j}, .ratio = {n, (int)m}};
-                if (ratio_between(q, ends, at, out)) return true;
+                if (swings(omega, frequency, out) && ratio_between(q, ends, at, out)) return true;
             }
     return false;
 }
 
-bool ric_locus_commensurate_near(const ric_locus_problem *q, double p, ric_locus_commensurate *out)
+bool ric_locus_commensurate_near(const ric_locus_problem *q, double p, double frequency, ric_locus_commensurate *out)
 {
     const double within = COMMENSURATE * ric_locus_range(&q->vary), ends[2] = {p - within, p + within};
     ric_model *at[2] = {NULL, NULL};
     const bool made = !ric_locus_model(q->base, &q->vary, ends[0], NULL, &at[0]) &&
                       !ric_locus_model(q->base, &q->vary, ends[1], NULL, &at[1]);
-    const bool found = made && smallest_between(q, ends, at, out);
+    const bool found = made && smallest_between(q, ends, frequency, at, out);
     ric_model_free(at[0]);
     ric_model_free(at[1]);
     return found;

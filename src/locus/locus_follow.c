@@ -14,6 +14,8 @@
 #define NO_MARGIN 1e-7 /* what is this small at the start has to be so by symmetry, and tells nothing */
 #define ZERO 1e-6      /* of a value at the ends of a step: what is larger where it was located is none */
 #define CROSSED 0.1    /* of the bordered determinant at the start: where a locus is lost with less, a branch crosses */
+#define STANDS 1e-3    /* of the speed at the start: an impact that has less has all but lost it */
+#define KNOWN 1e-10    /* of a parameter: no less is said of how well a place is known that is on a line through two */
 #define SLOW 1e-5      /* a step below it is a slow one: of SLOW_STEPS in a row nothing more is to be hoped */
 enum { PLACE_STEPS = 80, LEAST_CLOSED = 3, SLOW_STEPS = 20, KINDS = RIC_LOCUS_MEETINGS + 7 };
 
@@ -51,6 +53,7 @@ typedef struct {
     bool ignored[KINDS];
     ric_locus_orbit start; /* for a locus that closes */
     int points;
+    double before[2]; /* parameter and slowest speed at the place before the last one */
 } walk;
 
 /* One place of a step: an orbit and its chart. */
@@ -326,13 +329,21 @@ static ric_status end_lost(walk *w, const stand *at)
 {
     const ric_locus_orbit *o = at->orbit;
     const double left = o->spare[SPARE_BRANCH] / w->start.spare[SPARE_BRANCH];
+    const double speed = o->spare[SPARE_SPEED], lost = w->before[1] - speed,
+                 rest = lost > 0 ? speed * (o->p - w->before[0]) / lost : 0;
     char why[400], detail[200];
     ric_locus_commensurate c;
     snprintf(detail, sizeof detail, "%s", ric_detail());
-    if (ric_locus_commensurate_near(w->q, o->p, &c))
+    if (ric_locus_commensurate_near(w->q, o->p, o->frequency, &c))
         snprintf(why, sizeof why,
-                 "it is not followed further: modes %d and %d are commensurate, %d to %d, where the parameter is %.15g",
-                 c.mode[0] + 1, c.mode[1] + 1, c.ratio[0], c.ratio[1], c.value);
+                 "it is not followed further: its period is %d of mode %d within %.1g, and modes %d and %d are "
+                 "commensurate, %d to %d, where the parameter is %.15g",
+                 c.swings, c.swinging + 1, c.off, c.mode[0] + 1, c.mode[1] + 1, c.ratio[0], c.ratio[1], c.value);
+    else if (speed < STANDS * w->start.spare[SPARE_SPEED])
+        snprintf(why, sizeof why,
+                 "it is not followed further: an impact loses its speed, of which %.1g of that at the start is left, "
+                 "and what it is told by turns ever more sharply; that is where the parameter is %.10g within %.1g",
+                 speed / w->start.spare[SPARE_SPEED], o->p + rest, fmax(fabs(rest), KNOWN));
     else if (left < CROSSED)
         snprintf(why, sizeof why,
                  "it is not followed further: another branch crosses the one that it lies on, or comes near; the "
@@ -375,6 +386,8 @@ static ric_status go(walk *w, stand now, bool *closed)
         if (!status && !done) status = ric_locus_keep(w->locus, next.orbit, RIC_LOCUS_PLAIN, "");
         slow = step < SLOW ? slow + 1 : 0;
         events_free(&met);
+        w->before[0] = now.orbit->p;
+        w->before[1] = now.orbit->spare[SPARE_SPEED];
         stand_free(&now);
         now = next;
         now.s = 0;

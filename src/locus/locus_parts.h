@@ -70,10 +70,13 @@ ric_status ric_locus_carry(const ric_shooting *chain, const double *u, const ric
 typedef struct {
     int mode[2], ratio[2];
     double value;
+    int swinging, swings; /* the one of the two that swings so many times in the period of an orbit */
+    double off;           /* from that number */
 } ric_locus_commensurate;
-/* Such a place beside the value p: families of orbits of two parameters cross the surface there, as of two modes
- * without impacts. The smallest ratio is told. */
-bool ric_locus_commensurate_near(const ric_locus_problem *q, double p, ric_locus_commensurate *out);
+/* Such a place beside the value p, of modes of which one swings a whole number of times in the period of an orbit of
+ * this frequency: families of orbits of two parameters cross the surface there, as of two modes without impacts. The
+ * smallest ratio is told. Others are commensurate by chance, of many modes some pair always. */
+bool ric_locus_commensurate_near(const ric_locus_problem *q, double p, double frequency, ric_locus_commensurate *out);
 
 /* -------------------------------------------------------- locus_orbit.c */
 

@@ -175,6 +175,19 @@ def commensurate():
         (one, _), (two, _) = modes(float(said[0].split()[-1]))
         assert abs(two / one - p / q) < 1e-12, said
 
+def speed_lost():
+    "where an impact loses its speed, and functions turn too sharply to be followed, the parameter is told: two junctions end at one"
+    places = []
+    for id in ("jy8w37s54", "jt1xvv4pa"):
+        whats = [r["what"] for r in locus("v.ricochet", id) if r["mark"] == "end"]
+        said = [w for w in whats if "an impact loses its speed, of which" in w]
+        assert len(said) == 1, whats
+        words = said[0].split()
+        places.append((float(words[-3]), float(words[-1])))
+    (one, off), (two, other) = places
+    assert 0 < off < 1e-6 and 0 < other < 1e-6 and abs(one - two) < off + other, places
+    assert abs(one - 0.9107196586) < 1e-8, places
+
 def factor_of_four():
     "C_33 of S2- and the branch point of S2+ that is the article's C1_32 at 20 values, a factor of four, and in atlases made there"
     long_form = sys.argv[4] == "1"
@@ -207,7 +220,7 @@ def annihilation():
         assert len(there) == len(rows) == wanted, (k, there, rows)
         assert all(near(r, there)[1] < 1e-9 for r in rows), rows
 
-{f.__name__: f for f in (annihilation, against_atlases, closed_form, orbits, fold, steps, law, codimension_two, commensurate, factor_of_four)}[sys.argv[3]](*([] if sys.argv[3] == "factor_of_four" else sys.argv[4:]))
+{f.__name__: f for f in (annihilation, against_atlases, closed_form, orbits, fold, steps, law, codimension_two, commensurate, speed_lost, factor_of_four)}[sys.argv[3]](*([] if sys.argv[3] == "factor_of_four" else sys.argv[4:]))
 P
 judge() { python3 "$folder/judge.py" "$ricochet" "$folder" "$@"; }
 ok "against atlases of other structures" judge against_atlases
@@ -217,6 +230,7 @@ ok "two junctions annihilate each other" judge fold
 ok "and so say atlases made on either side" judge annihilation
 ok "ends of codimension two" judge codimension_two
 ok "commensurate modes" judge commensurate
+ok "an impact that loses its speed" judge speed_lost
 # A third mass hangs on nothing that the contact sees: its mode lies between the two that the curve belongs to.
 printf 'model:\n  mass: [[2, 0, 0], [0, 1, 0], [0, 0, 1]]\n  stiffness: [[9, -1, 0], [-1, 1, 0], [0, 0, 2.1]]\n  contacts: [{normal: [-1, 1, 0], clearance: 1}]
 explore: {energy: [0, 12], frequency: [0.2, 10], impacts: 2, multiply: 3, depth: 3}
