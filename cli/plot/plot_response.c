@@ -76,6 +76,20 @@ static ric_status add_end(const picture *p, int event, plot_track *track, double
     return status;
 }
 
+/* Events inside a curve: there the stability changes, not somewhere between two points. */
+static ric_status add_events(const picture *p, int curve, plot_track *track)
+{
+    ric_response_event e;
+    ric_status status = RIC_OK;
+    for (int id = 1; id <= ric_response_n_event(p->response) && !status; id++) {
+        status = ric_response_event_at(p->response, id, &e);
+        if (status || e.curve != curve || e.kind == RIC_RESPONSE_GRAZING) continue;
+        if (!plot_track_join(track, place(p, &e.at), e.at.arclength)) status = RIC_E_NOMEM;
+    }
+    plot_track_sort(track);
+    return status;
+}
+
 static ric_status draw_curve(picture *p, const ric_response_curve *c)
 {
     plot_track track = {0};
@@ -92,6 +106,8 @@ static ric_status draw_curve(picture *p, const ric_response_curve *c)
         status = ric_response_point_at(p->response, c->id, 0, &at);
         if (!status && !plot_track_join(&track, place(p, &at), end)) status = RIC_E_NOMEM;
     }
+    if (!status) status = add_events(p, c->id, &track);
+    if (!status && !plot_track_smooth(&p->panel, &track)) status = RIC_E_NOMEM;
     if (!status) p->stability |= plot_track_draw(p->page, &p->panel, c->letters ? PLOT_SYMMETRIC : PLOT_LINEAR, &track);
     p->with = p->with || c->letters;
     p->without = p->without || !c->letters;
@@ -151,7 +167,7 @@ static int draw(picture *p)
     if (!(p->page = plot_page_create(width, height))) return cli_report(RIC_E_NOMEM);
     const double unit = along == RIC_RESPONSE_OMEGA ? p->unit.frequency : 1;
     p->panel =
-        (plot_panel){{.scale = PLOT_SCALE_LINEAR, .lo = x[0], .hi = x[1], .from = 78, .to = width - 18, .unit = unit},
+        (plot_panel){{.scale = PLOT_SCALE_LINEAR, .lo = x[0], .hi = x[1], .from = 78, .to = width - 34, .unit = unit},
                      {.scale = p->logarithmic ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR,
                       .lo = y[0],
                       .hi = y[1],

@@ -196,6 +196,19 @@ END
 ok "and not one that was changed" bash -c "'$ricochet' verify '$folder/c' --quiet 2>'$folder/err'; test \$? = 1 && grep -q '1 of .* are not confirmed' '$folder/err'"
 ok "a picture" "$ricochet" plot response "$folder/a" --output x2 -o "$folder/a.svg"
 ok "says what it shows" bash -c "grep -q grazing '$folder/a.svg' && grep -q 'with impacts, stable' '$folder/a.svg'"
+"$ricochet" plot response "$folder/u.response" --output x1 --window 1.9094:1.9099,1.05:1.08 -o "$folder/u.gp"
+ok "a curve is drawn stable up to the doubling, not to a point" python3 - "$folder" <<'END'
+import json, re, sys
+text = open(sys.argv[1] + "/u.gp").read()
+block = re.search(r"(\$l\d+) with lines [^\n]*title 'symmetric, stable'", text).group(1)
+lines = text.split(block + " << EOD\n")[1].split("EOD")[0].split("\n\n")
+ends = [[tuple(map(float, row.split())) for row in part.splitlines() if row] for part in lines]
+left = [e for e in ends if e and min(x for x, _ in e) < 79]
+at = [e["omega"] for e in json.load(open(sys.argv[1] + "/events")) if e["kind"] == "doubling" and e["stable"] == "undecided"]
+assert len(left) == len(at) == 1, (left, at)
+scale = (706 - 78) / 0.0005
+assert abs(max(x for x, _ in left[0]) - (78 + (at[0] - 1.9094) * scale)) < 0.1, left
+END
 ok "no displacement" bash -c "! '$ricochet' plot response '$folder/a' --output x3 -o '$folder/b.svg' 2>/dev/null && ! test -e '$folder/b.svg'"
 ok "the atlas is what it was" test "$before" = "$(cksum "$atlas")"
 finish
