@@ -400,6 +400,32 @@ static void settle_touch(ric_shooting *c, double *u, double off)
     }
 }
 
+/* Of an orbit with mirror points the state at one of these is solved for, and flown to where the orbit is said to
+ * begin: on the way stiff springs multiply its rounding, and the rest of the period does so again. Where that leaves it
+ * open, that state is solved for itself, on the whole period; it moves by next to nothing. */
+static void close_up(const ric_model *m, ric_periodic *c)
+{
+    ric_shooting *chain = NULL;
+    double *u = NULL;
+    ric_periodic *plain = ric_periodic_start(m, c) == 0 ? ric_periodic_copy(c) : NULL;
+    if (!plain) return;
+    plain->half = false;
+    plain->pure = plain->flip = -1;
+    if (!ric_periodic_to_chain(m, plain, &chain, &u)) {
+        ric_shooting_evaluate(chain, u);
+        const double open = chain->residual;
+        bool closes = open > ric_continuation_tolerance(chain) && solve_chain(chain, u) && 2 * chain->residual < open;
+        for (int k = chain->n_start; closes && k < chain->n_unknown; k++) closes = u[k] >= 0;
+        if (closes) {
+            memcpy(c->w, u, 2 * (size_t)m->n * sizeof *u);
+            memcpy(c->tau, u + chain->n_start, (size_t)c->N * sizeof *u);
+        }
+    }
+    ric_periodic_free(plain);
+    ric_shooting_free(chain);
+    free(u);
+}
+
 ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle)
 {
     ric_shooting *chain = NULL;
@@ -411,6 +437,7 @@ ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle
     /* in a family of two parameters Newton's method may slide to where nothing touches: then it stays as it was */
     if (good && fabs(beyond(chain, u)) <= fmax(10 * TOUCHES, 2 * given)) solved = ric_periodic_from_chain(chain, u);
     if (solved) out = ric_periodic_canonical(m, solved);
+    if (out && ric_periodic_has_events(m) && out->N > 0) close_up(m, out);
     ric_periodic_free(solved);
     ric_shooting_free(chain);
     free(u);
