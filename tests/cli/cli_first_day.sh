@@ -144,7 +144,7 @@ P
 ok 'a frame of 40 degrees of freedom and a stop' picture frame 20
 ok 'and a bumper' picture bumper 2
 goes_on() { # what a first look leaves out it says, and `points: 0` has it
-    "$ricochet" run "$folder/bumper.yaml" -o "$folder/again.ricochet" >"$folder/said" 2>&1 && grep 'a first look: from 1100 points on' "$folder/said" &&
+    grep 'a first look: from 1100 points on' "$folder/said" && # of the run before
         { cat "$folder/bumper.yaml"; echo 'explore: {points: 0, depth: 1}'; } >"$folder/whole.yaml" && "$ricochet" run "$folder/whole.yaml" >"$folder/said" 2>&1 &&
         ! grep 'a first look: ' "$folder/said"
 }
