@@ -255,8 +255,8 @@ int view_command(int argc, char **argv)
                          "0.0.0.0 for all",
                          o.where.address);
     if (!view_page[0].path) {
-        fputs("ricochet: view: this program was built without the page, because Node.js or the packages in web/ were "
-              "missing. Install them (Debian: nodejs npm; then `make build` fetches the packages and builds it)\n",
+        fputs("ricochet: view: this program was built without the page, because neither esbuild nor Node.js with the "
+              "packages in web/ was there. Install one (Debian: esbuild; then `make build` builds it)\n",
               stderr);
         return CLI_FAILED;
     }
