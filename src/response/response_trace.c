@@ -7,20 +7,23 @@
 
 #include "base/room.h"
 
-#define FIRST 0.2      /* of the longest step: the first one */
-#define SHORTEST 1e-7  /* of the longest step: where a curve is given up */
-#define TURN 0.97      /* least cosine between the directions at the ends of a step */
-#define STRAIGHT 0.995 /* from on which steps grow */
-#define ASIDE 0.3      /* of a step: what the corrector may move */
-#define SAME 1e-7      /* relative: an orbit met again */
-#define LOCATED 1e-13  /* of a step: where an event is */
-#define ON_CIRCLE 1e-4 /* multipliers at a place of Neimark and Sacker */
-#define BESIDE 0.1     /* of a step: how far from where it was seen a branch point is */
-#define ARRIVED 1e-3   /* relative: an orbit that is its own image; there it is known to the third root of rounding */
-#define NEARER 0.1     /* how much nearer to that than the ends of its step it must be */
-#define FINEST 1e-3    /* of the longest step: events that lie closer are not told apart */
-#define UNKNOWN 1e-6   /* multipliers nearer to the circle count on neither side */
-#define OPEN 0.5       /* gaps wider than that part of the clearance tell nothing */
+#define FIRST 0.2       /* of the longest step: the first one */
+#define SHORTEST 1e-7   /* of the longest step: where a curve is given up */
+#define TURN 0.97       /* least cosine between the directions at the ends of a step */
+#define STRAIGHT 0.995  /* from on which steps grow */
+#define ASIDE 0.3       /* of a step: what the corrector may move */
+#define SAME 1e-7       /* relative: an orbit met again */
+#define LOCATED 1e-13   /* of a step: where an event is */
+#define NEAR_VALUE 1e-3 /* from 1 or -1, of a multiplier at a place where one passes it */
+#define ON_CIRCLE 1e-4  /* multipliers at a place of Neimark and Sacker */
+#define BESIDE 0.1      /* of a step: how far from where it was seen a branch point is */
+#define ARRIVED 1e-3    /* relative: an orbit that is its own image; there it is known to the third root of rounding */
+#define NEARER 0.1      /* how much nearer to that than the ends of its step it must be */
+#define SHORT                                                                                                          \
+    0.9999 /* of a step that ends in a grazing: beyond it multipliers come back from infinity with other signs */
+#define FINEST 1e-3  /* of the longest step: events that lie closer are not told apart */
+#define UNKNOWN 1e-6 /* multipliers nearer to the circle count on neither side */
+#define OPEN 0.5     /* gaps wider than that part of the clearance tell nothing */
 
 enum { QUICK = 5, LOCATE_MOST = 100, STEP_WORK = 10000 /* multiplications of a step, about */ };
 
@@ -219,6 +222,22 @@ static bool on_circle(const tracer *t, const probe *p)
     return nearest < ON_CIRCLE;
 }
 
+/* Whether a multiplier is near 1 or -1, as a zero of their product says; a sign also changes where one is infinite. */
+static bool has_multiplier(const tracer *t, const probe *p, double value)
+{
+    double nearest = INFINITY;
+    for (int i = 0; i < 2 * t->o->n; i++)
+        nearest = fmin(nearest, hypot(p->orbit.multipliers[2 * i] - value, p->orbit.multipliers[2 * i + 1]));
+    return nearest < NEAR_VALUE;
+}
+
+/* Whether a zero of a reading is the event that it stands for. */
+static bool is_event(const tracer *t, const probe *p, reading what)
+{
+    if (what == BY_ONE || what == BY_MINUS) return has_multiplier(t, p, what == BY_ONE ? 1 : -1);
+    return what != BY_PAIRS || on_circle(t, p);
+}
+
 /* Along the direction at a to other unknowns and value of the parameter; phases modulo a turn. */
 static double way(const tracer *t, const probe *a, const double *u, double value)
 {
@@ -345,17 +364,17 @@ static bool keep_event(tracer *t, ric_response_kind kind, probe *p)
 typedef enum { GOES_ON, GRAZES, ARRIVES } step_end;
 
 /* Events of the step from a to b, of length h, the grazing at its end among them; *ends: how. At an arrival b becomes
- * the orbit there. */
+ * the orbit there, at a grazing one just before it. */
 static bool find_events(tracer *t, const probe *a, probe *b, double h, step_end *ends)
 {
     static const ric_response_kind kinds[] = {RIC_RESPONSE_FOLD, RIC_RESPONSE_BRANCH_POINT, RIC_RESPONSE_DOUBLING,
                                               RIC_RESPONSE_NEIMARK_SACKER, RIC_RESPONSE_GRAZING};
-    const bool folds = a->orbit.tangent[t->o->m] * b->orbit.tangent[t->o->m] < 0;
     const int before = t->out->n_event;
     double end = INFINITY;
     *ends = b->orbit.margin < 0 ? GRAZES : GOES_ON;
     for (int what = BY_MARGIN; what >= BY_FOLD; what--) {
         const double first = read_probe(t, a, (reading)what), last = read_probe(t, b, (reading)what);
+        const bool folds = a->orbit.tangent[t->o->m] * b->orbit.tangent[t->o->m] < 0;
         probe p;
         if (!(first * last < 0) || (what == BY_ONE && folds)) continue;
         if (!probe_create(t, &p)) return false;
@@ -376,12 +395,14 @@ static bool find_events(tracer *t, const probe *a, probe *b, double h, step_end 
             ric_response_trace_orbit_free(&p.orbit);
             continue;
         }
-        if (found && p.orbit.arclength <= end && (what != BY_PAIRS || on_circle(t, &p)) &&
-            !keep_event(t, kinds[what], &p)) {
+        if (found && p.orbit.arclength <= end && is_event(t, &p, (reading)what) && !keep_event(t, kinds[what], &p)) {
             ric_response_trace_orbit_free(&p.orbit);
             return false;
         }
         ric_response_trace_orbit_free(&p.orbit);
+        if (what != BY_MARGIN) continue;
+        h = SHORT * (end - a->orbit.arclength);
+        if (!go(t, a, h, NULL) || !look(t, a->orbit.tangent, a->orbit.arclength + h, b)) break;
     }
     return true;
 }

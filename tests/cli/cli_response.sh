@@ -149,6 +149,31 @@ twice = next(c["id"] for c in read("doubled") if c["periods"] == 2)
 on = [(e["kind"], e["omega"]) for e in read("events") if e["curve"] == twice]
 assert sorted(k for k, _ in on) == ["fold", "neimark-sacker"]
 assert all(abs(w - {"fold": 1.9097161666108944, "neimark-sacker": 1.9097153088666878}[k]) < 1e-12 for k, w in on)'
+cat >"$folder/three.yaml" <<'END'
+model:
+  mass: [[1.1, 0.1, 0], [0.1, 0.9, 0], [0, 0, 1.6]]
+  stiffness: [[7, -2, 0], [-2, 5, -1.5], [0, -1.5, 4]]
+  contacts:
+    - {normal: [-1, 1, 0], clearance: 1.7}
+    - {normal: [0, 0, 1], clearance: 2.5, sides: lower}
+explore: {impacts: 4, multiply: 2, depth: 2}
+damping: [[0.012, -0.004, 0.001], [-0.004, 0.01, -0.003], [0.001, -0.003, 0.009]]
+restitution: 0.99
+forcing: {vector: [0, 0.4, 1], frequency: [2.3, 2.4], amplitude: 0.3}
+END
+"$ricochet" run "$folder/three.yaml" -o "$folder/three" --quiet 2>/dev/null
+"$ricochet" response "$folder/three" --impacts 2 --periods 1 --most-curves 8 -o "$folder/three.response" >/dev/null
+for file in a u three; do
+    "$ricochet" response "$folder/$file$([ $file = a ] || echo .response)" --events --json >"$folder/said"
+    ok "multipliers at the events of $file are what the events say" rows '
+target = {"fold": 1, "branch-point": 1, "doubling": -1}
+grazing = [e["omega"] for e in read("said") if e["kind"] == "grazing"]
+assert grazing
+for e in read("said"):
+    if e["kind"] not in target: continue
+    assert e["multipliers"][0][0] is not None, e
+    assert min(abs(complex(*m) - target[e["kind"]]) for m in e["multipliers"]) < 1e-4, e'
+done
 cat >"$folder/f.yaml" <<'END'
 model:
   mass: [[1, 0, 0, 0, 0], [0, 1.2, 0, 0, 0], [0, 0, 0.9, 0, 0], [0, 0, 0, 1.4, 0], [0, 0, 0, 0, 0.7]]
