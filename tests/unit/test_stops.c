@@ -257,11 +257,12 @@ static void before_the_first_flight(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(before_the_first_flight), cmocka_unit_test(after_the_first_points),
+        cmocka_unit_test(before_the_first_flight),
+        cmocka_unit_test(after_the_first_points),
         cmocka_unit_test(in_the_midst_of_a_step),
-        // X cmocka_unit_test(stops_and_branches),
-        // X cmocka_unit_test(springs),
-        // X cmocka_unit_test(power_law),
+        cmocka_unit_test(stops_and_branches),
+        cmocka_unit_test(springs),
+        cmocka_unit_test(power_law),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
