@@ -56,6 +56,13 @@ out:
     return out;
 }
 
+ric_status ric_grazing_words_lost(const ric_periodic *cycle)
+{
+    if (ric_memory_failed()) return ric_no_memory("a junction");
+    return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts touches more often than is looked at, or for good",
+                    cycle->N);
+}
+
 /* ------------------------------------------------------------------ classes */
 
 /* A symmetry that the touches hide, and which the orbit has without them: that of x -> -x, where the touch is one of a

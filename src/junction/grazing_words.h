@@ -7,8 +7,10 @@
 #include "node.h"
 
 /* All gaps that touch in flight become impacts of no speed; kept [allocated, may be NULL] marks those that were impacts
- * before. */
+ * before. NULL: no memory, or more touches than are enumerated, as of a body that rests at a stop; which of them
+ * ric_grazing_words_lost() says. */
 ric_periodic *ric_grazing_words_touches(const ric_model *model, const ric_periodic *cycle, bool **kept);
+ric_status ric_grazing_words_lost(const ric_periodic *cycle);
 
 /* Lists one departure for every class of choices. Those of a duplicate that repeat themselves after fewer periods
  * belong to fewer and are left out. With too many touches there is a single one, over budget. False: no memory. */

@@ -135,7 +135,7 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
     int pairs[RIC_MAX_TOUCHES], n_pair = RIC_CORNER_UNDEFINED;
     ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL);
     *out = NULL;
-    if (!full) return ric_no_memory("a junction");
+    if (!full) return ric_grazing_words_lost(cycle);
     n_pair = ric_corner_pairs(m, full, NO_TIME, RIC_MAX_TOUCHES, pairs);
     if (n_pair > 0 && (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, RIC_SAME_EXTRAPOLATED)))
         n_pair = RIC_CORNER_TOGETHER;

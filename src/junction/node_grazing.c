@@ -203,7 +203,7 @@ ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_n
     if (mixed || *out) return mixed;
     ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL), *solved = NULL;
     *out = NULL;
-    if (!full) return ric_no_memory("a junction");
+    if (!full) return ric_grazing_words_lost(cycle);
     int q = ric_periodic_find_symmetries(m, full, RIC_SAME_LOCATED);
     if (q > 1) { /* a duplicate of a grazing of fewer impacts */
         ric_periodic *shorter = ric_periodic_shorten(full, q);

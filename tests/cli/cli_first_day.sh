@@ -265,4 +265,20 @@ ok 'a mass is no length' masses mm N cm 'cm is no unit of mass, but of length'
 begins() { python3 tests/support/terminal.py 80 "$ricochet" run "$folder/chain.yaml" -o "$folder/shown.ricochet" | head -c 200 | grep -q "^$folder/chain.yaml: read, and its modes"; }
 ok 'a run says at once what it does' begins
 
+# Two masses on one spring, each between walls: one may rest at a wall while the other moves, which touches for good.
+cat >"$folder/walls.yaml" <<'END'
+title: A free pair between walls
+model:
+  mass: [[1, 0], [0, 1]]
+  stiffness: [[125000, -125000], [-125000, 125000]]
+  contacts:
+    - {normal: [0, 1], clearance: 1.68, law: rigid}
+    - {normal: [1, 0], clearance: 1.68, law: rigid}
+explore: {energy: [0, 1062000], frequency: [100, 1500], impacts: 4, multiply: 2, depth: 2}
+END
+ok 'a body that rests at a stop is no lack of memory' "$ricochet" run "$folder/walls.yaml" -o "$folder/walls.ricochet"
+ok 'and what is found of it is right' "$ricochet" verify "$folder/walls.ricochet" --all
+counts() { "$ricochet" report "$folder/walls.ricochet" | grep -q 'events that are no junctions *[1-9]'; }
+ok 'the report counts what is left out' counts
+
 finish
