@@ -227,7 +227,8 @@ static bool pairs_stay(const ric_continuation *tr, int i, double rho)
     const double *a = ric_event_samples_values(tr, i), *b = ric_event_samples_values(tr, i + 1);
     for (int j = 0; j < tr->floquet.n_pair; j++) {
         const int own = pair_column(tr, j);
-        const bool below = a[own] < rho && b[own]<rho, above = a[own]> rho && b[own] > rho;
+        const bool below = a[own] < rho && b[own] < rho;
+        const bool above = a[own] > rho && b[own] > rho;
         if ((below || above) && !is_resolved(tr, i, &(reading){own, -1, rho, NEAR_PAIR, false})) return false;
         if (!below || j + 1 == tr->floquet.n_pair || !(a[own + 1] > rho && b[own + 1] > rho)) continue;
         if (!is_resolved(tr, i, &(reading){own, own + 1, 0, NEAR_PAIR, false})) return false;

@@ -484,12 +484,9 @@ static bool mute(const driver *d, int curve, int event)
 /* Whether a is b from letter `turn` on, or, mirrored, with all faces exchanged for those on the other side. */
 static bool same_word(const ric_model *m, int letters, const int *a, const int *b, int turn, bool mirrored)
 {
-    const int faces = m->n_face;
     for (int i = 0; i < letters; i++) {
-        int f = b[(i + turn) % letters] % faces, other = f;
-        for (int g = 0; mirrored && g < faces; g++)
-            if (g != f && m->face[g].contact == m->face[f].contact) other = g;
-        if (a[i] != other + (b[(i + turn) % letters] - f)) return false;
+        const int letter = b[(i + turn) % letters], f = letter % m->n_face, image = mirrored ? m->face[f].mirror : f;
+        if (image < 0 || a[i] != image + (letter - f)) return false;
     }
     return true;
 }
