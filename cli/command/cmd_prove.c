@@ -19,8 +19,9 @@ static const cli_item items[] = {
          "Proves by ball arithmetic that there is exactly one orbit with the word of its branch near a stored "
          "point, that its impacts approach and no stop is passed in between, encloses its energy, period and trace, "
          "and decides its stability. The decimals of masses, stiffnesses, normals and clearances count as exact. "
-         "docs/proofs.md states the theorems. Structures with springs are left out. Proofs are "
-         "kept in the atlas, outside its digest, and what is kept is not proved again."},
+         "docs/proofs.md states the theorems, which hold for stops and for springs of law bilinear; power laws are "
+         "left "
+         "out. Proofs are kept in the atlas, outside its digest, and what is kept is not proved again."},
     {.name = "verdict", .text = "proved, not proved (and why), or left out"},
     {.name = "bits", .text = "of the numbers that were needed: 128, 256 or 512"},
     {.name = "distance", .text = "of the orbit that was proved from the stored one, relative; at most 1e-8"},

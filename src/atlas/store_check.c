@@ -71,6 +71,21 @@ uint64_t ric_store_digest(const void *bytes, size_t n)
     return digest_bytes(digest_start, bytes, n);
 }
 
+uint64_t ric_store_digest_model(const ric_model *m)
+{
+    const size_t n = (size_t)ric_model_n_dof(m), size = sizeof(double);
+    uint64_t digest = digest_bytes(digest_start, ric_model_mass(m), n * n * size);
+    digest = digest_bytes(digest, ric_model_stiffness(m), n * n * size);
+    for (int i = 0; i < ric_model_n_contact(m); i++) {
+        ric_contact c;
+        if (ric_model_contact(m, i, &c)) return 0;
+        const double numbers[] = {c.clearance, (double)c.sides, c.stiffness, c.exponent, c.length, c.reference};
+        digest = digest_bytes(digest, c.normal, n * size);
+        digest = digest_bytes(digest, numbers, sizeof numbers);
+    }
+    return digest;
+}
+
 /* Eight bytes, the lowest first. A zero leaves its mark by the prime alone; half of all that is digested are numbers
  * that are zero. */
 static uint64_t digest_number(uint64_t digest, uint64_t value)

@@ -9,7 +9,7 @@
 #include "store_parts.h"
 
 enum {
-    VERSION = 2, /* of what is proved and how it is written: rows of another one are proved again */
+    VERSION = 3, /* of what is proved and how it is written: rows of another one are proved again */
     INTEGERS = 5,
     NUMBERS = 10,
     FIRST = 5, /* columns before the integers */
@@ -141,7 +141,8 @@ static ric_status digest_of(const ric_atlas *atlas, const ric_graph_proof *g, ui
 {
     ric_buffer b;
     if (!ric_buffer_open(&b)) return ric_store_fail_memory();
-    fprintf(b.file, "%d %d %d", VERSION, g->id, (int)g->state);
+    fprintf(b.file, "%d %" PRIx64 " %d %d", VERSION, ric_store_digest_model(ric_atlas_model(atlas)), g->id,
+            (int)g->state);
     for (int i = 0; i < INTEGERS; i++) fprintf(b.file, " %d", g->integer[i]);
     print_numbers(b.file, NUMBERS, g->number);
     fprintf(b.file, "\n%s\n%s\n", g->why, g->how);

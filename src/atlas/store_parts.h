@@ -86,6 +86,8 @@ char *ric_store_model_text(const char *study);
 /* 9 and 9.0 are the same model. */
 ric_status ric_store_compare_models(const char *path, const char *stored, const char *given);
 
+/* Over all numbers of a structure. */
+uint64_t ric_store_digest_model(const ric_model *model);
 /* FNV-1a with 64 bits (Fowler, Noll, Vo): finds damage, not forgery. */
 uint64_t ric_store_digest(const void *bytes, size_t n);
 /* Writes the digest of all contents, which makes them valid. */

@@ -1,6 +1,6 @@
-/* Proofs that are kept in the file, in a table of their own outside its digest. Each row has a digest over itself and
- * the point that it is of, so that a point that has changed since has none, and a damaged row is none. It is no
- * signature: who wants to believe a proof checks its certificate. */
+/* Proofs that are kept in the file, in a table of their own outside its digest. Each row has a digest over itself, the
+ * structure and the point that it is of, so that a point that has changed since has none, and a damaged row is none. It
+ * is no signature: who wants to believe a proof checks its certificate. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #include "store_parts.h"
 
 enum {
-    VERSION = 3, /* of what is proved and how it is written: rows of another one are proved again */
+    VERSION = 4, /* of what is proved and how it is written: rows of another one are proved again */
     COLUMNS = 20,
     NUMBERS = 10, /* of a proof, from column FIRST on */
     FIRST = 8,
@@ -54,8 +54,9 @@ static ric_status digest_row(const ric_atlas *atlas, const ric_proof *p, const c
     const int n_dof = ric_model_n_dof(ric_atlas_model(atlas));
     ric_buffer b;
     if (!ric_buffer_open(&b)) return ric_store_fail_memory();
-    fprintf(b.file, "%d %d %d %d %d %d %d %d %d %d", VERSION, p->branch, p->point, (int)p->state, p->bits,
-            (int)p->stable, p->symmetric, p->reversible, branch->symmetric, branch->reversible);
+    fprintf(b.file, "%d %" PRIx64 " %d %d %d %d %d %d %d %d %d", VERSION,
+            ric_store_digest_model(ric_atlas_model(atlas)), p->branch, p->point, (int)p->state, p->bits, (int)p->stable,
+            p->symmetric, p->reversible, branch->symmetric, branch->reversible);
     for (int i = 0; i < branch->letters; i++) fprintf(b.file, " %d", branch->word[i]);
     fprintf(b.file, " %a %a %d", row.point.energy, row.point.frequency, (int)row.point.stable);
     for (int i = 0; i < 2 * n_dof; i++) fprintf(b.file, " %a", row.state[i]);

@@ -127,15 +127,15 @@ static bool row_follows(const ric_augmented *x, arb_srcptr u)
     arb_t y, error;
     arb_init(y);
     arb_init(error);
-    ric_augmented_flight_open(&g, e, w, w + 2 * n, NULL);
+    ric_augmented_flight_open(&g, e, x->c.phase[x->c.m - 1], w, w + 2 * n, NULL);
     arb_srcptr flown = g.flown;
     if (x->c.end == RIC_CHAIN_IMPACT) ric_chain_along(e, x->c.face[x->c.m], flown + n, y);
     else if (x->c.end == RIC_CHAIN_CENTRE) arb_set(y, flown + n + x->redundant);
     else {
-        arb_mul(y, e->square + x->redundant, flown + x->redundant, e->prec);
-        ric_chain_norm(n, flown, e->prec, error);
-        arb_mul(error, error, e->rho, e->prec);
-        arb_add_error(y, error);
+        arb_ptr pull = _arb_vec_init(n);
+        ric_chain_pull(e, x->c.phase[x->c.m - 1], flown, pull);
+        arb_set(y, pull + x->redundant);
+        _arb_vec_clear(pull, n);
     }
     const bool done = arb_is_positive(y) || arb_is_negative(y);
     arb_clear(y);
@@ -146,15 +146,17 @@ static bool row_follows(const ric_augmented *x, arb_srcptr u)
 
 /* ---------------------------------------------------------------- directions */
 
-/* Along the motion at a state: (p, -L q). */
-static void put_gauge(ric_augmented *x, int end, arb_srcptr w)
+/* Along the motion at a state: (p, p'). */
+static void put_gauge(ric_augmented *x, int end, const ric_phase *phase, arb_srcptr w)
 {
     const slong n = x->e->n;
+    arb_ptr pull = _arb_vec_init(n);
+    ric_chain_pull(x->e, phase, w, pull);
     for (slong i = 0; i < n; i++) {
         arb_get_mid_arb(arb_mat_entry(x->gauge, end, i), w + n + i);
-        arb_mul(arb_mat_entry(x->gauge, end, n + i), x->e->square + i, w + i, x->e->prec);
-        arb_get_mid_arb(arb_mat_entry(x->gauge, end, n + i), arb_mat_entry(x->gauge, end, n + i));
+        arb_get_mid_arb(arb_mat_entry(x->gauge, end, n + i), pull + i);
     }
+    _arb_vec_clear(pull, n);
 }
 
 static int largest(arb_srcptr x, slong n)
@@ -171,9 +173,9 @@ static void lay_directions(ric_augmented *x)
     const ric_augmented_question *ask = &x->ask;
     arb_srcptr w = ric_chain_block(&x->c, x->c.m - 1);
     arb_ptr flown = _arb_vec_init(2 * n);
-    ric_chain_fly(x->e, w, w + 2 * n, flown);
-    put_gauge(x, 0, x->c.u);
-    put_gauge(x, 1, flown);
+    ric_chain_fly(x->e, x->c.phase[x->c.m - 1], w, w + 2 * n, flown);
+    put_gauge(x, 0, x->c.phase[0], x->c.u);
+    put_gauge(x, 1, x->c.phase[x->c.m - 1], flown);
     x->redundant = -1;
     if (ask->kind == RIC_AUGMENTED_BREAK && ask->broken[0] && ask->broken[1]) {
         arb_srcptr gauge = arb_mat_entry(x->gauge, 1, 0);
@@ -206,13 +208,8 @@ static bool closes(const ric_augmented *x)
 {
     arb_t y;
     arb_init(y);
-    ric_chain_energy(x->e, x->z, y);
-    bool done = arb_is_positive(y);
-    if (ric_chain_general(&x->c)) {
-        arb_abs(y, x->z + x->n_orbit - 1);
-        arb_sub_ui(y, y, 1, x->e->prec);
-        done = done && arb_is_negative(y);
-    }
+    ric_chain_energy(x->e, x->c.phase[0], x->z, y);
+    const bool done = arb_is_positive(y) && ric_chain_closes(&x->c, x->e, x->z);
     arb_clear(y);
     return done;
 }

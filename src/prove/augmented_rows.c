@@ -102,6 +102,35 @@ static void put_links(filling *f, slong from, const ric_equations *second)
     for (int i = 0; i + 1 < f->x->c.m; i++) put_group(f, from, &f->q.group[i], &second->group[i], false);
 }
 
+/* What closed springs add to E' a at the first block: k (s - d) c.a. */
+static void put_springs(filling *f, slong from)
+{
+    const ric_augmented *x = f->x;
+    const ric_enclosure *e = x->e;
+    arb_t press, force, value;
+    arb_init(press);
+    arb_init(force);
+    arb_init(value);
+    for (int k = 0; k < e->n_face; k++) {
+        if (!ric_phase_closed(x->c.phase[0], k)) continue;
+        arb_srcptr c = ric_enclosure_c(e, e->wall[k].contact);
+        ric_chain_along(e, k, f->z, press);
+        arb_sub(press, press, e->wall[k].gap, e->prec);
+        arb_mul(press, press, e->wall[k].spring, e->prec);
+        ric_chain_along(e, k, f->z + from, force);
+        arb_mul(force, force, e->wall[k].spring, e->prec);
+        for (slong i = 0; i < e->n; i++) {
+            arb_mul(value, press, c + i, e->prec);
+            add_term(f, f->row, from + i, value);
+            arb_mul(value, force, c + i, e->prec);
+            add_derivative(f, f->row, i, value);
+        }
+    }
+    arb_clear(press);
+    arb_clear(force);
+    arb_clear(value);
+}
+
 /* Of the tangent: all of G', and E' or T'. */
 static void put_tangent(filling *f)
 {
@@ -119,6 +148,7 @@ static void put_tangent(filling *f)
         arb_one(value);
         for (int k = 0; k < x->c.m; k++) add_term(f, f->row, from + (slong)k * x->c.size + 2 * n, value);
     } else {
+        put_springs(f, from);
         for (slong i = 0; i < 2 * n; i++) {
             arb_zero(error);
             if (i < n) ric_chain_norm(n, f->z, e->prec, error);
@@ -193,8 +223,8 @@ void ric_augmented_flight_close(ric_augmented_flight *f)
     _arb_vec_clear(f->flown, n);
 }
 
-void ric_augmented_flight_open(ric_augmented_flight *f, const ric_enclosure *e, arb_srcptr w, const arb_t tau,
-                               arb_srcptr along)
+void ric_augmented_flight_open(ric_augmented_flight *f, const ric_enclosure *e, const ric_phase *phase, arb_srcptr w,
+                               const arb_t tau, arb_srcptr along)
 {
     const slong n = e->n;
     arb_t slack, size;
@@ -203,9 +233,9 @@ void ric_augmented_flight_open(ric_augmented_flight *f, const ric_enclosure *e, 
     f->flown = _arb_vec_init(2 * n);
     arb_mat_init(f->D, 2 * n, 2 * n + 1);
     arb_mat_init(f->second, 2 * n, 2 * n + 1);
-    ric_equation_flight(e, w, tau, f->D, f->flown);
-    if (along) ric_equation_bend(e, f->D, w, along, f->second);
-    ric_chain_slack(e, w, tau, slack);
+    ric_equation_flight(e, phase, w, tau, f->D, f->flown);
+    if (along) ric_equation_bend(&(ric_equation_span){e, phase, w, tau}, f->D, along, f->second);
+    ric_chain_slack(e, phase, w, tau, slack);
     widen(f->D, slack);
     for (slong i = 0; i < 2 * n; i++) arb_add_error(f->flown + i, slack);
     if (along) {
@@ -228,7 +258,7 @@ static void add_end(filling *f, slong from, const arb_mat_t B, const arb_t facto
     arb_mat_t BD, BS;
     arb_mat_init(BD, arb_mat_nrows(B), 2 * n + 1);
     arb_mat_init(BS, arb_mat_nrows(B), 2 * n + 1);
-    ric_augmented_flight_open(&g, x->e, w, w + 2 * n, f->z + from + last);
+    ric_augmented_flight_open(&g, x->e, x->c.phase[x->c.m - 1], w, w + 2 * n, f->z + from + last);
     arb_mat_mul(BD, B, g.D, x->e->prec);
     arb_mat_mul(BS, B, g.second, x->e->prec);
     arb_mat_scalar_mul_arb(BD, BD, factor, x->e->prec);
@@ -376,7 +406,7 @@ static void put_speed(filling *f)
     ric_augmented_flight g;
     arb_t sum;
     arb_init(sum);
-    ric_augmented_flight_open(&g, e, x->c.u + last, x->c.u + last + 2 * n, NULL);
+    ric_augmented_flight_open(&g, e, x->c.phase[x->c.m - 1], x->c.u + last, x->c.u + last + 2 * n, NULL);
     arb_dot(f->F + f->row, NULL, 0, c, 1, g.flown + n, 1, n, e->prec);
     for (slong j = 0; j <= 2 * n; j++) {
         arb_zero(sum);
@@ -398,7 +428,7 @@ static void put_touch(filling *f)
     ric_augmented_flight g;
     arb_t sum;
     arb_init(sum);
-    ric_augmented_flight_open(&g, e, x->c.u + at, f->z + x->n_orbit, NULL);
+    ric_augmented_flight_open(&g, e, x->c.phase[x->ask.place], x->c.u + at, f->z + x->n_orbit, NULL);
     for (slong half = 0; half < 2; half++, f->row++) {
         arb_dot(f->F + f->row, NULL, 0, c, 1, g.flown + half * n, 1, n, e->prec);
         for (slong j = 0; j <= 2 * n; j++) {

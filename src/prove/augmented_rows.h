@@ -18,9 +18,9 @@ typedef struct {
     arb_ptr flown;
 } ric_augmented_flight;
 
-/* Over time tau; along: NULL, or [2n + 1]. */
-void ric_augmented_flight_open(ric_augmented_flight *f, const ric_enclosure *e, arb_srcptr w, const arb_t tau,
-                               arb_srcptr along);
+/* In a phase over time tau; along: NULL, or [2n + 1]. */
+void ric_augmented_flight_open(ric_augmented_flight *f, const ric_enclosure *e, const ric_phase *phase, arb_srcptr w,
+                               const arb_t tau, arb_srcptr along);
 void ric_augmented_flight_close(ric_augmented_flight *f);
 
 #endif

@@ -445,7 +445,7 @@ static ric_status check_options(const ric_model *m, const ric_census_options *o)
                         o->period[0], o->period[1]);
     if (o->workers < 1 || !(o->seconds > 0))
         return ric_fail(RIC_E_INPUT, "workers %d, seconds %g: give numbers above 0", o->workers, o->seconds);
-    const char *left_out = ric_prover_left_out_model(m);
+    const char *left_out = ric_prover_springs(m) ? "bilinear springs" : ric_prover_left_out_model(m);
     if (left_out) return ric_fail(RIC_E_INPUT, "a census leaves out structures like this: %s", left_out);
     return RIC_OK;
 }

@@ -38,10 +38,11 @@ static void set_ball(arb_t out, ric_ball x)
 }
 
 /* The zero as a chain (chain.h): q_i = a_i / omega_i. */
-static void make_chain(ric_chain *c, int *face, const ric_census_find *z, const ric_census_pair *p, ric_ball w[][4])
+static void make_chain(ric_chain *c, int *face, const ric_phase **phase, const ric_census_find *z,
+                       const ric_census_pair *p, ric_ball w[][4])
 {
     const int N = z->word.N;
-    *c = (ric_chain){.n = 2, .m = N, .size = 5, .sign = 1, .face = face, .at = -1, .number = -1};
+    *c = (ric_chain){.n = 2, .m = N, .size = 5, .sign = 1, .face = face, .phase = phase, .at = -1, .number = -1};
     c->u = _arb_vec_init((slong)N * c->size + 1);
     for (int k = 0; k < N; k++) {
         arb_ptr block = ric_chain_block(c, k);
@@ -122,12 +123,13 @@ void ric_census_judge(ric_census_find *z, const ric_census_pair *p)
 {
     ric_ball w[RIC_CENSUS_IMPACTS][4];
     int face[RIC_CENSUS_IMPACTS + 1];
+    const ric_phase *phase[RIC_CENSUS_IMPACTS] = {NULL};
     ric_chain c;
     ric_passage passage;
     z->verdict = RIC_CENSUS_GHOST;
     if (is_ghost(z, p)) return;
     states(z, p, w);
-    make_chain(&c, face, z, p, w);
+    make_chain(&c, face, phase, z, p, w);
     ric_passage_init(&passage);
     const ric_family family = {.hull = c.u};
     z->verdict = ric_passage_prove(&passage, &c, p->e, &family) ? RIC_CENSUS_ORBIT : RIC_CENSUS_OPEN;

@@ -289,7 +289,7 @@ char *ric_certificate_junction(const ric_augmented *x, const ric_junction_proof 
     fprintf(b.file, ", \"slow\": %d", x->ask.place);
     arb_t y;
     arb_init(y);
-    ric_chain_energy(x->e, x->z, y);
+    ric_chain_energy(x->e, c.phase[0], x->z, y);
     arb_mul_2exp_si(y, y, 2 * x->e->time - x->e->mass);
     print_rounded(&w, "energy", y);
     arb_zero(y);

@@ -12,7 +12,7 @@ enum { MIRRORS = 4 }; /* at most in a period */
 
 /* ------------------------------------------------------------------- motion */
 
-void ric_chain_fly(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_ptr out)
+static void fly_modes(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_ptr out)
 {
     slong n = e->n;
     arb_t s, c, x;
@@ -38,6 +38,20 @@ void ric_chain_fly(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_pt
     arb_clear(s);
     arb_clear(c);
     arb_clear(x);
+}
+
+void ric_chain_fly(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_ptr out)
+{
+    if (!phase) {
+        fly_modes(e, w, tau, out);
+        return;
+    }
+    arb_ptr from = _arb_vec_init(2 * e->n), to = _arb_vec_init(2 * e->n);
+    ric_phase_enter(phase, w, from);
+    fly_modes(&phase->e, from, tau, to);
+    ric_phase_leave(phase, to, out);
+    _arb_vec_clear(from, 2 * e->n);
+    _arb_vec_clear(to, 2 * e->n);
 }
 
 void ric_chain_number_row(const ric_enclosure *e, int number, arb_ptr out)
@@ -72,6 +86,7 @@ void ric_chain_along(const ric_enclosure *e, int face, arb_srcptr x, arb_t out)
 
 void ric_chain_reflect(const ric_enclosure *e, int face, arb_ptr p)
 {
+    if (e->wall[face].closes) return;
     int contact = e->wall[face].contact;
     arb_srcptr c = ric_enclosure_c(e, contact);
     arb_t sum;
@@ -83,7 +98,7 @@ void ric_chain_reflect(const ric_enclosure *e, int face, arb_ptr p)
     arb_clear(sum);
 }
 
-void ric_chain_energy(const ric_enclosure *e, arb_srcptr w, arb_t out)
+void ric_chain_energy(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, arb_t out)
 {
     slong n = e->n;
     arb_t x;
@@ -96,8 +111,92 @@ void ric_chain_energy(const ric_enclosure *e, arb_srcptr w, arb_t out)
     arb_dot(x, NULL, 0, w, 1, w, 1, n, e->prec);
     arb_mul(x, x, e->rho, e->prec);
     arb_add_error(out, x);
+    for (int f = 0; f < e->n_face; f++) {
+        if (!ric_phase_closed(phase, f)) continue;
+        ric_phase_press(e, f, w, x);
+        arb_mul(x, x, x, e->prec);
+        arb_addmul(out, x, e->wall[f].spring, e->prec);
+    }
     arb_mul_2exp_si(out, out, -1);
     arb_clear(x);
+}
+
+/* -(L + R) q - sum k (c.q - d) c. */
+void ric_chain_pull(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, arb_ptr out)
+{
+    const slong n = e->n;
+    arb_t x;
+    arb_init(x);
+    ric_chain_norm(n, w, e->prec, x);
+    arb_mul(x, x, e->rho, e->prec);
+    for (slong i = 0; i < n; i++) {
+        arb_mul(out + i, e->square + i, w + i, e->prec);
+        arb_neg(out + i, out + i);
+        arb_add_error(out + i, x);
+    }
+    for (int f = 0; f < e->n_face; f++) {
+        if (!ric_phase_closed(phase, f)) continue;
+        ric_chain_along(e, f, w, x);
+        arb_sub(x, x, e->wall[f].gap, e->prec);
+        arb_mul(x, x, e->wall[f].spring, e->prec);
+        for (slong i = 0; i < n; i++) arb_submul(out + i, x, ric_enclosure_c(e, e->wall[f].contact) + i, e->prec);
+    }
+    arb_clear(x);
+}
+
+bool ric_chain_opens(const ric_chain *c, const ric_enclosure *e, int k)
+{
+    const int face = c->face[k];
+    if (face < 0 || !e->wall[face].closes) return false;
+    return k < c->m ? !ric_phase_closed(c->phase[k], face) : ric_phase_closed(c->phase[k - 1], face);
+}
+
+/* The part of the energy that grows like the square of the state, and the one that falls in proportion to it, of the
+ * springs of a phase: 1/2 k s^2 and k s d, of -q where `image`. */
+static void split_energy(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, bool image, arb_t a, arb_t b)
+{
+    arb_t s, ks;
+    arb_init(s);
+    arb_init(ks);
+    ric_chain_energy(e, NULL, w, a);
+    arb_zero(b);
+    for (int f = 0; f < e->n_face; f++) {
+        if (!ric_phase_closed(phase, f)) continue;
+        const ric_wall *wall = &e->wall[f];
+        ric_chain_along(e, f, w, s);
+        if (image) arb_neg(s, s);
+        arb_mul(ks, s, wall->spring, e->prec);
+        arb_addmul(b, ks, wall->gap, e->prec);
+        arb_mul(ks, ks, s, e->prec);
+        arb_mul_2exp_si(ks, ks, -1);
+        arb_add(a, a, ks, e->prec);
+    }
+    arb_clear(s);
+    arb_clear(ks);
+}
+
+/* With f(1 + lambda) = a (1 + lambda)^2 - b (1 + lambda) + .. the energy before the last event, f(1 + lambda) = f(1) is
+ * lambda (a (2 + lambda) - b) = 0; a and b there are those of w_0 / (1 + lambda), and a (2 + lambda) > b (1 + lambda)
+ * of w_0 itself is enough for one of a sign, b of either. */
+bool ric_chain_closes(const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
+{
+    if (!ric_chain_general(c)) return true;
+    arb_srcptr lambda = u + (slong)c->m * c->size;
+    arb_t a, b, x;
+    arb_init(a);
+    arb_init(b);
+    arb_init(x);
+    split_energy(e, c->phase[c->m - 1], u, c->sign < 0, a, b);
+    arb_add_ui(x, lambda, 1, e->prec);
+    bool closes = arb_is_positive(a) && arb_is_positive(x);
+    arb_mul(b, b, x, e->prec);
+    arb_add_ui(x, lambda, 2, e->prec);
+    arb_mul(a, a, x, e->prec);
+    closes = closes && arb_gt(a, b);
+    arb_clear(a);
+    arb_clear(b);
+    arb_clear(x);
+    return closes;
 }
 
 void ric_chain_norm(slong n, arb_srcptr x, slong prec, arb_t out)
@@ -109,12 +208,16 @@ void ric_chain_norm(slong n, arb_srcptr x, slong prec, arb_t out)
     mag_zero(arb_radref(out));
 }
 
-void ric_chain_slack(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_t out)
+void ric_chain_slack(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_t out)
 {
+    arb_ptr from = _arb_vec_init(2 * e->n);
     arb_t size;
     arb_init(size);
-    ric_enclosure_slack(e, tau, out);
-    ric_chain_norm(2 * e->n, w, e->prec, size);
+    _arb_vec_set(from, w, 2 * e->n);
+    if (phase) ric_phase_enter(phase, w, from);
+    ric_enclosure_slack(ric_phase_enclosure(phase, e), tau, out);
+    ric_chain_norm(2 * e->n, from, e->prec, size);
+    _arb_vec_clear(from, 2 * e->n);
     arb_add_ui(size, size, 1, e->prec);
     arb_mul(out, out, size, e->prec);
     arb_clear(size);
@@ -135,52 +238,59 @@ static double size_of(slong n, arb_srcptr x)
 }
 
 /* The largest |p| that the energy of the motion allows. */
-static double fastest(const ric_enclosure *e, arb_srcptr w)
+static double fastest(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w)
 {
     arb_t E;
     arb_init(E);
-    ric_chain_energy(e, w, E);
+    ric_chain_energy(e, phase, w, E);
     double speed = sqrt(2 * fabs(ric_arb_middle(E)));
     arb_clear(E);
     return speed;
 }
 
 /* Whether the impact with the state w after it turns the motion round: p is along the normal. */
-static bool turns(const ric_enclosure *e, int face, arb_srcptr w)
+static bool turns(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w)
 {
+    if (e->wall[face].closes) return false;
     int contact = e->wall[face].contact;
     arb_srcptr c = ric_enclosure_c(e, contact);
     double along = 0, rest = 0;
     for (slong i = 0; i < e->n; i++) along += ric_arb_middle(c + i) * ric_arb_middle(w + e->n + i);
     along /= ric_arb_middle(e->cc + contact);
     for (slong i = 0; i < e->n; i++) rest += pow(ric_arb_middle(w + e->n + i) - along * ric_arb_middle(c + i), 2);
-    return sqrt(rest) < AT_MIRROR * fastest(e, w);
+    return sqrt(rest) < AT_MIRROR * fastest(e, phase, w);
 }
 
-static ric_chain_end kind_in_flight(const ric_enclosure *e, arb_srcptr w)
+static ric_chain_end kind_in_flight(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w)
 {
-    double q = 0, v = fastest(e, w);
+    double q = 0, v = fastest(e, phase, w);
     for (slong i = 0; i < e->n; i++) q += pow(ric_arb_middle(w + i), 2) * fmax(1, ric_arb_middle(e->square + i));
     if (size_of(e->n, w + e->n) < AT_MIRROR * v) return RIC_CHAIN_REST;
-    return sqrt(q) < AT_MIRROR * v ? RIC_CHAIN_CENTRE : RIC_CHAIN_GENERAL;
+    return !phase && sqrt(q) < AT_MIRROR * v ? RIC_CHAIN_CENTRE : RIC_CHAIN_GENERAL;
 }
 
 typedef struct {
     int n, letters;
-    const int *word;
-    arb_ptr states; /* [letters * 2n] behind every impact */
-    arb_ptr tau;    /* [letters] */
+    const int *word;         /* [letters] faces, and n_face more where they open */
+    const ric_phase **phase; /* [letters] of the flight behind each */
+    arb_ptr states;          /* [letters * 2n] behind every event */
+    arb_ptr tau;             /* [letters] */
     int mirrors;
     int place[MIRRORS + 1]; /* 2 k: impact k; 2 k + 1: the middle of the flight behind it */
     ric_chain_end kind[MIRRORS + 1];
 } motion;
+
+static int face_of(const ric_enclosure *e, const motion *z, int k)
+{
+    return z->word[k] % e->n_face;
+}
 
 static void middle_of_flight(const ric_enclosure *e, const motion *z, int k, arb_ptr out)
 {
     arb_t half;
     arb_init(half);
     arb_mul_2exp_si(half, z->tau + k, -1);
-    ric_chain_fly(e, z->states + (slong)k * 2 * z->n, half, out);
+    ric_chain_fly(e, z->phase[k], z->states + (slong)k * 2 * z->n, half, out);
     set_mid(out, out, 2 * z->n);
     arb_clear(half);
 }
@@ -193,8 +303,8 @@ static void find_mirrors(const ric_enclosure *e, motion *z)
         ric_chain_end kind = RIC_CHAIN_GENERAL;
         if (place % 2) {
             middle_of_flight(e, z, k, w);
-            kind = kind_in_flight(e, w);
-        } else if (turns(e, z->word[k], z->states + (slong)k * 2 * z->n)) kind = RIC_CHAIN_IMPACT;
+            kind = kind_in_flight(e, z->phase[k], w);
+        } else if (turns(e, z->phase[k], face_of(e, z, k), z->states + (slong)k * 2 * z->n)) kind = RIC_CHAIN_IMPACT;
         if (kind == RIC_CHAIN_GENERAL) continue;
         z->place[z->mirrors] = place;
         z->kind[z->mirrors++] = kind;
@@ -202,13 +312,20 @@ static void find_mirrors(const ric_enclosure *e, motion *z)
     _arb_vec_clear(w, 2 * z->n);
 }
 
+/* The letter of the same event of the image under x -> -x; -1: it has none. Backwards springs open where they close. */
+static int image_of(const ric_enclosure *e, int letter, bool backwards, bool turned)
+{
+    const int face = letter % e->n_face, image = turned ? e->wall[face].mirror : face;
+    const bool opens = (letter >= e->n_face) != (backwards && e->wall[face].closes);
+    return image < 0 ? -1 : image + (opens ? e->n_face : 0);
+}
+
 /* Reading the word backwards from a mirror point gives the word again, with opposite faces from a centre. */
 static bool reflects(const ric_enclosure *e, const motion *z, int mirror)
 {
     for (int k = 0; k < z->letters; k++) {
-        int image = (z->place[mirror] - k + z->letters) % z->letters, face = z->word[k];
-        if (z->kind[mirror] == RIC_CHAIN_CENTRE) face = e->wall[face].mirror;
-        if (z->word[image] != face) return false;
+        int image = (z->place[mirror] - k + z->letters) % z->letters;
+        if (z->word[image] != image_of(e, z->word[k], true, z->kind[mirror] == RIC_CHAIN_CENTRE)) return false;
     }
     return true;
 }
@@ -224,43 +341,74 @@ static bool is_reversible(const ric_enclosure *e, const motion *z)
     return reflects(e, z, 0) && reflects(e, z, 1);
 }
 
-/* Projected on the symmetric class, so that half of the motion stands for all of it. */
-static void motion_open(motion *z, const ric_enclosure *e, const ric_branch *branch, const double *state,
-                        const double *flights)
+/* The springs that are closed behind each letter: before the first one those whose first letter is an opening. False
+ * where they close twice, or such a phase is not enclosed. */
+static bool find_phases(motion *z, const ric_enclosure *e)
 {
-    const int n = e->n;
-    *z = (motion){.n = n, .letters = branch->letters, .word = branch->word};
-    z->states = _arb_vec_init((slong)z->letters * 2 * n);
-    z->tau = _arb_vec_init(z->letters);
+    uint64_t closed = 0;
+    for (int k = z->letters - 1; k >= 0; k--)
+        if (e->wall[face_of(e, z, k)].closes) {
+            const uint64_t bit = (uint64_t)1 << face_of(e, z, k);
+            closed = z->word[k] >= e->n_face ? closed | bit : closed & ~bit;
+        }
+    for (int k = 0; k < z->letters; k++) {
+        if (e->wall[face_of(e, z, k)].closes) {
+            const uint64_t bit = (uint64_t)1 << face_of(e, z, k);
+            if ((z->word[k] >= e->n_face) != ((closed & bit) != 0)) return false;
+            closed ^= bit;
+        }
+        if (!ric_phase_get(e, closed, &z->phase[k])) return false;
+    }
+    return true;
+}
+
+void ric_chain_state(const ric_enclosure *e, const double *state, arb_ptr w)
+{
     arb_mat_t x, q;
     arb_mat_init(x, e->n_dof, 1);
-    arb_mat_init(q, n, 1);
+    arb_mat_init(q, e->n, 1);
     for (int part = 0; part < 2; part++) {
         for (slong i = 0; i < e->n_dof; i++) {
             arb_set_d(arb_mat_entry(x, i, 0), state[part * e->n_dof + i]);
             arb_mul_2exp_si(arb_mat_entry(x, i, 0), arb_mat_entry(x, i, 0), part ? -e->time : 0);
         }
         arb_mat_mul(q, e->back, x, e->prec);
-        for (slong i = 0; i < n; i++) arb_get_mid_arb(z->states + part * n + i, arb_mat_entry(q, i, 0));
+        for (slong i = 0; i < e->n; i++) arb_get_mid_arb(w + part * e->n + i, arb_mat_entry(q, i, 0));
     }
+    arb_mat_clear(x);
+    arb_mat_clear(q);
+}
+
+/* Projected on the symmetric class, so that half of the motion stands for all of it. False: it has a phase that is not
+ * enclosed. */
+static bool motion_open(motion *z, const ric_enclosure *e, const ric_branch *branch, const double *state,
+                        const double *flights)
+{
+    const int n = e->n;
+    *z = (motion){.n = n, .letters = branch->letters, .word = branch->word};
+    z->phase = flint_calloc((size_t)z->letters, sizeof *z->phase);
+    z->states = _arb_vec_init((slong)z->letters * 2 * n);
+    z->tau = _arb_vec_init(z->letters);
+    ric_chain_state(e, state, z->states);
     for (int k = 0; k < z->letters; k++) {
         arb_set_d(z->tau + k, flights[k]);
         arb_mul_2exp_si(z->tau + k, z->tau + k, e->time);
     }
-    for (int k = 0; k + 1 < z->letters; k++) {
+    const bool enclosed = find_phases(z, e);
+    for (int k = 0; k + 1 < z->letters && enclosed; k++) {
         arb_ptr from = z->states + (slong)k * 2 * n, to = from + 2 * n;
-        ric_chain_fly(e, from, z->tau + k, to);
-        ric_chain_reflect(e, z->word[k + 1], to + n);
+        ric_chain_fly(e, z->phase[k], from, z->tau + k, to);
+        ric_chain_reflect(e, face_of(e, z, k + 1), to + n);
         set_mid(to, to, 2 * n);
     }
-    arb_mat_clear(x);
-    arb_mat_clear(q);
+    return enclosed;
 }
 
 static void motion_close(motion *z)
 {
     _arb_vec_clear(z->states, (slong)z->letters * 2 * z->n);
     _arb_vec_clear(z->tau, z->letters);
+    flint_free(z->phase);
 }
 
 /* ---------------------------------------------------------------- the chain */
@@ -272,6 +420,7 @@ static void allocate(ric_chain *c, const ric_enclosure *e, int m)
     c->m = m;
     c->size = 2 * n + 1;
     c->face = flint_calloc((size_t)m + 1, sizeof *c->face);
+    c->phase = flint_calloc((size_t)m, sizeof *c->phase);
     c->u = _arb_vec_init((slong)m * c->size + 1);
     c->row = _arb_vec_init(c->size);
 }
@@ -281,11 +430,12 @@ static void fill_general(ric_chain *c, const ric_enclosure *e, const motion *z, 
     c->sign = half ? -1 : 1;
     allocate(c, e, half ? z->letters / 2 : z->letters);
     for (int k = 0; k < c->m; k++) {
-        c->face[k] = z->word[k];
+        c->face[k] = face_of(e, z, k);
+        c->phase[k] = z->phase[k];
         set_mid(ric_chain_block(c, k), z->states + (slong)k * 2 * z->n, 2 * z->n);
         arb_set(ric_chain_block(c, k) + 2 * z->n, z->tau + k);
     }
-    c->face[c->m] = half ? e->wall[z->word[0]].mirror : z->word[0];
+    c->face[c->m] = half ? e->wall[c->face[0]].mirror : c->face[0];
 }
 
 static void fill_reversible(ric_chain *c, const ric_enclosure *e, const motion *z)
@@ -303,11 +453,12 @@ static void fill_reversible(ric_chain *c, const ric_enclosure *e, const motion *
         const bool cut = (k == 0 && from % 2) || (k == c->m - 1 && to % 2);
         set_mid(block, z->states + (slong)impact * 2 * z->n, 2 * z->n);
         arb_mul_2exp_si(tau, z->tau + impact, cut ? -1 : 0);
-        c->face[k] = z->word[impact];
+        c->face[k] = face_of(e, z, impact);
+        c->phase[k] = z->phase[impact];
     }
     if (from % 2) middle_of_flight(e, z, c->first, ric_chain_block(c, 0));
     if (from % 2) c->face[0] = -1;
-    c->face[c->m] = to % 2 ? -1 : z->word[to / 2];
+    c->face[c->m] = to % 2 ? -1 : face_of(e, z, to / 2);
 }
 
 static bool all_finite(const double *x, int n)
@@ -323,7 +474,7 @@ static bool is_halved(const ric_enclosure *e, const ric_branch *branch)
     const int half = branch->letters / 2;
     if (!branch->symmetric || branch->letters % 2) return false;
     for (int k = 0; k < half; k++)
-        if (branch->word[k + half] != e->wall[branch->word[k]].mirror) return false;
+        if (branch->word[k + half] != image_of(e, branch->word[k], false, true)) return false;
     return true;
 }
 
@@ -333,12 +484,12 @@ bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *br
     motion z;
     *c = (ric_chain){.sign = 1, .number = -1};
     if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters)) return false;
-    motion_open(&z, e, branch, state, flights);
-    if (branch->reversible) find_mirrors(e, &z);
-    if (branch->reversible && is_reversible(e, &z)) fill_reversible(c, e, &z);
-    else fill_general(c, e, &z, is_halved(e, branch));
+    const bool enclosed = motion_open(&z, e, branch, state, flights);
+    if (enclosed && branch->reversible) find_mirrors(e, &z);
+    if (enclosed && branch->reversible && is_reversible(e, &z)) fill_reversible(c, e, &z);
+    else if (enclosed) fill_general(c, e, &z, is_halved(e, branch));
     motion_close(&z);
-    return true;
+    return enclosed;
 }
 
 /* Place of the mirror point at the end of a reversible chain. */
@@ -347,15 +498,38 @@ static int end_place(const ric_chain *c)
     return c->face[c->m] < 0 ? 2 * (c->first + c->m) - 1 : 2 * (c->first + c->m);
 }
 
+bool ric_chain_mode(ric_chain *c, const ric_enclosure *e, const double *state, double period)
+{
+    const int n = e->n;
+    int mode = 0;
+    double most = 0;
+    arb_ptr w = _arb_vec_init(2 * n);
+    *c = (ric_chain){.start = RIC_CHAIN_REST, .end = RIC_CHAIN_CENTRE, .sign = 1, .number = -1};
+    if (!all_finite(state, 2 * e->n_dof) || !isfinite(period)) return false;
+    ric_chain_state(e, state, w);
+    allocate(c, e, 1);
+    for (int i = 0; i < n; i++) {
+        const double size = hypot(ric_arb_middle(w + i) * ric_arb_middle(e->omega + i), ric_arb_middle(w + n + i));
+        if (!(size > most)) continue;
+        most = size;
+        mode = i;
+    }
+    if (most > 0) arb_set_d(c->u + mode, most / ric_arb_middle(e->omega + mode));
+    arb_set_d(c->u + 2 * n, ldexp(period, e->time - 2));
+    c->face[0] = c->face[1] = -1;
+    _arb_vec_clear(w, 2 * n);
+    return most > 0 && arb_is_finite(c->u + mode);
+}
+
 bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
                     const double *flights, const ric_chain *other)
 {
     motion z;
     *c = (ric_chain){.sign = 1, .number = -1};
     if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters)) return false;
-    motion_open(&z, e, branch, state, flights);
-    if (ric_chain_general(other)) fill_general(c, e, &z, other->sign < 0);
-    else {
+    const bool enclosed = motion_open(&z, e, branch, state, flights);
+    if (enclosed && ric_chain_general(other)) fill_general(c, e, &z, other->sign < 0);
+    else if (enclosed) {
         z.place[0] = 2 * other->first + other->half_flight;
         z.place[1] = end_place(other);
         z.kind[0] = other->start;
@@ -363,7 +537,7 @@ bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *bran
         fill_reversible(c, e, &z);
     }
     motion_close(&z);
-    return true;
+    return enclosed;
 }
 
 bool ric_chain_same_class(const ric_chain *a, const ric_chain *b)
@@ -371,6 +545,7 @@ bool ric_chain_same_class(const ric_chain *a, const ric_chain *b)
     bool same = a->m == b->m && a->start == b->start && a->end == b->end && a->sign == b->sign &&
                 a->first == b->first && a->half_flight == b->half_flight;
     for (int k = 0; k <= a->m && same; k++) same = a->face[k] == b->face[k];
+    for (int k = 0; k < a->m && same; k++) same = a->phase[k] == b->phase[k];
     return same;
 }
 
@@ -379,6 +554,8 @@ void ric_chain_copy(ric_chain *to, const ric_chain *from)
     *to = *from;
     to->face = flint_malloc(((size_t)from->m + 1) * sizeof *to->face);
     memcpy(to->face, from->face, ((size_t)from->m + 1) * sizeof *to->face);
+    to->phase = flint_malloc((size_t)from->m * sizeof *to->phase);
+    memcpy(to->phase, from->phase, (size_t)from->m * sizeof *to->phase);
     to->u = _arb_vec_init((slong)from->m * from->size + 1);
     to->row = _arb_vec_init(from->size);
     _arb_vec_set(to->u, from->u, (slong)from->m * from->size + 1);
@@ -393,6 +570,7 @@ void ric_chain_free(ric_chain *c)
     _arb_vec_clear(c->u, (slong)c->m * c->size + 1);
     _arb_vec_clear(c->row, c->size);
     flint_free(c->face);
+    flint_free(c->phase);
     fmpz_clear(c->held);
     c->u = NULL;
 }

@@ -8,11 +8,13 @@
  *   reversible: n conditions of a mirror point on w_0, n on F(tau_m-1) w_m-1    (docs/theory.md section 4)
  *   one number of x, v or tau of block `at` = held / 10^RIC_CHAIN_HELD         a plane across the curve of orbits
  * Flights and impacts keep the energy, so a zero has E(w_0) = (1 + lambda)^2 E(w_0): with E > 0 and |lambda| < 1 it is
- * lambda = 0, and the chain closes. */
+ * lambda = 0, and the chain closes.
+ * Springs: an event is also a spring that closes, or opens, and there Q = 1; each flight is that of its phase
+ * (phase.h). At the event the spring is not pressed in, so that the energy, springs included, stays what it is. */
 #ifndef RIC_PROVE_CHAIN_H
 #define RIC_PROVE_CHAIN_H
 
-#include "enclosure.h"
+#include "phase.h"
 
 /* Decimals of the number that is held, lengths in d and times in 2^-time s: what rounds it moves an orbit by no more
  * than what is stored is off anyway. */
@@ -25,6 +27,7 @@ typedef struct {
     ric_chain_end start, end; /* of a general chain both are that */
     int sign;                 /* sigma */
     int *face;                /* [m + 1] where block k begins, and the end; -1: in flight */
+    const ric_phase **phase;  /* [m] of the flight of block k, borrowed from the enclosure */
     int first;                /* the impact of the word, from 0, at or before which the chain begins */
     bool half_flight;         /* it begins in the middle of the flight after that impact */
     arb_ptr u;                /* [m * size + 1] centre, exact; lambda last */
@@ -42,6 +45,8 @@ bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *br
 /* The same in the class of another chain of the branch; false if the stored numbers are not finite. */
 bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
                     const double *flights, const ric_chain *other);
+/* Of a linear mode, state [2 n_dof] anywhere on it: from rest to the centre, a quarter of the period. */
+bool ric_chain_mode(ric_chain *c, const ric_enclosure *e, const double *state, double period);
 void ric_chain_copy(ric_chain *to, const ric_chain *from);
 void ric_chain_free(ric_chain *c);
 /* Whether the same equations hold for both. */
@@ -76,22 +81,30 @@ static inline int ric_chain_copies(const ric_chain *c)
     return (ric_chain_general(c) ? 1 : 2) * (ric_chain_symmetric(c) ? 2 : 1);
 }
 
+/* (q, p) [2n] of x then v [2 n_dof], in d and seconds: midpoints. */
+void ric_chain_state(const ric_enclosure *e, const double *state, arb_ptr w);
 /* A number of a block: x [n_dof], then v [n_dof], then tau; and its derivative by (q, p, tau), out [2n + 1]. */
 void ric_chain_number(const ric_enclosure *e, arb_srcptr block, int number, arb_t out);
 void ric_chain_number_row(const ric_enclosure *e, int number, arb_ptr out);
 /* What the number of the plane is held at. */
 void ric_chain_held(const ric_chain *c, slong prec, arb_t out);
-/* out = F0(tau) w, [2n] each, out may not be w. */
-void ric_chain_fly(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_ptr out);
-/* p <- Q p for the contact of `face`. */
+/* out = F0(tau) w in a phase, [2n] each, out may not be w. */
+void ric_chain_fly(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_ptr out);
+/* p <- Q p for the contact of `face`, where no spring is. */
 void ric_chain_reflect(const ric_enclosure *e, int face, arb_ptr p);
 /* c . x [n] of the contact of `face`. */
 void ric_chain_along(const ric_enclosure *e, int face, arb_srcptr x, arb_t out);
-/* 1/2 p.p + 1/2 q.(L + R) q. */
-void ric_chain_energy(const ric_enclosure *e, arb_srcptr w, arb_t out);
+/* 1/2 p.p + 1/2 q.(L + R) q + 1/2 sum k (s - d)^2. */
+void ric_chain_energy(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, arb_t out);
+/* q'' [n] of a state in a phase. */
+void ric_chain_pull(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, arb_ptr out);
+/* Whether zeros in u, balls of all blocks and lambda, have lambda = 0. */
+bool ric_chain_closes(const ric_chain *c, const ric_enclosure *e, arb_srcptr u);
+/* Whether the spring at the beginning of block k, or at the end of the chain, opens there. */
+bool ric_chain_opens(const ric_chain *c, const ric_enclosure *e, int k);
 /* Euclidean norm of n numbers, an upper bound as a ball. */
 void ric_chain_norm(slong n, arb_srcptr x, slong prec, arb_t out);
 /* slack (1 + |w|): what a flight of w [2n] over tau and its derivatives may have beyond the enclosed modes. */
-void ric_chain_slack(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_t out);
+void ric_chain_slack(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_t out);
 
 #endif

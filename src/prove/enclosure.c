@@ -5,12 +5,11 @@
 #include <string.h>
 
 #include "base/room.h"
+#include "basis.h"
+#include "phase.h"
 
 enum {
-    GUARD = 96,       /* bits that the basis has beyond those computed with */
-    TINY = 20,        /* bits beyond those below which an eigenvalue, relative to the largest, counts as zero */
     EXACT_MODES = 40, /* largest number of modes whose seen part is found in rational numbers */
-    STEPS = 8,        /* of the refinement, each of which doubles 45 bits or more */
 };
 
 /* ----------------------------------------------------------------- decimals */
@@ -71,7 +70,7 @@ typedef struct {
     int n;
     slong prec;
     fmpq_mat_t M, K, b; /* exact, scaled; b: row by row */
-    arb_mat_t MB, KB, X, R, S, W;
+    ric_basis modes;
 } basis;
 
 static void basis_open(basis *z, const ric_enclosure *e)
@@ -79,25 +78,20 @@ static void basis_open(basis *z, const ric_enclosure *e)
     const ric_model *m = e->model;
     slong n = m->n_dof;
     z->n = m->n_dof;
-    z->prec = e->prec + GUARD;
+    z->prec = e->prec + RIC_BASIS_GUARD;
     fmpq_mat_init(z->M, n, n);
     fmpq_mat_init(z->K, n, n);
     fmpq_mat_init(z->b, m->n_contact, n);
     put_matrix(z->M, m->M, e->mass);
     put_matrix(z->K, m->K, e->mass - 2 * e->time);
     put_matrix(z->b, m->b, 0);
-    arb_mat_init(z->MB, n, n);
-    arb_mat_init(z->KB, n, n);
-    arb_mat_init(z->X, n, n);
-    arb_mat_init(z->R, n, n);
-    arb_mat_init(z->S, n, n);
-    arb_mat_init(z->W, n, n);
-    arb_mat_set_fmpq_mat(z->MB, z->M, 2 * z->prec);
-    arb_mat_set_fmpq_mat(z->KB, z->K, 2 * z->prec);
+    ric_basis_open(&z->modes, m->n_dof, e->prec);
+    arb_mat_set_fmpq_mat(z->modes.M, z->M, 2 * z->prec);
+    arb_mat_set_fmpq_mat(z->modes.K, z->K, 2 * z->prec);
     for (slong i = 0; i < n * n; i++) {
-        arb_t *entry = (arb_t *)arb_mat_entry(z->X, i / n, i % n);
-        arb_set_d(*entry, m->Phi[i]);
-        arb_mul_2exp_si(*entry, *entry, -e->mass / 2);
+        arb_ptr entry = arb_mat_entry(z->modes.X, i / n, i % n);
+        arb_set_d(entry, m->Phi[i]);
+        arb_mul_2exp_si(entry, entry, -e->mass / 2);
     }
 }
 
@@ -106,69 +100,7 @@ static void basis_close(basis *z)
     fmpq_mat_clear(z->M);
     fmpq_mat_clear(z->K);
     fmpq_mat_clear(z->b);
-    arb_mat_clear(z->MB);
-    arb_mat_clear(z->KB);
-    arb_mat_clear(z->X);
-    arb_mat_clear(z->R);
-    arb_mat_clear(z->S);
-    arb_mat_clear(z->W);
-}
-
-/* R = X' M X and S = X' K X, of midpoints. */
-static void congruences(basis *z)
-{
-    arb_mat_t transposed;
-    arb_mat_init(transposed, z->n, z->n);
-    arb_mat_transpose(transposed, z->X);
-    arb_mat_approx_mul(z->W, z->MB, z->X, z->prec);
-    arb_mat_approx_mul(z->R, transposed, z->W, z->prec);
-    arb_mat_approx_mul(z->W, z->KB, z->X, z->prec);
-    arb_mat_approx_mul(z->S, transposed, z->W, z->prec);
-    arb_mat_clear(transposed);
-}
-
-/* Entry (i, j) of the correction of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007); where a gap
- * between eigenvalues does not tell the vectors apart they are only made orthonormal. */
-static void correction(const basis *z, slong i, slong j, arb_t out)
-{
-    static const double too_far = 0.1; /* a turn that is no correction any more */
-    arb_t r, li, lj, gap;
-    arb_init(r);
-    arb_init(li);
-    arb_init(lj);
-    arb_init(gap);
-    arb_neg(r, arb_mat_entry(z->R, i, j));
-    if (i == j) arb_add_ui(r, r, 1, z->prec);
-    arb_div(li, arb_mat_entry(z->S, i, i), arb_mat_entry(z->R, i, i), z->prec);
-    arb_div(lj, arb_mat_entry(z->S, j, j), arb_mat_entry(z->R, j, j), z->prec);
-    arb_sub(gap, lj, li, z->prec);
-    arb_mul_2exp_si(out, r, -1);
-    if (i != j && !arb_contains_zero(gap)) {
-        arb_mul(li, lj, r, z->prec);
-        arb_add(li, li, arb_mat_entry(z->S, i, j), z->prec);
-        arb_div(li, li, gap, z->prec);
-        if (fabs(arf_get_d(arb_midref(li), ARF_RND_NEAR)) < too_far) arb_set(out, li);
-    }
-    arb_get_mid_arb(out, out);
-    arb_clear(r);
-    arb_clear(li);
-    arb_clear(lj);
-    arb_clear(gap);
-}
-
-static void refine(basis *z)
-{
-    arb_mat_t E;
-    arb_mat_init(E, z->n, z->n);
-    for (int step = 0; step < STEPS; step++) {
-        congruences(z);
-        for (slong i = 0; i < z->n; i++)
-            for (slong j = 0; j < z->n; j++) correction(z, i, j, arb_mat_entry(E, i, j));
-        arb_mat_approx_mul(z->W, z->X, E, z->prec);
-        arb_mat_add(z->X, z->X, z->W, z->prec);
-        arb_mat_get_mid(z->X, z->X);
-    }
-    arb_mat_clear(E);
+    ric_basis_close(&z->modes);
 }
 
 /* ---------------------------------------------------------- what is not seen */
@@ -246,7 +178,7 @@ static bool keep_seen(ric_enclosure *e, const basis *z, arb_mat_t X)
 {
     const ric_model *m = e->model;
     for (slong i = 0; i < m->n; i++)
-        for (slong k = 0; k < m->n_dof; k++) arb_set(arb_mat_entry(X, k, i), arb_mat_entry(z->X, k, m->mode[i]));
+        for (slong k = 0; k < m->n_dof; k++) arb_set(arb_mat_entry(X, k, i), arb_mat_entry(z->modes.X, k, m->mode[i]));
     if (m->n == m->n_dof) return true;
     snprintf(e->why, sizeof e->why, "more than %d modes, some of which no contact sees", (int)EXACT_MODES);
     if (m->n_dof > EXACT_MODES) return false;
@@ -264,81 +196,10 @@ static bool keep_seen(ric_enclosure *e, const basis *z, arb_mat_t X)
 
 /* ---------------------------------------------------------------- enclosing */
 
-/* X' A X in balls, and its Frobenius distance from the diagonal of `diagonal`. */
-static void distance(const basis *z, const arb_mat_t X, const arb_mat_t A, arb_srcptr diagonal, arb_t out)
-{
-    slong n = arb_mat_ncols(X), prec = 2 * z->prec;
-    arb_mat_t t, w, s;
-    arb_mat_init(t, n, z->n);
-    arb_mat_init(w, z->n, n);
-    arb_mat_init(s, n, n);
-    arb_mat_transpose(t, X);
-    arb_mat_mul(w, A, X, prec);
-    arb_mat_mul(s, t, w, prec);
-    for (slong i = 0; i < n; i++) arb_sub(arb_mat_entry(s, i, i), arb_mat_entry(s, i, i), diagonal + i, prec);
-    arb_mat_frobenius_norm(out, s, prec);
-    arb_get_abs_ubound_arf(arb_midref(out), out, z->prec);
-    mag_zero(arb_radref(out));
-    arb_mat_clear(t);
-    arb_mat_clear(w);
-    arb_mat_clear(s);
-}
-
-/* X (X' M X)^-1/2 in balls: every entry of the last factor is off the unit matrix by at most 2 |X' M X - 1|. */
-static bool orthonormalise(const basis *z, arb_mat_t X, arb_t error)
-{
-    slong n = arb_mat_ncols(X);
-    arb_ptr one = _arb_vec_init(n);
-    for (slong i = 0; i < n; i++) arb_one(one + i);
-    distance(z, X, z->MB, one, error);
-    arb_mul_2exp_si(error, error, 1);
-    arb_mat_t factor;
-    arb_mat_init(factor, n, n);
-    arb_mat_one(factor);
-    for (slong i = 0; i < n * n; i++) arb_add_error(arb_mat_entry(factor, i / n, i % n), error);
-    arb_mat_mul(X, X, factor, 2 * z->prec);
-    arb_mat_clear(factor);
-    _arb_vec_clear(one, n);
-    return arf_cmp_2exp_si(arb_midref(error), -z->prec / 2) < 0;
-}
-
-/* L and rho = |X' K X - L|. */
-static bool frequencies(ric_enclosure *e, const basis *z)
-{
-    slong n = e->n;
-    arb_mat_t xt, w, s;
-    arb_mat_init(xt, n, z->n);
-    arb_mat_init(w, z->n, n);
-    arb_mat_init(s, n, n);
-    arb_mat_transpose(xt, e->X);
-    arb_mat_mul(w, z->KB, e->X, 2 * z->prec);
-    arb_mat_mul(s, xt, w, 2 * z->prec);
-    arb_one(e->top);
-    for (slong i = 0; i < n; i++) {
-        arb_get_mid_arb(e->square + i, arb_mat_entry(s, i, i));
-        if (arb_gt(e->square + i, e->top)) arb_set(e->top, e->square + i);
-    }
-    bool positive = true;
-    for (slong i = 0; i < n; i++) {
-        arb_ptr square = e->square + i;
-        arb_abs(e->rho, square);
-        arb_mul_2exp_si(e->rho, e->rho, e->prec + TINY);
-        if (arb_lt(e->rho, e->top)) arb_zero(square);
-        positive = positive && arb_is_nonnegative(square);
-        arb_sqrt(e->omega + i, square, e->prec + GUARD / 2);
-    }
-    arb_add_ui(e->top, e->top, 1, e->prec);
-    distance(z, e->X, z->KB, e->square, e->rho);
-    arb_mat_clear(xt);
-    arb_mat_clear(w);
-    arb_mat_clear(s);
-    return positive;
-}
-
 static void normals(ric_enclosure *e, const basis *z)
 {
     const ric_model *m = e->model;
-    slong prec = e->prec + GUARD / 2;
+    slong prec = e->prec + RIC_BASIS_GUARD / 2;
     arb_mat_t b, xt;
     arb_mat_init(b, m->n_contact, m->n_dof);
     arb_mat_init(xt, e->n, m->n_dof);
@@ -347,7 +208,7 @@ static void normals(ric_enclosure *e, const basis *z)
     for (slong i = 0; i < m->n_contact; i++)
         arb_dot(e->cc + i, NULL, 0, arb_mat_entry(e->C, i, 0), 1, arb_mat_entry(e->C, i, 0), 1, e->n, prec);
     arb_mat_transpose(xt, e->X);
-    arb_mat_mul(e->back, xt, z->MB, prec);
+    arb_mat_mul(e->back, xt, z->modes.M, prec);
     arb_mat_frobenius_norm(e->spread, e->X, prec);
     arb_mat_clear(b);
     arb_mat_clear(xt);
@@ -366,8 +227,14 @@ static void walls(ric_enclosure *e)
         put_decimal(d, m->contact[w->contact].clearance);
         fmpq_div(d, d, first);
         arb_init(w->gap);
-        arb_set_fmpq(w->gap, d, e->prec + GUARD);
+        arb_set_fmpq(w->gap, d, e->prec + RIC_BASIS_GUARD);
         if (w->side < 0) arb_neg(w->gap, w->gap);
+        arb_init(w->spring);
+        w->closes = m->face[f].spring > 0;
+        if (!w->closes) continue;
+        put_decimal(d, m->contact[w->contact].stiffness);
+        arb_set_fmpq(w->spring, d, e->prec + RIC_BASIS_GUARD);
+        arb_mul_2exp_si(w->spring, w->spring, e->mass - 2 * e->time);
     }
     fmpq_clear(d);
     fmpq_clear(first);
@@ -400,16 +267,18 @@ bool ric_enclosure_create(ric_enclosure *e, const ric_model *m, slong prec)
     e->time = ric_enclosure_time(m);
     e->mass = 2 * (ilogb(cc) / 2);
     allocate(e);
+    e->phases = ric_phase_list_create();
     basis z;
     arb_t error;
     arb_init(error);
     basis_open(&z, e);
-    refine(&z);
+    ric_basis_refine(&z.modes);
     walls(e);
     bool done = keep_seen(e, &z, e->X);
     if (done) {
         snprintf(e->why, sizeof e->why, "the modes could not be enclosed");
-        done = orthonormalise(&z, e->X, error) && frequencies(e, &z);
+        ric_squares squares = {e->omega, e->square, e->rho, e->top};
+        done = ric_basis_orthonormalise(&z.modes, e->X, error) && ric_basis_squares(&z.modes, e->X, &squares);
         normals(e, &z);
     }
     basis_close(&z);
@@ -429,7 +298,11 @@ void ric_enclosure_free(ric_enclosure *e)
     arb_clear(e->rho);
     arb_clear(e->top);
     arb_clear(e->spread);
-    for (int f = 0; f < e->n_face; f++) arb_clear(e->wall[f].gap);
+    ric_phase_list_free(e->phases);
+    for (int f = 0; f < e->n_face; f++) {
+        arb_clear(e->wall[f].gap);
+        arb_clear(e->wall[f].spring);
+    }
     flint_free(e->wall);
     e->wall = NULL;
 }

@@ -17,24 +17,27 @@
 
 typedef struct {
     int contact, side, mirror;
-    arb_t gap; /* side d_f / d_0 */
+    arb_t gap;    /* side d_f / d_0 */
+    bool closes;  /* there is a spring behind it */
+    arb_t spring; /* its stiffness, 0 of a stop */
 } ric_wall;
 
 typedef struct {
     slong prec; /* bits of what is computed with it */
     const ric_model *model;
     int n, n_dof, n_contact, n_face;
-    int time, mass; /* exponents of the scale */
-    arb_mat_t X;    /* [n_dof * n] */
-    arb_mat_t back; /* [n * n_dof] X' M: q = back x */
-    arb_mat_t C;    /* [n_contact * n] rows c */
-    arb_ptr cc;     /* [n_contact] c . c */
-    arb_ptr omega;  /* [n] 0 for a zero mode */
-    arb_ptr square; /* [n] L, exact; omega^2 is what it encloses */
-    arb_t rho, top; /* |R|; 1 + largest L */
-    arb_t spread;   /* |X|, in the Frobenius norm */
-    ric_wall *wall; /* [n_face] */
-    char why[160];  /* why there is none */
+    int time, mass;                /* exponents of the scale */
+    arb_mat_t X;                   /* [n_dof * n] */
+    arb_mat_t back;                /* [n * n_dof] X' M: q = back x */
+    arb_mat_t C;                   /* [n_contact * n] rows c */
+    arb_ptr cc;                    /* [n_contact] c . c */
+    arb_ptr omega;                 /* [n] 0 for a zero mode */
+    arb_ptr square;                /* [n] L, exact; omega^2 is what it encloses */
+    arb_t rho, top;                /* |R|; 1 + largest L */
+    arb_t spread;                  /* |X|, in the Frobenius norm */
+    ric_wall *wall;                /* [n_face] */
+    struct ric_phase_list *phases; /* of closed springs, made when they are asked for (phase.h) */
+    char why[160];                 /* why there is none */
 } ric_enclosure;
 
 /* false, with the reason in `why`, where the structure cannot be enclosed. To be released in any case. */

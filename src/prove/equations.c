@@ -60,7 +60,7 @@ static void fly_mode(const ric_enclosure *e, slong i, const arb_t tau, arb_mat_t
     arb_neg(pa, pa);
 }
 
-void ric_equation_flight(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_mat_t out, arb_ptr flown)
+static void fly_modes(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_mat_t out, arb_ptr flown)
 {
     slong n = e->n;
     for (slong i = 0; i < n; i++) {
@@ -76,10 +76,45 @@ void ric_equation_flight(const ric_enclosure *e, arb_srcptr w, const arb_t tau, 
     }
 }
 
+/* A [2n * 2n + 1] <- V A V', the last column V A, each half of it. */
+static void turn_matrix(const ric_phase *phase, arb_mat_t A)
+{
+    const slong n = phase->e.n;
+    arb_ptr v = _arb_vec_init(2 * n), turned = _arb_vec_init(2 * n);
+    for (slong j = 0; j <= 2 * n; j++) {
+        for (slong i = 0; i < 2 * n; i++) arb_set(v + i, arb_mat_entry(A, i, j));
+        ric_phase_turn_back(phase, v, turned);
+        for (slong i = 0; i < 2 * n; i++) arb_set(arb_mat_entry(A, i, j), turned + i);
+    }
+    for (slong i = 0; i < 2 * n; i++) {
+        _arb_vec_set(v, arb_mat_entry(A, i, 0), 2 * n);
+        ric_phase_turn_back(phase, v, arb_mat_entry(A, i, 0));
+    }
+    _arb_vec_clear(v, 2 * n);
+    _arb_vec_clear(turned, 2 * n);
+}
+
+void ric_equation_flight(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_mat_t out,
+                         arb_ptr flown)
+{
+    if (!phase) {
+        fly_modes(e, w, tau, out, flown);
+        return;
+    }
+    arb_ptr from = _arb_vec_init(2 * e->n), to = _arb_vec_init(2 * e->n);
+    ric_phase_enter(phase, w, from);
+    fly_modes(&phase->e, from, tau, out, to);
+    ric_phase_leave(phase, to, flown);
+    turn_matrix(phase, out);
+    _arb_vec_clear(from, 2 * e->n);
+    _arb_vec_clear(to, 2 * e->n);
+}
+
 /* The reflection on the lower half of every column. */
 static void reflect_columns(const ric_enclosure *e, int face, arb_mat_t J)
 {
     slong n = e->n, columns = arb_mat_ncols(J);
+    if (e->wall[face].closes) return;
     arb_ptr p = _arb_vec_init(n);
     for (slong j = 0; j < columns; j++) {
         for (slong i = 0; i < n; i++) arb_set(p + i, arb_mat_entry(J, n + i, j));
@@ -110,7 +145,7 @@ static void put_link(const ric_enclosure *e, const ric_chain *c, int k, ric_equa
     arb_ptr block = ric_chain_block(c, k), next = ric_chain_block(c, k + 1), flown = _arb_vec_init(2 * n);
     arb_mat_t D;
     arb_mat_init(D, 2 * n, 2 * n + 1);
-    ric_equation_flight(e, block, block + 2 * n, D, flown);
+    ric_equation_flight(e, c->phase[k], block, block + 2 * n, D, flown);
     ric_chain_reflect(e, c->face[k + 1], flown + n);
     reflect_columns(e, c->face[k + 1], D);
     arb_mat_zero(g->K);
@@ -227,7 +262,7 @@ static void put_end(const ric_enclosure *e, const ric_chain *c, ric_equation_gro
     arb_init(gap);
     arb_mat_init(D, 2 * n, 2 * n + 1);
     arb_mat_init(B, n, 2 * n);
-    ric_equation_flight(e, block, block + 2 * n, D, flown);
+    ric_equation_flight(e, c->phase[c->m - 1], block, block + 2 * n, D, flown);
     if (ric_chain_general(c)) put_closure(e, c, D, flown, g);
     else {
         ric_equation_mirror(e, c->end, c->face[c->m], B, gap);
@@ -298,7 +333,7 @@ void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosu
     arb_add_ui(size, size, 1, e->prec);
     for (int k = 0; k < c->m; k++) {
         arb_srcptr w = ric_chain_block(c, k);
-        ric_chain_slack(e, w, w + 2 * c->n, slack);
+        ric_chain_slack(e, c->phase[k], w, w + 2 * c->n, slack);
         ric_equation_group *g = k < c->m - 1 ? &q->group[k] : ric_equation_end(q);
         bound_turned(c, e, k < c->m - 1, x);
         arb_mul(slack, slack, x, e->prec);
@@ -313,7 +348,7 @@ void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosu
 /* -------------------------------------------------------- second derivatives */
 
 /* theta F', and F' v + theta F'' w; F' is (F of p; -L F of q). */
-void ric_equation_bend(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, arb_srcptr along, arb_mat_t out)
+static void bend_modes(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, arb_srcptr along, arb_mat_t out)
 {
     slong n = e->n;
     arb_srcptr theta = along + 2 * n;
@@ -338,6 +373,29 @@ void ric_equation_bend(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, 
     for (slong i = 0; i < 2 * n; i++)
         for (slong j = 0; j < 2 * n; j++) arb_mul(arb_mat_entry(out, i, j), arb_mat_entry(out, i, j), theta, e->prec);
     arb_clear(x);
+}
+
+void ric_equation_bend(const ric_equation_span *f, const arb_mat_t D, arb_srcptr along, arb_mat_t out)
+{
+    const slong n = f->e->n;
+    const ric_phase *phase = f->phase;
+    if (!phase) {
+        bend_modes(f->e, D, f->w, along, out);
+        return;
+    }
+    arb_ptr from = _arb_vec_init(2 * n), to = _arb_vec_init(2 * n), v = _arb_vec_init(2 * n + 1);
+    arb_mat_t own;
+    arb_mat_init(own, 2 * n, 2 * n + 1);
+    ric_phase_enter(phase, f->w, from);
+    ric_phase_turn(phase, along, v);
+    arb_set(v + 2 * n, along + 2 * n);
+    fly_modes(&phase->e, from, f->tau, own, to);
+    bend_modes(&phase->e, own, from, v, out);
+    turn_matrix(phase, out);
+    arb_mat_clear(own);
+    _arb_vec_clear(from, 2 * n);
+    _arb_vec_clear(to, 2 * n);
+    _arb_vec_clear(v, 2 * n + 1);
 }
 
 /* Of (1 + lambda) Q F w: by (w, tau) also lambda's part of the direction times D, by lambda D along. */
@@ -374,8 +432,8 @@ static void second_of_block(ric_equations *q, const ric_chain *c, const ric_encl
     arb_mat_init(D, 2 * n, 2 * n + 1);
     arb_mat_init(second, 2 * n, 2 * n + 1);
     arb_mat_init(B, n, 2 * n);
-    ric_equation_flight(e, w, w + 2 * n, D, flown);
-    ric_equation_bend(e, D, w, v, second);
+    ric_equation_flight(e, c->phase[k], w, w + 2 * n, D, flown);
+    ric_equation_bend(&(ric_equation_span){e, c->phase[k], w, w + 2 * n}, D, v, second);
     if (last && ric_chain_general(c)) second_of_closure(e, c, D, second, along, g);
     else if (last) {
         ric_equation_mirror(e, c->end, c->face[c->m], B, gap);

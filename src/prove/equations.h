@@ -44,11 +44,19 @@ static inline ric_equation_group *ric_equation_plane(const ric_equations *q)
     return &q->group[q->n - 1];
 }
 
-/* The derivatives of F0(tau) w by w and tau, out [2n * 2n + 1], and the flown state [2n]. */
-void ric_equation_flight(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_mat_t out, arb_ptr flown);
+/* The derivatives of F0(tau) w in a phase by w and tau, out [2n * 2n + 1], and the flown state [2n]. */
+void ric_equation_flight(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_mat_t out,
+                         arb_ptr flown);
+/* A flight: a state [2n] and a time, in a phase. */
+typedef struct {
+    const ric_enclosure *e;
+    const ric_phase *phase;
+    arb_srcptr w, tau;
+} ric_equation_span;
+
 /* The second derivatives of F0(tau) w in the direction along = (v, theta) [2n + 1] and one left open, by (w, tau), out
  * [2n * 2n + 1]; D: the first ones, of ric_equation_flight. */
-void ric_equation_bend(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, arb_srcptr along, arb_mat_t out);
+void ric_equation_bend(const ric_equation_span *f, const arb_mat_t D, arb_srcptr along, arb_mat_t out);
 /* The n conditions of a mirror point as rows on (q, p): B [n * 2n]; `gap` is what the first one of an impact equals. */
 void ric_equation_mirror(const ric_enclosure *e, ric_chain_end kind, int face, arb_mat_t B, arb_t gap);
 /* The component of a normal that tangential velocities are measured by: the largest. */

@@ -340,6 +340,7 @@ static void bound_rows(const problem *p, arb_t out)
 static void bound_second(const problem *p, const arb_t r, arb_t lipschitz, arb_t slack)
 {
     slong prec = p->e->prec;
+    arb_ptr w = _arb_vec_init(p->c->size);
     block_bounds b;
     arb_t x, rows;
     bounds_init(&b);
@@ -348,9 +349,13 @@ static void bound_second(const problem *p, const arb_t r, arb_t lipschitz, arb_t
     arb_zero(lipschitz);
     arb_zero(slack);
     for (int k = 0; k < p->c->m; k++) {
-        bound_motion(p->e, ric_chain_block(p->c, k), r, &b);
-        bound_flight(p->e, ric_chain_block(p->c, k), r, &b);
-        arb_add(x, p->e->top, b.second, prec);
+        const ric_phase *phase = p->c->phase[k];
+        const ric_enclosure *e = ric_phase_enclosure(phase, p->e);
+        _arb_vec_set(w, ric_chain_block(p->c, k), p->c->size);
+        if (phase) ric_phase_enter(phase, ric_chain_block(p->c, k), w);
+        bound_motion(e, w, r, &b);
+        bound_flight(e, w, r, &b);
+        arb_add(x, e->top, b.second, prec);
         if (k == p->c->m - 1 && ric_chain_general(p->c)) {
             arb_addmul(x, x, r, prec);
             arb_add(x, x, b.flight, prec);
@@ -365,6 +370,7 @@ static void bound_second(const problem *p, const arb_t r, arb_t lipschitz, arb_t
         arb_max(lipschitz, lipschitz, x, prec);
         arb_max(slack, slack, b.slack, prec);
     }
+    _arb_vec_clear(w, p->c->size);
     bounds_clear(&b);
     arb_clear(x);
     arb_clear(rows);

@@ -57,7 +57,7 @@ static bool find_images(problem *p, arb_srcptr orbit)
 {
     ric_story story;
     ric_story_way way;
-    ric_story_tell(&story, &p->small, orbit, -1, p->e);
+    ric_story_tell(&story, &p->small, orbit, NULL, p->e);
     const bool found = ric_story_find(&story, &p->large, NEAR, &way);
     arb_ptr v = _arb_vec_init(p->n_small), u = _arb_vec_init((slong)p->large.m * p->large.size);
     for (slong j = 0; j < p->n_small && found; j++)
@@ -118,8 +118,8 @@ static void put_last(problem *p, arb_srcptr z, arb_mat_struct *J, arb_ptr F, slo
     arb_t slack;
     arb_init(slack);
     arb_mat_init(D, 2 * n, 2 * n + 1);
-    ric_equation_flight(e, w, w + 2 * n, D, flown);
-    ric_chain_slack(e, w, w + 2 * n, slack);
+    ric_equation_flight(e, p->small.phase[p->small.m - 1], w, w + 2 * n, D, flown);
+    ric_chain_slack(e, p->small.phase[p->small.m - 1], w, w + 2 * n, slack);
     for (slong i = 0; i < 2 * n; i++) {
         arb_sub(F + row + i, z + p->n_chain + i, flown + i, e->prec);
         arb_add_error(F + row + i, slack);
@@ -422,7 +422,7 @@ static bool arc_stands(problem *p, ric_leaving *v)
     arb_add_error(y, p->size);
     place_large(p, p->box, y, hull);
     ric_passage_init(&passage);
-    ric_chain_energy(p->e, hull, y);
+    ric_chain_energy(p->e, p->large.phase[0], hull, y);
     const bool done = arb_is_positive(y) && is_closed(&p->large, hull + count - 1, p->e->prec) &&
                       is_closed(&p->small, p->box + p->n_chain - 1, p->e->prec) &&
                       ric_passage_prove(&passage, &p->large, p->e, &(ric_family){.hull = hull});

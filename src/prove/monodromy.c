@@ -20,7 +20,7 @@ void ric_monodromy_clear(ric_monodromy *m)
 /* -------------------------------------------------------------------- parts */
 
 /* Derivative of the flight by the state, with the slack in every entry. */
-static void flight_matrix(const ric_enclosure *e, arb_srcptr w, arb_mat_t out)
+static void flight_matrix(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, arb_mat_t out)
 {
     slong n = e->n;
     arb_mat_t D;
@@ -28,8 +28,8 @@ static void flight_matrix(const ric_enclosure *e, arb_srcptr w, arb_mat_t out)
     arb_ptr flown = _arb_vec_init(2 * n);
     arb_init(slack);
     arb_mat_init(D, 2 * n, 2 * n + 1);
-    ric_equation_flight(e, w, w + 2 * n, D, flown);
-    ric_enclosure_slack(e, w + 2 * n, slack);
+    ric_equation_flight(e, phase, w, w + 2 * n, D, flown);
+    ric_enclosure_slack(ric_phase_enclosure(phase, e), w + 2 * n, slack);
     for (slong i = 0; i < 2 * n; i++)
         for (slong j = 0; j < 2 * n; j++) {
             arb_set(arb_mat_entry(out, i, j), arb_mat_entry(D, i, j));
@@ -40,43 +40,37 @@ static void flight_matrix(const ric_enclosure *e, arb_srcptr w, arb_mat_t out)
     _arb_vec_clear(flown, 2 * n);
 }
 
-/* 2 (c.q'') / ((c.c) (c.p-)) of an impact with the state w behind it: c.p- = -c.p, q'' = -(L + R) q. */
-static void kick(const ric_enclosure *e, int face, arb_srcptr w, arb_t out)
+/* 2 (c.q'') / ((c.c) (c.p-)) of an impact with the state w behind it: c.p- = -c.p, q'' = -(L + R) q - sum k (c.q - d)
+ * c. */
+static void kick(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w, arb_t out)
 {
-    slong n = e->n;
-    int contact = e->wall[face].contact;
-    arb_srcptr c = ric_enclosure_c(e, contact);
-    arb_t x, error;
+    const int contact = e->wall[face].contact;
+    arb_ptr pull = _arb_vec_init(e->n);
+    arb_t x;
     arb_init(x);
-    arb_init(error);
-    arb_zero(out);
-    for (slong i = 0; i < n; i++) {
-        arb_mul(x, e->square + i, w + i, e->prec);
-        arb_addmul(out, x, c + i, e->prec);
-    }
-    ric_chain_norm(n, w, e->prec, error);
-    ric_chain_norm(n, c, e->prec, x);
-    arb_mul(error, error, x, e->prec);
-    arb_mul(error, error, e->rho, e->prec);
-    arb_add_error(out, error);
-    ric_chain_along(e, face, w + n, x);
+    ric_chain_pull(e, phase, w, pull);
+    ric_chain_along(e, face, pull, out);
+    arb_neg(out, out);
+    ric_chain_along(e, face, w + e->n, x);
     arb_mul(x, x, e->cc + contact, e->prec);
     arb_div(out, out, x, e->prec);
     arb_mul_2exp_si(out, out, 1);
     arb_clear(x);
-    arb_clear(error);
+    _arb_vec_clear(pull, e->n);
 }
 
-/* P <- S P with the saltation of an impact: dq+ = Q dq, dp+ = Q dp + kick (c.dq) c. */
-static void salt(const ric_enclosure *e, int face, arb_srcptr w, arb_mat_t P)
+/* P <- S P with the saltation of an impact: dq+ = Q dq, dp+ = Q dp + kick (c.dq) c. Where springs switch the force goes
+ * on as it was: S = 1. */
+static void salt(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w, arb_mat_t P)
 {
     slong n = e->n;
+    if (e->wall[face].closes) return;
     arb_ptr q = _arb_vec_init(n), p = _arb_vec_init(n);
     arb_srcptr c = ric_enclosure_c(e, e->wall[face].contact);
     arb_t factor, along;
     arb_init(factor);
     arb_init(along);
-    kick(e, face, w, factor);
+    kick(e, phase, face, w, factor);
     for (slong j = 0; j < 2 * n; j++) {
         for (slong i = 0; i < n; i++) {
             arb_set(q + i, arb_mat_entry(P, i, j));
@@ -106,8 +100,8 @@ static void along_chain(const ric_chain *c, const ric_enclosure *e, arb_srcptr u
     arb_mat_one(P);
     for (int k = 0; k < c->m; k++) {
         arb_srcptr w = u + (slong)k * c->size;
-        if (k > 0) salt(e, c->face[k], w, P);
-        flight_matrix(e, w, F);
+        if (k > 0) salt(e, c->phase[k], c->face[k], w, P);
+        flight_matrix(e, c->phase[k], w, F);
         arb_mat_mul(P, F, P, e->prec);
     }
     arb_mat_clear(F);
@@ -132,15 +126,10 @@ static void behind_end(const ric_chain *c, const ric_enclosure *e, arb_srcptr u,
     arb_srcptr w = u + (slong)(c->m - 1) * c->size;
     arb_t slack;
     arb_init(slack);
-    ric_chain_fly(e, w, w + 2 * c->n, out);
-    ric_chain_norm(2 * c->n, w, e->prec, slack);
-    arb_t x;
-    arb_init(x);
-    ric_enclosure_slack(e, w + 2 * c->n, x);
-    arb_mul(slack, slack, x, e->prec);
+    ric_chain_fly(e, c->phase[c->m - 1], w, w + 2 * c->n, out);
+    ric_chain_slack(e, c->phase[c->m - 1], w, w + 2 * c->n, slack);
     for (slong i = 0; i < 2 * c->n; i++) arb_add_error(out + i, slack);
     ric_chain_reflect(e, c->face[c->m], out + c->n);
-    arb_clear(x);
     arb_clear(slack);
 }
 
@@ -155,12 +144,12 @@ static void round_trip(const ric_chain *c, const ric_enclosure *e, arb_srcptr u,
         if (c->end == RIC_CHAIN_IMPACT) {
             arb_ptr w = _arb_vec_init(2 * c->n);
             behind_end(c, e, u, w);
-            salt(e, c->face[c->m], w, H);
+            salt(e, c->phase[c->m - 1], c->face[c->m], w, H);
             _arb_vec_clear(w, 2 * c->n);
         }
         arb_mat_mul(H, back, H, e->prec);
     }
-    if (c->face[0] >= 0) salt(e, c->face[0], u, H);
+    if (c->face[0] >= 0) salt(e, c->phase[0], c->face[0], u, H);
     if (ric_chain_symmetric(c)) arb_mat_neg(H, H);
     arb_mat_clear(back);
 }

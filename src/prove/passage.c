@@ -9,26 +9,32 @@ enum {
     DEEPEST = 32, /* bisections of a flight: a gap that is not told from closed then touches */
 };
 
-/* A gap along a flight: h = d - side c.q. */
+/* A gap along a flight: h = d - side c.q, in the modes of its phase; of a closed spring how far it is pressed in, which
+ * is the same with the other signs. */
 typedef struct {
-    const ric_enclosure *e;
+    const ric_enclosure *e;     /* of the structure */
+    const ric_enclosure *modes; /* of the phase */
+    const ric_phase *phase;
+    arb_ptr own;             /* [4 * 2n] what follows, in the modes of the phase */
     arb_srcptr w;            /* [2n] at the beginning */
     arb_srcptr middle, half; /* of an arc, from there on; or w, NULL */
+    int contact, facing;     /* of the face, and its side */
     arb_srcptr c;            /* normal */
     int side;
-    bool slow; /* impacts may be of exactly no speed: h'' > 0 opens the gap beside them */
-    arb_srcptr slope,
-        last;         /* [2n + 1] of the flight towards the end of the arc (ric_arrival), or NULL; its length there */
-    bool mirrored;    /* the flight ends with a mirror point */
-    arb_srcptr touch; /* a time at which h = h' = 0, or NULL */
-    arb_t d;          /* clearance > 0 */
+    bool slow;               /* impacts may be of exactly no speed: h'' > 0 opens the gap beside them */
+    arb_srcptr slope;        /* [2n] towards the end of the arc (ric_arrival), or NULL */
+    arb_srcptr last;         /* the length of the flight there */
+    bool mirrored;           /* the flight ends with a mirror point */
+    arb_srcptr touch;        /* a time at which h = h' = 0, or NULL */
+    arb_t d;                 /* clearance > 0 */
     arb_t bend, jerk, slack; /* bounds of |h''|, |h'''|; of what flights leave open of h and its derivatives */
     arb_ptr flown, other;    /* [2n] scratch */
 } gap;
 
 static void gap_init(gap *g, const ric_enclosure *e)
 {
-    *g = (gap){.e = e, .flown = _arb_vec_init(2 * e->n), .other = _arb_vec_init(2 * e->n)};
+    *g = (gap){.e = e, .own = _arb_vec_init(8 * e->n), .flown = _arb_vec_init(2 * e->n)};
+    g->other = _arb_vec_init(2 * e->n);
     arb_init(g->d);
     arb_init(g->bend);
     arb_init(g->jerk);
@@ -37,6 +43,7 @@ static void gap_init(gap *g, const ric_enclosure *e)
 
 static void gap_clear(gap *g)
 {
+    _arb_vec_clear(g->own, 8 * g->e->n);
     _arb_vec_clear(g->flown, 2 * g->e->n);
     _arb_vec_clear(g->other, 2 * g->e->n);
     arb_clear(g->d);
@@ -46,9 +53,9 @@ static void gap_clear(gap *g)
 }
 
 /* |h''| <= sum |c_i| omega_i sqrt(omega_i^2 q_i^2 + p_i^2) + |c| slack |w|; h''' has an omega_i more. */
-static void gap_bend(gap *g, const arb_t slack)
+static void gap_bend(gap *g, const arb_t tau)
 {
-    const ric_enclosure *e = g->e;
+    const ric_enclosure *e = g->modes;
     slong n = e->n;
     arb_t x;
     arb_init(x);
@@ -68,27 +75,63 @@ static void gap_bend(gap *g, const arb_t slack)
     ric_chain_norm(n, g->c, e->prec, g->slack);
     ric_chain_norm(2 * n, g->w, e->prec, x);
     arb_mul(g->slack, g->slack, x, e->prec);
-    arb_mul(g->slack, g->slack, slack, e->prec);
+    ric_enclosure_slack(e, tau, x);
+    arb_mul(g->slack, g->slack, x, e->prec);
     arb_add(g->bend, g->bend, g->slack, e->prec);
     arb_add(g->jerk, g->jerk, g->slack, e->prec);
     arb_clear(x);
 }
 
-/* A face, or its image under x -> -x, over the flight of length tau that begins at w. */
-static void gap_place(gap *g, const ric_wall *wall, bool image, const ric_family *u, slong at, const arb_t slack)
+static void gap_enter(gap *g)
 {
+    const slong n = g->e->n;
+    arb_ptr w = g->own, middle = w + 2 * n, half = middle + 2 * n, slope = half + 2 * n;
+    ric_phase_enter(g->phase, g->w, w);
+    ric_phase_enter(g->phase, g->middle, middle);
+    if (g->half) ric_phase_turn(g->phase, g->half, half);
+    if (g->slope) ric_phase_turn(g->phase, g->slope, slope);
+    g->w = w;
+    g->middle = middle;
+    g->half = g->half ? half : NULL;
+    g->slope = g->slope ? slope : NULL;
+}
+
+/* d - side c.rest, with the other sign of a spring that is closed. */
+static void gap_shift(gap *g, bool closed)
+{
+    const ric_enclosure *e = g->e;
+    arb_t shift;
+    arb_init(shift);
+    arb_dot(shift, NULL, 0, ric_enclosure_c(e, g->contact), 1, g->phase->rest, 1, e->n, e->prec);
+    if (g->side > 0) arb_neg(shift, shift);
+    arb_add(g->d, g->d, shift, e->prec);
+    if (closed) arb_neg(g->d, g->d);
+    if (closed) g->side = -g->side;
+    arb_clear(shift);
+}
+
+/* A face, or its image under x -> -x, over flight k of a chain. */
+static void gap_place(gap *g, const ric_chain *c, int k, int face, bool image, const ric_family *u)
+{
+    const ric_wall *wall = &g->e->wall[face];
+    const slong at = (slong)k * c->size;
+    g->phase = c->phase[k];
+    g->modes = ric_phase_enclosure(g->phase, g->e);
     g->w = u->hull + at;
     g->middle = u->middle ? u->middle + at : g->w;
     g->half = u->half ? u->half + at : NULL;
-    g->c = ric_enclosure_c(g->e, wall->contact);
-    g->side = image ? -wall->side : wall->side;
+    g->slope = u->arrival ? u->arrival->slope + at : NULL;
+    if (g->phase) gap_enter(g);
+    g->contact = wall->contact;
+    g->c = ric_enclosure_c(g->modes, wall->contact);
+    g->facing = g->side = image ? -wall->side : wall->side;
     g->slow = u->half || u->touch;
     g->touch = NULL;
-    g->slope = u->arrival ? u->arrival->slope + at : NULL;
     g->last = u->arrival ? u->arrival->last + at + 2 * g->e->n : NULL;
     arb_set(g->d, wall->gap);
     if (wall->side < 0) arb_neg(g->d, g->d);
-    gap_bend(g, slack);
+    if (g->phase) gap_shift(g, ric_phase_closed(g->phase, image ? wall->mirror : face));
+    gap_bend(g, u->hull + at + 2 * c->n);
 }
 
 /* side c.x [n]. */
@@ -107,12 +150,12 @@ typedef struct {
 /* h, h' and h'' at time `mid`, over all of the family; the parts that a normal takes of q, p and -L q. */
 static void gap_at(const gap *g, const arb_t mid, arb_ptr h)
 {
-    const ric_enclosure *e = g->e;
+    const ric_enclosure *e = g->modes;
     const slong n = e->n;
     arb_t x;
     arb_init(x);
     for (int line = 0; line < (g->half ? 2 : 1); line++) {
-        ric_chain_fly(e, line ? g->half : g->middle, mid, g->flown);
+        ric_chain_fly(e, NULL, line ? g->half : g->middle, mid, g->flown);
         for (slong i = 0; i < n; i++) arb_mul(g->other + i, g->flown + i, e->square + i, e->prec);
         for (int k = 0; k < 3; k++) {
             gap_along(g, k == 0 ? g->flown : k == 1 ? g->flown + n : g->other, x);
@@ -159,7 +202,7 @@ static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb
  * mirror point. */
 static bool part_falls(const gap *g, const part *p, const arb_t mid, const arb_t r)
 {
-    const ric_enclosure *e = g->e;
+    const ric_enclosure *e = g->modes;
     if (!g->slope) return false;
     arb_t time, rate, error;
     arb_init(time);
@@ -172,7 +215,7 @@ static bool part_falls(const gap *g, const part *p, const arb_t mid, const arb_t
     arb_init(error);
     arb_set(time, mid);
     arb_add_error(time, r);
-    ric_chain_fly(e, g->slope, time, g->flown);
+    ric_chain_fly(e, NULL, g->slope, time, g->flown);
     gap_along(g, g->flown, rate);
     ric_enclosure_slack(e, g->last, error);
     ric_chain_norm(2 * e->n, g->slope, e->prec, time);
@@ -209,41 +252,55 @@ static bool is_open(const gap *g, part p, int depth)
     return open;
 }
 
-/* Whether the flight begins, or ends, with an impact on this very face; its image is another one. */
+/* Whether the flight begins, or ends, with an event on this very face; its image is another one. */
 static bool is_at(const gap *g, const ric_enclosure *e, int face)
 {
-    return face >= 0 && ric_enclosure_c(e, e->wall[face].contact) == g->c && e->wall[face].side == g->side;
+    return face >= 0 && e->wall[face].contact == g->contact && e->wall[face].side == g->facing;
 }
 
-/* The gap over one flight from face `from` to face `to`. */
+/* The gap over one flight from face `from` to face `to`. Where it touches at a mirror point the flight is longer by
+ * what is not known of that time. */
 static bool stays_open(const gap *g, int from, int to, const arb_t tau)
 {
-    arb_t start;
+    arb_t start, end, x;
     arb_init(start);
-    const bool open = is_open(g, (part){start, tau, is_at(g, g->e, from), is_at(g, g->e, to)}, 0);
+    arb_init(end);
+    arb_init(x);
+    arb_set(end, tau);
+    if (g->touch && from < 0) {
+        arb_get_lbound_arf(arb_midref(x), g->touch, g->e->prec);
+        if (arb_is_negative(x)) arb_set(start, x);
+    } else if (g->touch && to < 0) {
+        arb_get_ubound_arf(arb_midref(x), g->touch, g->e->prec);
+        arb_get_ubound_arf(arb_midref(end), tau, g->e->prec);
+        mag_zero(arb_radref(end));
+        arb_max(end, end, x, g->e->prec);
+    }
+    const bool open = is_open(g, (part){start, end, is_at(g, g->e, from), is_at(g, g->e, to)}, 0);
     arb_clear(start);
+    arb_clear(end);
+    arb_clear(x);
     return open;
 }
 
-/* The speed into `face` with the velocities p before the impact; false if it is not positive. Where it falls towards
- * the end of an arc, `rate` with its error, it is, and how large is not said. */
-static bool approaches(ric_passage *p, const ric_enclosure *e, int face, arb_srcptr velocities, const arb_t error,
-                       arb_srcptr rate)
+/* The speed of the event that block k begins with, or that the chain ends with (m), from velocities before it, or any
+ * change of them: into a face, or out of a spring that opens. */
+static void speed_of(const ric_chain *c, const ric_enclosure *e, int k, arb_srcptr velocities, arb_t out)
 {
-    arb_t speed;
-    arb_init(speed);
-    ric_chain_along(e, face, velocities, speed);
-    if (e->wall[face].side < 0) arb_neg(speed, speed);
-    arb_add_error(speed, error);
+    const int face = c->face[k];
+    ric_chain_along(e, face, velocities, out);
+    if ((e->wall[face].side < 0) != ric_chain_opens(c, e, k)) arb_neg(out, out);
+}
+
+/* Whether a speed is positive. Where it falls towards the end of an arc, `rate` with its error, it is, and how large is
+ * not said. */
+static bool approaches(ric_passage *p, const ric_enclosure *e, arb_t speed, arb_srcptr rate)
+{
     const bool positive = arb_is_positive(speed);
-    if (!positive && rate) {
-        arb_clear(speed);
-        return arb_is_negative(rate);
-    }
+    if (!positive && rate) return arb_is_negative(rate);
     arb_get_lbound_arf(arb_midref(speed), speed, e->prec);
     mag_zero(arb_radref(speed));
     arb_min(p->approach, p->approach, speed, e->prec);
-    arb_clear(speed);
     return positive;
 }
 
@@ -253,20 +310,21 @@ static bool is_touch(const ric_chain *c, const ric_family *u, int block)
     return block == u->touch->impact || (ric_chain_general(c) && block == c->m && u->touch->impact == 0);
 }
 
-/* The impact that a chain begins with, from the velocities behind it, turned. */
+/* The event that a chain begins with: an impact from the velocities behind it, turned. */
 static bool begins_with_approach(ric_passage *p, const ric_chain *c, const ric_enclosure *e, const ric_family *u)
 {
     if (c->face[0] < 0) return true;
-    arb_ptr back = _arb_vec_init(e->n);
-    arb_t zero, rate;
-    arb_init(zero);
+    arb_t speed, rate;
+    arb_init(speed);
     arb_init(rate);
-    _arb_vec_neg(back, u->hull + e->n, e->n);
-    if (u->arrival) ric_chain_along(e, c->face[0], u->arrival->slope + e->n, rate);
-    if (e->wall[c->face[0]].side > 0) arb_neg(rate, rate);
-    const bool positive = approaches(p, e, c->face[0], back, zero, u->arrival ? rate : NULL);
-    _arb_vec_clear(back, e->n);
-    arb_clear(zero);
+    speed_of(c, e, 0, u->hull + e->n, speed);
+    if (u->arrival) speed_of(c, e, 0, u->arrival->slope + e->n, rate);
+    if (!e->wall[c->face[0]].closes) {
+        arb_neg(speed, speed);
+        arb_neg(rate, rate);
+    }
+    const bool positive = approaches(p, e, speed, u->arrival ? rate : NULL);
+    arb_clear(speed);
     arb_clear(rate);
     return positive;
 }
@@ -275,21 +333,19 @@ static bool begins_with_approach(ric_passage *p, const ric_chain *c, const ric_e
 static void find_rate(const ric_chain *c, const ric_enclosure *e, int k, const ric_family *u, arb_t out)
 {
     const slong n = c->n, at = (slong)k * c->size;
-    const ric_wall *wall = &e->wall[c->face[k + 1]];
-    arb_srcptr w = u->hull + at, slope = u->arrival->slope + at, normal = ric_enclosure_c(e, wall->contact);
+    arb_srcptr w = u->hull + at, slope = u->arrival->slope + at;
     arb_ptr flown = _arb_vec_init(2 * n), change = _arb_vec_init(n);
     arb_mat_t D;
     arb_t slack;
     arb_init(slack);
     arb_mat_init(D, 2 * n, 2 * n + 1);
-    ric_equation_flight(e, w, w + 2 * n, D, flown);
-    ric_chain_slack(e, w, w + 2 * n, slack);
+    ric_equation_flight(e, c->phase[k], w, w + 2 * n, D, flown);
+    ric_chain_slack(e, c->phase[k], w, w + 2 * n, slack);
     for (slong i = 0; i < n; i++) {
         for (slong j = 0; j <= 2 * n; j++) arb_add_error(arb_mat_entry(D, n + i, j), slack);
         arb_dot(change + i, NULL, 0, arb_mat_entry(D, n + i, 0), 1, slope, 1, 2 * n + 1, e->prec);
     }
-    arb_dot(out, NULL, 0, normal, 1, change, 1, n, e->prec);
-    if (wall->side < 0) arb_neg(out, out);
+    speed_of(c, e, k + 1, change, out);
     arb_mat_clear(D);
     arb_clear(slack);
     _arb_vec_clear(flown, 2 * n);
@@ -302,7 +358,7 @@ static bool touches_in(const gap *g, const ric_family *u, int flight)
     const ric_touch *t = u->touch;
     if (!t || t->impact >= 0 || t->flight != flight) return false;
     const ric_wall *wall = &g->e->wall[t->face];
-    return ric_enclosure_c(g->e, wall->contact) == g->c && (t->image ? -wall->side : wall->side) == g->side;
+    return wall->contact == g->contact && (t->image ? -wall->side : wall->side) == g->facing;
 }
 
 static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, const ric_family *u, arb_ptr flown)
@@ -310,15 +366,12 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
     const ric_enclosure *e = g->e;
     const slong at = (slong)k * c->size;
     arb_srcptr w = u->hull + at, tau = w + 2 * c->n;
-    arb_t slack;
-    arb_init(slack);
-    ric_enclosure_slack(e, tau, slack);
-    ric_chain_fly(e, w, tau, flown);
+    ric_chain_fly(e, c->phase[k], w, tau, flown);
     snprintf(p->why, sizeof p->why, "flight %d does not last", k + 1);
     bool stands = arb_is_positive(tau);
     for (int f = 0; f < e->n_face && stands; f++)
         for (int image = 0; image <= ric_chain_imaged(c) && stands; image++) {
-            gap_place(g, &e->wall[f], image, u, at, slack);
+            gap_place(g, c, k, f, image, u);
             g->mirrored = c->face[k + 1] < 0;
             if (touches_in(g, u, k)) g->touch = u->touch->time;
             snprintf(p->why, sizeof p->why, "face %d%s is not proved to stay open in flight %d", f,
@@ -327,14 +380,17 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
         }
     if (stands && c->face[k + 1] >= 0 && !is_touch(c, u, k + 1)) {
         snprintf(p->why, sizeof p->why, "the impact behind flight %d is not proved to approach", k + 1);
-        gap_place(g, &e->wall[c->face[k + 1]], false, u, at, slack);
-        arb_t rate;
+        gap_place(g, c, k, c->face[k + 1], false, u);
+        arb_t speed, rate;
+        arb_init(speed);
         arb_init(rate);
+        speed_of(c, e, k + 1, flown + c->n, speed);
+        arb_add_error(speed, g->slack);
         if (u->arrival) find_rate(c, e, k, u, rate);
-        stands = approaches(p, e, c->face[k + 1], flown + c->n, g->slack, u->arrival ? rate : NULL);
+        stands = approaches(p, e, speed, u->arrival ? rate : NULL);
+        arb_clear(speed);
         arb_clear(rate);
     }
-    arb_clear(slack);
     return stands;
 }
 

@@ -28,11 +28,17 @@ const char *ric_prover_left_out_model(const ric_model *model)
     for (int i = 0; i < ric_model_n_contact(model); i++) {
         ric_contact contact;
         if (ric_model_contact(model, i, &contact)) return "the model cannot be read";
-        if (contact.stiffness > 0 || contact.exponent > 0 || contact.length > 0)
-            return contact.exponent > 0 ? "power law: no closed form" : "bilinear springs: not yet";
+        if (contact.exponent > 0 || contact.length > 0) return "power law: no closed form";
     }
     if (ric_model_restitution(model) < 1) return "impacts with losses";
     return ric_model_n_part(model) > 1 ? "independent parts: families of two parameters" : NULL;
+}
+
+bool ric_prover_springs(const ric_model *model)
+{
+    for (int f = 0; f < model->n_face; f++)
+        if (model->face[f].spring > 0) return true;
+    return false;
 }
 
 ric_status ric_prover_create(const ric_atlas *atlas, ric_prover **out)
@@ -107,7 +113,7 @@ static void theorem_open(theorem *t, const ric_enclosure *e)
 
 static void theorem_close(theorem *t)
 {
-    if (t->u) _arb_vec_clear(t->u, (slong)t->chain.m * t->chain.size);
+    if (t->u) _arb_vec_clear(t->u, (slong)t->chain.m * t->chain.size + 1);
     ric_chain_free(&t->chain);
     ric_existence_clear(&t->existence);
     ric_passage_clear(&t->passage);
@@ -120,13 +126,13 @@ static void theorem_close(theorem *t)
 static void measure(theorem *t)
 {
     const ric_chain *c = &t->chain;
-    slong count = (slong)c->m * c->size, prec = t->e->prec;
+    slong count = (slong)c->m * c->size + 1, prec = t->e->prec;
     t->u = _arb_vec_init(count);
     for (slong i = 0; i < count; i++) {
         arb_set(t->u + i, c->u + i);
         arb_add_error(t->u + i, t->existence.exists);
     }
-    ric_chain_energy(t->e, t->u, t->energy);
+    ric_chain_energy(t->e, c->phase[0], t->u, t->energy);
     arb_mul_2exp_si(t->energy, t->energy, 2 * t->e->time - t->e->mass);
     for (int k = 0; k < c->m; k++) arb_add(t->period, t->period, t->u + (slong)k * c->size + 2 * c->n, prec);
     arb_mul_ui(t->period, t->period, (ulong)ric_chain_copies(c), prec);
@@ -200,10 +206,11 @@ static bool prove(theorem *t, const ric_branch *branch, const double *state, con
         return false;
     }
     measure(t);
-    if (!arb_is_positive(t->energy)) snprintf(out->why, sizeof out->why, "the energy is not proved to be positive");
+    const bool closes = arb_is_positive(t->energy) && ric_chain_closes(&t->chain, t->e, t->u);
+    if (!closes) snprintf(out->why, sizeof out->why, "the energy is not proved to close the chain");
     else if (!ric_passage_prove(&t->passage, &t->chain, t->e, &(ric_family){.hull = t->u}))
         snprintf(out->why, sizeof out->why, "%s", t->passage.why);
-    if (!arb_is_positive(t->energy) || !t->passage.done) return false;
+    if (!closes || !t->passage.done) return false;
     if (arf_get_d(arb_midref(t->passage.approach), ARF_RND_FLOOR) < TOUCH) {
         snprintf(out->why, sizeof out->why, "an impact is no faster than rounding: a touch");
         return false;
@@ -239,9 +246,11 @@ static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *ou
         p->contradicted = !agree;
         out->state = agree ? RIC_PROOF_DONE : RIC_PROOF_NONE;
         free(p->certificate);
-        p->certificate = agree ? ric_certificate_point(&t.chain, e, &z, out) : ric_strdup("");
+        const bool written = agree && !ric_prover_springs(m);
+        p->certificate = written ? ric_certificate_point(&t.chain, e, &z, out) : ric_strdup("");
         if (!p->certificate) status = ric_no_memory("a certificate");
-        *more = !agree || !p->certificate || !*p->certificate || (e->n > 1 && out->stable == RIC_STABLE_UNDECIDED);
+        *more = !agree || !p->certificate || (written && !*p->certificate) ||
+                (e->n > 1 && out->stable == RIC_STABLE_UNDECIDED);
     }
     theorem_close(&t);
     free(state);

@@ -63,6 +63,14 @@ static ric_status list_stations(tracing *t)
 
 /* ----------------------------------------------------------------- junctions */
 
+/* A spring that closes and opens at one instant: the conditions of both are one there, and the equations singular. */
+static bool has_no_length(const ric_chain *c, arb_srcptr u)
+{
+    for (int k = 0; k < c->m; k++)
+        if (arb_contains_zero(u + (slong)k * c->size + 2 * c->n)) return true;
+    return false;
+}
+
 /* A story cut at an end of the branch: the node. */
 static ric_status cut_end(tracing *t, int i, ric_story *story, ric_node *a)
 {
@@ -71,8 +79,10 @@ static ric_status cut_end(tracing *t, int i, ric_story *story, ric_node *a)
     bool made;
     const ric_status status = ric_walk_chain(&t->w, i, &c, &made);
     arb_ptr u = made ? _arb_vec_init((slong)c.m * c.size + 1) : NULL;
-    if (made && ric_story_cut(story, &c, place, u)) ric_curve_node_place(a, &c, u, true, t->w.e);
-    else a->why = "what was proved of the junction at its end has another class";
+    if (!made || !ric_story_cut(story, &c, place, u))
+        a->why = "what was proved of the junction at its end has another class";
+    else if (has_no_length(&c, u)) a->why = "it ends in a contact of no length";
+    else ric_curve_node_place(a, &c, u, true, t->w.e);
     if (made) _arb_vec_clear(u, (slong)c.m * c.size + 1);
     ric_chain_free(&c);
     return status;
@@ -298,6 +308,7 @@ ric_status ric_prover_curve(ric_prover *p, int id, ric_curve_proof *out)
     free(t.stations);
     free(p->certificate);
     p->certificate = ric_certificate_arcs_close(&arcs, &t.w.like, out);
+    if (p->certificate && ric_prover_springs(ric_atlas_model(p->atlas))) *p->certificate = 0;
     ric_walk_close(&t.w);
     return status ? status : p->certificate ? RIC_OK : ric_no_memory("a certificate");
 }

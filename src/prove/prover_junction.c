@@ -66,9 +66,9 @@ static bool ask_slowest(const ric_chain *c, const ric_enclosure *e, ric_augmente
     double least = SLOW;
     arb_ptr flown = _arb_vec_init(2 * e->n);
     for (int k = 0; k <= c->m; k++) {
-        if (c->face[k] < 0 || (k == c->m && ric_chain_general(c))) continue;
+        if (c->face[k] < 0 || e->wall[c->face[k]].closes || (k == c->m && ric_chain_general(c))) continue;
         arb_srcptr block = ric_chain_block(c, k < c->m ? k : c->m - 1);
-        if (k == c->m) ric_chain_fly(e, block, block + 2 * e->n, flown);
+        if (k == c->m) ric_chain_fly(e, c->phase[k - 1], block, block + 2 * e->n, flown);
         const double speed = speed_at(c, e, c->face[k], (k < c->m ? block : flown) + e->n);
         if (!(speed < least)) continue;
         least = speed;
@@ -79,56 +79,66 @@ static bool ask_slowest(const ric_chain *c, const ric_enclosure *e, ric_augmente
 }
 
 /* h = gap - s of a face, or its image, at a time of a flight, and h'. */
-static void gap_at(const ric_enclosure *e, const ric_wall *wall, bool image, arb_srcptr w, double t, double h[2])
+static void gap_at(const ric_enclosure *e, const ric_chain *c, const ric_augmented_question *ask, double t, double h[2])
 {
-    const int side = image ? -wall->side : wall->side;
+    const ric_wall *wall = &e->wall[ask->face];
+    const ric_phase *phase = c->phase[ask->place];
+    const int side = ask->image ? -wall->side : wall->side;
+    const bool closed = ric_phase_closed(phase, ask->image ? wall->mirror : ask->face);
     arb_ptr flown = _arb_vec_init(2 * e->n);
     arb_t time, x;
     arb_init(time);
     arb_init(x);
     arb_set_d(time, t);
-    ric_chain_fly(e, w, time, flown);
+    ric_chain_fly(e, phase, ric_chain_block(c, ask->place), time, flown);
     for (int k = 0; k < 2; k++) {
         arb_dot(x, NULL, 0, ric_enclosure_c(e, wall->contact), 1, flown + k * e->n, 1, e->n, e->prec);
         h[k] = -side * ric_arb_middle(x);
     }
     h[0] += wall->side * ric_arb_middle(wall->gap);
+    for (int k = 0; k < 2 && closed; k++) h[k] = -h[k];
     arb_clear(time);
     arb_clear(x);
     _arb_vec_clear(flown, 2 * e->n);
 }
 
-/* The flight, face and time at which a gap is least away from the impacts of its own face. */
-static bool ask_nearest(const ric_chain *c, const ric_enclosure *e, ric_augmented_question *ask)
+/* The least gap of a face in a flight where it is a minimum, if less than *least: `ask` then says when. */
+static void look_at(const ric_chain *c, const ric_enclosure *e, ric_augmented_question here, double *least,
+                    ric_augmented_question *ask)
 {
     enum { PARTS = 64, HALVINGS = 60 };
+    const double tau = ric_arb_middle(ric_chain_block(c, here.place) + 2 * e->n);
+    const int first = here.place == 0 && c->face[0] < 0 ? -1 : 1; /* a mirror point may be where it touches */
+    const int last = c->face[here.place + 1] < 0 ? PARTS + 1 : PARTS;
+    double h[2], before[2];
+    gap_at(e, c, &here, first * tau / PARTS, before);
+    for (int i = first + 1; i <= last; i++) {
+        double from = (i - 1) * tau / PARTS, to = i * tau / PARTS;
+        gap_at(e, c, &here, to, h);
+        const bool minimum = before[1] < 0 && h[1] >= 0;
+        memcpy(before, h, sizeof h);
+        for (int l = 0; l < HALVINGS && minimum; l++) {
+            gap_at(e, c, &here, (from + to) / 2, h);
+            if (h[1] < 0) from = (from + to) / 2;
+            else to = (from + to) / 2;
+        }
+        if (!minimum || !(fabs(h[0]) < *least)) continue;
+        *least = fabs(h[0]);
+        here.time = (from + to) / 2;
+        *ask = here;
+    }
+}
+
+/* The flight, face and time at which a gap is least away from the events of its own face. */
+static bool ask_nearest(const ric_chain *c, const ric_enclosure *e, ric_augmented_question *ask)
+{
     double least = CLOSE;
     for (int k = 0; k < c->m; k++)
         for (int f = 0; f < e->n_face; f++)
-            for (int image = 0; image <= ric_chain_imaged(c); image++) {
-                arb_srcptr w = ric_chain_block(c, k);
-                const double tau = ric_arb_middle(w + 2 * e->n);
-                double h[2], before[2];
-                gap_at(e, &e->wall[f], image, w, tau / PARTS, before);
-                for (int i = 2; i <= PARTS; i++) {
-                    double from = (i - 1) * tau / PARTS, to = i * tau / PARTS;
-                    gap_at(e, &e->wall[f], image, w, to, h);
-                    const bool minimum = before[1] < 0 && h[1] >= 0;
-                    memcpy(before, h, sizeof h);
-                    for (int l = 0; l < HALVINGS && minimum; l++) {
-                        gap_at(e, &e->wall[f], image, w, (from + to) / 2, h);
-                        if (h[1] < 0) from = (from + to) / 2;
-                        else to = (from + to) / 2;
-                    }
-                    if (!minimum || !(fabs(h[0]) < least)) continue;
-                    least = fabs(h[0]);
-                    *ask = (ric_augmented_question){.kind = RIC_AUGMENTED_TOUCH,
-                                                    .place = k,
-                                                    .face = f,
-                                                    .image = image,
-                                                    .time = (from + to) / 2};
-                }
-            }
+            for (int image = 0; image <= ric_chain_imaged(c); image++)
+                look_at(c, e,
+                        (ric_augmented_question){.kind = RIC_AUGMENTED_TOUCH, .place = k, .face = f, .image = image},
+                        &least, ask);
     return least < CLOSE;
 }
 
@@ -140,7 +150,7 @@ static void measure(const ric_augmented *x, ric_junction_proof *out)
     double both[2];
     arb_t y;
     arb_init(y);
-    ric_chain_energy(e, x->z, y);
+    ric_chain_energy(e, x->c.phase[0], x->z, y);
     arb_mul_2exp_si(y, y, 2 * e->time - e->mass);
     ric_arb_interval(y, out->energy);
     arb_zero(y);
@@ -196,7 +206,16 @@ static bool stands(const ric_augmented *x, ric_junction_proof *out)
 
 void ric_prover_junction_tell(const ric_augmented *x, ric_story *out)
 {
-    ric_story_tell(out, &x->c, x->z, x->ask.kind == RIC_AUGMENTED_SPEED ? x->ask.place : -1, x->e);
+    const ric_augmented_question *a = &x->ask;
+    const ric_wall *wall = &x->e->wall[a->face];
+    const int face = a->image ? wall->mirror : a->face;
+    const bool spring = a->kind == RIC_AUGMENTED_TOUCH && wall->closes && face >= 0;
+    const ric_story_touch touch = {.impact = a->kind == RIC_AUGMENTED_SPEED ? a->place : -1,
+                                   .flight = spring ? a->place : -1,
+                                   .face = face,
+                                   .opens = spring && ric_phase_closed(x->c.phase[a->place], face),
+                                   .time = x->z + x->n_orbit};
+    ric_story_tell(out, &x->c, x->z, &touch, x->e);
 }
 
 /* What is stored is the orbit that was proved. */
@@ -263,6 +282,21 @@ ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool la
     return status;
 }
 
+/* Where a linear mode touches a spring, at the end of its branch; a stop is touched by the branch that hits it. */
+static ric_status on_mode(ric_walk *w, const ric_junction *row, ric_augmented *x, ric_junction_proof *out)
+{
+    ric_augmented_question ask;
+    ric_chain c;
+    ric_point stored;
+    const ric_status status = ric_walk_point(w, w->branch.to == row->id ? w->branch.n_point - 1 : 0, &stored);
+    if (status) return status;
+    if (!ric_chain_mode(&c, w->e, w->state, w->state[2 * w->e->n_dof]) || !ask_nearest(&c, w->e, &ask))
+        snprintf(out->why, sizeof out->why, "no gap is all but a touch");
+    else if (ric_prover_junction_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
+    ric_chain_free(&c);
+    return status;
+}
+
 /* On one of its branches. */
 static ric_status on_branch(ric_prover *p, const ric_junction *row, int id, int level, ric_augmented *x,
                             ric_junction_proof *out)
@@ -270,6 +304,7 @@ static ric_status on_branch(ric_prover *p, const ric_junction *row, int id, int 
     ric_walk w;
     ric_status status = ric_walk_open(&w, p, id, level);
     const bool end = row->kind == RIC_KIND_GRAZING;
+    if (!status && w.branch.letters == 0 && end) status = on_mode(&w, row, x, out);
     if (!status && w.branch.letters > 0 && !(status = ric_walk_class(&w)) && w.like.u) {
         if (end && w.branch.from == row->id) status = ric_prover_junction_end(&w, row, false, x, out);
         if (!status && end && out->state && w.branch.to == row->id)
@@ -297,7 +332,7 @@ ric_status ric_prover_junction_find(ric_prover *p, const ric_junction *row, int 
     for (int k = 0; k < row->n_branch; k++)
         if (!ric_atlas_branch(p->atlas, row->branches[k], &branch) && branch.letters > longest)
             longest = branch.letters;
-    for (int letters = longest; letters > 0; letters--)
+    for (int letters = longest; letters >= 0; letters--)
         for (int k = 0; k < row->n_branch && !status && out->state != RIC_PROOF_DONE; k++)
             if (!ric_atlas_branch(p->atlas, row->branches[k], &branch) && branch.letters == letters &&
                 ric_prover_junction_asked(row, &branch))
@@ -337,7 +372,8 @@ ric_status ric_prover_junction(ric_prover *p, int id, ric_junction_proof *out)
         else snprintf(out->why, sizeof out->why, "%s", e->why);
         if (!status && out->state == RIC_PROOF_DONE) {
             free(p->certificate);
-            p->certificate = ric_certificate_junction(&x, out);
+            p->certificate = ric_prover_springs(ric_atlas_model(p->atlas)) ? ric_strdup("")
+                                                                           : ric_certificate_junction(&x, out);
             if (!p->certificate) status = ric_no_memory("a certificate");
         }
         ric_augmented_free(&x);

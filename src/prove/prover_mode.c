@@ -227,7 +227,7 @@ static void tell_chain(const ric_chain *c, const ric_enclosure *e, arb_srcptr u,
 {
     arb_t x;
     arb_init(x);
-    ric_chain_energy(e, u, x);
+    ric_chain_energy(e, c->phase[0], u, x);
     arb_mul_2exp_si(x, x, 2 * e->time - e->mass);
     ric_arb_interval(x, out->energy);
     arb_zero(x);

@@ -11,20 +11,23 @@
 
 /* ------------------------------------------------------------------ telling */
 
-static ric_moment *add(ric_story *s, int face, const arb_t time, arb_srcptr w, bool touch, bool mirror)
+/* A moment of what `like` says, at another time and in another state. */
+static ric_moment *add(ric_story *s, const ric_moment *like, const arb_t time, arb_srcptr w)
 {
     ric_moment *m = &s->at[s->count++];
-    m->face = face;
-    m->touch = touch;
-    m->mirror = mirror;
+    m->face = like->face;
+    m->opens = like->opens;
+    m->touch = like->touch;
+    m->mirror = like->mirror;
     arb_set(m->time, time);
     _arb_vec_set(m->w, w, 2 * s->n);
     return m;
 }
 
-/* The motion run backwards, behind the same impact: (q, -Q p); in flight (q, -p). */
+/* The motion run backwards, behind the same impact: (q, -Q p); in flight, and where a spring switches, (q, -p). */
 static void turn(const ric_story *s, ric_moment *m)
 {
+    if (m->face >= 0 && s->e->wall[m->face].closes) m->opens = !m->opens;
     if (m->face >= 0) ric_chain_reflect(s->e, m->face, m->w + s->n);
     _arb_vec_neg(m->w + s->n, m->w + s->n, s->n);
 }
@@ -43,7 +46,7 @@ static void add_image(ric_story *s)
     for (int i = 0, last = s->count; i < last; i++) {
         arb_mul_2exp_si(time, s->period, -1);
         arb_add(time, time, s->at[i].time, s->e->prec);
-        negate(s, add(s, s->at[i].face, time, s->at[i].w, s->at[i].touch, s->at[i].mirror));
+        negate(s, add(s, &s->at[i], time, s->at[i].w));
     }
     arb_clear(time);
 }
@@ -56,7 +59,7 @@ static void add_back(ric_story *s, int first, const arb_t end, bool centre)
     for (int i = s->count - 2; i > first; i--) {
         arb_mul_2exp_si(time, end, 1);
         arb_sub(time, time, s->at[i].time, s->e->prec);
-        ric_moment *m = add(s, s->at[i].face, time, s->at[i].w, s->at[i].touch, s->at[i].mirror);
+        ric_moment *m = add(s, &s->at[i], time, s->at[i].w);
         turn(s, m);
         if (centre) negate(s, m);
     }
@@ -65,7 +68,7 @@ static void add_back(ric_story *s, int first, const arb_t end, bool centre)
 
 static void open_story(ric_story *s, const ric_chain *c, const ric_enclosure *e)
 {
-    *s = (ric_story){.e = e, .n = e->n, .most = 8 * (c->m + 2)};
+    *s = (ric_story){.e = e, .n = e->n, .most = 8 * (c->m + 4)};
     s->at = flint_calloc((size_t)s->most, sizeof *s->at);
     for (int i = 0; i < s->most; i++) {
         arb_init(s->at[i].time);
@@ -86,18 +89,15 @@ void ric_story_free(ric_story *s)
     s->at = NULL;
 }
 
-static void fly_last(const ric_enclosure *e, arb_srcptr block, arb_ptr flown)
+static void fly_last(const ric_enclosure *e, const ric_chain *c, arb_srcptr block, arb_ptr flown)
 {
-    arb_t slack, size;
+    const ric_phase *phase = c->phase[c->m - 1];
+    arb_t slack;
     arb_init(slack);
-    arb_init(size);
-    ric_chain_fly(e, block, block + 2 * e->n, flown);
-    ric_enclosure_slack(e, block + 2 * e->n, slack);
-    ric_chain_norm(2 * e->n, block, e->prec, size);
-    arb_mul(slack, slack, size, e->prec);
+    ric_chain_fly(e, phase, block, block + 2 * e->n, flown);
+    ric_chain_slack(e, phase, block, block + 2 * e->n, slack);
     for (slong i = 0; i < 2 * e->n; i++) arb_add_error(flown + i, slack);
     arb_clear(slack);
-    arb_clear(size);
 }
 
 /* The mirror point that a chain ends with; `before`: the state in front of it, or NULL. */
@@ -106,13 +106,32 @@ static void add_end(ric_story *s, const ric_chain *c, arb_srcptr block, arb_srcp
     const ric_enclosure *e = s->e;
     arb_ptr flown = _arb_vec_init(2 * s->n);
     if (before) _arb_vec_set(flown, before, 2 * s->n);
-    else fly_last(e, block, flown);
+    else fly_last(e, c, block, flown);
     if (c->face[c->m] >= 0) ric_chain_reflect(e, c->face[c->m], flown + s->n);
-    add(s, c->face[c->m], time, flown, touch, true);
+    add(s, &(ric_moment){.face = c->face[c->m], .touch = touch, .mirror = true}, time, flown);
     _arb_vec_clear(flown, 2 * s->n);
 }
 
-static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, int touch, const ric_enclosure *e)
+/* A spring that is touched in flight closes and opens at once, or the other way round; at a mirror point one of the two
+ * is on its far side. */
+static void add_touch(ric_story *s, const ric_chain *c, const ric_story_touch *touch, arb_srcptr block,
+                      const arb_t time)
+{
+    const bool first = touch->flight == 0 && c->face[0] < 0 && arb_contains_zero(touch->time);
+    const bool last = touch->flight == c->m - 1 && c->face[c->m] < 0 && arb_overlaps(touch->time, block + 2 * s->n);
+    arb_ptr flown = _arb_vec_init(2 * s->n);
+    arb_t at;
+    arb_init(at);
+    ric_chain_fly(s->e, c->phase[touch->flight], block, touch->time, flown);
+    arb_add(at, time, first ? at : last ? block + 2 * s->n : touch->time, s->e->prec);
+    for (int k = first; k < 2 - last; k++)
+        add(s, &(ric_moment){.face = touch->face, .opens = touch->opens != k, .touch = true}, at, flown);
+    arb_clear(at);
+    _arb_vec_clear(flown, 2 * s->n);
+}
+
+static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, const ric_story_touch *touch,
+                 const ric_enclosure *e)
 {
     const bool general = ric_chain_general(c);
     arb_t time;
@@ -120,12 +139,17 @@ static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr befo
     arb_init(time);
     for (int k = 0; k < c->m; k++) {
         arb_srcptr block = u + (slong)k * c->size;
-        add(s, c->face[k], time, block, k == touch, !general && k == 0);
+        const ric_moment here = {.face = c->face[k],
+                                 .opens = ric_chain_opens(c, e, k),
+                                 .touch = touch && k == touch->impact,
+                                 .mirror = !general && k == 0};
+        add(s, &here, time, block);
+        if (touch && touch->flight == k) add_touch(s, c, touch, block, time);
         arb_add(time, time, block + 2 * s->n, e->prec);
     }
     arb_mul_ui(s->period, time, (ulong)ric_chain_copies(c), e->prec);
     if (!general) {
-        add_end(s, c, u + (slong)(c->m - 1) * c->size, before, time, touch == c->m);
+        add_end(s, c, u + (slong)(c->m - 1) * c->size, before, time, touch && touch->impact == c->m);
         add_back(s, 0, time, c->end == RIC_CHAIN_CENTRE);
     }
     s->symmetric = ric_chain_symmetric(c);
@@ -133,14 +157,15 @@ static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr befo
     arb_clear(time);
 }
 
-void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, int touch, const ric_enclosure *e)
+void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, const ric_story_touch *touch,
+                    const ric_enclosure *e)
 {
     tell(s, c, u, NULL, touch, e);
 }
 
 void ric_story_tell_parts(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, const ric_enclosure *e)
 {
-    tell(s, c, u, before, -1, e);
+    tell(s, c, u, before, NULL, e);
 }
 
 /* As the motion runs backwards, from its last moment on. */
@@ -207,29 +232,12 @@ static double compare(const ric_story *s, int first, int letters, const int *wor
         const int b = next_counted(s, a, false);
         const double flight = ric_arb_middle(s->at[b].time) - ric_arb_middle(s->at[a].time) +
                               (b <= a ? ric_arb_middle(s->period) : 0);
-        if (s->at[a].face != word[k]) return HUGE_VAL;
+        if (s->at[a].face + (s->at[a].opens ? s->e->n_face : 0) != word[k]) return HUGE_VAL;
         worst = fmax(worst, fabs(flight - ldexp(flights[k], s->e->time)));
         a = b;
     }
     if (letters == 0) worst = fmax(worst, fabs(ric_arb_middle(s->period) - ldexp(flights[0], s->e->time)));
     return worst / size;
-}
-
-static void read_state(const ric_enclosure *e, const double *state, arb_ptr w)
-{
-    arb_mat_t x, q;
-    arb_mat_init(x, e->n_dof, 1);
-    arb_mat_init(q, e->n, 1);
-    for (int part = 0; part < 2; part++) {
-        for (slong i = 0; i < e->n_dof; i++) {
-            arb_set_d(arb_mat_entry(x, i, 0), state[part * e->n_dof + i]);
-            arb_mul_2exp_si(arb_mat_entry(x, i, 0), arb_mat_entry(x, i, 0), part ? -e->time : 0);
-        }
-        arb_mat_mul(q, e->back, x, e->prec);
-        for (slong i = 0; i < e->n; i++) arb_get_mid_arb(w + part * e->n + i, arb_mat_entry(q, i, 0));
-    }
-    arb_mat_clear(x);
-    arb_mat_clear(q);
 }
 
 double ric_story_distance(ric_story *s, int letters, const int *word, const double *state, const double *flights)
@@ -238,7 +246,7 @@ double ric_story_distance(ric_story *s, int letters, const int *word, const doub
     int count = 0;
     const int images = count_images(s->e);
     arb_ptr w = _arb_vec_init(2 * s->n);
-    read_state(s->e, state, w);
+    ric_chain_state(s->e, state, w);
     for (int i = 0; i < s->count; i++) count += is_counted(s, i, false);
     for (int back = 0; back < 2; back++) {
         for (int image = 0; image < images; image++) {
@@ -256,13 +264,13 @@ double ric_story_distance(ric_story *s, int letters, const int *word, const doub
 
 /* Whether a moment may stand at the end of a chain, or between its blocks, where that has the face: a mirror point that
  * is an impact of no speed is one at rest in flight, too. */
-static bool has_face(const ric_moment *m, int face)
+static bool has_face(const ric_moment *m, int face, bool opens)
 {
-    return m->face == face || (face < 0 && m->touch && m->mirror);
+    return (m->face == face && m->opens == opens) || (face < 0 && m->touch && m->mirror);
 }
 
 /* The moment that is `later` than moment `first`, with that face, or -1. */
-static int find_moment(const ric_story *s, int first, double later, int face, double *place)
+static int find_moment(const ric_story *s, int first, double later, int face, bool opens, double *place)
 {
     const double period = ric_arb_middle(s->period);
     int best = -1;
@@ -270,7 +278,7 @@ static int find_moment(const ric_story *s, int first, double later, int face, do
         const double gone = fmod(ric_arb_middle(s->at[i].time) - ric_arb_middle(s->at[first].time) + 2 * period,
                                  period);
         const double off = fmin(fabs(gone - later), fabs(fabs(gone - later) - period)) / (1 + period);
-        if (!has_face(&s->at[i], face) || !(off < *place)) continue;
+        if (!has_face(&s->at[i], face, opens) || !(off < *place)) continue;
         *place = off;
         best = i;
     }
@@ -303,13 +311,15 @@ static double cut_from(const ric_story *s, int first, const ric_chain *like, dou
 {
     const bool general = ric_chain_general(like);
     double time = 0, worst = differs(s, first, like->u);
-    if (!has_face(&s->at[first], like->face[0]) || !(general ? like->sign > 0 || s->symmetric : s->at[first].mirror))
+    if (!has_face(&s->at[first], like->face[0], ric_chain_opens(like, s->e, 0)) ||
+        !(general ? like->sign > 0 || s->symmetric : s->at[first].mirror))
         return HUGE_VAL;
     moment[0] = first;
     for (int k = 0; k < like->m && worst < place; k++) {
         double off = place;
         time += ric_arb_middle(ric_chain_block(like, k) + 2 * s->n);
-        const int next = moment[k + 1] = find_moment(s, first, time, like->face[k + 1], &off);
+        const int next = moment[k + 1] = find_moment(s, first, time, like->face[k + 1],
+                                                     ric_chain_opens(like, s->e, k + 1), &off);
         if (next < 0 || !is_flight(s, moment[k], next)) return HUGE_VAL;
         if (k + 1 == like->m && !general && !s->at[next].mirror) return HUGE_VAL;
         if (k + 1 == like->m && general && (next - first + s->count) % s->count != (like->sign > 0 ? 0 : s->count / 2))

@@ -7,9 +7,10 @@
 
 typedef struct {
     int face;           /* -1: a mirror point in flight */
+    bool opens;         /* a spring that opens there; otherwise it closes, or is a stop */
     bool touch, mirror; /* an impact of exactly no speed; exactly a mirror point */
     arb_t time;
-    arb_ptr w; /* [2n] behind the impact */
+    arb_ptr w; /* [2n] behind the event */
 } ric_moment;
 
 typedef struct {
@@ -20,9 +21,19 @@ typedef struct {
     arb_ptr period;
 } ric_story;
 
-/* u [m * size]: balls, in place of the centre of the chain; what is told holds the motion in them. touch: the block
- * that begins with an impact of exactly no speed, m for the end; -1: none. */
-void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, int touch, const ric_enclosure *e);
+/* What exactly touches: an impact of no speed, or a spring in flight, which closes and opens at once, or the other way
+ * round. */
+typedef struct {
+    int impact;       /* block that begins with it, m for the end; -1: none */
+    int flight, face; /* of the spring; flight -1: none */
+    bool opens;       /* first */
+    arb_srcptr time;
+} ric_story_touch;
+
+/* u [m * size]: balls, in place of the centre of the chain; what is told holds the motion in them. touch: NULL: none.
+ */
+void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, const ric_story_touch *touch,
+                    const ric_enclosure *e);
 /* The same of any numbers, with the state `before` the mirror point that the chain ends with, [2n]: moments and times
  * are linear in all of them. */
 void ric_story_tell_parts(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, const ric_enclosure *e);
@@ -31,7 +42,7 @@ void ric_story_free(ric_story *s);
 /* The largest difference from a stored orbit, over 1 + the size of its state: states behind impacts and flight times,
  * begun at any impact, forwards or backwards, or as the image under x -> -x; impacts of no speed count only where there
  * is no other. Not finite where no beginning fits. A comparison of doubles: it says what is meant, and proves nothing.
- * word [letters], state [2 n_dof], flights [max(letters, 1)] as they are stored. */
+ * word [letters] (openings n_face more), state [2 n_dof], flights [max(letters, 1)] as they are stored. */
 double ric_story_distance(ric_story *s, int letters, const int *word, const double *state, const double *flights);
 
 /* The same motion in the class and with the word of another chain, near its centre: u [m * size + 1] balls; impacts of

@@ -159,20 +159,6 @@ static bool contracts(ric_tube *t, const ric_enclosure *e)
     return holds;
 }
 
-/* E > 0 and |lambda| < 1 make closed chains of zeros. */
-static bool closes(const ric_tube *t, const ric_enclosure *e)
-{
-    arb_t x;
-    arb_init(x);
-    ric_chain_energy(e, t->hull.u, x);
-    bool done = arb_is_positive(x);
-    arb_abs(x, t->hull.u + (slong)t->hull.m * t->hull.size);
-    arb_sub_ui(x, x, 1, e->prec);
-    done = done && arb_is_negative(x);
-    arb_clear(x);
-    return done;
-}
-
 static void set_family(ric_tube *t)
 {
     arb_t half;
@@ -198,7 +184,7 @@ bool ric_tube_create(ric_tube *t, const ric_chain *from, const ric_chain *to, co
     t->half = _arb_vec_init(count);
     t->row = _arb_vec_init(t->k.n);
     arb_init(t->length);
-    const bool done = lay_line(t) && contracts(t, e) && closes(t, e);
+    const bool done = lay_line(t) && contracts(t, e) && ric_chain_closes(&t->hull, e, t->hull.u);
     if (done) set_family(t);
     return done;
 }

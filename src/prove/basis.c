@@ -1,0 +1,159 @@
+#include "basis.h"
+
+#include <math.h>
+
+#include "base/room.h"
+
+enum {
+    STEPS = 8, /* of the refinement, each of which doubles 45 bits or more */
+    TINY = 20, /* bits beyond those computed with below which an eigenvalue, relative to the largest, counts as zero */
+};
+
+void ric_basis_open(ric_basis *z, int n, slong bits)
+{
+    *z = (ric_basis){.n = n, .bits = bits, .prec = bits + RIC_BASIS_GUARD};
+    arb_mat_init(z->M, n, n);
+    arb_mat_init(z->K, n, n);
+    arb_mat_init(z->X, n, n);
+    arb_mat_init(z->R, n, n);
+    arb_mat_init(z->S, n, n);
+    arb_mat_init(z->W, n, n);
+}
+
+void ric_basis_close(ric_basis *z)
+{
+    arb_mat_clear(z->M);
+    arb_mat_clear(z->K);
+    arb_mat_clear(z->X);
+    arb_mat_clear(z->R);
+    arb_mat_clear(z->S);
+    arb_mat_clear(z->W);
+}
+
+/* R = X' M X and S = X' K X, of midpoints. */
+static void congruences(ric_basis *z)
+{
+    arb_mat_t transposed;
+    arb_mat_init(transposed, z->n, z->n);
+    arb_mat_transpose(transposed, z->X);
+    arb_mat_approx_mul(z->W, z->M, z->X, z->prec);
+    arb_mat_approx_mul(z->R, transposed, z->W, z->prec);
+    arb_mat_approx_mul(z->W, z->K, z->X, z->prec);
+    arb_mat_approx_mul(z->S, transposed, z->W, z->prec);
+    arb_mat_clear(transposed);
+}
+
+/* Entry (i, j) of the correction of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007); where a gap
+ * between eigenvalues does not tell the vectors apart they are only made orthonormal. */
+static void correction(const ric_basis *z, slong i, slong j, arb_t out)
+{
+    static const double too_far = 0.1; /* a turn that is no correction any more */
+    arb_t r, li, lj, gap;
+    arb_init(r);
+    arb_init(li);
+    arb_init(lj);
+    arb_init(gap);
+    arb_neg(r, arb_mat_entry(z->R, i, j));
+    if (i == j) arb_add_ui(r, r, 1, z->prec);
+    arb_div(li, arb_mat_entry(z->S, i, i), arb_mat_entry(z->R, i, i), z->prec);
+    arb_div(lj, arb_mat_entry(z->S, j, j), arb_mat_entry(z->R, j, j), z->prec);
+    arb_sub(gap, lj, li, z->prec);
+    arb_mul_2exp_si(out, r, -1);
+    if (i != j && !arb_contains_zero(gap)) {
+        arb_mul(li, lj, r, z->prec);
+        arb_add(li, li, arb_mat_entry(z->S, i, j), z->prec);
+        arb_div(li, li, gap, z->prec);
+        if (fabs(arf_get_d(arb_midref(li), ARF_RND_NEAR)) < too_far) arb_set(out, li);
+    }
+    arb_get_mid_arb(out, out);
+    arb_clear(r);
+    arb_clear(li);
+    arb_clear(lj);
+    arb_clear(gap);
+}
+
+void ric_basis_refine(ric_basis *z)
+{
+    arb_mat_t E;
+    arb_mat_init(E, z->n, z->n);
+    for (int step = 0; step < STEPS; step++) {
+        congruences(z);
+        for (slong i = 0; i < z->n; i++)
+            for (slong j = 0; j < z->n; j++) correction(z, i, j, arb_mat_entry(E, i, j));
+        arb_mat_approx_mul(z->W, z->X, E, z->prec);
+        arb_mat_add(z->X, z->X, z->W, z->prec);
+        arb_mat_get_mid(z->X, z->X);
+    }
+    arb_mat_clear(E);
+}
+
+/* X' A X in balls, and its Frobenius distance from the diagonal of `diagonal`. */
+static void distance(const ric_basis *z, const arb_mat_t X, const arb_mat_t A, arb_srcptr diagonal, arb_t out)
+{
+    slong n = arb_mat_ncols(X), prec = 2 * z->prec;
+    arb_mat_t t, w, s;
+    arb_mat_init(t, n, z->n);
+    arb_mat_init(w, z->n, n);
+    arb_mat_init(s, n, n);
+    arb_mat_transpose(t, X);
+    arb_mat_mul(w, A, X, prec);
+    arb_mat_mul(s, t, w, prec);
+    for (slong i = 0; i < n; i++) arb_sub(arb_mat_entry(s, i, i), arb_mat_entry(s, i, i), diagonal + i, prec);
+    arb_mat_frobenius_norm(out, s, prec);
+    arb_get_abs_ubound_arf(arb_midref(out), out, z->prec);
+    mag_zero(arb_radref(out));
+    arb_mat_clear(t);
+    arb_mat_clear(w);
+    arb_mat_clear(s);
+}
+
+/* X (X' M X)^-1/2 in balls: every entry of the last factor is off the unit matrix by at most 2 |X' M X - 1|. */
+bool ric_basis_orthonormalise(const ric_basis *z, arb_mat_t X, arb_t error)
+{
+    slong n = arb_mat_ncols(X);
+    arb_ptr one = _arb_vec_init(n);
+    for (slong i = 0; i < n; i++) arb_one(one + i);
+    distance(z, X, z->M, one, error);
+    arb_mul_2exp_si(error, error, 1);
+    arb_mat_t factor;
+    arb_mat_init(factor, n, n);
+    arb_mat_one(factor);
+    for (slong i = 0; i < n * n; i++) arb_add_error(arb_mat_entry(factor, i / n, i % n), error);
+    arb_mat_mul(X, X, factor, 2 * z->prec);
+    arb_mat_clear(factor);
+    _arb_vec_clear(one, n);
+    return arf_cmp_2exp_si(arb_midref(error), -z->prec / 2) < 0;
+}
+
+/* L and rho = |X' K X - L|. */
+bool ric_basis_squares(const ric_basis *z, const arb_mat_t X, ric_squares *out)
+{
+    slong n = arb_mat_ncols(X);
+    arb_mat_t xt, w, s;
+    arb_mat_init(xt, n, z->n);
+    arb_mat_init(w, z->n, n);
+    arb_mat_init(s, n, n);
+    arb_mat_transpose(xt, X);
+    arb_mat_mul(w, z->K, X, 2 * z->prec);
+    arb_mat_mul(s, xt, w, 2 * z->prec);
+    arb_one(out->top);
+    for (slong i = 0; i < n; i++) {
+        arb_get_mid_arb(out->square + i, arb_mat_entry(s, i, i));
+        if (arb_gt(out->square + i, out->top)) arb_set(out->top, out->square + i);
+    }
+    bool positive = true;
+    for (slong i = 0; i < n; i++) {
+        arb_ptr square = out->square + i;
+        arb_abs(out->rho, square);
+        arb_mul_2exp_si(out->rho, out->rho, z->bits + TINY);
+        if (arb_lt(out->rho, out->top)) arb_zero(square);
+        positive = positive && arb_is_nonnegative(square);
+        arb_sqrt(out->omega + i, square, z->bits + RIC_BASIS_GUARD / 2);
+    }
+    arb_add_ui(out->top, out->top, 1, z->bits);
+    distance(z, X, z->K, out->square, out->rho);
+    arb_mat_clear(xt);
+    arb_mat_clear(w);
+    arb_mat_clear(s);
+    return positive;
+}

@@ -1,0 +1,122 @@
+#!/usr/bin/env bash
+# Proofs between bilinear springs, by themselves and beside a stop: what is stored is proved, what is a little wrong is not.
+set -u
+. tests/support/tap.sh
+
+if ! "$ricochet" run examples/stop-and-spring/study.yaml -o "$folder/stop-and-spring.ricochet" --quiet; then echo '1..0 # SKIP no atlas'; exit 77; fi
+if "$ricochet" prove "$folder/stop-and-spring.ricochet" 2>&1 | grep -q 'left out of this program'; then
+    echo '1..0 # SKIP the program was built without FLINT'
+    exit 77
+fi
+
+# prove ATLAS OUT ARGUMENT...: the rows
+prove() { "$ricochet" prove "$1" --json "${@:3}" >"$2" 2>/dev/null; [ -s "$2" ]; }
+# rows FILE CODE: Python over `rows` of FILE
+rows() { python3 - "$1" <<END
+import json, math, sys
+rows = json.load(open(sys.argv[1]))
+proved = [row for row in rows if row["verdict"] == "proved"]
+$2
+END
+}
+# planted CODE: a copy of the atlas of two springs with Python over \`points\` done to it, its digest made anew; and its rows
+planted() {
+    plant "$folder/two-springs.ricochet" "$folder/p.ricochet" '
+random.seed(7)
+points = [p for p in db.execute("SELECT branch, point, state, flights, stable FROM point WHERE branch IN"
+                                " (SELECT id FROM branch WHERE impacts > 0) AND point % 4 = 1 ORDER BY branch, point")]
+'"$1"
+    prove "$folder/p.ricochet" "$folder/p.json"
+}
+
+# What is not proved are ends of branches; two stops or springs that are met at one instant are no junction that is proved.
+for line in 'bilinear 186 186 3 3 8 8' 'two-springs 271 272 6 6 6 6' 'stop-and-spring 290 293 5 5 6 8'; do
+    read -r name points of_points curves of_curves junctions of_junctions <<<"$line"
+    [ -f "$folder/$name.ricochet" ] || "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
+    prove "$folder/$name.ricochet" "$folder/$name.json"
+    ok "$name: all points but some ends are proved" rows "$folder/$name.json" "
+last = {}
+for row in rows: last[row['branch']] = max(row['point'], last.get(row['branch'], 0))
+assert len(rows) == $of_points and len(proved) == $points, (len(proved), len(rows))
+for row in rows:
+    assert row['verdict'] == 'proved' or row['point'] in (0, last[row['branch']]), row
+    assert row['why'] or row['distance'] < 1e-10, row"
+    ok "$name: energy, period and stability are those that are stored" rows "$folder/$name.json" "
+import sqlite3
+db = sqlite3.connect('$folder/$name.ricochet')
+for row in proved:
+    E, omega, stable = db.execute('SELECT energy, frequency, stable FROM point WHERE branch = ? AND point = ?', (row['branch'], row['point'])).fetchone()
+    assert row['energy'][0] * (1 - 1e-9) <= E <= row['energy'][1] * (1 + 1e-9), row
+    assert row['period'][0] * (1 - 1e-9) <= 2 * math.pi / omega <= row['period'][1] * (1 + 1e-9), row
+    assert row['stable'] == 'undecided' or stable == 2 or row['stable'] == ('no', 'yes')[stable], row"
+    ok "$name: so are its curves" bash -c '"$0" prove "$1" --curves | grep -q "^$2 of $3 curves proved"' "$ricochet" "$folder/$name.ricochet" "$curves" "$of_curves"
+    ok "$name: and its junctions" bash -c '"$0" prove "$1" --junctions 2>/dev/null | grep -q "^$2 of $3 junctions proved"' "$ricochet" "$folder/$name.ricochet" "$junctions" "$of_junctions"
+done
+
+# One mass 1 on a spring 1, with a spring 5 beyond |x| = 1: half a quarter is asin(1 / A), the other acos((1 - r) / B) / w, w^2 = 6.
+cat >"$folder/one.yaml" <<'E2'
+title: One mass between two springs
+model:
+  mass: [[1]]
+  stiffness: [[1]]
+  contacts:
+    - {name: wall, normal: [1], clearance: 1, sides: both, law: bilinear, stiffness: 5}
+explore: {start: modes, energy: [0, 10], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: 1}
+E2
+"$ricochet" run "$folder/one.yaml" -o "$folder/one.ricochet" --quiet
+prove "$folder/one.ricochet" "$folder/one.json"
+ok 'one mass has the period of its closed form at its energy' rows "$folder/one.json" '
+some = [row for row in proved if row["branch"] == 2 and row["energy"][0] > 0.6]
+assert len(some) > 10, len(some)
+def period(E):
+    w, r = 6 ** 0.5, 5 / 6
+    A, speed = (2 * E) ** 0.5, (2 * E - 1) ** 0.5
+    return 4 * (math.asin(1 / A) + math.acos((1 - r) / math.hypot(1 - r, speed / w)) / w)
+for row in some:
+    T = period(sum(row["energy"]) / 2)
+    assert abs(row["period"][0] - T) < 1e-13 * T and abs(row["period"][1] - T) < 1e-13 * T, (row, T)'
+ok 'and touches at its first energy, 1/2' bash -c '"$0" prove "$1" --junctions --json 2>/dev/null | python3 -c "
+import json, sys
+row = json.load(sys.stdin)[0]
+assert row[\"verdict\"] == \"proved\" and row[\"energy\"][0] <= 0.5 <= row[\"energy\"][1] and row[\"how\"].startswith(\"a gap touches\"), row"' "$ricochet" "$folder/one.ricochet"
+
+planted '
+for b, p, state, flights, stable in points:
+    x = floats(state)
+    i, before = random.randrange(3), list(x)
+    x[3 + i] += 1e-6 * max(map(abs, x)) * random.choice((-1, 1))
+    more = (1, 1, 1.5)[i] * (x[3 + i] ** 2 - before[3 + i] ** 2) / 2
+    db.execute("UPDATE point SET state = ?, energy = energy + ? WHERE branch = ? AND point = ?", (blob(x), more, b, p))'
+ok 'no orbit is proved at a state that is off by 1e-6' rows "$folder/p.json" '
+some = [row for row in rows if row["point"] % 4 == 1 and row["branch"] > 3]
+assert len(some) > 50 and not [row for row in some if row["verdict"] == "proved"]'
+planted '
+for b, p, state, flights, stable in points:
+    if stable < 2: db.execute("UPDATE point SET stable = ? WHERE branch = ? AND point = ?", (1 - stable, b, p))'
+ok 'no flag that is turned round passes' rows "$folder/p.json" '
+some = [row for row in rows if row["point"] % 4 == 1 and row["branch"] > 3]
+assert len(some) > 50 and not [row for row in some if row["verdict"] == "proved" and row["stable"] != "undecided"], len(proved)
+assert sum(row["why"].startswith("stored as") for row in some) > 0.9 * len(some)'
+planted '
+for b, p, state, flights, stable in points:
+    t = floats(flights)
+    db.execute("UPDATE point SET flights = ?, energy = energy * (1 + 1e-7) WHERE branch = ? AND point = ?", (blob([t[0] * (1 + 1e-6)] + t[1:]), b, p))'
+ok 'nor another time or energy' rows "$folder/p.json" '
+assert not [row for row in proved if row["point"] % 4 == 1 and row["branch"] > 3]'
+# Closings and openings in another order: the springs of two faces are exchanged.
+planted '
+for id, word in db.execute("SELECT id, word FROM branch WHERE impacts > 2").fetchall():
+    db.execute("UPDATE branch SET word = ? WHERE id = ?", (word.translate(str.maketrans("23", "32")), id))'
+ok 'nor another word' rows "$folder/p.json" '
+some = [row for row in rows if row["branch"] > 6]
+assert len(some) > 50 and not [row for row in some if row["verdict"] == "proved"], len(proved)'
+# The spring of the second one is stiffer by a millionth: where it is closed for long orbits are others.
+plant "$folder/two-springs.ricochet" "$folder/p.ricochet" '
+db.execute("UPDATE meta SET value = replace(value, ?, ?)", ("stiffness: 9", "stiffness: 9.000009"))'
+prove "$folder/p.ricochet" "$folder/p.json"
+ok 'nor with another spring' rows "$folder/p.json" '
+some = [row for row in rows if row["branch"] > 7]
+assert len(some) > 50 and not [row for row in some if row["verdict"] == "proved" and not row["why"]], len(proved)'
+ok 'certificates and a census are of stops alone' bash -c '
+"$0" prove examples/bilinear/study.yaml --complete --energy 5 2>&1 | grep -q "bilinear springs"' "$ricochet"
+finish
