@@ -597,6 +597,25 @@ static void inner_nodes(void **state)
     if (long_form()) check_inner_nodes("82, 85", 4, whole); /* a quarter of a minute */
 }
 
+/* A backbone without junctions at its ends is found in its midst: it is followed to one end, and from there over all of
+ * it. The other side is not followed for itself, which would cost two steps for every point. */
+static void backbones_are_followed_from_one_end(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    const char *text = "model: {mass: [[1, 0], [0, 1]], stiffness: [[2, -1], [-1, 2]],"
+                       " contacts: [{normal: [1, 0], law: power, exponent: 3, stiffness: 0.5}]}\n"
+                       "explore: {energy: [1e-6, 100], frequency: [0.2, 9], multiply: 1, depth: 1}\n";
+    assert_int_equal(ric_study_parse(text, "test", ".", &study), RIC_OK);
+    ric_graph *graph = explored_graph(study);
+    int points = 0;
+    assert_int_equal(graph->n_edge, 2);
+    for (int i = 0; i < graph->n_edge; i++) points += graph->edges[i].trace->n_point;
+    if (!(points > 100 && graph->fresh < 1.7 * points)) fail_msg("%d steps for %d points", (int)graph->fresh, points);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -617,6 +636,7 @@ int main(void)
         cmocka_unit_test(closes_where_it_passes),
         cmocka_unit_test(power_99),
         cmocka_unit_test(inner_nodes),
+        cmocka_unit_test(backbones_are_followed_from_one_end),
     };
     return cmocka_run_group_tests(tests, explore_cubic, free_cubic);
 }
