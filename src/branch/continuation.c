@@ -16,6 +16,7 @@
 #define STEP_ANGLE 0.08     /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
 #define SOFT_STEP 0.1       /* first step from the grazing of a spring, of its compliance */
 #define FIRST_STEP 3e-5     /* of the size of the unknowns */
+#define SHORTEST 1e-8       /* of the size: a first step that is shorter shows rounding */
 #define SMALLEST_STEP 1e-11 /* of the size of the unknowns: below it the branch counts as failed */
 #define STRAIGHT 1e-12      /* angle of a step, rad, that is rounding */
 /* STEEP: rounding of a flight beyond which inner nodes are asked for: what verify asks of a stored start */
@@ -514,6 +515,14 @@ static bool margins_hold(const ric_station *p, unsigned ignored)
     return true;
 }
 
+/* Whether a first step has left a branch that is shorter: between two grazings with slow impacts some are, and of what
+ * vanishes at the start no crossing is seen within it. */
+static bool over_the_end(const ric_continuation *tr, double h)
+{
+    return !tr->has_past && !tr->limits->ghost && h > SHORTEST * tr->chain->scale &&
+           !margins_hold(&tr->next, tr->ignore);
+}
+
 static void swap_stations(ric_continuation *tr)
 {
     ric_station old = tr->past;
@@ -642,6 +651,10 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
         }
         if (good && !crowded(tr, h)) {
             if ((status = ric_continuation_look(tr, &tr->next, way.orientation, RIC_LOOK_ALL))) return status;
+            if (over_the_end(tr, h)) {
+                h *= 0.125;
+                continue;
+            }
             if (!ric_event_suspicious(tr, h)) {
                 bool retry = false;
                 if ((status = ric_event_find(tr, h, done, &retry))) return status;

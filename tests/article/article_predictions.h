@@ -234,29 +234,21 @@ static bool base_of(int k, int *which, int *grazing, int *c)
     return *grazing && multiplications(*which, between(*which, "S2-[01]", at(*which, "G2_0,2"), 0), 1, k, c) == 1;
 }
 
-/* A loop from (k, 1) on the k-duplicate of S2- closes at G_0,2k: both families reach it, neither over the other. For
- * k = 5 one of them is followed as far as a grazing where what leaves is refused, so near to G_0,10 that energies
- * differ by less than 1e-9. */
+/* A loop from (k, 1) on the k-duplicate of S2- closes at G_0,2k: both families reach it, neither over the other. */
 static verdict loops_of_duplicates(finding *f, const char *arg)
 {
-    bool right = true, closed = true;
+    int closed = 0;
     (void)arg;
     for (int k = 2; k <= 6; k++) {
-        int which, g, c, list[4], n = 0, near_by = 0;
+        int which, g, c, list[4], n = 0;
         if (!base_of(k, &which, &g, &c) || families(which, c, list, 4) != 2) return NEITHER;
-        for (int i = 0; i < 2; i++) {
-            int end = far_end(which, list[i], c);
-            bool there = hops(which, end, g, false, true, list[1 - i], NULL, 0) >= 0;
-            n += there;
-            near_by += !there && near(junction(which, end).energy, junction(which, g).energy);
-        }
+        for (int i = 0; i < 2; i++)
+            n += hops(which, far_end(which, list[i], c), g, false, true, list[1 - i], NULL, 0) >= 0;
         say(f, "%sk = %d: from E %.9g, %d of 2 families to G_0,%d at omega %.9g", k > 2 ? "; " : "", k,
             junction(which, c).energy, n, 2 * k, junction(which, g).frequency);
-        if (near_by) say(f, ", %d to a grazing within 1e-9 of its energy", near_by);
-        closed = closed && n == 2;
-        right = right && (k != 5 ? n == 2 : n + near_by == 2);
+        closed += n == 2;
     }
-    return closed ? AS_STATED : right ? OTHERWISE : NEITHER;
+    return stated(closed == 5);
 }
 
 /* Asymmetric branches only, as stated; otherwise S branches leave G_0,2k for k = 5 and for no other k up to 6. */

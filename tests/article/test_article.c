@@ -191,10 +191,7 @@ static const entry table[] = {
      extra_points_follow_rotation, NULL,
      "It is the number of p / k in the range of the rotation number along the branch."},
     {97, "3.2.2", "Each k-duplicate of S2- has a loop that closes at a duplicate of G1_0,4, without end.",
-     loops_of_duplicates, NULL,
-     "Closed for k = 2, 3, 4 and 6. For k = 5 one of the two families is followed to a grazing beside G_0,10, where "
-     "its "
-     "departure is refused: not decided."},
+     loops_of_duplicates, NULL, NULL},
     {98, "1, 3.2.2, 4", "All periodic motions, if possible, are reached from the linear modes.",
      everything_hangs_on_modes, NULL,
      "Some are not, within the budgets: closed chains of branches ([islands](islands.md))."},
