@@ -86,7 +86,7 @@ fi
 study spring "$mass" "$spring" "{normal: [-1, 1], clearance: 1, law: bilinear, stiffness: 1.0e+12}" "$window"
 ok "a spring that is as good as a stop" ends 2 "contact 1: its stiffness .* law: rigid" run "$folder/spring.yaml"
 # Matrices do not lie on the stack: one of 128 kB is enough for 24 modes under a power law, and their multipliers.
-python3 - >"$folder/wide.yaml" <<'END'
+python3 -S - >"$folder/wide.yaml" <<'END'
 n = 24
 rows = lambda entry: "".join(f"    - {[entry(i, j) for j in range(n)]}\n" for i in range(n))
 print("model:\n  mass:\n" + rows(lambda i, j: int(i == j)), end="")

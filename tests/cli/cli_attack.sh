@@ -42,7 +42,7 @@ for seed in 130022 $(some_of '' '130004 130017 130012'); do
 done
 # The error of multipliers is within what the library states of it; a sanitizer's library is not for Python to load.
 library=$(dirname "$ricochet")/src/libricochet.so
-if [ -f "$library" ] && python3 -c 'import ctypes, sys; ctypes.CDLL(sys.argv[1])' "$library" 2>/dev/null; then
+if [ -f "$library" ] && python3 -S -c 'import ctypes, sys; ctypes.CDLL(sys.argv[1])' "$library" 2>/dev/null; then
     for kind in rigid bilinear mixed power; do
         structures=4
         [ $kind != power ] || structures=$(some_of 1 4) # ten times as dear

@@ -20,12 +20,12 @@ atlas=$folder/cascade.ricochet elementary=$folder/elementary.ricochet
 ok 'the example runs' "$ricochet" run examples/cascade/study.yaml -o "$atlas"
 ok 'so do the two masses' "$ricochet" run examples/elementary/study.yaml -o "$elementary"
 before=$(cksum <"$elementary")
-id() { "$ricochet" branches "$1" --json | python3 -c 'import json, sys; print(next(b["id"] for b in json.load(sys.stdin) if b["label"] == sys.argv[1]))' "$2"; }
+id() { "$ricochet" branches "$1" --json | python3 -S -c 'import json, sys; print(next(b["id"] for b in json.load(sys.stdin) if b["label"] == sys.argv[1]))' "$2"; }
 s2=$(id "$elementary" 'S2-[01]') a5=$(id "$elementary" 'A5[00101]') s6=$(id "$atlas" 'S6[010101]')
 
 stored() { # the path of the article is in the atlas, with the numbers that are followed beyond it
     "$ricochet" cascade "$atlas" --multiply 2/3,2,4 --json >"$folder/stored" && "$ricochet" cascade "$elementary" --branch "$s2" --multiply 2/3,2,4 --json >"$folder/followed" \
-        && python3 - "$folder/stored" "$folder/followed" <<'END'
+        && python3 -S - "$folder/stored" "$folder/followed" <<'END'
 import json, sys
 stored, followed = (json.load(open(name)) for name in sys.argv[1:])
 paths = {}

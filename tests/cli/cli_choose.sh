@@ -20,7 +20,7 @@ rows() {
     local command=$1 condition=$2
     shift 2
     both "$command" "$@" || return 1
-    python3 -c "
+    python3 -S -c "
 import json, sys
 rows, some = json.load(open(sys.argv[1])), json.load(open(sys.argv[2]))
 wanted = [r for r in rows if $condition]
@@ -57,7 +57,7 @@ sorted_by() {
     local command=$1 key=$2
     shift 2
     both "$command" "$@" || return 1
-    python3 -c "
+    python3 -S -c "
 import json, sys
 rows, some = json.load(open(sys.argv[1])), json.load(open(sys.argv[2]))
 wanted = sorted(rows, key=lambda r: $key)
@@ -77,7 +77,7 @@ ok 'sort without a column' refused 'needs a value' branches "$atlas" --sort --js
 # hertz COMMAND KEYS OPTION...: the same rows, frequencies over 2 pi
 hertz() {
     "$ricochet" "$1" "$atlas" "${@:3}" --json >"$folder/all" && "$ricochet" "$1" "$atlas" "${@:3}" --hz --json >"$folder/some" || return 1
-    python3 - "$folder/all" "$folder/some" $2 <<'P'
+    python3 -S - "$folder/all" "$folder/some" $2 <<'P'
 import json, math, sys
 rows, some, keys = json.load(open(sys.argv[1])), json.load(open(sys.argv[2])), sys.argv[3:]
 assert rows and len(rows) == len(some)
@@ -95,7 +95,7 @@ ok 'hertz: an orbit' hertz orbit frequency --branch 3 --energy 1.5
 ok 'hertz: bases' hertz bases 'frequency_min frequency_max'
 at_hertz() { # an orbit, and rows, that are asked for by a frequency in Hz
     diff <("$ricochet" orbit "$atlas" --branch 3 --frequency 1.4 --csv | cut -d, -f2) \
-        <("$ricochet" orbit "$atlas" --branch 3 --frequency "$(python3 -c 'import math; print(repr(1.4 / (2 * math.pi)))')" --hz --csv | cut -d, -f2) &&
+        <("$ricochet" orbit "$atlas" --branch 3 --frequency "$(python3 -S -c 'import math; print(repr(1.4 / (2 * math.pi)))')" --hz --csv | cut -d, -f2) &&
         "$ricochet" branches "$atlas" --frequency 3,4 --csv | cut -d, -f1 >"$folder/a" &&
         diff "$folder/a" <("$ricochet" branches "$atlas" --hz --frequency 0.477464829275686,0.636619772367581 --csv | cut -d, -f1)
 }
@@ -104,7 +104,7 @@ ok 'hertz: what is asked for' at_hertz
 # wide COMMAND OPTION...: every number of a list has a column of its own, and all of them are those of --json
 wide() {
     "$ricochet" "$1" "$atlas" "${@:2}" --json >"$folder/all" && "$ricochet" "$1" "$atlas" "${@:2}" --wide >"$folder/wide" || return 1
-    python3 - "$folder/all" "$folder/wide" <<'P'
+    python3 -S - "$folder/all" "$folder/wide" <<'P'
 import csv, json, sys
 def cells(name, value):
     if isinstance(value, dict):
@@ -139,7 +139,7 @@ ok 'wide: an orbit' wide orbit --branch 3 --energy 1.5
 ok 'wide: the same list without lists' diff <("$ricochet" points "$atlas" --branch 3 --wide) <("$ricochet" points "$atlas" --branch 3 --csv)
 
 # A list that is too long for a line of a table is cut in it, also where the table goes into a file.
-python3 - >"$folder/chain.yaml" <<'P'
+python3 -S - >"$folder/chain.yaml" <<'P'
 n = 12
 row = lambda f: "[" + ", ".join(map(str, f)) + "]"
 print("model:\n  mass:", row(row(int(i == j) for j in range(n)) for i in range(n)))
@@ -154,8 +154,8 @@ ok 'and how to see them' grep 'long lists are cut; --csv or --json shows all' "$
 
 # on_terminal WIDTH COMMAND...: no line of the table is wider, and energy and frequency are there from 80 columns on
 on_terminal() {
-    python3 tests/support/terminal.py "$1" "$ricochet" "${@:2}" >"$folder/shown" || return 1
-    python3 - "$1" "$folder/shown" <<'P'
+    python3 -S tests/support/terminal.py "$1" "$ricochet" "${@:2}" >"$folder/shown" || return 1
+    python3 -S - "$1" "$folder/shown" <<'P'
 import sys
 width = int(sys.argv[1])
 lines = [line for line in open(sys.argv[2]).read().splitlines() if line and not line.startswith("ricochet:")]
@@ -184,7 +184,7 @@ done
 # hertz COMMAND...: every frequency is the one without --hz over 2 pi, in rows that are the same otherwise
 hertz() {
     "$ricochet" "$@" --json >"$folder/all" 2>/dev/null && "$ricochet" "$@" --hz --json >"$folder/some" 2>/dev/null || return 1
-    python3 - "$folder/all" "$folder/some" <<'P'
+    python3 -S - "$folder/all" "$folder/some" <<'P'
 import json, math, sys
 all, some = (json.load(open(f)) for f in sys.argv[1:])
 assert len(all) == len(some) > 0
@@ -203,7 +203,7 @@ ok 'check --hz says so' bash -c '"$0" check "$1" --hz | grep -q "frequency Hz .*
 # falling COMMAND COLUMN OPTION...: the same rows, the column in falling order
 falling() {
     "$ricochet" "$1" "${@:3}" --json >"$folder/all" 2>/dev/null && "$ricochet" "$1" "${@:3}" --sort "-$2" --json >"$folder/some" 2>/dev/null || return 1
-    python3 - "$folder/all" "$folder/some" "$2" <<'P'
+    python3 -S - "$folder/all" "$folder/some" "$2" <<'P'
 import json, sys
 all, some = (json.load(open(f)) for f in sys.argv[1:3])
 values = [row[sys.argv[3]] for row in some if row[sys.argv[3]] is not None]

@@ -16,7 +16,7 @@ census() { "$ricochet" prove --complete "$@" --json >"$folder/rows" 2>"$folder/s
 agrees() {
     census "$study" --energy 1.5 --impacts 2 --period 20 -j 2 || return 1
     "$ricochet" hunt "$study" --energy 1.5 --impacts 2 --period 20 --json >"$folder/hunt" 2>/dev/null || return 1
-    python3 - "$folder/rows" "$folder/hunt" <<'END'
+    python3 -S - "$folder/rows" "$folder/hunt" <<'END'
 import json, sys
 census, hunt = (json.load(open(name)) for name in sys.argv[1:])
 assert len(census) == len(hunt) == 7
@@ -33,7 +33,7 @@ END
 # An orbit of the census, flown by the simulator for its period, comes back.
 replays() {
     census "$study" --energy 5 --impacts 2 && grep -q '^complete: 3 orbits .* of any period' "$folder/said" || return 1
-    python3 - "$folder/rows" "$ricochet" "$study" <<'END'
+    python3 -S - "$folder/rows" "$ricochet" "$study" <<'END'
 import json, subprocess, sys
 for row in json.load(open(sys.argv[1])):
     call = [sys.argv[2], "simulate", sys.argv[3], "--state", *map(repr, row["state"]), "--time", repr(row["period"]), "--steps", "1", "--json"]

@@ -10,7 +10,7 @@ if "$ricochet" prove "$folder/e.ricochet" --curves --branch 4 2>&1 | grep -q 'le
 fi
 
 # curve ATLAS ID: verdict, whether its ends are on it, number of tubes, and why not
-curve() { "$ricochet" prove "$1" --curves --branch "$2" --json 2>/dev/null | python3 -c '
+curve() { "$ricochet" prove "$1" --curves --branch "$2" --json 2>/dev/null | python3 -S -c '
 import json, sys
 row, = json.load(sys.stdin)
 print(row["verdict"], row["from"], row["to"], row["tubes"], row["why"])'; }
@@ -30,7 +30,7 @@ for id in 8 13 14; do
     ok "branch $id begins in the orbit that it leaves, by few tubes" bash -c '[[ $1 =~ ^proved\ True\ True\ [5-9].\  ]]' . "$(curve "$folder/e.ricochet" $id)"
 done
 ok 'S6 passes three turns of S2-, of its own class' bash -c '[[ $1 =~ ^proved\ True\ True\ 1[1-4].\  ]]' . "$(curve "$folder/e.ricochet" 11)"
-stable() { "$ricochet" prove "$1" --curves --json | python3 -c '
+stable() { "$ricochet" prove "$1" --curves --json | python3 -S -c '
 import json, sys
 for row in json.load(sys.stdin):
     if row["branch"] in (3, 4, 6, 12, 14): assert row["stable"] + row["unstable"] > 0.98, row

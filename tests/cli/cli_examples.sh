@@ -7,7 +7,7 @@ set -u
 rows() {
     local example=$1 table=$2
     shift 2
-    "$ricochet" "$table" "$folder/$example.ricochet" --json | python3 -c '
+    "$ricochet" "$table" "$folder/$example.ricochet" --json | python3 -S -c '
 import json, sys
 for row in json.load(sys.stdin):
     print("|".join(str(row[name]) for name in sys.argv[1:]))' "$@"
@@ -117,7 +117,7 @@ ok 'symmetric-path: branches' branches symmetric-path 30
 only_symmetric() { rows symmetric-path branches label symmetric impacts | awk -F'|' '$2 != "True" { print; bad = 1 } END { exit bad }'; }
 ok 'symmetric-path: symmetric branches only' only_symmetric
 closes_in() { # extreme frequencies of the S(2k)[0..01..1] and of the S(4k+2)[01] branches approach the locked one from below and above
-    rows symmetric-path branches label frequency_min frequency_max energy_max | python3 -c '
+    rows symmetric-path branches label frequency_min frequency_max energy_max | python3 -S -c '
 import re, sys
 locked, below, above = 1.6329931618554521, {}, {}
 for line in sys.stdin:
@@ -161,7 +161,7 @@ ok 'loose-mass: the family of the loose mass starts at the lower edge of the win
 ok 'loose-mass: branches' branches loose-mass 10
 tongue() { # S+ goes on to the end of the window from where it touches the 3-duplicate of S-, over two more extrema
     rows peeters branches id label stop energy_max junctions | grep '^1|S+|window|10000' >"$folder/path" && cat "$folder/path" || return 1
-    rows peeters junctions id kind multiple energy frequency branches | python3 -c '
+    rows peeters junctions id kind multiple energy frequency branches | python3 -S -c '
 import sys
 path = [int(i) for i in sys.argv[1].strip("[]").split(", ")]
 rows = {int(row[0]): row for row in (line.strip().split("|") for line in sys.stdin)}

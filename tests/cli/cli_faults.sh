@@ -31,7 +31,7 @@ declare -A resumed # what faults leave behind, and is known to be taken up well
 rows() { "$ricochet" branches "$1" --json && "$ricochet" junctions "$1" --json; }
 
 # The finished work in an atlas, which its tables are made of.
-work() { python3 -c 'import sqlite3, sys; [print(*row) for row in sqlite3.connect(sys.argv[1]).execute("SELECT key, digest FROM trace ORDER BY key")]' "$1"; }
+work() { python3 -S -c 'import sqlite3, sys; [print(*row) for row in sqlite3.connect(sys.argv[1]).execute("SELECT key, digest FROM trace ORDER BY key")]' "$1"; }
 
 disturbed() # FAULT=K: exit code
 {

@@ -46,7 +46,7 @@ model:
 Y
 # A drone's arm: a tube of carbon, clamped, five beam elements, a mass at its tip, which meets a bumper. SI, Matrix Market files as a finite-element
 # program writes them.
-python3 - "$folder" <<'P'
+python3 -S - "$folder" <<'P'
 import math, sys
 folder, L, elements, E, rho = sys.argv[1], 0.25, 5, 70e9, 1600
 I, A, h = math.pi / 64 * (0.016**4 - 0.014**4), math.pi / 4 * (0.016**2 - 0.014**2), 0.05
@@ -78,7 +78,7 @@ picture() {
     "$ricochet" run "$folder/$1.yaml" >"$folder/said" 2>&1 || { cat "$folder/said"; return 1; }
     ! grep 'no orbit that meets' "$folder/said" || return 1
     "$ricochet" branches "$folder/$1.ricochet" --json >"$folder/branches.json" || return 1
-    python3 - "$folder/branches.json" "$2" <<'P'
+    python3 -S - "$folder/branches.json" "$2" <<'P'
 import json, sys
 rows = [b for b in json.load(open(sys.argv[1])) if b["impacts"] or b["frequency_max"] > b["frequency_min"]]
 print(len(rows), "branches that meet a contact,", sum(b["points"] for b in rows), "points")
@@ -97,7 +97,7 @@ idle() { # modes on which nothing happens do not press the picture to its foot, 
 }
 ok 'a picture shows where something happens' idle
 backbone() { # of the drone's arm goes from 460 to beyond 640 rad/s, and what it steps over has names
-    "$ricochet" branches "$folder/drone.ricochet" --json | python3 -c '
+    "$ricochet" branches "$folder/drone.ricochet" --json | python3 -S -c '
 import json, sys
 rows = [b for b in json.load(sys.stdin) if b["label"] == "S2(1)[01]"]
 print(rows)
@@ -105,7 +105,7 @@ assert len(rows) == 1 and rows[0]["frequency_min"] < 461 and rows[0]["frequency_
 }
 ok 'its backbone goes on behind internal resonances' backbone
 # A frame of steel, 40 degrees of freedom, SI: columns of 4 m, a beam of 6 m, one foot on a hinge; with a stop or a bumper at a corner.
-python3 - "$folder" <<'P'
+python3 -S - "$folder" <<'P'
 import math, sys
 E, A, I, rho, H, L = 210e9, 2.85e-3, 1.94e-5, 7850, 4.0, 6.0
 nodes = [(0, H * i / 5) for i in range(6)] + [(L * i / 4, H) for i in range(1, 5)] + [(L, H - H * i / 5) for i in range(1, 6)]
@@ -157,7 +157,7 @@ ok 'an impact oscillator' picture one 1
 windows() { # of every model, as check has them: where the modes begin that it says begin
     for name in chain drone cubic gear free one; do
         "$ricochet" check "$folder/$name.yaml" --json >"$folder/check.json" || return 1
-        python3 - "$folder/check.json" <<'P' || return 1
+        python3 -S - "$folder/check.json" <<'P' || return 1
 import json, sys
 for row in json.load(open(sys.argv[1])):
     assert row["window_energy_by"] == row["window_frequency_by"] == "auto"
@@ -197,7 +197,7 @@ sed 's/clearance: 1.0e-3/clearance: 1.0e-3, law: bilinear, stiffness: 1.0e+5/' "
 ok 'a loose mass against a spring' refused 'no closed form' "$folder/loose.yaml"
 { cat "$folder/chain.yaml"; echo 'explore: {energy: {first_touch_of: 1, times: [0, 20]}, impacts: 4, depth: 1}'; } >"$folder/times.yaml"
 ok 'energies in first touches' says 'scaled energy 0 to 2369.8, ' check "$folder/times.yaml"
-python3 - >"$folder/long.yaml" <<'P'
+python3 -S - >"$folder/long.yaml" <<'P'
 n = 120
 row = lambda f: "[" + ", ".join(map(str, f)) + "]"
 print("model:\n  modes: all\n  mass:", row(row(int(i == j) for j in range(n)) for i in range(n)))
@@ -262,7 +262,7 @@ ok 'and of pounds and inches' masses in lbf slinch 'which is slinch,'
 ok 'masses in kg where t belong are refused, with the factor' masses mm N kg 'units.mass: .* masses are in t: multiply those in kg by 0.001'
 ok 'a mass is no length' masses mm N cm 'cm is no unit of mass, but of length'
 # Of a few hundred coordinates the modes take seconds: a terminal says what goes on before there is anything else to show.
-begins() { python3 tests/support/terminal.py 80 "$ricochet" run "$folder/chain.yaml" -o "$folder/shown.ricochet" | head -c 200 | grep -q "^$folder/chain.yaml: read, and its modes"; }
+begins() { python3 -S tests/support/terminal.py 80 "$ricochet" run "$folder/chain.yaml" -o "$folder/shown.ricochet" | head -c 200 | grep -q "^$folder/chain.yaml: read, and its modes"; }
 ok 'a run says at once what it does' begins
 
 # Two masses on one spring, each between walls: one may rest at a wall while the other moves, which touches for good.

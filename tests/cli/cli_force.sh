@@ -14,7 +14,7 @@ ends() {
     "$ricochet" force "$@" >"$folder/out" 2>"$folder/err" || got=$?
     [ "$got" = "$code" ] && grep -q -e "$words" "$folder/err"
 }
-rows() { python3 -c "import json, sys; rows = json.load(open('$folder/rows')); $1"; }
+rows() { python3 -S -c "import json, sys; rows = json.load(open('$folder/rows')); $1"; }
 
 ok "an energy" "$ricochet" force "$atlas" --force 1,0 --damping 0.001 --energy 1
 ok "its columns" test "$("$ricochet" force "$atlas" --force 1,0 --damping 0.001 --energy 1 --csv | head -1)" = \

@@ -66,7 +66,7 @@ study 'restitution: 0\nforcing: {coordinate: 1, amplitude: 0.2, frequency: [1, 2
 ok "restitution 0, where bodies would stay together" ends 2 'restitution 0' force "$folder/a" --study "$folder/z.yaml"
 ok "and in a response" ends 2 'restitution 0' response "$folder/a" --study "$folder/z.yaml" -o "$folder/z"
 ok "a window with no orbit" ends 1 'no forced orbit was found' response "$folder/a" --branch 3 --omega 90,91 -o "$folder/n"
-lambda=$(python3 -c "print(((11 - 57 ** 0.5) / 4) ** 0.5)")
+lambda=$(python3 -S -c "print(((11 - 57 ** 0.5) / 4) ** 0.5)")
 ok "a force at a mode that nothing damps" ends 1 'has the frequency .* of mode 1, which is not damped' response "$folder/a" --damping 0 --along level --level 0.1,0.2 --omega "$lambda" -o "$folder/m0"
 ok "a branch that is a linear mode" ends 1 'branch 1 is a linear mode' response "$folder/a" --damping 0 --along level --level 0.1,0.2 --omega "$lambda" --branch 1 -o "$folder/m"
 sed 's/1, 0\], \[0, 1\]/1, 0], [0, 3]/; s/\[\[2/[[3/' "$folder/s.yaml" >"$folder/o.yaml"

@@ -21,7 +21,7 @@ ok "the pictures in the tree$(some_of ', but for Fig. 29,' '') are what is drawn
     tests/support/same_pictures.py docs/gallery "$folder"
 "$ricochet" run examples/elementary/study.yaml -o "$folder/demo.ricochet" >"$folder/log" 2>&1
 "$ricochet" plot fep "$folder/demo.ricochet" --break 2.2 -o "$folder/elementary.svg" 2>"$folder/log"
-ok 'so is that of the README' env PYTHONPATH=tests/support PYTHONDONTWRITEBYTECODE=1 python3 tests/support/same_pictures.py docs "$folder" \
+ok 'so is that of the README' env PYTHONPATH=tests/support PYTHONDONTWRITEBYTECODE=1 python3 -S tests/support/same_pictures.py docs "$folder" \
     elementary.svg
 ok 'the page in one file has them all' sh -c 'test "$(grep -c data:image/svg "$1")" -eq "$(grep -c "^!\[" docs/gallery.md)"' sh "$folder/gallery.html"
 for figure in $(seq 1 30); do
@@ -36,7 +36,7 @@ fi
 
 # Numbers of the article, its points by their names: STUDY NAME ENERGY FREQUENCY
 place() {
-    "$ricochet" junctions "$folder/$1.ricochet" --json | python3 -c '
+    "$ricochet" junctions "$folder/$1.ricochet" --json | python3 -S -c '
 import json, sys
 name, energy, frequency = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
 found = [j for j in json.load(sys.stdin) if j["name"] == name]
@@ -72,9 +72,9 @@ END
 # k - 1 multiplications on the k-duplicate of S2-[01] (Fig. 20a), and seven on the 8-duplicate of S6[010101] (Figs. 23, 30).
 multiplications() { # STUDY LABEL K
     local branch
-    branch=$("$ricochet" branches "$folder/$1.ricochet" --json | python3 -c 'import json, sys
+    branch=$("$ricochet" branches "$folder/$1.ricochet" --json | python3 -S -c 'import json, sys
 print(next(b["id"] for b in json.load(sys.stdin) if b["label"] == sys.argv[1]))' "$2")
-    "$ricochet" junctions "$folder/$1.ricochet" --duplicates "$3" --branch "$branch" --json | python3 -c 'import json, sys
+    "$ricochet" junctions "$folder/$1.ricochet" --duplicates "$3" --branch "$branch" --json | python3 -S -c 'import json, sys
 n = sum(p["k"] == int(sys.argv[1]) and p["kind"] == "multiplication" and p["origin"] != "copy" for p in json.load(sys.stdin))
 print(n)
 sys.exit(n != int(sys.argv[1]) - 1)' "$3"

@@ -11,7 +11,7 @@ atlas=$folder/a.ricochet
 "$ricochet" run examples/elementary/study.yaml -o "$atlas" >/dev/null 2>&1 || exit 1
 
 sql() { # ATLAS STATEMENT...: what the statements answer
-    python3 -c 'import sqlite3, sys
+    python3 -S -c 'import sqlite3, sys
 db = sqlite3.connect(sys.argv[1])
 for statement in sys.argv[2:]: print(*(row[0] for row in db.execute(statement)))
 db.commit()' "$@"
@@ -114,7 +114,7 @@ if command -v gnuplot >/dev/null; then
         tools/attack/atlas_digest.py "$folder/h.ricochet"
         timeout 300 "$ricochet" plot floquet "$folder/h.ricochet" --branch 2 -o "$folder/h.svg" && grep -q '[0-9]e+14<' "$folder/h.svg" || return 1
         cp "$atlas" "$folder/h.ricochet"
-        python3 -c 'import sqlite3, struct, sys
+        python3 -S -c 'import sqlite3, struct, sys
 db = sqlite3.connect(sys.argv[1])
 for branch, point, energy, state in db.execute("SELECT branch, point, energy, state FROM point").fetchall():
     numbers = struct.unpack(f"<{len(state) // 8}d", state)
@@ -149,7 +149,7 @@ ok 'a message writes out what would steer a terminal' inert check "$folder/$(pri
 ok 'a run writes out what would steer a terminal' inert run "$folder/t.yaml" -o "$folder/$(printf '\033[2J').ricochet"
 ok 'a new study writes out what would steer a terminal' inert new "$folder/absent/$(printf '\033[2J')"
 on_terminal() { # COMMAND...: what it writes to a terminal
-    python3 tests/support/terminal.py 80 "$ricochet" "$@" >"$folder-out"
+    python3 -S tests/support/terminal.py 80 "$ricochet" "$@" >"$folder-out"
     cat -v "$folder-out" | head -5
     ! LC_ALL=C grep -q "$steering" "$folder-out" && grep -q '\\x1b\[2J' "$folder-out"
 }
@@ -186,7 +186,7 @@ ok 'a file that may not grow is reported' small_files
 
 names_another() { # a journal can have SQLite remove a file of any name: such a one is refused
     laid file "$folder/x"
-    python3 -c 'import sys, struct
+    python3 -S -c 'import sys, struct
 name, magic = sys.argv[2].encode(), b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7"
 head = magic + struct.pack(">iIIII", 0, 1, 80, 512, 4096)
 open(sys.argv[1], "wb").write(head.ljust(512, b"\0") + struct.pack(">I", 80) + name + struct.pack(">II", len(name), sum(name)) + magic)' "$folder/c.ricochet-journal" "$folder/x"
@@ -221,7 +221,7 @@ model:
 explore: {energy: [0, 6], frequency: [0.3, 8], multiply: 1, depth: 0, step: 0.3}
 EOF
     "$ricochet" run "$folder/s.yaml" -o "$folder/s.ricochet" >/dev/null || return 1
-    python3 -c 'import sqlite3, struct, sys
+    python3 -S -c 'import sqlite3, struct, sys
 db = sqlite3.connect(sys.argv[1])
 for row in db.execute("SELECT branch, point, frequency, flights FROM point").fetchall():
     times = struct.unpack(f"<{len(row[3]) // 8}d", row[3])
@@ -258,7 +258,7 @@ rm -f "$folder"/s.* "$folder"/r.*
 # stored what it has traced.
 bend() { # WHAT: a row of the file is changed, and the digests are made anew
     cp "$atlas" "$folder/w.ricochet"
-    PYTHONPATH=tools/attack python3 - "$1" "$folder/w.ricochet" <<'EOF'
+    PYTHONPATH=tools/attack python3 -S - "$1" "$folder/w.ricochet" <<'EOF'
 import sqlite3, struct, sys
 import atlas_digest
 what, path = sys.argv[1:]
@@ -319,7 +319,7 @@ rm -f "$folder"/w.*
 # Points that are no orbits: what is computed from them would belong to nothing, and take any time.
 no_orbits() { # COMMAND...
     cp "$atlas" "$folder/n.ricochet"
-    python3 -c 'import array, sqlite3, sys
+    python3 -S -c 'import array, sqlite3, sys
 db = sqlite3.connect(sys.argv[1])
 for branch, point, flights in db.execute("SELECT branch, point, flights FROM point").fetchall():
     times = array.array("d", flights)

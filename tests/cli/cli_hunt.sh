@@ -95,7 +95,7 @@ ok "before, every branch is linked to a mode" eval "! '$ricochet' branches '$fol
 window 3,11 --add --json >"$folder/window.json" 2>"$folder/window"
 ok "energies between energies are looked at until nothing new is found" grep -q "17 energies from 3 to 11 were looked at; .* found nothing new" "$folder/window"
 "$ricochet" branches "$folder/islands.ricochet" --json >"$folder/islands.json"
-is_island() { python3 -c '
+is_island() { python3 -S -c '
 import json, sys
 rows = [r for r in json.load(open(sys.argv[1])) if not r["linked"]]
 chain = [r for r in rows if abs(r["energy_min"] - 3.154787) < 1e-5 and abs(r["energy_max"] - 10.694157) < 1e-5]
@@ -111,7 +111,7 @@ units() { # with twice the clearance energies are four times as large, and displ
     local few=(--impacts 3 --lines 500 --rows 5 --row 50 --random 500 --json)
     "$ricochet" hunt "$folder/study.yaml" --energy 5 "${few[@]}" >"$folder/scaled.json" 2>"$folder/err" \
         && "$ricochet" hunt "$folder/wide.yaml" --energy 20 --physical --hz "${few[@]}" >"$folder/physical.json" 2>>"$folder/err" || return 1
-    grep 'at energy 20$' "$folder/err" && python3 - "$folder" <<'PY'
+    grep 'at energy 20$' "$folder/err" && python3 -S - "$folder" <<'PY'
 import json, math, sys
 a, b = (json.load(open(f"{sys.argv[1]}/{name}.json")) for name in ("scaled", "physical"))
 assert len(a) == len(b) > 0

@@ -45,7 +45,7 @@ j4gwrncn0,C3_32
 END
 
 listed() { # COMMAND COLUMN...: these columns of all rows, from JSON
-    "$ricochet" "$1" "$atlas" --json | python3 -c '
+    "$ricochet" "$1" "$atlas" --json | python3 -S -c '
 import json, sys
 for row in json.load(sys.stdin):
     print(row["key"], next(row[name] for name in sys.argv[1:] if row[name]), sep=",")' "${@:2}"
@@ -96,14 +96,14 @@ ok 'keys stay with other budgets, steps and workers' tools/keys --program "$rico
 # Labels, too, once a finished atlas has shown them.
 studies=(elementary three-masses two-springs fractal-base stop-and-spring)
 long_form && studies=($(ls examples))
-ok 'labels stay with their keys while an atlas grows' python3 tests/support/labels_last.py "$ricochet" "$folder" 100 \
+ok 'labels stay with their keys while an atlas grows' python3 -S tests/support/labels_last.py "$ricochet" "$folder" 100 \
     $(printf 'examples/%s/study.yaml ' "${studies[@]}")
 older() { # an atlas of before, which does not keep them, has them in its tables
     sed 's/^  depth:.*/  depth: 2/' examples/elementary/study.yaml >"$folder/small.yaml"
     rm -f "$folder/old.ricochet"
     "$ricochet" run "$folder/small.yaml" -o "$folder/old.ricochet" --quiet || return 1
-    python3 -c 'import sqlite3, sys; a = sqlite3.connect(sys.argv[1]); a.execute("DELETE FROM meta WHERE key = '"'labels'"'"); a.commit()' "$folder/old.ricochet"
-    python3 tools/attack/atlas_digest.py "$folder/old.ricochet" >/dev/null
+    python3 -S -c 'import sqlite3, sys; a = sqlite3.connect(sys.argv[1]); a.execute("DELETE FROM meta WHERE key = '"'labels'"'"); a.commit()' "$folder/old.ricochet"
+    python3 -S tools/attack/atlas_digest.py "$folder/old.ricochet" >/dev/null
     "$ricochet" junctions "$folder/old.ricochet" --csv | cut -d, -f2,4 | sort >"$folder/shown"
     sed '/^names:/,/^[a-z]/d' examples/elementary/study.yaml >"$folder/large.yaml"
     "$ricochet" run "$folder/large.yaml" -o "$folder/old.ricochet" --quiet || return 1

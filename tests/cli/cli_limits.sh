@@ -4,7 +4,7 @@ set -u
 . tests/support/tap.sh
 
 # A chain of eight masses under a law of power 99: a single branch of it takes minutes.
-python3 - >"$folder/slow.yaml" <<'P'
+python3 -S - >"$folder/slow.yaml" <<'P'
 n = 8
 row = lambda f: "[" + ", ".join(map(str, f)) + "]"
 print("title: A chain\nmodel:")
@@ -37,7 +37,7 @@ stops() {
     [ "$got" = "$code" ] && grep -q -e "$pattern" "$folder/out" && awk -v limit=$limit 'NF { read = 1; if ($1 + 0 >= limit) exit 1 } END { if (!read) exit 1 }' "$folder/time"
 }
 points() { # of what is kept: bytes, more with every step
-    python3 - "$folder/slow.ricochet" <<'P'
+    python3 -S - "$folder/slow.ricochet" <<'P'
 import sqlite3, sys
 rows = sqlite3.connect(f"file:{sys.argv[1]}?mode=ro", uri=True).execute("SELECT length(blob) FROM trace").fetchall()
 print(sum(n for n, in rows))
@@ -69,7 +69,7 @@ ok 'Ctrl-C ends it at once, with another exit code' stops 130 'continues there' 
 ok 'a run with many branches stops in time' stops 3 'labels are not measured yet' 10 "$ricochet" run "$folder/many.yaml" -o "$folder/many.ricochet" --seconds 1
 shown() {
     "$ricochet" report "$folder/many.ricochet" | grep 'not measured yet' || return 1
-    "$ricochet" junctions "$folder/many.ricochet" --json | python3 -c '
+    "$ricochet" junctions "$folder/many.ricochet" --json | python3 -S -c '
 import json, sys
 rows = [j for j in json.load(sys.stdin) if "??" in j["label"]]
 assert rows and all(j["a"] is None and j["b"] is None and j["decided"] is None for j in rows)'

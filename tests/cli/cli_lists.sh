@@ -54,7 +54,7 @@ if [ "$failed" -ne 0 ]; then
     exit 1
 fi
 
-branch=$("$program" branches "$atlas" --json | python3 -c '
+branch=$("$program" branches "$atlas" --json | python3 -S -c '
 import json, sys
 print(next(b["id"] for b in json.load(sys.stdin) if b["impacts"] == 2 and b["points"] > 3))')
 
@@ -100,7 +100,7 @@ agree() { # agree "COLUMNS" COMMAND...
     shift
     "$program" "$@" --json >"$folder/json" 2>"$folder/said" && "$program" "$@" --csv >"$folder/csv" 2>>"$folder/said" &&
         "$program" "$@" >"$folder/text" 2>>"$folder/said" && [ -s "$folder/text" ] &&
-        python3 "$folder/agree.py" "$folder/json" "$folder/csv" "$columns" 2>>"$folder/said"
+        python3 -S "$folder/agree.py" "$folder/json" "$folder/csv" "$columns" 2>>"$folder/said"
     report $? "$name"
 }
 
@@ -129,7 +129,7 @@ done
 "$program" orbit "$atlas" --branch "$branch" --point 1 --json >"$folder/orbit.json"
 "$program" orbit "$atlas" --branch "$branch" --point 1 --json --physical >"$folder/orbit.physical.json"
 "$program" orbit "$atlas" --branch "$branch" --point 1 --history 0.001 --json >"$folder/history.json"
-python3 - "$folder" "$branch" <<'PY' 2>"$folder/said"
+python3 -S - "$folder" "$branch" <<'PY' 2>"$folder/said"
 import json, math, sys
 
 folder, branch = sys.argv[1], int(sys.argv[2])
@@ -202,9 +202,9 @@ report $? "rows fit together"
 
 "$program" orbit "$atlas" --branch "$branch" --point 1 --json >"$folder/orbit.json" 2>"$folder/said"
 for key in energy frequency; do
-    value=$(python3 -c "import json; print(repr(json.load(open('$folder/orbit.json'))[0]['$key']))")
+    value=$(python3 -S -c "import json; print(repr(json.load(open('$folder/orbit.json'))[0]['$key']))")
     expect 0 "an orbit is found by its $key" "$program" orbit "$atlas" --branch "$branch" "--$key" "$value" --json
-    python3 - "$folder/out" "$key" "$value" <<'PY' 2>"$folder/said"
+    python3 -S - "$folder/out" "$key" "$value" <<'PY' 2>"$folder/said"
 import json, math, sys
 rows = json.load(open(sys.argv[1]))
 assert rows and all(math.isclose(row[sys.argv[2]], float(sys.argv[3]), rel_tol=1e-9) for row in rows), rows
@@ -221,7 +221,7 @@ report $? "duplicates beyond the study's multiply are told"
 "$program" branches "$atlas" --segments --json --physical >"$folder/segments.physical.json" 2>"$folder/said"
 "$program" bases "$atlas" --branch "$branch" --json >"$folder/bases.json" 2>"$folder/said"
 "$program" bases "$atlas" --branch "$branch" --json --physical >"$folder/bases.physical.json" 2>"$folder/said"
-python3 - "$folder" "$branch" <<'PY' 2>"$folder/said"
+python3 -S - "$folder" "$branch" <<'PY' 2>"$folder/said"
 import json, math, sys
 
 folder, branch = sys.argv[1], int(sys.argv[2])
@@ -252,7 +252,7 @@ report $? "duplicates, segments and bases fit the branches"
 # The example in the description of the file works as it is.
 if [ -e docs/atlas-format.md ]; then
     sed -n '/^```python$/,/^```$/p' docs/atlas-format.md | sed '/^```/d' >"$folder/example.py"
-    python3 "$folder/example.py" "$atlas" >"$folder/out" 2>"$folder/said" && [ -s "$folder/out" ]
+    python3 -S "$folder/example.py" "$atlas" >"$folder/out" 2>"$folder/said" && [ -s "$folder/out" ]
     report $? "the Python example of docs/atlas-format.md works"
 fi
 
@@ -285,7 +285,7 @@ grep -q 'linear mode' "$folder/said" && [ ! -s "$folder/out" ]
 report $? "a linear mode says why it has no ghost"
 sed 's/energy: \[0, 6\]/energy: [0, 2.2]/; s/depth: 1/depth: 2/' "$study" >"$folder/low.yaml"
 "$program" run "$folder/low.yaml" -o "$folder/low.ricochet" >"$folder/out" 2>"$folder/said"
-cut=$("$program" branches "$folder/low.ricochet" --json | python3 -c '
+cut=$("$program" branches "$folder/low.ricochet" --json | python3 -S -c '
 import json, sys
 print(next(b["id"] for b in json.load(sys.stdin) if b["label"] == "A2[01]"))')
 expect 1 "ghosts of a branch from a branch point to the window" "$program" points "$folder/low.ricochet" --branch "$cut" --ghost

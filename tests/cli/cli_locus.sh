@@ -5,7 +5,7 @@ set -u
 
 # study K2 ENERGY REST: the article's masses with this second stiffness
 study() {
-    printf 'model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[%s, %s], [%s, %s]]\n  contacts: [%s]\n%s\n' "$(python3 -c "print(8 + $1)")" "-$1" "-$1" "$1" \
+    printf 'model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[%s, %s], [%s, %s]]\n  contacts: [%s]\n%s\n' "$(python3 -S -c "print(8 + $1)")" "-$1" "-$1" "$1" \
         "${3:-{normal: [-1, 1], clearance: 1\}}" "explore: {energy: [0, $2], frequency: [0.2, 10], impacts: 8, multiply: 3, depth: 3}"
 }
 vary='vary: {name: k2, at: 1, from: 0.4, to: 1.6, stiffness: [[1, -1], [-1, 1]]}'
@@ -222,7 +222,7 @@ def annihilation():
 
 {f.__name__: f for f in (annihilation, against_atlases, closed_form, orbits, fold, steps, law, codimension_two, commensurate, speed_lost, factor_of_four)}[sys.argv[3]](*([] if sys.argv[3] == "factor_of_four" else sys.argv[4:]))
 P
-judge() { python3 "$folder/judge.py" "$ricochet" "$folder" "$@"; }
+judge() { python3 -S "$folder/judge.py" "$ricochet" "$folder" "$@"; }
 ok "against atlases of other structures" judge against_atlases
 ok "linear modes in closed form" judge closed_form
 ok "states are orbits" judge orbits

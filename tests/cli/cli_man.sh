@@ -36,7 +36,7 @@ fi
 
 # usage and table: the options of the one are those of the other, with the same values
 usage_is_table() { # COMMAND
-    python3 - "$("$ricochet" "$1" --help)" <<'PY'
+    python3 -S - "$("$ricochet" "$1" --help)" <<'PY'
 import re, sys
 usage, _, rest = sys.argv[1].partition("\n\n")
 option = r"(--?[a-z][a-z-]*)(?: ([^\s\]|)-][^\]|)\n]*?|\[K:\]SEGMENT))?(?=[\]|)\s]|\.\.\.|$)"

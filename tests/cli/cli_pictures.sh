@@ -21,7 +21,7 @@ draw() {
 }
 # sees NAME: a condition on the picture `p`, in Python, from standard input
 sees() {
-    { printf 'from picture import *\np = Picture("%s")\n' "$folder/$1.svg"; cat; } | python3 -
+    { printf 'from picture import *\np = Picture("%s")\n' "$folder/$1.svg"; cat; } | python3 -S -
 }
 atlas mixed examples/stop-and-spring/study.yaml
 atlas two examples/elementary/study.yaml
@@ -55,7 +55,7 @@ ok 'a word with openings is set as one' sees labels <<'END'
 check(p.has("A_3[0−121]"), p.texts)
 END
 cp "$folder/two.ricochet" "$folder/renamed.ricochet"
-python3 - "$folder/renamed.ricochet" <<'END'
+python3 -S - "$folder/renamed.ricochet" <<'END'
 import sqlite3, sys
 db = sqlite3.connect(sys.argv[1])
 for old, new in ("C1_31", "C21?"), ("C1_32", "C77_21?"), ("G1_0,2", "Free text [x]"):
@@ -123,7 +123,7 @@ ok 'few marks, all, or none' sh -c 'echo "$@"; test "$1" -lt "$2" && test "$3" -
 close_curve() { # LABEL E0:E1 F0:F1
     "$ricochet" plot fep "$folder/two.ricochet" --branch "$1" --energy "$2" --frequency "$3" --linear --linear-frequency --labels none \
         --marks none -o "$folder/curve.svg" || return 1
-    python3 - "$ricochet" "$folder" "$1" "$2" "$3" <<'END'
+    python3 -S - "$ricochet" "$folder" "$1" "$2" "$3" <<'END'
 import json, subprocess, sys
 from picture import *
 program, folder, label, energies, frequencies = sys.argv[1:]
@@ -172,7 +172,7 @@ atlas half "$folder/half.yaml"
 window=(--log --linear-frequency --labels none)
 ok 'a window in scaled units' draw scaled fep "$folder/half.ricochet" "${window[@]}" --energy 1:16 --frequency 0.8:3
 ok 'the same one in those of the study and in Hz' draw physical fep "$folder/half.ricochet" "${window[@]}" --physical --hz --energy 0.25:4 \
-    --frequency "$(python3 -c 'from math import pi; print(f"{0.8 / 2 / pi!r}:{3 / 2 / pi!r}")')"
+    --frequency "$(python3 -S -c 'from math import pi; print(f"{0.8 / 2 / pi!r}:{3 / 2 / pi!r}")')"
 ok 'has the same curves, and other numbers' sees physical <<END
 import math
 q = Picture("$folder/scaled.svg")
@@ -221,7 +221,7 @@ ok 'no study has its title in a picture' sees print <<'END'
 check(not p.has("Two masses with symmetric stops"), p.texts)
 END
 dots() { # FILE: width and height of a PNG
-    python3 -c 'import struct, sys
+    python3 -S -c 'import struct, sys
 print(*struct.unpack(">II", open(sys.argv[1], "rb").read(24)[16:]))' "$1"
 }
 ok 'twice the dots' "$ricochet" plot fep "$folder/two.ricochet" --dpi 192 -o "$folder/dots.png"
@@ -230,7 +230,7 @@ ok 'dots go with PNG only' refuses fep "$folder/two.ricochet" --dpi 192
 ok 'letters that fill the page are refused' refuses fep "$folder/two.ricochet" --font 48 --size 500x400
 ok 'the script of gnuplot' env PATH=/nowhere "$ricochet" plot fep "$folder/two.ricochet" --font 12 -o "$folder/print.gp"
 by_hand() {
-    gnuplot "$folder/print.gp" >"$folder/hand.svg" && python3 - "$folder" <<'END'
+    gnuplot "$folder/print.gp" >"$folder/hand.svg" && python3 -S - "$folder" <<'END'
 import sys
 from picture import *
 p, q = (Picture(f"{sys.argv[1]}/{name}.svg") for name in ("hand", "print"))

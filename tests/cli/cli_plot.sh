@@ -66,7 +66,7 @@ exits() {
 # is_a FORMAT FILE: the right kind of file, whole from head to tail
 is_a() {
     case $1 in
-    svg) python3 -c 'import sys, xml.etree.ElementTree as xml
+    svg) python3 -S -c 'import sys, xml.etree.ElementTree as xml
 root = xml.parse(sys.argv[1]).getroot()
 assert root.tag.endswith("}svg") and any(path.get("d") for path in root.iter("{http://www.w3.org/2000/svg}path"))' "$2" ;;
     pdf) [ "$(head -c 5 "$2")" = '%PDF-' ] && tail -c 16 "$2" | grep -q '%%EOF' ;;
@@ -193,7 +193,7 @@ note "stability changes at the junction itself, with nothing undecided around it
 note "no axis has a single number" "$([ "$(grep -c '>−1</tspan>' small.svg)" = 4 ]; echo $?)"
 
 cp "$ATLAS" open.ricochet
-python3 -c 'import sqlite3
+python3 -S -c 'import sqlite3
 db = sqlite3.connect("open.ricochet")
 db.execute("UPDATE junction SET label = label || ? WHERE label = ?", ["?", "C1_31"])
 db.execute("UPDATE junction SET name = ?", [""])

@@ -37,7 +37,7 @@ prove "$atlas" "$folder/all.json"
 prove_some() {
     local branch
     if [ -z "$some" ]; then prove "$folder/p.ricochet" "$1"; return; fi
-    for branch in $some; do "$ricochet" prove "$folder/p.ricochet" --branch "$branch" --json 2>/dev/null; done | python3 -c '
+    for branch in $some; do "$ricochet" prove "$folder/p.ricochet" --branch "$branch" --json 2>/dev/null; done | python3 -S -c '
 import json, sys
 decoder, text, rows = json.JSONDecoder(), sys.stdin.read().strip(), []
 while text:
@@ -73,7 +73,7 @@ for row in proved:
     assert stable == 2 or row['why'] or row['stable'] == ('no', 'yes')[stable]"
 
 # The table of proofs: changed by SQL, read as before
-ok 'proofs are kept, and not made again' python3 - "$ricochet" "$atlas" "$folder" <<'END'
+ok 'proofs are kept, and not made again' python3 -S - "$ricochet" "$atlas" "$folder" <<'END'
 import json, os, shutil, sqlite3, subprocess, sys
 ricochet, atlas, folder = sys.argv[1:]
 copy = folder + "/kept.ricochet"
@@ -120,7 +120,7 @@ ok 'the run proves what it found' bash -c '"$0" run examples/elementary/study.ya
     grep -q "^$n proved" "$1/said" || exit 1; done' "$ricochet" "$folder"
 ok 'and the report counts it' bash -c '"$0" report "$1/again.ricochet" | tr -s " " | grep -E "^(points proved 720 of 720|curves proved 12 of 12|junctions proved 18 of 18)" | wc -l | grep -qx 3' "$ricochet" "$folder"
 # A curve of which a point has changed, or a junction, has no proof that counts, and the others have.
-ok 'what has changed since counts for nothing' python3 - "$ricochet" "$folder" <<'END'
+ok 'what has changed since counts for nothing' python3 -S - "$ricochet" "$folder" <<'END'
 import json, sqlite3, subprocess, sys
 ricochet, folder = sys.argv[1:]
 path = folder + "/again.ricochet"

@@ -12,7 +12,7 @@ fi
 # prove ATLAS OUT: the rows
 prove() { "$ricochet" prove "$1" --junctions --json >"$2" 2>/dev/null; [ -s "$2" ]; }
 # rows FILE CODE: Python over `rows` of FILE
-rows() { python3 - "$1" <<END
+rows() { python3 -S - "$1" <<END
 import json, math, sys
 rows = json.load(open(sys.argv[1]))
 proved = [row for row in rows if row["verdict"] == "proved"]

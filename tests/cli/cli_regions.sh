@@ -8,14 +8,14 @@ explore() { study "${@:2}" >"$folder/$1.yaml" && "$ricochet" run "$folder/$1.yam
 rows() { "$ricochet" "$1" "$folder/$2.ricochet" --json; }
 same() { for what in branches junctions; do [ "$(rows $what "$1")" = "$(rows $what "$2")" ] || return 1; done; }
 # The same but for labels: one that was shown before an atlas grew stays, and so a fresh run numbers junctions otherwise.
-unlabelled() { rows junctions "$1" | python3 -c 'import json, sys; print([{k: v for k, v in j.items() if k != "label"} for j in json.load(sys.stdin)])'; }
+unlabelled() { rows junctions "$1" | python3 -S -c 'import json, sys; print([{k: v for k, v in j.items() if k != "label"} for j in json.load(sys.stdin)])'; }
 as() { [ "$(rows branches "$1")" = "$(rows branches "$2")" ] && [ "$(unlabelled "$1")" = "$(unlabelled "$2")" ]; }
 
 # Whether every branch of $1 is in $2, some are new, and those that no budget of elsewhere allows, at depth 4 and more or multiplied, meet a
 # junction within energy $3 to $4, frequency $5 to $6 (its own, or that of its orbit gone through several times).
 local_only() {
     rows branches "$1" >"$folder/small" && rows branches "$2" >"$folder/large" && rows junctions "$2" >"$folder/junctions" || return 1
-    python3 - "$folder" "${@:3}" <<'END'
+    python3 -S - "$folder" "${@:3}" <<'END'
 import json, sys
 folder, window = sys.argv[1], [float(v) for v in sys.argv[2:]]
 small, large, junctions = (json.load(open(f"{folder}/{name}")) for name in ("small", "large", "junctions"))
@@ -40,14 +40,14 @@ ok 'multiplications in a region alone' local_only none double 1.5 3 1.7 1.9
 c33() { "$ricochet" junctions "$folder/$1.ricochet" | grep -q '2.25568932141 *1.80003134035'; }
 ok 'C33^6 is among them' c33 double
 explore orbit 'energy: [1.5, 3], frequency: [3.5, 3.7], multiply: 2'
-left() { rows junctions orbit | python3 -c 'import json, sys; assert [j["budgets"] for j in json.load(sys.stdin) if abs(j["energy"] - 2.25568932141) < 1e-9] == [{}]'; }
+left() { rows junctions orbit | python3 -S -c 'import json, sys; assert [j["budgets"] for j in json.load(sys.stdin) if abs(j["energy"] - 2.25568932141) < 1e-9] == [{}]'; }
 ok 'also when the region holds its orbit, not the place where it is drawn' left
 counted() { "$ricochet" report "$folder/double.ricochet" | grep -q 'beyond .multiply' && "$ricochet" report "$folder/double.ricochet" | grep -q 'region with larger budgets.*energy 1.5 to 3, frequency 1.7 to 1.9'; }
 ok 'the report names the region, and counts what was not tried elsewhere' counted
 ok 'what was found verifies' "$ricochet" verify "$folder/double.ricochet"
 
 explore beyond 'energy: [250, 400], frequency: [1.5, 2]'
-further() { [ "$(rows branches beyond | python3 -c 'import json, sys; print(max(b["energy_max"] for b in json.load(sys.stdin)) > 399)')" = True ]; }
+further() { [ "$(rows branches beyond | python3 -S -c 'import json, sys; print(max(b["energy_max"] for b in json.load(sys.stdin)) > 399)')" = True ]; }
 ok 'beyond the window branches are followed into the region' further
 
 # one file: extended, made smaller, extended again

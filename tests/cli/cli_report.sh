@@ -9,12 +9,12 @@ sed 's/depth: .*/depth: 1/' examples/elementary/study.yaml >"$folder/study.yaml"
 # alter SQL: on a copy, whose digest is made anew
 alter() {
     cp "$folder/a.ricochet" "$folder/b.ricochet"
-    python3 -c 'import sqlite3, sys
+    python3 -S -c 'import sqlite3, sys
 db = sqlite3.connect(sys.argv[1])
 assert db.execute(sys.argv[2]).rowcount == 1
 db.commit()' "$folder/b.ricochet" "$1" && tools/attack/atlas_digest.py "$folder/b.ricochet" >/dev/null
 }
-one() { python3 -c 'import sqlite3, sys; print(*sqlite3.connect(sys.argv[1]).execute(sys.argv[2]).fetchone())' "$folder/a.ricochet" "$1"; }
+one() { python3 -S -c 'import sqlite3, sys; print(*sqlite3.connect(sys.argv[1]).execute(sys.argv[2]).fetchone())' "$folder/a.ricochet" "$1"; }
 # said PATTERN...: one row of the report has them all
 said() {
     "$ricochet" report "$folder/b.ricochet" >"$folder/rows" || return 1
@@ -68,7 +68,7 @@ ok 'a label that the study gives to another junction as a name is said' ambiguou
 # What the program writes has none: a label gives way to a name, and a name that is a label of its family is the label.
 one_numbering() {
     "$ricochet" run examples/elementary/study.yaml -o "$folder/e.ricochet" >/dev/null 2>&1 &&
-        "$ricochet" junctions "$folder/e.ricochet" --json | python3 -c '
+        "$ricochet" junctions "$folder/e.ricochet" --json | python3 -S -c '
 import json, re, sys
 rows = json.load(sys.stdin)
 labels = [r["label"] for r in rows]

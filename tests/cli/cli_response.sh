@@ -14,7 +14,7 @@ ends() {
     "$ricochet" response "$@" >"$folder/out" 2>"$folder/err" || got=$?
     [ "$got" = "$code" ] && grep -q -e "$words" "$folder/err"
 }
-rows() { python3 - "$folder" <<END
+rows() { python3 -S - "$folder" <<END
 import cmath, json, math, sys
 def read(name): return json.load(open(sys.argv[1] + "/" + name))
 $1
@@ -74,7 +74,7 @@ before_a=$(cksum "$folder/a")
 ok "the same call once more" curves --level 0.2 -o "$folder/a"
 ok "changes nothing" test "$before_a" = "$(cksum "$folder/a")"
 ok "stopped after two tasks, the file goes on" bash -c "cp '$folder/a' '$folder/c' &&
-    python3 -c \"
+    python3 -S -c \"
 import sqlite3
 c = sqlite3.connect('$folder/c')
 keys = sorted(k for k, in c.execute('SELECT key FROM task') if k.startswith('event'))
@@ -186,7 +186,7 @@ restitution: 0.998
 forcing: {coordinate: 1, frequency: [1.2, 1.27], amplitude: 0.02}
 END
 "$ricochet" run "$folder/f.yaml" -o "$folder/f" --quiet 2>/dev/null
-"$ricochet" response "$folder/f" --impacts 2 --branch "$("$ricochet" branches "$folder/f" --json | python3 -c 'import json, sys
+"$ricochet" response "$folder/f" --impacts 2 --branch "$("$ricochet" branches "$folder/f" --json | python3 -S -c 'import json, sys
 print(next(b["id"] for b in json.load(sys.stdin) if b["symmetric"] and b["impacts"] == 2))')" -o "$folder/f.response" --json >"$folder/aside"
 ok "a curve that has lost a symmetry goes from one branch point to the other, once" rows '
 a, b = read("aside")
@@ -209,7 +209,7 @@ ok "which then is kept from others" ends 1 "another force" "$atlas" --force 1,0 
 head -c 9000 "$folder/a" >"$folder/broken"
 ok "a file that was cut" ends 1 "not a response" "$folder/broken"
 ok "another program confirms the orbits" "$ricochet" verify "$folder/a" --quiet
-python3 - "$folder" <<'END'
+python3 -S - "$folder" <<'END'
 import sqlite3, struct, sys
 c = sqlite3.connect(sys.argv[1] + "/c")
 curve, i, numbers = c.execute("SELECT curve, i, numbers FROM point WHERE curve = 3 AND i = 0").fetchone()
@@ -222,7 +222,7 @@ ok "and not one that was changed" bash -c "'$ricochet' verify '$folder/c' --quie
 ok "a picture" "$ricochet" plot response "$folder/a" --output x2 -o "$folder/a.svg"
 ok "says what it shows" bash -c "grep -q grazing '$folder/a.svg' && grep -q 'with impacts, stable' '$folder/a.svg'"
 "$ricochet" plot response "$folder/u.response" --output x1 --window 1.9094:1.9099,1.05:1.08 -o "$folder/u.gp"
-ok "a curve is drawn stable up to the doubling, not to a point" python3 - "$folder" <<'END'
+ok "a curve is drawn stable up to the doubling, not to a point" python3 -S - "$folder" <<'END'
 import json, re, sys
 text = open(sys.argv[1] + "/u.gp").read()
 block = re.search(r"(\$l\d+) with lines [^\n]*title 'symmetric, stable'", text).group(1)

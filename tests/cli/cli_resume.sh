@@ -47,7 +47,7 @@ tables "$folder/small.ricochet" >"$folder/small.txt"
 # A label that was shown before the atlas grew stays, and so a fresh run numbers junctions otherwise.
 for name in whole small; do
     cp "$folder/$name.ricochet" "$folder/unlabelled.ricochet"
-    python3 -c 'import sqlite3, sys; a = sqlite3.connect(sys.argv[1]); a.execute("UPDATE junction SET label = 1"); a.commit()' \
+    python3 -S -c 'import sqlite3, sys; a = sqlite3.connect(sys.argv[1]); a.execute("UPDATE junction SET label = 1"); a.commit()' \
         "$folder/unlabelled.ricochet"
     tables "$folder/unlabelled.ricochet" >"$folder/$name-unlabelled.txt"
 done

@@ -7,7 +7,7 @@ export PYTHONDONTWRITEBYTECODE=1
 ok 'the lines of the page are what is computed' tools/scaling.py "$ricochet" $(some_of --short '') --page docs/article.md
 powers() # of y = 3 x^-4 (1 + 1 / x), and of one without a correction: the power is within its error
 {
-    PYTHONPATH=tools python3 -c '
+    PYTHONPATH=tools python3 -S -c '
 from scaling import power
 for y in (lambda x: 3 * x**-4 * (1 + 1 / x), lambda x: 3 * x**-4 * (1 + 2 / x**2), lambda x: 3 * x**-4):
     p, error = power([(x, y(x)) for x in range(2, 20)])

@@ -47,7 +47,7 @@ section "$atlas" --energy 5 --starts 6 --impacts 500 --csv >"$folder/atlas.csv" 
 ok "an atlas is its study" same "$folder/one.csv" "$folder/atlas.csv"
 section "$folder/study.yaml" --energy 20 --starts 6 --impacts 500 --csv --physical >"$folder/physical.csv" 2>/dev/null
 doubled() { # physical lengths are twice the scaled ones
-    python3 - "$folder/one.csv" "$folder/physical.csv" <<'END'
+    python3 -S - "$folder/one.csv" "$folder/physical.csv" <<'END'
 import csv, sys
 one, two = ([list(map(float, (x or "nan" for x in row))) for row in list(csv.reader(open(f)))[1:]] for f in sys.argv[1:])
 assert all(2 * u == v for a, b in zip(one, two) for u, v in zip(a[4:8], b[4:8]))
@@ -58,7 +58,7 @@ ok "physical units" doubled
 json() # the same numbers as CSV has, of the kinds that they are
 {
     section "$folder/study.yaml" --energy 5 --starts 6 --impacts 500 --json 2>/dev/null >"$folder/one.json"
-    python3 - "$folder/one.csv" "$folder/one.json" <<'END'
+    python3 -S - "$folder/one.csv" "$folder/one.json" <<'END'
 import csv, json, sys
 rows = json.load(open(sys.argv[2]))
 table = list(csv.DictReader(open(sys.argv[1])))
@@ -73,7 +73,7 @@ ok "JSON" json
 returns() # every orbit of the atlas is back after its impacts, to what its multiplier leaves
 {
     section "$atlas" --energy 5 --orbits --impacts 40 --json 2>/dev/null >"$folder/orbits.json"
-    python3 - "$folder/orbits.json" <<'END'
+    python3 -S - "$folder/orbits.json" <<'END'
 import json, sys
 starts = {}
 for row in json.load(open(sys.argv[1])):

@@ -3,7 +3,7 @@
 set -u
 . tests/support/tap.sh
 
-python3 - "$folder" <<'P' || exit 1
+python3 -S - "$folder" <<'P' || exit 1
 import re, sys
 page = open("docs/study.md").read()
 for language, name, text in re.findall(r"```(yaml|text) (\S+)\n(.*?)```", page, re.S):
@@ -68,7 +68,7 @@ ok 'nothing there' wrong_input 'standard input is empty' ''
 ok 'no text' wrong_input 'a zero byte' 'title: \0'
 
 tables() {
-    python3 - "$ricochet" "$folder" <<'P'
+    python3 -S - "$ricochet" "$folder" <<'P'
 import re, subprocess, sys
 program, folder = sys.argv[1:]
 page = open("docs/study.md").read()
@@ -135,7 +135,7 @@ P
 ok 'its tables are those of the reader' tables
 
 limits() { # the numbers in the text
-    python3 - "$ricochet" "$folder" <<'P'
+    python3 -S - "$ricochet" "$folder" <<'P'
 import subprocess, sys
 program, folder = sys.argv[1:]
 def code(text):

@@ -25,8 +25,8 @@ ok 'in which those that are stepped over are' says branches cross ',9,1,2,true,0
 twice() { "$ricochet" branches "$folder/cross.ricochet" --tongues --segments; [ $? = 2 ]; }
 ok 'one list at a time' twice
 
-top() { "$ricochet" branches "$folder/$1.ricochet" --json | python3 -c 'import json, sys; print([b["frequency_max"] for b in json.load(sys.stdin) if b["label"] == "S2+[01]"][0])'; }
-beyond() { python3 -c 'import sys; a, b = map(float, sys.argv[1:]); assert a < 1.04 and b > 3, (a, b)' "$(top follow)" "$(top cross)"; }
+top() { "$ricochet" branches "$folder/$1.ricochet" --json | python3 -S -c 'import json, sys; print([b["frequency_max"] for b in json.load(sys.stdin) if b["label"] == "S2+[01]"][0])'; }
+beyond() { python3 -S -c 'import sys; a, b = map(float, sys.argv[1:]); assert a < 1.04 and b > 3, (a, b)' "$(top follow)" "$(top cross)"; }
 ok 'the backbone goes on behind them' beyond
 ok 'every orbit behind them passes' "$ricochet" verify "$folder/cross.ricochet" --all
 
@@ -35,7 +35,7 @@ in_gap()
 {
     local middle
     middle=$("$ricochet" branches "$folder/cross.ricochet" --tongues --json |
-        python3 -c 'import json, sys; t = json.load(sys.stdin)[0]; print((t["frequency_from"] + t["frequency_to"]) / 2)')
+        python3 -S -c 'import json, sys; t = json.load(sys.stdin)[0]; print((t["frequency_from"] + t["frequency_to"]) / 2)')
     "$ricochet" orbit "$folder/cross.ricochet" --branch 'S2+[01]' --frequency "$middle" 2>"$folder/said"
     grep -q 'has no orbit of frequency .* steps over 9 : 1 with mode 2' "$folder/said"
 }
@@ -53,7 +53,7 @@ model:
 explore: {start: [1], energy: [0, 50], frequency: [0.1, 20], impacts: 2, multiply: 1, depth: 1, tongues: cross}
 E1
 "$ricochet" run "$folder/near.yaml" -o "$folder/near.ricochet" >"$folder/near.log" 2>&1
-far() { "$ricochet" branches "$folder/near.ricochet" --json | python3 -c 'import json, sys; sys.exit(max(b["frequency_max"] for b in json.load(sys.stdin)) < 1.6)'; }
+far() { "$ricochet" branches "$folder/near.ricochet" --json | python3 -S -c 'import json, sys; sys.exit(max(b["frequency_max"] for b in json.load(sys.stdin)) < 1.6)'; }
 ok 'a resonance 0.0002 behind the first touch is stepped over' far
 ok 'as are the ones that follow' grep -q 'steps over 7 : 1 .*steps over 6 : 1 .*steps over 5 : 1 ' "$folder/near.log"
 ok 'and every orbit passes' "$ricochet" verify "$folder/near.ricochet" --all
@@ -103,7 +103,7 @@ arm() # MODES: the curve, "omega E gap" per point, in $folder/arm-MODES
 }
 agree()
 {
-    python3 - "$folder" "$@" <<'P'
+    python3 -S - "$folder" "$@" <<'P'
 import json, sys
 folder, curves = sys.argv[1], {}
 for modes in sys.argv[2:]:
@@ -168,7 +168,7 @@ ok 'a line to nowhere' drawing '{nodes: [{at: [0]}], lines: [[1, 2]]}' 'drawing.
 kept()
 {
     "$ricochet" run "$folder/arm/arm-1.yaml" -o "$folder/kept.ricochet" >/dev/null 2>&1
-    python3 -c 'import sqlite3, sys; print(sqlite3.connect(sys.argv[1]).execute("SELECT value FROM meta WHERE key = ?", ("study",)).fetchone()[0])' \
+    python3 -S -c 'import sqlite3, sys; print(sqlite3.connect(sys.argv[1]).execute("SELECT value FROM meta WHERE key = ?", ("study",)).fetchone()[0])' \
         "$folder/kept.ricochet" >"$folder/arm/kept.yaml"
     grep -q 'moves: \[0, 9, 0\]' "$folder/arm/kept.yaml" && grep -q '^    - \[5, 6\]' "$folder/arm/kept.yaml" && grep -q '^  modes: 1$' "$folder/arm/kept.yaml" || return 1
     "$ricochet" run "$folder/arm/kept.yaml" -o "$folder/kept.ricochet"
@@ -187,7 +187,7 @@ arm()
             "$ricochet" points "$folder/arm$n.ricochet" --branch 'S2[01]' --json >"$folder/arm$n.json" || return 1
         "$ricochet" branches "$folder/arm$n.ricochet" --tongues --json >"$folder/tongues$n.json"
     done
-    python3 - "$folder" "${modes[@]}" <<'P'
+    python3 -S - "$folder" "${modes[@]}" <<'P'
 import json, math, sys
 folder, modes = sys.argv[1], sys.argv[2:]
 curve = {n: [(p["energy"], p["frequency"]) for p in json.load(open(f"{folder}/arm{n}.json"))] for n in modes}

@@ -48,13 +48,13 @@ for a, b in zip(*rows):
 PY
 
 for kind in power rigid mixed; do
-    python3 "$folder/make.py" $kind 1 1 1 >"$folder/one.yaml"
-    python3 "$folder/make.py" $kind 1e-3 1e6 1e-4 >"$folder/other.yaml"
+    python3 -S "$folder/make.py" $kind 1 1 1 >"$folder/one.yaml"
+    python3 -S "$folder/make.py" $kind 1e-3 1e6 1e-4 >"$folder/other.yaml"
     ok "$kind: a run" "$ricochet" run "$folder/one.yaml" -o "$folder/$kind-one.ricochet"
     ok "$kind: a run in other units" "$ricochet" run "$folder/other.yaml" -o "$folder/$kind-other.ricochet"
     scale=1e6
     [ $kind = power ] && scale=1e-2
-    ok "$kind: the same junctions" python3 "$folder/compare.py" "$ricochet" "$folder/$kind-one.ricochet" "$folder/$kind-other.ricochet" $scale 31622.776601683792
+    ok "$kind: the same junctions" python3 -S "$folder/compare.py" "$ricochet" "$folder/$kind-one.ricochet" "$folder/$kind-other.ricochet" $scale 31622.776601683792
     ok "$kind: all of it verifies" "$ricochet" verify --all "$folder/$kind-other.ricochet"
 done
 finish

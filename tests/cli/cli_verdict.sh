@@ -28,11 +28,11 @@ ok 'verify: the verdict alone' few
 ok 'verify --quiet' silent verify "$atlas" --quiet
 rows() { "$ricochet" verify "$atlas" --verbose 2>&1 | grep -c '^point '; }
 ok 'verify --verbose: a row for each' test "$(rows)" -gt 50
-beside() { "$ricochet" verify "$atlas" --json 2>"$folder/said" | python3 -c 'import json, sys; assert len(json.load(sys.stdin)) > 50' && grep -q 'agree with' "$folder/said"; }
+beside() { "$ricochet" verify "$atlas" --json 2>"$folder/said" | python3 -S -c 'import json, sys; assert len(json.load(sys.stdin)) > 50' && grep -q 'agree with' "$folder/said"; }
 ok 'verify --json: rows, and the verdict beside them' beside
 planted() {
     cp "$atlas" "$folder/b.ricochet"
-    python3 -c 'import sqlite3, sys
+    python3 -S -c 'import sqlite3, sys
 db = sqlite3.connect(sys.argv[1])
 db.execute("UPDATE branch SET energy_max = energy_max * 2 WHERE id = 3")
 db.commit()' "$folder/b.ricochet" && tools/attack/atlas_digest.py "$folder/b.ricochet" >/dev/null

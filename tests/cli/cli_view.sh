@@ -75,19 +75,19 @@ ok 'the atlas' gives 200 "$url/api/atlas"
 points() {
     local knots
     curl -s "$url/api/atlas" -o "$folder/atlas.json"
-    knots=$(python3 -c "import json; print(sum(b['knots'] for b in json.load(open('$folder/atlas.json'))['branches']))")
+    knots=$(python3 -S -c "import json; print(sum(b['knots'] for b in json.load(open('$folder/atlas.json'))['branches']))")
     [ "$(curl -s "$url/api/points" | wc -c)" = $((25 * knots)) ]
 }
 ok 'its points have 25 bytes each' points
 outline() { # of a small atlas it is all, and the numbers of knots
     curl -s "$url/api/points" >"$folder/points" && curl -s "$url/api/outline" >"$folder/outline" && cmp -n "$(stat -c %s "$folder/points")" "$folder/points" "$folder/outline" \
-        && [ "$(tail -c +$(($(stat -c %s "$folder/points") + 1)) "$folder/outline" | od -An -v -tu4 -w4 | tr -d ' ')" = "$(curl -s "$url/api/atlas" | python3 -c 'import json, sys; [print(b["knots"]) for b in json.load(sys.stdin)["branches"]]')" ]
+        && [ "$(tail -c +$(($(stat -c %s "$folder/points") + 1)) "$folder/outline" | od -An -v -tu4 -w4 | tr -d ' ')" = "$(curl -s "$url/api/atlas" | python3 -S -c 'import json, sys; [print(b["knots"]) for b in json.load(sys.stdin)["branches"]]')" ]
 }
 ok 'the outline of a small atlas is all of it' outline
 
 orbit() { # both ways give the same bits
     curl -s "${with_token[@]}" "$url/api/orbit?branch=3&energy=1.5" >"$folder/a" && "$ricochet" orbit "$atlas" --branch 3 --energy 1.5 --json >"$folder/b"
-    python3 - "$folder/a" "$folder/b" <<'P'
+    python3 -S - "$folder/a" "$folder/b" <<'P'
 import json, sys
 page, line = (json.load(open(name)) for name in sys.argv[1:])
 assert len(page) == len(line) > 0, (len(page), len(line))
@@ -100,7 +100,7 @@ P
 }
 ok 'an orbit has the numbers of the command, bit for bit' orbit
 between() { # along every branch, at places between stored points, the orbit lies where it was asked for
-    python3 - "$url" "$token" "$folder/atlas.json" <<'P'
+    python3 -S - "$url" "$token" "$folder/atlas.json" <<'P'
 import json, sys, urllib.request
 url, token, name = sys.argv[1:]
 atlas = json.load(open(name))
@@ -115,14 +115,14 @@ P
 }
 ok 'an orbit between any two points' between
 ok 'orbits along a curve' gives 200 "${with_token[@]}" "$url/api/curve?branch=3&from=0.1&to=0.4&count=7"
-on_curve() { python3 -c "
+on_curve() { python3 -S -c "
 import json
 part = json.load(open('$folder/body'))
 assert len(part['energy']) == len(part['frequency']) == 7 and part['arclength'] == sorted(part['arclength']), part"; }
 ok 'as many as were asked for, in their order' on_curve
 ok 'a section' gives 200 "${with_token[@]}" "$url/api/section?energy=5&starts=3&impacts=20&orbits=1"
 ok 'thresholds' gives 200 "${with_token[@]}" "$url/api/force?branch=3&harmonic=1&restitution=0.99&force=1,0&damping=0.001"
-located() { python3 -c "
+located() { python3 -S -c "
 import json
 turns = json.load(open('$folder/body'))['turns']
 assert turns and all(t['error'] < 1e-9 and t['birth'] for t in turns), turns"; }
@@ -221,7 +221,7 @@ ok 'in a region, and the budgets elsewhere stay' local_region
 ok 'what it has written verifies' "$ricochet" verify "$atlas" --branch 20
 busy() { gives 200 "${with_token[@]}" -d '{"depth":30,"impacts":200,"multiply":7}' "$url/api/extend" && gives 409 "${with_token[@]}" -d '{"depth":31}' "$url/api/extend" && gives 200 "${with_token[@]}" "$url/api/orbit?branch=3&energy=1.5"; }
 ok 'one at a time, and orbits meanwhile' busy
-curves() { "$ricochet" branches "$atlas" --json | python3 -c 'import json, sys; print("\n".join(sorted("%s %s %.6g %.6g %.6g" % (b["word"], b["symmetric"], b["energy_min"], b["energy_max"], b["frequency_max"]) for b in json.load(sys.stdin))))'; }
+curves() { "$ricochet" branches "$atlas" --json | python3 -S -c 'import json, sys; print("\n".join(sorted("%s %s %.6g %.6g %.6g" % (b["word"], b["symmetric"], b["energy_min"], b["energy_max"], b["frequency_max"]) for b in json.load(sys.stdin))))'; }
 curves >"$folder/curves"
 under_way() { for _ in $(seq 3000); do status | grep -q '"running":true' && return; sleep 0.1; done; return 1; }
 stops() { under_way && gives 200 "${with_token[@]}" -d '{}' "$url/api/stop" && settled && status && [ -z "$(curves | LC_ALL=C comm -23 "$folder/curves" -)" ]; }
@@ -265,11 +265,11 @@ ok 'one along the level' curves l --along level --level 0.1,0.2 --omega 1.2
 { sed 's/^tolerance/damping: 0.02\nrestitution: 0.9\nforcing: {vector: [1, 0.5], amplitude: 0.3}\n&/' examples/elementary/study.yaml; } >"$folder/f.yaml"
 "$ricochet" run "$folder/f.yaml" -o "$folder/f.ricochet" --quiet 2>/dev/null
 start "$folder/f.ricochet" --port 0 --response "$folder/r"
-ok 'the page is told damping and force of the study' eval 'gives 200 "$url/api/atlas" && python3 -c "
+ok 'the page is told damping and force of the study' eval 'gives 200 "$url/api/atlas" && python3 -S -c "
 import json
 d = json.load(open(\"$folder/body\"))
 assert d[\"response\"] and d[\"forcing\"] == {\"force\": [1, 0.5], \"damping\": [0.02], \"restitution\": 0.9, \"harmonic\": 1, \"levels\": [0.3]}, d[\"forcing\"]"'
-exact() { python3 -c "
+exact() { python3 -S -c "
 import csv, json
 answer = json.load(open('$folder/body'))
 curves = answer['curves']

@@ -3,7 +3,7 @@
 set -u
 . tests/support/tap.sh
 
-python3 - >"$folder/long.yaml" <<'P'
+python3 -S - >"$folder/long.yaml" <<'P'
 n = 60
 row = lambda f: "[" + ", ".join(map(str, f)) + "]"
 print("model:\n  mass:", row(row(int(i == j) for j in range(n)) for i in range(n)))

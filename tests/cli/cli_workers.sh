@@ -59,7 +59,7 @@ rows "$folder/broken.ricochet" >"$folder/broken.txt"
 ok "bit for bit" same "$folder/whole.txt" "$folder/broken.txt"
 
 # What was traced is read back, not traced again: what is traced is stored under a new number of its row, even where the row was there before.
-stored() { python3 -c 'import sqlite3, sys; [print(*row) for row in sqlite3.connect(sys.argv[1]).execute("SELECT rowid, key FROM trace ORDER BY rowid")]' "$1"; }
+stored() { python3 -S -c 'import sqlite3, sys; [print(*row) for row in sqlite3.connect(sys.argv[1]).execute("SELECT rowid, key FROM trace ORDER BY rowid")]' "$1"; }
 ok "a first run" "$ricochet" run "$folder/long.yaml" -j 2 -o "$folder/twice.ricochet"
 stored "$folder/twice.ricochet" >"$folder/stored"
 ok "stores what it traces" test "$(wc -l <"$folder/stored")" -gt 100

@@ -79,7 +79,7 @@ refusal() {
 # plant ATLAS COPY LINES: a copy of an atlas that lines of Python have changed and whose digest is made anew. They have the database as db.
 plant() {
     cp "$1" "$2"
-    python3 - "$2" <<END
+    python3 -S - "$2" <<END
 import math, random, sqlite3, struct, sys
 db = sqlite3.connect(sys.argv[1])
 def floats(blob): return list(struct.unpack(f"<{len(blob) // 8}d", blob))
@@ -87,12 +87,12 @@ def blob(x): return struct.pack(f"<{len(x)}d", *x)
 $3
 db.commit()
 END
-    python3 tools/attack/atlas_digest.py "$2" >/dev/null
+    python3 -S tools/attack/atlas_digest.py "$2" >/dev/null
 }
 
 # tables ATLAS: every row of every table bit for bit, but for the cache of traces and the texts about the run
 tables() {
-    python3 - "$1" <<'END'
+    python3 -S - "$1" <<'END'
 import sqlite3, sys
 atlas = sqlite3.connect(f"file:{sys.argv[1]}?mode=ro", uri=True)
 names = [name for (name,) in atlas.execute("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name")]
@@ -122,7 +122,7 @@ whole() {
 
 # curves SVG: of a well-formed picture the names of what is drawn, with the number of pieces of lines each has
 curves() {
-    python3 - "$1" <<'END'
+    python3 -S - "$1" <<'END'
 import sys, xml.etree.ElementTree as xml
 space = "{http://www.w3.org/2000/svg}"
 pieces = {}

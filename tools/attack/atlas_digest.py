@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -S
 """The digest of an atlas, made anew after its rows were edited.
 
     tools/attack/atlas_digest.py ATLAS            puts the digest of its contents into ATLAS
