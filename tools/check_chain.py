@@ -90,7 +90,8 @@ class Model:
         """exp(A t), which takes w to what it is after t."""
         need(abs(t).b < 2 ** 60, "a flight is too long")
         if (abs(t).b * self.norm < SHORT) is not True:
-            return self.series(t / 2) ** 2
+            half = self.series(t / 2)
+            return half * half  # half ** 2 makes another product, which nobody asks for
         return wide(sum((term * t ** k for k, term in enumerate(self.terms)), 0 * self.A), TAIL)
 
     @lru_cache(10000)
