@@ -187,6 +187,8 @@ int cli_section_follow(cli_section_request *r, double d, cli_section *s)
     if (!status) status = ric_section_run(s->section);
     if (shown.terminal) fputs("\r\033[K", stderr);
     s->late = shown.late;
+    o->progress = NULL; /* who asks for more by the same options comes when `shown` is gone */
+    o->user = NULL;
     if (status == RIC_E_INTERRUPTED) return shown.late ? CLI_LIMIT : CLI_INTERRUPTED;
     return cli_report(status);
 }
