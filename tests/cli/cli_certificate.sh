@@ -18,9 +18,9 @@ checked() {
     "$python" tools/check_certificate.py "$folder/some.jsonl" "${1%.jsonl}.ricochet" || return 1
     [ "$(wc -l <"$folder/some.jsonl")" -gt "$(some_of 2 5)" ]
 }
-ok 'certificates of elementary are accepted' checked "$folder/elementary.jsonl" "$(every_of 230)"
-ok 'certificates of three-masses are accepted' checked "$folder/three-masses.jsonl" "$(every_of 160)"
-ok 'certificates of two-walls are accepted' checked "$folder/two-walls.jsonl" "$(every_of 250)"
+ok 'certificates of elementary are accepted' checked "$folder/elementary.jsonl" "$(every_of 340)"
+ok 'certificates of three-masses are accepted' checked "$folder/three-masses.jsonl" "$(every_of 320)"
+ok 'certificates of two-walls are accepted' checked "$folder/two-walls.jsonl" "$(every_of 400)"
 # The last ones before a grazing end, where a gap all but closes in flight, and the first ones.
 ends() {
     awk 'NR == 1 { print; next }
@@ -33,7 +33,7 @@ ok 'no certificate is no success' bash -c '! "$0" tools/check_certificate.py /de
 
 # lies NAME CODE: Python over the model and the lines of that atlas; refused(LINE): why the checker refuses what a liar signs, or None
 lies() {
-    "$python" - "$folder/$1" "$(every_of 150)" <<END
+    "$python" - "$folder/$1" "$(every_of 300)" <<END
 import copy, json, random, sys
 sys.path.insert(0, "tools")
 import check_certificate as checker

@@ -247,9 +247,10 @@ class Attack:
     def make_atlases(self):
         for kind, (mass, stiffness, *contacts) in STUDIES.items():
             study = os.path.join(self.folder, kind + ".yaml")
+            explore = EXPLORE.replace("depth: 2", "depth: 1").replace("impacts: 6", "impacts: 4") if self.args.short else EXPLORE
             listed = "".join(f"    - {contact}\n" for contact in contacts)
             with open(study, "w", encoding="utf-8") as file:
-                file.write(f"title: {kind}\nmodel:\n  mass: {mass}\n  stiffness: {stiffness}\n  contacts:\n{listed}{EXPLORE}")
+                file.write(f"title: {kind}\nmodel:\n  mass: {mass}\n  stiffness: {stiffness}\n  contacts:\n{listed}{explore}")
             atlas = os.path.join(self.folder, kind + ".ricochet")
             code, said, _ = self.call(["run", study, "-o", atlas, "--prove"], self.folder, 120)
             if code:  # without the library for proofs there are none to be changed
@@ -327,7 +328,7 @@ def main():
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--limit", type=float, default=5)
-    parser.add_argument("--short", action="store_true", help="one quick command for each atlas")
+    parser.add_argument("--short", action="store_true", help="one quick command for each atlas, of studies that are not so deep")
     parser.add_argument("--keep", help="a folder for the atlases of findings")
     args = parser.parse_args()
     args.program = os.path.abspath(args.program)
