@@ -10,7 +10,7 @@ fi
 # The short form plants each fault once, and takes one branch away.
 ok "the judge sees planted faults" env ATTACK_PART=planted tools/attack/attack "$ricochet" $(some_of 1 "")
 # Kind, first seed, how many, points besides the ends of branches. Power laws take twenty times as long as stops.
-few=$(some_of 5 16) power=$(some_of 2 11) clusters=$(some_of 1 4)
+few=$(some_of 4 16) power=$(some_of 2 11) clusters=$(some_of 1 4)
 while read -r kind seed count points; do
     ok "$count structures, $kind, from seed $seed on" \
         tools/attack/attack --program "$ricochet" -n "$count" --seed "$seed" --kind "$kind" --small --points "$points"

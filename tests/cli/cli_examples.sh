@@ -74,12 +74,14 @@ for example in $examples; do
 done | xargs -P 2 -L 1 sh -c '"$1" run "$4" -o "$2/$3.ricochet" >"$2/$3.out" 2>&1; echo $? >"$2/$3.code"
     "$1" verify "$2/$3.ricochet" >"$2/$3.replay" 2>&1; echo $? >>"$2/$3.code"' sh "$ricochet" "$folder"
 
-# Ghosts of every branch that has one: they all end for a reason, with every point solved. Of beam-lumped the short form
-# takes every seventh branch.
+# Ghosts of every branch that has one: they all end for a reason, with every point solved. The short form takes every third
+# branch, of beam-lumped every seventh.
 ghosts() { # EXAMPLE
     local id
     rows "$1" branches id >"$folder/ids"
-    if [ "$1" = beam-lumped ]; then awk -v every="$(every_of 7)" 'NR % every == 0' "$folder/ids" >"$folder/some" && mv "$folder/some" "$folder/ids"; fi
+    local few=3
+    [ "$1" != beam-lumped ] || few=7
+    awk -v every="$(every_of $few)" 'NR % every == 2 % every' "$folder/ids" >"$folder/some" && mv "$folder/some" "$folder/ids"
     [ -s "$folder/ids" ] || return 1
     while IFS= read -r id; do
         "$ricochet" points "$folder/$1.ricochet" --branch "$id" --ghost --csv 2>&1 | awk -v id="$id" -F, '

@@ -21,14 +21,15 @@ static void every_point_passes(const char *model, const char *options)
              options);
     ric_atlas *atlas = explore_text(text);
     int checked = 0;
+    const int step = every_of(3); /* but for the ends, which are what is tried */
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch b = branch_of(atlas, id);
-        for (int i = 0; i < b.n_point; i += i == 0 || i + 1 + every() >= b.n_point ? 1 : every()) {
+        for (int i = 0; i < b.n_point; i += i == 0 || i + 1 + step >= b.n_point ? 1 : step) {
             point_passes(atlas, id, i);
             checked++;
         }
     }
-    if (every() == 1 && checked <= LEAST) fail_msg("only %d points were checked", checked);
+    if (step == 1 && checked <= LEAST) fail_msg("only %d points were checked", checked);
     ric_atlas_free(atlas);
 }
 
