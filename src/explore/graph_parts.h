@@ -25,7 +25,7 @@ ric_status ric_graph_start(ric_graph *graph);
 /* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. A
  * branch that comes to a region with multiplications of higher order is traced again, with an eye on them. */
 ric_status ric_graph_trace(ric_graph *graph, const ric_node *node, unsigned choice, int side, ric_continuation **out);
-/* From the end of `along`, such a trace, the way back and on to the other end. */
+/* From the end of `along`, such a trace, the way back and on to the other end; in regions as well. */
 ric_status ric_graph_trace_back(ric_graph *graph, const ric_node *node, unsigned choice, int side,
                                 const ric_continuation *along, ric_continuation **out);
 

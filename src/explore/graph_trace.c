@@ -121,7 +121,7 @@ static ric_status take_paused(ric_graph *g, const ric_limits *limits, const char
 }
 
 /* The start of a trace that goes from the end of `tr` back along it. */
-static ric_status turn_back(const ric_continuation *tr, ric_continuation **out)
+static ric_status turn_back(const ric_continuation *tr, const ric_limits *limits, ric_continuation **out)
 {
     const unsigned ignore = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN |
                             1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A |
@@ -133,7 +133,7 @@ static ric_status turn_back(const ric_continuation *tr, ric_continuation **out)
         return ric_no_memory("a branch");
     }
     for (int i = 0; i < chain->n_unknown; i++) back[i] = -tr->end.t[i];
-    ric_status status = ric_continuation_create(chain, tr->end.u, back, ignore, tr->limits, out);
+    ric_status status = ric_continuation_create(chain, tr->end.u, back, ignore, limits, out);
     free(back);
     return status;
 }
@@ -144,7 +144,7 @@ static ric_status set_out(const ric_model *m, const course *way, const ric_node 
     ric_shooting *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore = 0;
-    if (way->along) return turn_back(way->along, out);
+    if (way->along) return turn_back(way->along, way->limits, out);
     ric_status status = ric_switching_depart(m, node, way->choice, way->side, &chain, &u0, &t0, &ignore);
     if (!status && chain) status = ric_continuation_create(chain, u0, t0, ignore, way->limits, out);
     free(u0);
@@ -263,28 +263,27 @@ static ric_status trace_course(ric_graph *g, const course *way, ric_continuation
     return status;
 }
 
-/* As ric_graph_trace, within limits that outlive the trace. */
-static ric_status trace_within(ric_graph *g, const ric_limits *limits, const ric_node *node, unsigned choice, int side,
-                               ric_continuation **out)
+/* A branch that comes to a region with multiplications of higher order is traced again, with an eye on them. */
+static ric_status trace_in_regions(ric_graph *g, course *way, ric_continuation **out)
 {
-    return trace_course(g, &(course){limits, node, choice, side, NULL}, out);
-}
-
-/* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out = NULL: inadmissible. A
- * branch that comes to a region with multiplications of higher order is traced again, with an eye on them. */
-ric_status ric_graph_trace(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_continuation **out)
-{
-    ric_status status = trace_within(g, &g->limits, node, choice, side, out);
-    if (status || !*out || !ric_region_multiplies(g->options, (*out)->n_point, (*out)->stride, (*out)->points))
+    ric_status status = trace_course(g, way, out);
+    if (status || !*out || way->limits == &g->deep ||
+        !ric_region_multiplies(g->options, (*out)->n_point, (*out)->stride, (*out)->points))
         return status;
     ric_continuation_free(*out);
-    return trace_within(g, &g->deep, node, choice, side, out);
+    way->limits = &g->deep;
+    return trace_course(g, way, out);
+}
+
+ric_status ric_graph_trace(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_continuation **out)
+{
+    return trace_in_regions(g, &(course){&g->limits, node, choice, side, NULL}, out);
 }
 
 ric_status ric_graph_trace_back(ric_graph *g, const ric_node *node, unsigned choice, int side,
                                 const ric_continuation *along, ric_continuation **out)
 {
-    return trace_course(g, &(course){along->limits, node, choice, side, along}, out);
+    return trace_in_regions(g, &(course){along->limits, node, choice, side, along}, out);
 }
 
 bool ric_graph_followed_before(ric_graph *g, const ric_node *node, unsigned choice)

@@ -617,6 +617,27 @@ static void backbones_are_followed_from_one_end(void **state)
     ric_study_free(study);
 }
 
+/* A backbone that is found below a region of the plane comes to it on the way back from its lower end: what multiplies
+ * in the region is looked for there, too. */
+static void backbones_come_to_regions(void **state)
+{
+    (void)state;
+    const char *plain = "energy: [1e-6, 1000], frequency: [0.2, 9], depth: 1, multiply: 4}\n#",
+               *region = "energy: [1e-6, 1000], frequency: [0.2, 9], depth: 1, multiply: 1}\n"
+                         "regions: [{energy: [5, 1000], frequency: [0.2, 9], multiply: 4}]\n#";
+    ric_atlas *all = explore(peeters, 3, plain, 0), *some = explore(peeters, 3, region, 0);
+    int count[2] = {0, 0};
+    for (int i = 0; i < 2; i++)
+        for (int id = 1; id <= ric_atlas_n_junction(i ? some : all); id++) {
+            const ric_junction j = junction_of(i ? some : all, id);
+            count[i] += j.kind == RIC_KIND_MULTIPLICATION && j.energy > 5;
+        }
+    assert_int_equal(count[0], 5);
+    assert_int_equal(count[1], 5);
+    ric_atlas_free(all);
+    ric_atlas_free(some);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -638,6 +659,7 @@ int main(void)
         cmocka_unit_test(power_99),
         cmocka_unit_test(inner_nodes),
         cmocka_unit_test(backbones_are_followed_from_one_end),
+        cmocka_unit_test(backbones_come_to_regions),
     };
     return cmocka_run_group_tests(tests, explore_cubic, free_cubic);
 }
