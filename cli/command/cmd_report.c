@@ -2,6 +2,7 @@
  * file. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/shaking.h"
@@ -194,6 +195,32 @@ static ric_status add_refused(json_t *rows, const ric_atlas *atlas)
 
 /* ---------------------------------------------------------------- departures */
 
+/* Where the residual that a reason ends with begins, or the reason's end. */
+static size_t without_residual(const char *why, size_t n)
+{
+    static const char *const before[] = {" (residual ", ": residual "};
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < sizeof before / sizeof *before; k++)
+            if (!strncmp(why + i, before[k], strlen(before[k]))) return i;
+    return n;
+}
+
+/* The reasons of a junction without their residuals, each once: numbers that differ make no other reason. */
+static char *kinds_of_refusal(const char *refusal)
+{
+    char *out = calloc(1, strlen(refusal) + 1);
+    for (const char *why = refusal; out && *why;) {
+        const char *end = strstr(why, "; ");
+        const size_t n = end ? (size_t)(end - why) : strlen(why), kept = without_residual(why, n), used = strlen(out);
+        bool known = false;
+        for (const char *c = out; c && *c && !known; c = strstr(c, "; "), c = c ? c + 2 : NULL)
+            known = !strncmp(c, why, kept) && (!c[kept] || !strncmp(c + kept, "; ", 2));
+        if (!known) sprintf(out + used, "%s%.*s", used ? "; " : "", (int)kept, why);
+        why = end ? end + 2 : why + n;
+    }
+    return out;
+}
+
 /* Counts each reason once; few are different. */
 static void add_refusals(json_t *rows, const ric_atlas *atlas)
 {
@@ -203,8 +230,11 @@ static void add_refusals(json_t *rows, const ric_atlas *atlas)
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction junction;
         if (ric_atlas_junction(atlas, id, &junction) || !junction.departures.refused) continue;
-        json_int_t before = json_integer_value(json_object_get(reasons, junction.refusal));
-        json_object_set_new(reasons, junction.refusal, json_integer(before + junction.departures.refused));
+        char *kinds = kinds_of_refusal(junction.refusal);
+        const char *key = kinds ? kinds : junction.refusal;
+        json_int_t before = json_integer_value(json_object_get(reasons, key));
+        json_object_set_new(reasons, key, json_integer(before + junction.departures.refused));
+        free(kinds);
     }
     json_object_foreach(reasons, why, count) add(rows, "departures refused", json_incref(count), why);
     json_decref(reasons);

@@ -50,6 +50,13 @@ refused() {
 }
 ok 'a junction with refused departures is named with its place' refused
 
+reasons() { # that differ in a residual only are one, and residuals stand with the junction
+    alter "UPDATE junction SET refused = 3, refusal = 'no orbit (residual 7e-14); no orbit (residual 9e-14); no start: residual 8e-14'
+        WHERE id = 2" || return 1
+    said '^departures refused  *3  no orbit; no start$' && "$ricochet" report "$folder/b.ricochet" | grep -q 'no orbit (residual 9e-14)'
+}
+ok 'reasons that differ in a residual only are counted as one' reasons
+
 read -r point < <(one "SELECT id FROM junction WHERE kind = 'extremum'")
 undecided() {
     alter "UPDATE junction SET label = label || '?' WHERE id = $point" || return 1
