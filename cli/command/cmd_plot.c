@@ -274,6 +274,10 @@ static const cli_item items[] = {
     {.name = "--data", .value = "FILE.csv", .text = "dots of your own: columns of the names of --x and --y"},
     {.name = "--log", .value = "AXES", .words = "x y xy", .text = "logarithmic axes: x, y or xy"},
     {.name = "--window", .value = "A:B,C:D", .text = "what the axes show; with --z A:B,C:D,E:F"},
+    {.name = "--labels",
+     .value = "WHAT",
+     .words = "all named none",
+     .text = "names of junctions: all that find room, as without it; named: those with a name in the study; none"},
     {.name = "floquet",
      .picture = true,
      .text = "multipliers along a branch: the trace (2 and -2 dashed) and rotation number of two masses, moduli "
@@ -422,7 +426,7 @@ const cli_command cli_plot = {
              "           [--columns N] [--same-axes] [--overlay] [--gap] [--coordinates LIST] -o FILE\n"
              "ricochet plot curves ATLAS --x NAME --y NAME [--z NAME [--view A,B]]\n"
              "           [--branch ID | --at E,OMEGA]... [--log AXES] [--window A:B,C:D]\n"
-             "           [--data FILE.csv] -o FILE\n"
+             "           [--labels WHAT] [--data FILE.csv] -o FILE\n"
              "ricochet plot floquet ATLAS (--branch ID | --at E,OMEGA) [--x NAME] -o FILE\n"
              "ricochet plot cascade ATLAS (--branch ID | --at E,OMEGA) (--multiply LIST | --doublings N)\n"
              "           [--dof I] [--shapes] -o FILE\n"

@@ -169,6 +169,7 @@ typedef struct {
     bool family[3];
     unsigned stability;
     bool kinds[RIC_KIND_USER + 1];
+    enum { TAGS_ALL, TAGS_NAMED, TAGS_NONE } wanted;
     int n_tag;
     plot_tag *tags;
 } curves;
@@ -286,14 +287,15 @@ static void mark_junction(curves *c, int id, plot_point data)
     if (id <= 0 || !plot_panel_inside(&c->panel, data) || ric_atlas_junction(c->atlas, id, &junction) != RIC_OK ||
         junction.kind == RIC_KIND_START)
         return;
-    plot_tag *tags = realloc(c->tags, ((size_t)c->n_tag + 1) * sizeof *tags);
     const plot_point at = plot_panel_at(&c->panel, data);
+    const bool named = junction.name && *junction.name;
     plot_page_mark(c->page, plot_junction_mark(junction.kind), at, 4);
     c->kinds[junction.kind] = true;
+    if (c->wanted == TAGS_NONE || (c->wanted == TAGS_NAMED && !named)) return;
+    plot_tag *tags = realloc(c->tags, ((size_t)c->n_tag + 1) * sizeof *tags);
     if (!tags) return;
     c->tags = tags;
     plot_tag *tag = &tags[c->n_tag++];
-    const bool named = junction.name && *junction.name;
     *tag = (plot_tag){.at = at,
                       .clear = 4,
                       .weight = (named ? 1000 : 0) - junction.impacts,
@@ -427,6 +429,20 @@ static bool take_space(const char *text, double window[6])
     return plot_parse_window(first, "--window", window) && plot_parse_range(last + 1, "--window", window + 4);
 }
 
+static bool take_labels(int *argc, char **argv, curves *c)
+{
+    static const char *const choices[] = {[TAGS_ALL] = "all", [TAGS_NAMED] = "named", [TAGS_NONE] = "none"};
+    const char *labels = NULL;
+    if (!cli_take_value(argc, argv, "--labels", &labels)) return false;
+    for (int i = TAGS_ALL; i <= TAGS_NONE; i++) {
+        if (labels && strcmp(labels, choices[i])) continue;
+        c->wanted = i;
+        return true;
+    }
+    cli_wrong("--labels %s: there are all, named and none", labels);
+    return false;
+}
+
 int plot_curves(int argc, char **argv, const plot_options *common)
 {
     curves c = {.common = common};
@@ -435,7 +451,8 @@ int plot_curves(int argc, char **argv, const plot_options *common)
     if (code != CLI_DONE || !cli_take_value(&argc, argv, "--x", &x) || !cli_take_value(&argc, argv, "--y", &y) ||
         !cli_take_value(&argc, argv, "--z", &z) || !cli_take_value(&argc, argv, "--data", &data) ||
         !cli_take_value(&argc, argv, "--view", &view) || !cli_take_value(&argc, argv, "--log", &logs) ||
-        !cli_take_value(&argc, argv, "--window", &window) || !cli_operands(&cli_plot, argc, argv, 1)) {
+        !cli_take_value(&argc, argv, "--window", &window) || !take_labels(&argc, argv, &c) ||
+        !cli_operands(&cli_plot, argc, argv, 1)) {
         code = code != CLI_DONE ? code : CLI_WRONG;
         goto out;
     }

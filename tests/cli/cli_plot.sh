@@ -129,6 +129,8 @@ draws strobe plot strobe "$ATLAS" --segment 2:3 --orbits 6 --samples 5 --stretch
 draws curves plot curves "$ATLAS" --x energy --y frequency
 draws curves-log plot curves "$ATLAS" --x energy --y x1 --log x --branch 1
 draws floquet plot floquet "$ATLAS" --branch 1
+draws curves-unnamed plot curves "$ATLAS" --x energy --y period --labels none
+note "curves without names of junctions" "$(grep -q '>G<' curves.svg && ! grep -q '>G<' curves-unnamed.svg; echo $?)"
 
 # A file name is only a name, whatever it looks like.
 for name in 'a b.svg' "quote'.svg" '$(touch oops).svg' '| touch oops .svg' '-dash.svg' 'new
@@ -180,6 +182,7 @@ leaves_nothing 2 plot orbit "$ATLAS" --branch 1 --point 0 --coordinates 1,,2 -o 
 leaves_nothing 2 plot curves "$ATLAS" --x energy -o empty/a.svg
 leaves_nothing 2 plot curves "$ATLAS" --x energy --y nonsense -o empty/a.svg
 leaves_nothing 2 plot curves "$ATLAS" --x energy --y x0 -o empty/a.svg
+leaves_nothing 2 plot curves "$ATLAS" --x energy --y x1 --labels some -o empty/a.svg
 leaves_nothing 2 plot floquet "$ATLAS" -o empty/a.svg
 
 # What is in a picture.
