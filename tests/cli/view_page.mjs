@@ -324,6 +324,9 @@ async function table(page, shot, atlas) {
   await page.fill(".filters input[type=number]", "4");
   const wanted = list.filter((b) => b.symmetric && b.impacts > 0 && b.impacts <= 4).length;
   ok("only symmetric ones with four impacts or fewer", wanted > 1 && (await column(1)).length === wanted);
+  const repeated = list.filter((b) => /^(.+)\1\1+$/.test(b.word));
+  const names = await page.locator(".branches .link").allInnerTexts();
+  ok("words that repeat are powers, as in pictures", repeated.every((b) => !names.some((name) => name.replace(/\s/g, "").includes(`[${b.word}]`))), repeated.map((b) => b.label).join());
   await shot("table");
   await page.selectOption(".filters select >> nth=0", "0");
   await page.fill(".filters input[type=number]", "");
@@ -461,7 +464,7 @@ async function forcing(page, shot, atlas, response) {
 
 async function saving(page) {
   for (const [what, ending, test] of [
-    ["svg", ".svg", (text) => text.startsWith("<svg") && text.includes("frequency ω") && text.includes("branch point") && text.includes("thin unstable") && (text.match(/<path/g) ?? []).length > 20],
+    ["svg", ".svg", (text) => text.startsWith("<svg") && text.includes("frequency ω") && text.includes("branch point") && text.includes("thin unstable") && text.includes("dashed duplicate") && (text.match(/<path/g) ?? []).length > 20],
     ["csv", ".csv", (text) => text.startsWith("branch,duplicate,label,arclength,energy,frequency,stable\n") && text.split("\n").length > 200],
     ["orbit-svg", "-orbit.svg", (text) => text.startsWith("<svg")],
     ["orbit-csv", "-orbit.csv", (text) => text.startsWith("t,x1,x2,v1,v2") && text.split("\n").length > 50],
@@ -570,6 +573,101 @@ async function demo(browser) {
   await phone(browser, server.url);
   await server.stop();
   await two(browser, atlas);
+  await ownStructure(browser);
+}
+
+/* ------------------------------------------- a structure of one's own, in SI */
+
+// A shaft of three beam elements on two bearings, with two discs, the outer one in a ring: rotations have the larger numbers.
+function shaftStudy() {
+  const [E, rho, d, h, n] = [210e9, 7850, 0.02, 0.12, 8];
+  const [I, A] = [(Math.PI * d ** 4) / 64, (Math.PI * d * d) / 4];
+  const [M, K] = [0, 0].map(() => Array.from({ length: n }, () => new Array(n).fill(0)));
+  const bend = [[12, 6 * h, -12, 6 * h], [6 * h, 4 * h * h, -6 * h, 2 * h * h], [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h * h, -6 * h, 4 * h * h]];
+  const mass = [[156, 22 * h, 54, -13 * h], [22 * h, 4 * h * h, 13 * h, -3 * h * h], [54, 13 * h, 156, -22 * h], [-13 * h, -3 * h * h, -22 * h, 4 * h * h]];
+  for (let e = 0; e < 6; e += 2)
+    for (let i = 0; i < 4; i++)
+      for (let j = 0; j < 4; j++) {
+        K[e + i][e + j] += ((E * I) / h ** 3) * bend[i][j];
+        M[e + i][e + j] += ((rho * A * h) / 420) * mass[i][j];
+      }
+  for (const i of [0, 4]) K[i][i] += 2e7;
+  M[2][2] += 3;
+  M[6][6] += 2;
+  const rows = (matrix) => `[${matrix.map((row) => `[${row.join(", ")}]`).join(",\n    ")}]`;
+  return `title: An overhung shaft\nunits: {length: m, force: N}\nmodel:\n  modes: 4\n  mass: ${rows(M)}\n  stiffness: ${rows(K)}\n  contacts:\n    - {normal: [0, 0, 0, 0, 0, 0, 1, 0], clearance: 4.0e-4}\n` +
+    "explore: {start: [1], impacts: 4, multiply: 1, depth: 1, tongues: cross, energy: {first_touch_of: 1, times: [0, 8]}}\n";
+}
+
+// Groups of the saved pictures of an orbit: motion, displacements, gaps, phase portraits, multipliers; the texts of each.
+async function picturesOf(page) {
+  await page.click("#saving summary");
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("[data-save=orbit-svg]")]);
+  return readFileSync(await download.path(), "utf8").split("clip-path").map((part) => [...part.matchAll(/<text[^>]*>([^<]*)</g)].map(([, text]) => text)).filter((list) => list.length);
+}
+
+// What somebody sees of it: displacements that matter, lengths and frequencies in units of the study, tables and legends that are whole.
+async function ownStructure(browser) {
+  const [study, atlas] = ["yaml", "ricochet"].map((end) => `${folder}/shaft.${end}`);
+  writeFileSync(study, shaftStudy());
+  run("run", study, "-o", atlas);
+  const server = await serve(atlas);
+  const { context, page, errors, shot } = await open(browser, server.url, "shaft");
+  const b = rows("branches", atlas).find((row) => row.label === "S2(1)[01]");
+  await page.fill("#search", "S2(1)");
+  await page.keyboard.press("Enter");
+  await orbitShown(page, b.id);
+  const scaled = await picturesOf(page);
+  const drawn = scaled.flat().filter((text) => /^x./.test(text));
+  ok("of many displacements those at contacts are drawn, and the others not by the size of their units", drawn.includes("x₇") && drawn.includes("x₃"), drawn.join());
+  await page.selectOption("#units", "physical");
+  await page.check("#hertz");
+  const gaps = (await picturesOf(page)).find((list, i, all) => all[i + 1]?.some((text) => /^v./.test(text))) ?? ["1"];
+  ok("gaps are lengths in units of the study", Math.max(...gaps.map(Number).filter(Number.isFinite)) < 0.1 && (await page.locator("#content figcaption").allInnerTexts()).join().includes("impacts (m)"), gaps.join());
+  const told = String(b.tongues).match(/omega ([\d.]+) to/);
+  const head = await page.locator("#content header .sub").innerText();
+  ok("internal resonances too", told !== null && head.includes(`f ${Number((Number(told[1]) / 2 / Math.PI).toPrecision(8))} to`) && !head.includes("scaled"), `${head} | ${b.tongues}`);
+  ok("the heads of the table of impacts are whole", (await page.locator(".impacts th").first().evaluate((e) => e.clientHeight)) < 32);
+  await shot("orbit");
+  await context.grantPermissions(["clipboard-read", "clipboard-write"]);
+  await page.click("#content .copy");
+  await comesTrue(async () => (await page.locator("#status").innerText()).includes("copied"));
+  const copied = await page.evaluate(() => navigator.clipboard.readText());
+  const energy = await page.evaluate(() => window.ricochet().orbit().energy);
+  ok("numbers are copied with all digits", copied.includes(b.key) && copied.includes(`Energy E (N m)\t${energy * 0.0004 * 0.0004}`), copied.slice(0, 120));
+  await page.fill("#search", String(0.0004 * 0.0004 * 1.3 * b.energy_min));
+  ok("an energy finds the branches that pass it", (await page.locator("#results").innerText()).includes("passes"));
+  await page.keyboard.press("Enter");
+  ok("and goes there", await comesTrue(async () => near(await page.evaluate(() => window.ricochet().orbit().energy), 1.3 * b.energy_min, 0.02)));
+  await page.check("#full");
+  await page.click("[data-tab=branches]");
+  await page.reload();
+  await page.waitForFunction(() => window.ricochet?.().frames.length > 0, null, { timeout: GUARD });
+  ok("the address keeps the tab and the digits", (await page.isChecked("#full")) && (await page.getAttribute("[data-tab=branches]", "aria-selected")) === "true", page.url());
+  ok("the table of branches is as wide as the panel", await page.locator(".wide-table").first().evaluate((e) => e.scrollWidth <= e.clientWidth + 1));
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.evaluate(() => {
+    document.querySelector("#colouring").value = "word";
+    document.querySelector("#colouring").dispatchEvent(new Event("change"));
+  });
+  await atRest(page);
+  const cut = await page.evaluate(() => [...document.querySelectorAll("#legend > span")].filter((e) => {
+    const [box, around] = [e.getBoundingClientRect(), document.querySelector("#above").getBoundingClientRect()];
+    return !box.width || box.right > Math.min(innerWidth, around.right) + 1 || box.bottom > around.bottom + 1 || e.scrollWidth > e.clientWidth + 1;
+  }).map((e) => e.textContent));
+  ok("no legend is cut on a phone", cut.length === 0, cut.join());
+  await page.evaluate(() => (document.querySelector("#bar").classList.add("open")));
+  await page.click("#saving summary");
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("[data-save=svg]")]);
+  const picture = readFileSync(await download.path(), "utf8");
+  const legend = await page.evaluate(() => [...document.querySelectorAll("#legend > span:not(.sub)")].map((e) => e.textContent));
+  const missing = [...legend, "grazing", "thick stable", "thin unstable", "dashed duplicate"].filter((text) => !picture.includes(`>${text}`));
+  ok("nor of a picture saved there", legend.length > 1 && missing.length === 0, missing.join());
+  await page.emulateMedia({ media: "print" });
+  ok("on paper there are the picture and the panel, and no buttons", (await page.isVisible("#plot")) && (await page.isVisible("#content")) && !(await page.isVisible("#bar")) && !(await page.isVisible("#side nav")));
+  ok("no errors on this page", errors.length === 0, errors.join("; "));
+  await context.close();
+  await server.stop();
 }
 
 /* -------------------------------------------------------- a million points */

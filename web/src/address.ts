@@ -13,6 +13,8 @@ export interface Address {
   marks: boolean;
   scale: Scale;
   hertz: boolean;
+  full: boolean; // all digits
+  tab: string; // "" where it is the one that what is chosen opens
   selected: Selected | null;
   junction: number;
 }
@@ -39,6 +41,8 @@ export function readAddress(): Address {
     marks: q.get("marks") !== "off",
     scale: among("units", ["scaled", "physical", "relative"] as const),
     hertz: q.get("hz") === "on",
+    full: q.get("digits") === "all",
+    tab: q.get("tab") ?? "",
     selected: branch > 0 ? { branch, k: Math.min(32, Math.max(1, Math.trunc(number("k", 1)))), arclength: number("s", 0) } : null,
     junction: Math.trunc(number("j", 0)),
   };
@@ -55,6 +59,8 @@ export function writeAddress(a: Address): string {
   if (!a.marks) q.push("marks=off");
   if (a.scale !== "scaled") q.push(`units=${a.scale}`);
   if (a.hertz) q.push("hz=on");
+  if (a.full) q.push("digits=all");
+  if (a.tab) q.push(`tab=${a.tab}`);
   if (a.selected) q.push(`b=${a.selected.branch}`, ...(a.selected.k > 1 ? [`k=${a.selected.k}`] : []), `s=${a.selected.arclength}`);
   if (a.junction) q.push(`j=${a.junction}`);
   return "#" + q.join("&");

@@ -1,5 +1,5 @@
 // Pictures of one orbit: histories, phase portraits, the multipliers, and the masses between their stops.
-import type { Model, Orbit } from "./api";
+import type { Contact, Drawing, Model, Orbit } from "./api";
 import type { Pen } from "./pen";
 import type { Palette } from "./theme";
 import { tellingStep } from "./view";
@@ -11,6 +11,7 @@ export interface Frame {
   palette: Palette;
   size: number; // of type
   length: number; // unit of displacements
+  physical: boolean; // lengths are those of the study
   coordinates: number[]; // that are drawn, from 0
   other: Orbit | null; // to compare with
 }
@@ -65,12 +66,16 @@ function axes(f: Frame, box: [number, number, number, number], xr: [number, numb
 export const colourOf = (p: Palette, i: number) => p.kinds[i % p.kinds.length];
 const lower = (i: number) => String(i).replace(/\d/g, (c) => "₀₁₂₃₄₅₆₇₈₉"[Number(c)]);
 
-// At most four coordinates are drawn unless they are chosen: those with the largest amplitudes.
-export function coordinates(orbit: Orbit, dofs: number): number[] {
-  const all = Array.from({ length: dofs }, (_, i) => i);
-  if (dofs <= 4) return all;
-  const size = orbit.amplitudes ?? [];
-  return all.sort((a, b) => (size[b] ?? 0) - (size[a] ?? 0)).slice(0, 4).sort((a, b) => a - b);
+// How large a displacement or rotation is beside others: their numbers have different units, what they carry of the kinetic energy has not.
+const weighed = (model: Model, i: number, value: number) => Math.sqrt(Math.abs(model.mass[i * model.dofs + i])) * value;
+
+// At most four coordinates are drawn unless they are chosen: those that contacts see, those that move a node of the drawing, those that carry most.
+export function coordinates(orbit: Orbit, model: Model, drawing: Drawing | null): number[] {
+  const all = Array.from({ length: model.dofs }, (_, i) => i);
+  if (model.dofs <= 4) return all;
+  const size = all.map((i) => weighed(model, i, orbit.amplitudes?.[i] ?? 0));
+  const met = all.map((i) => 2 * Number(model.contacts.some((c) => c.normal[i] !== 0)) + Number(drawing?.nodes.some((node) => node.moves.includes(i + 1)) ?? false));
+  return all.sort((a, b) => met[b] - met[a] || size[b] - size[a]).slice(0, 4).sort((a, b) => a - b);
 }
 
 // Time and values of an orbit as a line: of the other one thin and dotted, below.
@@ -99,7 +104,7 @@ export function drawHistory(f: Frame, orbit: Orbit): Moving | null {
 
 const timeLine = (a: Axes, box: number[], p: Palette): Moving => (pen, now) => pen.path([a.x(now), box[1], a.x(now), box[3]], { stroke: p.accent, width: 1.5 });
 
-/* The gap of each contact over its clearance, between the stops at +1 and -1: where the impacts are is seen at a glance. */
+/* The gap of each contact, between its stops: scaled over its clearance, so that all have theirs at +1 and -1, else as a length. */
 export function drawGaps(f: Frame, orbit: Orbit, model: Model): Moving | null {
   const h = orbit.history;
   if (!h) return null;
@@ -111,17 +116,19 @@ export function drawGaps(f: Frame, orbit: Orbit, model: Model): Moving | null {
     return null;
   }
   const orbits = both(f, orbit);
-  const curves = orbits.map((o) => list.map((c) => o.history!.t.map((_, k) => gap(c.normal, o.history!.x, k) / c.clearance!)));
-  const [lo, hi] = range([...curves.flat(), [-1.05, 1.05]]);
+  const stopOf = (c: Contact) => (f.physical ? f.length * c.clearance! : 1);
+  const curves = orbits.map((o) => list.map((c) => o.history!.t.map((_, k) => (stopOf(c) * gap(c.normal, o.history!.x, k)) / c.clearance!)));
+  const most = 1.05 * Math.max(...list.map(stopOf));
+  const [lo, hi] = range([...curves.flat(), [-most, most]]);
   const a = axes(f, box, [0, Math.max(...orbits.map((o) => o.period))], [lo, hi], "time t, s", "");
-  for (const stop of [1, -1]) {
-    const there = list.some((c) => c.sides === "both" || c.sides === (stop > 0 ? "upper" : "lower"));
-    if (there) pen.path([box[0], a.y(stop), box[2], a.y(stop)], { stroke: p.soft, width: 1.2, dash: [10, 4] });
+  for (const side of [1, -1]) {
+    const there = list.filter((c) => c.sides === "both" || c.sides === (side > 0 ? "upper" : "lower")).map((c) => side * stopOf(c));
+    for (const stop of new Set(there)) pen.path([box[0], a.y(stop), box[2], a.y(stop)], { stroke: p.soft, width: 1.2, dash: [10, 4] });
   }
   orbits.forEach((o, n) => curves[n].forEach((curve, c) => drawLine(f, curve.flatMap((g, k) => [a.x(o.history!.t[k]), a.y(g)]), colourOf(p, c + 2), o !== orbit)));
   orbit.impact_times.forEach((t, k) => {
     const face = model.faces[orbit.impact_faces[k]];
-    if (face) pen.circle(a.x(t), a.y(face.side), 3.2, { fill: p.paper, stroke: p.ink, width: 1.2 });
+    if (face) pen.circle(a.x(t), a.y(face.side * stopOf(model.contacts[face.contact])), 3.2, { fill: p.paper, stroke: p.ink, width: 1.2 });
   });
   return timeLine(a, box, p);
 }
@@ -272,16 +279,18 @@ export function drawMasses(f: Frame, orbit: Orbit, model: Model, now: number): v
   }
 }
 
-// Structures with many masses: their displacements as a line.
+// Structures with many masses: those displacements that are drawn below, side by side; rotations between them would make a saw of it.
 function drawBars(f: Frame, x: number[], orbit: Orbit): void {
-  const { pen, palette: p } = f;
-  const most = Math.max(...(orbit.amplitudes ?? [1]), 1e-9);
-  const [middle, scale] = [f.height / 2, (0.44 * f.height) / most];
-  const points: number[] = [];
-  x.forEach((v, i) => points.push(14 + ((f.width - 28) * i) / Math.max(1, x.length - 1), middle - scale * v));
+  const { pen, palette: p, coordinates: chosen } = f;
+  const most = Math.max(...chosen.map((i) => orbit.amplitudes?.[i] ?? 1), 1e-300);
+  const [middle, scale] = [f.height / 2, (0.4 * f.height) / most];
+  const at = (c: number) => 14 + ((f.width - 28) * (c + 0.5)) / chosen.length;
   pen.path([10, middle, f.width - 10, middle], { stroke: p.grid });
-  pen.path(points, { stroke: colourOf(p, 0), width: 1.6 });
-  for (let i = 0; i < points.length; i += 2) pen.circle(points[i], points[i + 1], 2.2, { fill: colourOf(p, 0) });
+  pen.path(chosen.flatMap((i, c) => [at(c), middle - scale * x[i]]), { stroke: p.soft, width: 1.2 });
+  chosen.forEach((i, c) => {
+    pen.path([at(c), middle, at(c), middle - scale * x[i]], { stroke: colourOf(p, c), width: 1.6 });
+    pen.circle(at(c), middle - scale * x[i], 4, { fill: colourOf(p, c) });
+  });
 }
 
 function spring(pen: Pen, x0: number, x1: number, y: number, colour: string): void {

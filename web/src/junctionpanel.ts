@@ -64,7 +64,7 @@ export function junctionPanel(atlas: Atlas, j: JunctionRow, full: boolean, u: Un
   const over = j.departures.over_budget > 0;
   const count = (n: number, text: string) => (n ? `${n} ${text}` : "");
   const became = [
-    count(j.departures.taken, "became branches"), count(j.departures.known, "along known branches"), count(j.departures.inadmissible, "would pass through a stop"),
+    count(j.departures.taken, j.departures.taken === 1 ? "became a branch" : "became branches"), count(j.departures.known, "along known branches"), count(j.departures.inadmissible, "would pass through a stop"),
     count(j.departures.over_budget, "over a budget"), count(j.departures.refused, "refused"),
   ].filter(Boolean).join(", ");
   const word = el("span", {}, toHtml(shortWord(j.word)));

@@ -5,22 +5,25 @@ export interface Run {
   shift: -1 | 0 | 1; // lowered, on the line, raised
 }
 
-// [0101010101] as [01] raised to 5, long words without a period as their beginning.
+// [010101] as [01] raised to 3, [00001111] as it is, longer ones with a run of one letter as its power: as the drawn pictures have it.
 export function shortWord(word: string): Run[] {
   const n = word.length;
-  for (let k = 1; k <= n / 2 && n > 6; k++)
-    if (n % k === 0 && word.slice(k) === word.slice(0, n - k) && k <= 20)
-      return [{ text: `[${word.slice(0, k)}]`, shift: 0 }, { text: String(n / k), shift: 1 }];
-  const runs = /^(0{4,})(1{2,})$/.exec(word);
-  if (runs)
-    return [
-      { text: "[0", shift: 0 },
-      { text: String(runs[1].length), shift: 1 },
-      { text: "1", shift: 0 },
-      { text: String(runs[2].length), shift: 1 },
-      { text: "]", shift: 0 },
-    ];
-  return [{ text: n > 24 ? `[${word.slice(0, 20)}…]` : `[${word}]`, shift: 0 }];
+  const on = (text: string): Run => ({ text, shift: 0 });
+  const raised = (power: number): Run => ({ text: String(power), shift: 1 });
+  if (!/[-.]/.test(word)) {
+    let part = 1;
+    while (part < n && (n % part || word.slice(part) !== word.slice(0, n - part))) part++;
+    if (n / part >= 3 && part <= 8) return [on(`[${word.slice(0, part)}]`), raised(n / part)];
+    if (n > 8 && n <= 60) {
+      const runs: Run[] = [on("[")];
+      for (const [run] of word.matchAll(/(.)\1*/g))
+        if (run.length > 2) runs.push(on(run[0]), raised(run.length));
+        else runs.push(on(run));
+      runs.push(on("]"));
+      return runs.reduce<Run[]>((list, r) => (r.shift === 0 && list.at(-1)?.shift === 0 ? [...list.slice(0, -1), on(list.at(-1)!.text + r.text)] : [...list, r]), []);
+    }
+  }
+  return [on(n > 24 ? `[${word.slice(0, 20)}…]` : `[${word}]`)];
 }
 
 const minus = (text: string) => text.replace("-", "−");

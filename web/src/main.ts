@@ -114,7 +114,7 @@ class Page {
     });
     this.install();
     this.apply(a);
-    this.showTab(a.junction || a.selected ? "here" : "help");
+    this.showTab(TABS.find((tab) => tab === a.tab) ?? this.usualTab());
     document.title = `${source.description.title} – ricochet`;
     $("title").textContent = source.description.title;
     const points = source.description.branches.reduce((sum, b) => sum + b.points, 0), curves = this.atlas.branches.filter((b) => !b.linear);
@@ -221,9 +221,12 @@ class Page {
     return {
       window: { e0: v.toEnergy(v.window.x0), e1: v.toEnergy(v.window.x1), w0: v.toFrequency(v.window.y0), w1: v.toFrequency(v.window.y1) },
       log: v.log, duplicates: this.plot.options.duplicates, colouring: this.colouring, labels: this.plot.options.labels,
-      marks: this.plot.options.marks, scale: settings.scale, hertz: settings.hertz, selected: this.plot.selected, junction: this.plot.chosenJunction,
+      marks: this.plot.options.marks, scale: settings.scale, hertz: settings.hertz, full: settings.full, tab: this.tab === this.usualTab() ? "" : this.tab,
+      selected: this.plot.selected, junction: this.plot.chosenJunction,
     };
   }
+
+  private usualTab = (): Tab => (this.plot.chosenJunction || this.plot.selected ? "here" : "help");
 
   // A step of the history, or only the address of the present one.
   private keep(step: boolean): void {
@@ -241,6 +244,7 @@ class Page {
     this.setDuplicates(a.duplicates);
     this.plot.options.marks = $<HTMLInputElement>("marks").checked = a.marks;
     this.plot.options.labels = $<HTMLSelectElement>("labels").value = a.labels;
+    settings.full = $<HTMLInputElement>("full").checked = a.full;
     this.setUnits(a.scale, a.hertz);
     void this.colour(a.colouring);
     const v = this.plot.view;
@@ -571,6 +575,7 @@ class Page {
     $<HTMLInputElement>("full").onchange = (e) => {
       settings.full = (e.target as HTMLInputElement).checked;
       this.retell();
+      this.keep(false);
     };
     const units = () => this.setUnits($<HTMLSelectElement>("units").value as Scale, $<HTMLInputElement>("hertz").checked);
     $("units").onchange = $("hertz").onchange = () => {
@@ -578,11 +583,15 @@ class Page {
       this.keep(false);
     };
     $<HTMLOptionElement>("relative").disabled = !this.source.description.model.onset;
-    installTabs(TABS, () => this.tab, (tab) => this.showTab(tab));
+    installTabs(TABS, () => this.tab, (tab) => {
+      this.showTab(tab);
+      this.keep(false);
+    });
     installDivider();
     for (const b of document.querySelectorAll<HTMLElement>("[data-save]")) b.onclick = () => void this.save(b.dataset.save!);
     installSearch($<HTMLInputElement>("search"), $("results"), () => this.atlas, this.units, (f) => {
-      if (f.kind === "branch") this.goBranch(f.id);
+      if (f.kind === "branch" && f.energy !== undefined) this.selectAt(f.id, f.energy);
+      else if (f.kind === "branch") this.goBranch(f.id);
       else this.goJunction(f.id);
       document.querySelector<HTMLElement>(".overlay")?.focus(); // keys go on from there
     });

@@ -10,7 +10,7 @@ import { saved } from "./saved";
 import { drawStructure } from "./structure";
 import type { Selected } from "./plot";
 import type { Palette } from "./theme";
-import type { Units } from "./units";
+import { tonguesIn, type Units } from "./units";
 
 export interface OrbitEvents {
   pinned(): void; // or no more
@@ -47,6 +47,7 @@ export class OrbitPanel {
   private asked = 0;
   private abort: AbortController | null = null;
   private figures: Figure[] = [];
+  private captions: (() => void)[] = [];
   private clock = 0;
   private last = 0;
   private moving = true;
@@ -55,7 +56,7 @@ export class OrbitPanel {
   pinned: Pinned | null = null; // to compare with
   private pinButton = button("Pin", "Keep this motion to compare others with it (k)", () => this.pin());
   private pinNote = el("p", { class: "sub", hidden: true });
-  private chosen = el("input", { type: "text", title: "Which displacements are drawn, such as 1, 3, 5; none: those with the largest amplitudes", ariaLabel: "Displacements that are drawn", placeholder: "largest" });
+  private chosen = el("input", { type: "text", title: "Which displacements are drawn, such as 1, 3, 5; none: those at contacts, and the largest of the others", ariaLabel: "Displacements that are drawn", placeholder: "at contacts" });
   private scaleNote = el("small");
   private more = el("div", { class: "facts" });
   private head = el("header");
@@ -83,21 +84,27 @@ export class OrbitPanel {
       if (this.scaleNote.textContent !== note) this.scaleNote.textContent = note;
     };
     this.slider.oninput = () => this.go(this.slider.valueAsNumber);
-    const many = this.atlas().description.model.dofs > 2;
-    this.root.append(this.head, steps, this.error, this.pinNote, this.figure(drawing ? "The structure" : "The masses", drawing ? 190 : 112, motion, el("span", {}, this.scaleNote, " ", this.stillButton)),
-      this.facts, this.figure("Displacements", 190, drawHistory, many ? el("label", { class: "chosen" }, "x ", this.chosen) : undefined),
-      this.figure("Gaps between the stops at ±1, impacts", 150, (f, o) => drawGaps(f, o, this.atlas().description.model)),
-      this.figure("Phase portraits", 210, (f, o) => drawPhase(f, o, this.atlas().description.model)),
+    const { dofs } = this.atlas().description.model;
+    const many = dofs > 2;
+    if (!drawing && dofs > 8) this.scaleNote.textContent = "`drawing` shows all";
+    this.root.append(this.head, steps, this.error, this.pinNote, this.figure(drawing ? "The structure" : dofs > 8 ? "Some displacements" : "The masses", drawing ? 190 : 112, motion, el("span", {}, this.scaleNote, " ", this.stillButton)),
+      this.facts, this.figure("Displacements", 190, drawHistory, many ? el("label", { class: "chosen" }, "x ", this.chosen) : undefined, (u) => u.lengthUnit),
+      this.figure("Gaps and impacts", 150, (f, o) => drawGaps(f, o, this.atlas().description.model), undefined, (u) => (u.scale === "physical" ? u.lengthUnit : " (over the clearances)")),
+      this.figure("Phase portraits", 210, (f, o) => drawPhase(f, o, this.atlas().description.model), undefined, (u) => u.lengthNote),
       this.figure("Multipliers on the unit circle", 190, (f, o) => (drawCircle(f, o), null)), this.more, this.impacts);
     requestAnimationFrame((t) => this.tick(t));
+    addEventListener("beforeprint", () => this.drawMotion(true));
   }
 
-  private figure(title: string, height: number, draw: Figure["draw"], extra?: HTMLElement): HTMLElement {
+  // `unit`: what stands behind the title in the units that are shown.
+  private figure(title: string, height: number, draw: Figure["draw"], extra?: HTMLElement, unit: (u: Units) => string = () => ""): HTMLElement {
+    const caption = el("span", { textContent: title });
+    this.captions.push(() => (caption.textContent = title + unit(this.units())));
     const canvas = el("canvas", { class: "figure" });
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", title);
     this.figures.push({ canvas, height, draw, still: null });
-    return el("figure", {}, el("figcaption", {}, title, extra), canvas);
+    return el("figure", {}, el("figcaption", {}, caption, extra), canvas);
   }
 
   /* ------------------------------------------------------------- selection */
@@ -150,6 +157,7 @@ export class OrbitPanel {
     this.showHead();
     this.showFacts();
     this.showImpacts();
+    for (const tell of this.captions) tell();
     this.drawAll();
   }
 
@@ -192,9 +200,10 @@ export class OrbitPanel {
   }
 
   private get drawn(): number[] {
-    const { dofs } = this.atlas().description.model;
+    const { model, drawing } = this.atlas().description;
+    const { dofs } = model;
     const wanted = [...new Set((this.chosen.value.match(/\d+/g) ?? []).map(Number))].filter((i) => i >= 1 && i <= dofs).slice(0, 8);
-    return wanted.length ? wanted.map((i) => i - 1) : coordinates(this.orbit!, dofs);
+    return wanted.length ? wanted.map((i) => i - 1) : coordinates(this.orbit!, model, drawing);
   }
 
   /* --------------------------------------------------------------- stepping */
@@ -268,8 +277,18 @@ export class OrbitPanel {
       return a;
     };
     this.head.replaceChildren(
-      el("h2", {}, toHtml(branchRuns(b.label, b.word, s.k)), chip),
-      el("p", { class: "sub" }, `branch ${b.id}`, s.k > 1 ? `, gone through ${s.k} times` : "", `; from `, link(b.from, "its start"), " to ", link(b.to, b.stop), b.tongues ? `; ${b.tongues}${this.units().energy === 1 ? "" : " (scaled)"}` : "", b.proved ? `; ${b.proved} of ${b.points} points proved${b.curve_proved ? ", and that it is one curve" : ""}` : ""));
+      el("h2", {}, toHtml(branchRuns(b.label, b.word, s.k)), chip, this.orbit ? button("Copy", "Copy the numbers of this motion, all digits", () => void this.copy(), "copy") : null),
+      el("p", { class: "sub" }, `branch ${b.id}`, s.k > 1 ? `, gone through ${s.k} times` : "", `; from `, link(b.from, "its start"), " to ", link(b.to, b.stop), b.tongues ? `; ${tonguesIn(b.tongues, this.units())}` : "", b.proved ? `; ${b.proved} of ${b.points} points proved${b.curve_proved ? ", and that it is one curve" : ""}` : ""));
+  }
+
+  // The numbers as lines of name and value, all digits, in the units that are shown.
+  private async copy(): Promise<void> {
+    const [o, s, b] = [this.orbit, this.selected, this.branch()];
+    if (!o || !s || !b) return;
+    const named: Row[] = [["branch", "Branch", `${b.label} (${b.key})`], ...this.rowsOf(o, s, b, true)];
+    const lines = named.map(([key, name, value]) => `${name || key}\t${value.replaceAll("\n", "; ")}`);
+    const done = await navigator.clipboard?.writeText(lines.join("\n") + "\n").then(() => true, () => false);
+    this.events.status(done ? "The numbers of this motion are copied." : "The browser lets nothing be copied here.");
   }
 
   private showFacts(): void {
@@ -283,8 +302,7 @@ export class OrbitPanel {
     this.more.replaceChildren(list(rows.slice(first)));
   }
 
-  private rowsOf(o: Orbit, s: Selected, b: Branch): Row[] {
-    const { full } = this.settings;
+  private rowsOf(o: Orbit, s: Selected, b: Branch, full = this.settings.full): Row[] {
     const u = this.units();
     const d = u.length;
     const rows: Row[] = [
@@ -327,8 +345,8 @@ export class OrbitPanel {
     o.impact_times.slice(0, 400).forEach((t, k) =>
       body.append(el("tr", {}, ...[String(k), digits(t, full), face(o.impact_faces[k]), digits(o.impact_speeds[k], full), digits(o.impulses[k], full)].map((text, i) =>
         el("td", { textContent: i > 2 && d !== 1 ? digits(d * (i === 3 ? o.impact_speeds[k] : o.impulses[k]), full) : text })))));
-    const head = el("tr", {}, ...["impact", "time, s", "face", "speed", "impulse"].map((text) => el("th", { textContent: text })));
-    this.impacts.replaceChildren(el("h3", { textContent: "Impacts" }), el("div", { class: "wide-table", tabIndex: 0, role: "group", ariaLabel: "Impacts" }, el("table", { class: full ? "impacts full" : "impacts" }, el("thead", {}, head), body)));
+    const head = el("tr", {}, ...["#", "time, s", "face", "speed", "impulse"].map((text) => el("th", { textContent: text })));
+    this.impacts.replaceChildren(el("h3", { textContent: `Impacts${this.units().lengthNote}` }), el("div", { class: "wide-table", tabIndex: 0, role: "group", ariaLabel: "Impacts" }, el("table", { class: full ? "impacts full" : "impacts" }, el("thead", {}, head), body)));
   }
 
   /* --------------------------------------------------------------- pictures */
@@ -344,7 +362,7 @@ export class OrbitPanel {
   }
 
   private frame(pen: Pen, width: number, height: number, size: number): Frame {
-    return { pen, width, height, palette: this.palette(), size, length: this.units().length, coordinates: this.drawn, other: this.pinned?.orbit ?? null };
+    return { pen, width, height, palette: this.palette(), size, length: this.units().length, physical: this.units().scale === "physical", coordinates: this.drawn, other: this.pinned?.orbit ?? null };
   }
 
   private drawAll(): void {
@@ -353,7 +371,7 @@ export class OrbitPanel {
   }
 
   // What has not changed is kept: a motion then costs little more than what moves.
-  private drawMotion(): void {
+  private drawMotion(unseen = false): void {
     const { orbit } = this;
     if (!orbit) return;
     const scale = window.devicePixelRatio || 1;
@@ -361,7 +379,7 @@ export class OrbitPanel {
     for (const f of this.figures) {
       const width = f.canvas.clientWidth;
       const box = f.canvas.getBoundingClientRect();
-      if (!width || box.bottom < -50 || box.top > bottom + 50) continue; // scrolled out of sight
+      if (!width || (!unseen && (box.bottom < -50 || box.top > bottom + 50))) continue; // scrolled out of sight
       const height = Math.round(f.height * (this.settings.size / 14));
       const [w, h] = [Math.round(width * scale), Math.round(height * scale)];
       if (f.canvas.width !== w || f.canvas.height !== h) {

@@ -352,37 +352,47 @@ export class Plot {
     this.hovered = this.hoveredMark = null; // the pointer is no part of the picture
     this.paintLines(pen, this.withHighlights(), [...this.scene.painter.styles, ...this.highlightStyles()]);
     this.paint(pen, w, h);
-    this.paintLegend(pen);
-    this.paintMarks(pen, h + 0.9 * this.size);
-    return { width: w, height: h + Math.round(1.8 * this.size) };
+    const rows = this.paintMarks(pen, h + 0.9 * this.size, this.paintLegend(pen));
+    return { width: w, height: h + Math.round(1.8 * rows * this.size) };
   }
 
-  // What lines and marks mean, below a saved picture.
-  private paintMarks(pen: Pen, y: number): void {
+  // What lines and marks mean, below a saved picture, and the part of the legend from `first` on: in how many rows, as the picture may be narrow.
+  private paintMarks(pen: Pen, y: number, first: number): number {
     const { size, palette: p, scene } = this;
     const small = size - 2;
-    let x = this.pad.left + 4;
+    const [left, right] = [this.pad.left + 4, this.pad.left + this.view.width];
+    let [x, rows] = [left, 1];
+    const entry = (text: string, draw: (x: number, y: number) => void, width: number) => {
+      const whole = width + textWidth(text, small);
+      if (x > left && x + whole > right) [x, rows] = [left, rows + 1];
+      const at = y + 1.8 * size * (rows - 1);
+      draw(x, at);
+      pen.text(x + width, at + 0.35 * small, text, { size: small, fill: p.soft });
+      x += whole + 18;
+    };
+    for (const { text, style } of scene.painter.legend.slice(first))
+      entry(text, (at, up) => pen.path([at, up, at + 22, up], { stroke: style.colour, width: style.width, dash: style.dash ?? undefined }), 28);
     const kinds = this.options.marks ? [...new Set(scene.marks.map((m) => m.junction.kind))] : [];
-    for (const kind of kinds) {
-      const text = kind.replace("-", " ");
-      drawMark(pen, kind, x, y, 4, p.ink, p.mark);
-      pen.text(x + 10, y + 0.35 * small, text, { size: small, fill: p.soft });
-      x += 10 + textWidth(text, small) + 18;
+    for (const kind of kinds) entry(kind.replace("-", " "), (at, up) => drawMark(pen, kind, at, up, 4, p.ink, p.mark), 10);
+    if (scene.painter.oneColour) for (const text of ["thick stable,", "thin unstable,", "dotted undecided,", "dashed duplicate"]) {
+      entry(text, () => {}, 0);
+      x -= 12;
     }
-    if (!scene.painter.oneColour) return;
-    const text = "thick stable, thin unstable, dotted undecided, dashed duplicate";
-    const right = this.pad.left + this.view.width;
-    if (x + textWidth(text, small) < right) pen.text(right, y + 0.35 * small, text, { size: small, fill: p.soft, anchor: "end" });
+    return rows;
   }
 
   // On the page the legend is an element of its own; a saved picture has it above the frame, and the title at the right.
-  private paintLegend(pen: Pen): void {
+  // Returns how many entries have found room there.
+  private paintLegend(pen: Pen): number {
     const { size, palette: p, scene } = this;
     const y = this.pad.top - 0.8 * size;
-    let x = this.pad.left;
+    const edge = this.pad.left + this.view.width;
+    let [x, n] = [this.pad.left, 0];
     for (const { text, style } of scene.painter.legend) {
       const runs = junctionRuns(text);
       const { at, width } = measure(runs, size - 1, textWidth);
+      if (x + 28 + width > edge) break;
+      n++;
       pen.path([x, y - 0.3 * size, x + 22, y - 0.3 * size], { stroke: style.colour, width: style.width, dash: style.dash ?? undefined });
       pen.runs({ runs, at, size: size - 1, fill: p.ink, halo: p.paper }, x + 28, y);
       x += 28 + width + 16;
@@ -395,8 +405,8 @@ export class Plot {
       x += 44 + textWidth(text, size - 1);
     }
     const { title } = scene.atlas.description;
-    const right = this.pad.left + this.view.width;
-    if (right - textWidth(title, size) > x + 10) pen.text(right, y, title, { size, fill: p.ink, anchor: "end" });
+    if (edge - textWidth(title, size) > x + 10) pen.text(edge, y, title, { size, fill: p.ink, anchor: "end" });
+    return n;
   }
 
   private paintAxes(pen: Pen, w: number, h: number): void {

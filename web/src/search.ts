@@ -7,6 +7,15 @@ import type { Units } from "./units";
 export interface Found {
   kind: "branch" | "junction";
   id: number;
+  energy?: number; // at which the branch is looked at
+}
+
+// Branches that pass an energy, a number in the units that are shown: those with impacts first, by impacts.
+export function passing(atlas: Atlas, text: string, u: Units, most = 12): Found[] {
+  if (!/^(0?\.|[1-9])[\d.]*(e[+-]?\d+)?$/i.test(text)) return []; // 0101 is a word
+  const energy = Number(text) / u.energy;
+  const list = atlas.branches.filter((b) => energy > 0 && b.energy_min <= energy && energy <= b.energy_max && atlas.arclengthOf(b, energy) !== null);
+  return list.sort((a, b) => Number(a.linear) - Number(b.linear) || a.impacts - b.impacts || a.id - b.id).slice(0, most).map((b) => ({ kind: "branch", id: b.id, energy }));
 }
 
 const bare = (text: string) => text.toLowerCase().replace(/[\s{}^_−]/g, (c) => (c === "−" ? "-" : ""));
@@ -47,14 +56,16 @@ export function installSearch(input: HTMLInputElement, list: HTMLElement, atlas:
     close();
   };
   const show = () => {
-    results = find(atlas(), input.value);
+    const number = input.value.trim();
+    const there = passing(atlas(), number, units(), 9);
+    results = [...there, ...find(atlas(), number, 12 - there.length)];
     at = 0;
     list.replaceChildren(...results.map((f, i) => {
       const j = f.kind === "junction" ? atlas().junction(f.id) : null;
       const b = f.kind === "branch" ? atlas().branch(f.id) : null;
       const name = j ? toHtml(junctionRuns(j.name || j.label)) : toHtml(branchRuns(b!.label, b!.word));
       const u = units();
-      const note = j ? `${j.kind}, E ${(u.energy * j.energy).toPrecision(5)}, ${u.frequencySign} ${(u.frequency * j.frequency).toPrecision(5)}` : `branch ${b!.id}, E ${(u.energy * b!.energy_min).toPrecision(4)} to ${(u.energy * b!.energy_max).toPrecision(4)}`;
+      const note = j ? `${j.kind}, E ${(u.energy * j.energy).toPrecision(5)}, ${u.frequencySign} ${(u.frequency * j.frequency).toPrecision(5)}` : f.energy !== undefined ? `branch ${b!.id}, where it passes E ${number}` : `branch ${b!.id}, E ${(u.energy * b!.energy_min).toPrecision(4)} to ${(u.energy * b!.energy_max).toPrecision(4)}`;
       const row = el("button", { type: "button", class: i === 0 ? "result on" : "result" }, el("span", {}, name), el("small", { textContent: note }));
       row.onpointerdown = (e) => {
         e.preventDefault();
@@ -62,7 +73,7 @@ export function installSearch(input: HTMLInputElement, list: HTMLElement, atlas:
       };
       return row;
     }));
-    if (!results.length && input.value.trim()) list.replaceChildren(el("p", { class: "sub", textContent: /^[-+.\d]/.test(input.value.trim()) ? "Nothing has that name. A number with # is a branch, as #12; for energies and frequencies see Branches." : "Nothing has that name." }));
+    if (!results.length && input.value.trim()) list.replaceChildren(el("p", { class: "sub", textContent: /^[-+.\d]/.test(input.value.trim()) ? "Nothing has that name. No branch passes that energy; a number with # is a branch, as #12." : "Nothing has that name." }));
     list.hidden = !input.value.trim();
     input.setAttribute("aria-expanded", String(!list.hidden));
   };

@@ -27,13 +27,13 @@ export interface Palette {
 
 const light: Palette = {
   ink: "#1b2430", soft: "#5d6875", grid: "#e7eaee", paper: "#ffffff", accent: "#c2185b", mark: "#ffffff", halo: "#ffd54a",
-  linear: "#9aa1a9", symmetric: "#16325c", asymmetric: "#d0701c", stable: "#157a52", unstable: "#c4314b", lit: "#00a38d", other: "#8e3fb8", undecided: "#a57a00",
+  linear: "#9aa1a9", symmetric: "#16325c", asymmetric: "#d0701c", stable: "#0d5a3c", unstable: "#e2687c", lit: "#00a38d", other: "#8e3fb8", undecided: "#a57a00",
   kinds: ["#16325c", "#d0701c", "#2a8a57", "#a04a8c", "#0e8fa8", "#8a6d1d", "#5b5fc7", "#b23a48"],
 };
 
 const dark: Palette = {
   ink: "#e8ecf1", soft: "#9aa6b4", grid: "#242c36", paper: "#11161d", accent: "#ff6fa5", mark: "#11161d", halo: "#806a1c",
-  linear: "#78828e", symmetric: "#7db4ff", asymmetric: "#f4a259", stable: "#4fd19a", unstable: "#ff7d8f", lit: "#2fe0c4", other: "#c58cf0", undecided: "#e0b84c",
+  linear: "#78828e", symmetric: "#7db4ff", asymmetric: "#f4a259", stable: "#8df0c3", unstable: "#d9596e", lit: "#2fe0c4", other: "#c58cf0", undecided: "#e0b84c",
   kinds: ["#7db4ff", "#f4a259", "#6bd39c", "#dd92cb", "#5cd0e6", "#d8bf6a", "#a6a9ff", "#ff8f9c"],
 };
 

@@ -13,6 +13,7 @@ export interface Units {
   frequencyTitle: string;
   energyNote: string; // behind the word energy
   lengthNote: string; // behind the words of a length or speed
+  lengthUnit: string; // behind the word of a length alone
   frequencySign: string;
   frequencyUnit: string;
   energyColumn: string; // in files
@@ -31,6 +32,7 @@ export function unitsOf(model: Model, scale: Scale, hertz: boolean): Units {
     energyTitle: { scaled: "energy E, scaled by d²", physical: names ? `energy E, ${names.force} ${names.length}` : "energy E, in units of the study", relative: "energy E, over that of the first touch" }[scale],
     energyNote: { scaled: " (scaled)", physical: names ? ` (${names.force} ${names.length})` : "", relative: " (over first touch)" }[scale],
     lengthNote: scale === "physical" ? (names ? ` (${names.length}, s)` : "") : " (scaled)",
+    lengthUnit: scale === "physical" ? (names ? ` (${names.length})` : "") : " (scaled)",
     frequencyTitle: hertz ? "frequency f, Hz" : "frequency ω, rad/s",
     frequencySign: hertz ? "f" : "ω",
     frequencyUnit: hertz ? "Hz" : "rad/s",
@@ -38,4 +40,13 @@ export function unitsOf(model: Model, scale: Scale, hertz: boolean): Units {
     frequencyColumn: hertz ? "frequency_hz" : "frequency",
     lengthSuffix: scale === "physical" ? "_physical" : "",
   };
+}
+
+// Internal resonances as the program tells them, with scaled energies and rad/s, in the units that are shown.
+export function tonguesIn(text: string, u: Units): string {
+  const number = (value: string, by: number, places: number) => (by === 1 ? value : String(Number((by * Number(value)).toPrecision(places))));
+  const found = text
+    .replace(/\bE (\d[\d.]*(?:e[+-]?\d+)?)/g, (_, e: string) => `E ${number(e, u.energy, 6)}`)
+    .replace(/\bomega (\d[\d.]*(?:e[+-]?\d+)?) to (\d[\d.]*(?:e[+-]?\d+)?)/g, (_, a: string, b: string) => `${u.frequencySign} ${number(a, u.frequency, 8)} to ${number(b, u.frequency, 8)} ${u.frequencyUnit}`);
+  return found + (u.scale === "scaled" ? "" : u.energyNote);
 }
