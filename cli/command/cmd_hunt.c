@@ -414,7 +414,7 @@ static int run(int argc, char **argv)
 static const cli_item items[] = {
     {.text = "Looks for all periodic orbits of one scaled energy with up to N impacts per period, without "
              "following any branch: symmetry lines are scanned, rows and random starts are flown from impact to "
-             "impact. For structures of which the stops see two modes. Every orbit is checked with the simulator. "
+             "impact. For rigid stops that see two modes. Every orbit is checked with the simulator. "
              "An empty result is no proof; what a known atlas has is the measure of what is found."},
     {.name = "--energy",
      .value = "E[,E]",
