@@ -56,30 +56,41 @@ static void reflect_all(int m, int ld, real *A, const real *v, real *other)
 
 typedef long double _Complex complex_t;
 
-/* To Hessenberg form by elimination with pivots (Golub and Van Loan, 7.4.7). */
-static void make_hessenberg(int n, complex_t *A)
+/* To Hessenberg form by elimination with pivots (Golub and Van Loan, 7.4.7); real, which is a quarter of the work. */
+static void make_hessenberg(int n, real *A)
 {
     for (int k = 1; k + 1 < n; k++) {
         int pivot = k;
         for (int i = k + 1; i < n; i++)
-            if (cabsl(A[i * n + k - 1]) > cabsl(A[pivot * n + k - 1])) pivot = i;
+            if (fabs(A[i * n + k - 1]) > fabs(A[pivot * n + k - 1])) pivot = i;
         if (A[pivot * n + k - 1] == 0) continue;
         for (int j = 0; j < n && pivot != k; j++) {
-            complex_t t = A[k * n + j];
+            real t = A[k * n + j];
             A[k * n + j] = A[pivot * n + j];
             A[pivot * n + j] = t;
         }
         for (int j = 0; j < n && pivot != k; j++) {
-            complex_t t = A[j * n + k];
+            real t = A[j * n + k];
             A[j * n + k] = A[j * n + pivot];
             A[j * n + pivot] = t;
         }
         for (int i = k + 1; i < n; i++) {
-            complex_t factor = A[i * n + k - 1] / A[k * n + k - 1];
+            real factor = A[i * n + k - 1] / A[k * n + k - 1];
             for (int j = 0; j < n; j++) A[i * n + j] -= factor * A[k * n + j];
             for (int j = 0; j < n; j++) A[j * n + k] += factor * A[j * n + i];
         }
     }
+}
+
+/* (x, y) <- (c x + conj(s) y, c y - s x), part by part: products of complex numbers look for infinities. */
+static inline void rotate(real c, complex_t s, complex_t *x, complex_t *y)
+{
+    const real sr = creall(s), si = cimagl(s), xr = creall(*x), xi = cimagl(*x), yr = creall(*y), yi = cimagl(*y);
+    real *to = (real *)x, *below = (real *)y;
+    to[0] = c * xr + (sr * yr + si * yi);
+    to[1] = c * xi + (sr * yi - si * yr);
+    below[0] = c * yr - (sr * xr - si * xi);
+    below[1] = c * yi - (sr * xi + si * xr);
 }
 
 /* One step of the QR algorithm with a shift on rows and columns low .. high (Golub and Van Loan, 7.5). */
@@ -88,23 +99,16 @@ static void turn(int n, int low, int high, complex_t shift, complex_t *A, comple
     for (int i = low; i <= high; i++) A[i * n + i] -= shift;
     for (int k = low; k < high; k++) {
         complex_t a = A[k * n + k], b = A[(k + 1) * n + k];
-        real size = hypot(cabsl(a), cabsl(b));
-        complex_t c = size > 0 ? a / size : 1, s = size > 0 ? b / size : 0;
+        real far = cabsl(a), size = hypot(far, cabsl(b)), c = size > 0 ? far / size : 1; /* real, for half the work */
+        complex_t s = size > 0 ? b * (far > 0 ? conj(a) / far : 1) / size : 0;
         rotation[2 * k] = c;
         rotation[2 * k + 1] = s;
-        for (int j = k; j <= high; j++) {
-            complex_t x = A[k * n + j], y = A[(k + 1) * n + j];
-            A[k * n + j] = conj(c) * x + conj(s) * y;
-            A[(k + 1) * n + j] = c * y - s * x;
-        }
+        for (int j = k; j <= high; j++) rotate(c, s, &A[k * n + j], &A[(k + 1) * n + j]);
     }
     for (int k = low; k < high; k++) {
-        complex_t c = rotation[2 * k], s = rotation[2 * k + 1];
-        for (int i = low; i <= (k + 1 < high ? k + 1 : high); i++) {
-            complex_t x = A[i * n + k], y = A[i * n + k + 1];
-            A[i * n + k] = x * c + y * s;
-            A[i * n + k + 1] = conj(c) * y - conj(s) * x;
-        }
+        real c = creall(rotation[2 * k]);
+        complex_t s = conj(rotation[2 * k + 1]);
+        for (int i = low; i <= (k + 1 < high ? k + 1 : high); i++) rotate(c, s, &A[i * n + k], &A[i * n + k + 1]);
     }
     for (int i = low; i <= high; i++) A[i * n + i] += shift;
 }
@@ -118,13 +122,13 @@ static complex_t choose_shift(int n, int high, const complex_t *A)
     return half + root == 0 ? y[1] : y[1] - x[1] * y[0] / (half + root);
 }
 
+/* Of a matrix in Hessenberg form. */
 static bool eigenvalues(int n, complex_t *A, complex_t *out)
 {
     enum { STEPS = 60 };
     complex_t *rotation = ric_calloc(2 * (size_t)n + 2, sizeof *rotation);
     int high = n - 1, tries = 0;
     if (!rotation) return false;
-    make_hessenberg(n, A);
     while (high >= 0 && tries < STEPS) {
         int low = high;
         for (; low > 0; low--) {
@@ -197,8 +201,10 @@ bool ric_verify_pairs_find(int m, real *A, real *J, real *flow, real *gradient, 
     }
     complex_t *C = ric_calloc((size_t)k * (size_t)k + (size_t)k + 1, sizeof *C), *lambda = C ? C + k * k : NULL;
     if (!C) return false;
+    for (int i = 0; i < k; i++) memmove(A + i * k, B + i * m, (size_t)k * sizeof *A);
+    make_hessenberg(k, A);
     for (int i = 0; i < k; i++)
-        for (int j = 0; j < k; j++) C[i * k + j] = B[i * m + j];
+        for (int j = i > 0 ? i - 1 : 0; j < k; j++) C[i * k + j] = A[i * k + j];
     bool found = eigenvalues(k, C, lambda);
     if (found) pair_up(k, lambda, rho);
     free(C);
@@ -228,14 +234,16 @@ static real spread(const ric_pairs *p, int i)
  * (> 0: stable). */
 static void weigh(const ric_pairs *p, real *outside, real *inside)
 {
+    real errors[p->n_pair + 1];
     *outside = -INFINITY;
     *inside = INFINITY;
+    for (int i = 0; i < p->n_pair; i++) errors[i] = spread(p, i);
     for (int i = 0; i < p->n_pair; i++) {
-        real error = spread(p, i), re = fabs(creall(own(p, 0, i))), im = fabs(cimagl(own(p, 0, i)));
+        real error = errors[i], re = fabs(creall(own(p, 0, i))), im = fabs(cimagl(own(p, 0, i)));
         if (isnan(error)) error = INFINITY;
         real apart = INFINITY;
         for (int j = 0; j < p->n_pair; j++)
-            if (j != i) apart = fmin(apart, cabsl(own(p, 0, i) - own(p, 0, j)) - error - spread(p, j));
+            if (j != i) apart = fmin(apart, cabsl(own(p, 0, i) - own(p, 0, j)) - error - errors[j]);
         *outside = fmax(*outside, fmax(re - 2, im) - error);
         *inside = fmin(*inside, fmin(2 - re - error, apart));
         if (im > error) *inside = fmin(*inside, -im);
