@@ -262,7 +262,7 @@ ok 'and of pounds and inches' masses in lbf slinch 'which is slinch,'
 ok 'masses in kg where t belong are refused, with the factor' masses mm N kg 'units.mass: .* masses are in t: multiply those in kg by 0.001'
 ok 'a mass is no length' masses mm N cm 'cm is no unit of mass, but of length'
 # Of a few hundred coordinates the modes take seconds: a terminal says what goes on before there is anything else to show.
-begins() { python3 -S tests/support/terminal.py 80 "$ricochet" run "$folder/chain.yaml" -o "$folder/shown.ricochet" | head -c 200 | grep -q "^$folder/chain.yaml: read, and its modes"; }
+begins() { python3 -S tests/support/terminal.py 80 "$ricochet" run "$folder/chain.yaml" -o "$folder/shown.ricochet" --seconds 0.2 | head -c 200 | grep -q "^$folder/chain.yaml: read, and its modes"; }
 ok 'a run says at once what it does' begins
 
 # Two masses on one spring, each between walls: one may rest at a wall while the other moves, which touches for good.

@@ -16,12 +16,14 @@ rows() # ATLAS: all tables but the cache of traces
 
 study 8 4 3 >"$folder/two.yaml"
 for case in "$folder/two.yaml" examples/three-masses/study.yaml examples/two-walls/study.yaml examples/cascade/study.yaml examples/bilinear/study.yaml examples/two-springs/study.yaml; do
-    for workers in 1 2 5; do
+    # the short form takes the examples with one and with five
+    few=$([ "$case" = "$folder/two.yaml" ] && echo '1 2 5' || some_of '1 5' '1 2 5')
+    for workers in $few; do
         rm -f "$folder/a.ricochet"
         ok "$(basename "$(dirname "$case")")/$(basename "$case") with $workers" "$ricochet" run "$case" -j $workers -o "$folder/a.ricochet"
         rows "$folder/a.ricochet" >"$folder/$workers.txt"
     done
-    ok "2 workers, the same rows" same "$folder/1.txt" "$folder/2.txt"
+    [ "$few" = '1 5' ] || ok "2 workers, the same rows" same "$folder/1.txt" "$folder/2.txt"
     ok "5 workers, the same rows" same "$folder/1.txt" "$folder/5.txt"
     ok "there are rows" test "$(grep -c '"word"' "$folder/1.txt")" -gt 5
 done

@@ -10,7 +10,7 @@ from tap import LONG, NEAR, PROGRAM, near, run
 import ricochet
 import numpy as np
 
-STUDIES = sorted(glob.glob("examples/*/study.yaml"))[::3 if NEAR else 1] + (sorted(glob.glob("examples/paper/*.yaml")) if LONG else [])
+STUDIES = sorted(glob.glob("examples/*/study.yaml"))[::3 if NEAR else 1 if LONG else 2] + (sorted(glob.glob("examples/paper/*.yaml")) if LONG else [])
 SECONDS = 60 if LONG else 0.4  # of an exploration: what there is then is compared
 BRANCHES = 10**6 if LONG else 4  # of an atlas, whose points and orbits are compared
 

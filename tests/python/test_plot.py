@@ -75,7 +75,7 @@ def test_stable_parts(folder):
 def test_zoom(folder):
     """a zoom has its junction inside, and the ends of the branches that meet there at it"""
     atlas = atlas_in(folder)
-    for one in [one for one in atlas.junctions if one.kind != "start"][::1 if LONG else 3]:  # each draws all branches anew
+    for one in [one for one in atlas.junctions if one.kind != "start"][::1 if LONG else 9]:  # each draws all branches anew
         ax = plot.zoom(one)
         (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
         assert left < one.energy < right and low < one.frequency < high
