@@ -74,13 +74,14 @@ class Tube(Chain):
         """All of them close, and are motions."""
         u, n = self.box(first, last, radii), 2 * self.m.n
         w = u[:n, 0]
-        need((w.T * self.m.G * w)[0] > 0, "the energy is not positive")
-        need(not self.general or abs(u[u.rows - 1]) < 1, "it is not closed")
-        for _, w, t, begin, end in self.flights(u):
-            ends = [(begin, w, 1)] if begin else []
-            if end and not self.general:  # each impact but the last one is the beginning of a flight
-                ends.append((end, self.m.flight(t[0]) * w, -1))
-            for face, state, out in ends:
+        self.energy(w, 1 + u[u.rows - 1] if self.general else 1)
+        for k, w, t, begin, end in self.flights(u):
+            ends = [(begin, self.opens[k], w, 1)] if begin else []
+            if end and not self.general:  # each event but the last one is the beginning of a flight
+                ends.append((end, self.opens[k + 1], self.phases[k].after(w, t[0]), -1))
+            for face, opens, state, out in ends:
+                if self.m.soft[face[0]]:
+                    out = 1 if opens else -1
                 need(-out * face[1] * (self.m.rows[face[0]] * self.m.A * state)[0] > 0, "an impact has no speed")
         self.passage(u)
 

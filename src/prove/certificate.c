@@ -53,6 +53,20 @@ static void print_matrix(FILE *f, const char *name, int rows, int columns, const
     fputs("]", f);
 }
 
+/* The stiffness of each contact, 0 of a stop; nothing where all are stops. */
+static void print_springs(FILE *f, const ric_model *m)
+{
+    bool any = false;
+    for (int i = 0; i < m->n_contact; i++) any = any || m->contact[i].stiffness > 0;
+    if (!any) return;
+    fputs(", \"springs\": [", f);
+    for (int i = 0; i < m->n_contact; i++) {
+        if (i) fputs(", ", f);
+        print_decimal(f, m->contact[i].stiffness);
+    }
+    fputs("]", f);
+}
+
 char *ric_certificate_model(const ric_model *m)
 {
     static const char *const sides[] = {"both", "upper", "lower"};
@@ -70,6 +84,7 @@ char *ric_certificate_model(const ric_model *m)
     fputs("], \"sides\": [", b.file);
     for (int i = 0; i < m->n_contact; i++) fprintf(b.file, "%s\"%s\"", i ? ", " : "", sides[m->contact[i].sides]);
     fputs("]", b.file);
+    print_springs(b.file, m);
     return finish(&b);
 }
 
@@ -143,10 +158,12 @@ static void print_states(writing *w, const char *name, int first)
     fputs("]", w->file);
 }
 
-static void print_class(FILE *f, const ric_chain *c)
+/* Faces, and n_face more where a spring opens. */
+static void print_class(FILE *f, const ric_chain *c, const ric_enclosure *e)
 {
     fprintf(f, ", \"start\": \"%s\", \"end\": \"%s\", \"faces\": [", ends[c->start], ends[c->end]);
-    for (int k = 0; k <= c->m; k++) fprintf(f, "%s%d", k ? ", " : "", c->face[k]);
+    for (int k = 0; k <= c->m; k++)
+        fprintf(f, "%s%d", k ? ", " : "", c->face[k] + (ric_chain_opens(c, e, k) ? e->n_face : 0));
     fputs("]", f);
 }
 
@@ -210,7 +227,7 @@ char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ri
     if (!ric_buffer_open(&b)) return NULL;
     writing w = {.file = b.file, .chain = c, .e = e, .u = z->u, .unique = true};
     fprintf(b.file, "{\"type\": \"point\", \"branch\": %d, \"point\": %d", proof->branch, proof->point);
-    print_class(b.file, c);
+    print_class(b.file, c, e);
     print_orbit(&w);
     fprintf(b.file, ", \"held\": [%d, %d]", c->at, c->number);
     print_rounded(&w, "energy", z->energy);
@@ -254,7 +271,8 @@ void ric_certificate_arcs_break(ric_arcs *a)
     a->open = false;
 }
 
-char *ric_certificate_arcs_close(ric_arcs *a, const ric_chain *like, const ric_curve_proof *proof)
+char *ric_certificate_arcs_close(ric_arcs *a, const ric_chain *like, const ric_enclosure *e,
+                                 const ric_curve_proof *proof)
 {
     ric_buffer b;
     char *arcs = ric_buffer_take(&a->text);
@@ -267,7 +285,7 @@ char *ric_certificate_arcs_close(ric_arcs *a, const ric_chain *like, const ric_c
         return NULL;
     }
     fprintf(b.file, "{\"type\": \"curve\", \"branch\": %d", proof->branch);
-    print_class(b.file, like);
+    print_class(b.file, like, e);
     fprintf(b.file, ", \"arcs\": [%s]]", arcs);
     free(arcs);
     return finish(&b);
@@ -284,7 +302,7 @@ char *ric_certificate_junction(const ric_augmented *x, const ric_junction_proof 
     c.number = -1; /* none is held */
     writing w = {.file = b.file, .chain = &c, .e = x->e, .u = x->z, .unique = true};
     fprintf(b.file, "{\"type\": \"junction\", \"junction\": %d, \"branch\": %d", proof->junction, proof->branch);
-    print_class(b.file, &c);
+    print_class(b.file, &c, x->e);
     print_orbit(&w);
     fprintf(b.file, ", \"slow\": %d", x->ask.place);
     arb_t y;

@@ -31,7 +31,8 @@ void ric_certificate_arcs_add(ric_arcs *a, const ric_chain *c, const ric_enclosu
 /* What comes is not joined with what was. */
 void ric_certificate_arcs_break(ric_arcs *a);
 /* The line, "" where a number was not told from another one; `a` is closed. */
-char *ric_certificate_arcs_close(ric_arcs *a, const ric_chain *like, const ric_curve_proof *proof);
+char *ric_certificate_arcs_close(ric_arcs *a, const ric_chain *like, const ric_enclosure *e,
+                                 const ric_curve_proof *proof);
 
 /* A grazing of which an impact has exactly no speed; "" for all others. */
 char *ric_certificate_junction(const ric_augmented *x, const ric_junction_proof *proof);

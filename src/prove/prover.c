@@ -246,11 +246,9 @@ static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *ou
         p->contradicted = !agree;
         out->state = agree ? RIC_PROOF_DONE : RIC_PROOF_NONE;
         free(p->certificate);
-        const bool written = agree && !ric_prover_springs(m);
-        p->certificate = written ? ric_certificate_point(&t.chain, e, &z, out) : ric_strdup("");
+        p->certificate = agree ? ric_certificate_point(&t.chain, e, &z, out) : ric_strdup("");
         if (!p->certificate) status = ric_no_memory("a certificate");
-        *more = !agree || !p->certificate || (written && !*p->certificate) ||
-                (e->n > 1 && out->stable == RIC_STABLE_UNDECIDED);
+        *more = !agree || !p->certificate || !*p->certificate || (e->n > 1 && out->stable == RIC_STABLE_UNDECIDED);
     }
     theorem_close(&t);
     free(state);

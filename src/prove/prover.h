@@ -28,7 +28,7 @@ struct ric_prover {
 const ric_enclosure *ric_prover_enclosure(ric_prover *p, int level);
 /* Why the structure is left out by name, or NULL; and the branch. */
 const char *ric_prover_left_out_model(const ric_model *model);
-/* Whether it has springs: junctions, certificates and a census are of stops alone. */
+/* Whether it has springs: a census is of stops alone. */
 bool ric_prover_springs(const ric_model *model);
 const char *ric_prover_left_out(const ric_prover *p, const ric_branch *branch);
 

@@ -307,8 +307,7 @@ ric_status ric_prover_curve(ric_prover *p, int id, ric_curve_proof *out)
     out->approach = ldexp(t.curve.approach, t.w.e->time);
     free(t.stations);
     free(p->certificate);
-    p->certificate = ric_certificate_arcs_close(&arcs, &t.w.like, out);
-    if (p->certificate && ric_prover_springs(ric_atlas_model(p->atlas))) *p->certificate = 0;
+    p->certificate = ric_certificate_arcs_close(&arcs, &t.w.like, t.w.e, out);
     ric_walk_close(&t.w);
     return status ? status : p->certificate ? RIC_OK : ric_no_memory("a certificate");
 }

@@ -372,8 +372,7 @@ ric_status ric_prover_junction(ric_prover *p, int id, ric_junction_proof *out)
         else snprintf(out->why, sizeof out->why, "%s", e->why);
         if (!status && out->state == RIC_PROOF_DONE) {
             free(p->certificate);
-            p->certificate = ric_prover_springs(ric_atlas_model(p->atlas)) ? ric_strdup("")
-                                                                           : ric_certificate_junction(&x, out);
+            p->certificate = ric_certificate_junction(&x, out);
             if (!p->certificate) status = ric_no_memory("a certificate");
         }
         ric_augmented_free(&x);

@@ -4,7 +4,7 @@ set -u
 . tests/support/tap.sh
 
 needs_checker
-for name in elementary three-masses two-walls; do
+for name in elementary three-masses two-walls stop-and-spring; do
     "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
     if "$ricochet" prove "$folder/$name.ricochet" -o "$folder/$name.jsonl" 2>&1 | grep -q 'left out of this program'; then
         echo '1..0 # SKIP the program was built without FLINT'
@@ -21,6 +21,7 @@ checked() {
 ok 'certificates of elementary are accepted' checked "$folder/elementary.jsonl" "$(every_of 340)"
 ok 'certificates of three-masses are accepted' checked "$folder/three-masses.jsonl" "$(every_of 320)"
 ok 'certificates of two-walls are accepted' checked "$folder/two-walls.jsonl" "$(every_of 400)"
+ok 'certificates of stop-and-spring are accepted' checked "$folder/stop-and-spring.jsonl" "$(every_of 130)"
 # The last ones before a grazing end, where a gap all but closes in flight, and the first ones.
 ends() {
     awk 'NR == 1 { print; next }
@@ -106,6 +107,14 @@ for _ in range(least(100)):
         else: raise ValueError
     assert reason(look) or json.loads(lie)["time"] != first["time"], lie'
 
+ok 'no spring is another one, nor one that opens where it closes' lies stop-and-spring '
+line = next(line for line in lines if max(line["faces"]) > 2 and line["point"] > 20)
+stiffer, lie = copy.deepcopy(first), copy.deepcopy(line)
+stiffer["springs"][1] *= 1 + 1e-9
+assert refused(signed(line), checker.Model(checker.read_line(signed(stiffer))))
+lie["faces"] = [(face + 3) % 6 if face in (1, 2, 4, 5) else face for face in line["faces"]]
+assert refused(signed(lie)), lie
+assert not refused(signed(line))'
 ok 'no state off by 1e-6, flight, or other face' lies elementary '
 for line in some(4):
     for key, to in (("x", line["x"][0]), ("v", line["v"][0]), ("tau", line["tau"])):
