@@ -1,5 +1,6 @@
 /* What the files of the graph share: graph.c (nodes and edges), graph_roots.c (where it begins), graph_trace.c
- * (from a departure to a trace), graph_follow.c (and to an edge), graph_schedule.c (the order of work). No other file needs it. */
+ * (from a departure to a trace), graph_follow.c (and to an edge), graph_schedule.c (the order of work). No other file
+ * needs it. */
 #ifndef RIC_EXPLORE_GRAPH_PARTS_H
 #define RIC_EXPLORE_GRAPH_PARTS_H
 

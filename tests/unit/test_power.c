@@ -110,8 +110,8 @@ static ric_branch goes_all_the_way(const ric_atlas *atlas, int exponent)
     return b;
 }
 
-/* The same for the steps of tools/steps.py, over a factor 100; the short form takes two of the twenty, and the least and
- * the greatest exponent. */
+/* The same for the steps of tools/steps.py, over a factor 100; the short form takes two of the twenty, and the least
+ * and the greatest exponent. */
 static void symmetric_path(void **state)
 {
     static const int exponents[] = {3, 7, 21};
