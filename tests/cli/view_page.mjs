@@ -626,7 +626,8 @@ async function ownStructure(browser) {
   await orbitShown(page, b.id);
   const scaled = await picturesOf(page);
   const drawn = scaled.flat().filter((text) => /^x./.test(text));
-  ok("of many displacements those at contacts are drawn, and the others not by the size of their units", drawn.includes("x₇") && drawn.includes("x₃"), drawn.join());
+  ok("of displacements and rotations those at contacts are drawn, and those of their kind", drawn.length === 8 && drawn.every((text) => "x₁x₃x₅x₇".includes(text)), drawn.join());
+  ok("finite elements are no row of masses", (await page.locator("#content figcaption").first().innerText()).startsWith("Some displacements"));
   await page.selectOption("#units", "physical");
   await page.check("#hertz");
   const gaps = (await picturesOf(page)).find((list, i, all) => all[i + 1]?.some((text) => /^v./.test(text))) ?? ["1"];

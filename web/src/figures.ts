@@ -1,6 +1,6 @@
 // Pictures of one orbit: histories, phase portraits, the multipliers, and the masses between their stops.
 import type { Contact, Drawing, Model, Orbit } from "./api";
-import type { Pen } from "./pen";
+import { textWidth, type Pen } from "./pen";
 import type { Palette } from "./theme";
 import { tellingStep } from "./view";
 
@@ -23,6 +23,8 @@ interface Axes {
   x: (value: number) => number;
   y: (value: number) => number;
 }
+
+const LEFT = 46; // pixels of room for numbers
 
 const short = (value: number) => String(Number(value.toPrecision(4)));
 
@@ -56,7 +58,9 @@ function axes(f: Frame, box: [number, number, number, number], xr: [number, numb
   for (let i = Math.ceil(yr[0] / sy); i * sy <= yr[1]; i++) {
     const py = y(i * sy);
     pen.path([l - 4, py, l, py], { stroke: p.soft });
-    pen.text(l - 6, py + 0.35 * small, short(i * sy), { size: small, fill: p.soft, anchor: "end" });
+    const text = short(i * sy);
+    const fitting = small * Math.min(1, (LEFT - 7) / textWidth(text, small));
+    pen.text(l - 6, py + 0.35 * fitting, text, { size: fitting, fill: p.soft, anchor: "end" });
   }
   pen.text(r, b + 6 + 2 * small, xTitle, { size: small, fill: p.soft, anchor: "end" });
   pen.text(l, t - 5, yTitle, { size: small, fill: p.soft, anchor: "middle" });
@@ -66,15 +70,31 @@ function axes(f: Frame, box: [number, number, number, number], xr: [number, numb
 export const colourOf = (p: Palette, i: number) => p.kinds[i % p.kinds.length];
 const lower = (i: number) => String(i).replace(/\d/g, (c) => "₀₁₂₃₄₅₆₇₈₉"[Number(c)]);
 
+// Whether a contact is at a coordinate. Where few modes are kept its normal is what they make of it: small numbers everywhere else.
+export const meets = (c: Contact, i: number) => Math.abs(c.normal[i]) > 0.2 * Math.max(...c.normal.map(Math.abs));
+
 // How large a displacement or rotation is beside others: their numbers have different units, what they carry of the kinetic energy has not.
 const weighed = (model: Model, i: number, value: number) => Math.sqrt(Math.abs(model.mass[i * model.dofs + i])) * value;
 
-// At most four coordinates are drawn unless they are chosen: those that contacts see, those that move a node of the drawing, those that carry most.
+// Those whose masses are joined with these by steps of less than a hundred: of finite elements the displacements, as the inertia of rotations is far off.
+function akin(model: Model, these: number[]): Set<number> {
+  const mass = Array.from({ length: model.dofs }, (_, i) => Math.abs(model.mass[i * model.dofs + i]));
+  const order = mass.map((_, i) => i).sort((a, b) => mass[a] - mass[b]);
+  const group = order.map(() => 0);
+  order.forEach((i, k) => (group[i] = k === 0 ? 0 : group[order[k - 1]] + Number(mass[i] > 100 * mass[order[k - 1]])));
+  const groups = new Set(these.map((i) => group[i]));
+  return new Set(order.filter((i) => groups.has(group[i])));
+}
+
+/* At most four coordinates are drawn unless they are chosen: those that contacts see, those that move a node of the drawing, those of the same kind, those
+ * that carry most. */
 export function coordinates(orbit: Orbit, model: Model, drawing: Drawing | null): number[] {
   const all = Array.from({ length: model.dofs }, (_, i) => i);
   if (model.dofs <= 4) return all;
   const size = all.map((i) => weighed(model, i, orbit.amplitudes?.[i] ?? 0));
-  const met = all.map((i) => 2 * Number(model.contacts.some((c) => c.normal[i] !== 0)) + Number(drawing?.nodes.some((node) => node.moves.includes(i + 1)) ?? false));
+  const seen = all.filter((i) => model.contacts.some((c) => meets(c, i)));
+  const kin = akin(model, seen);
+  const met = all.map((i) => 4 * Number(seen.includes(i)) + 2 * Number(drawing?.nodes.some((node) => node.moves.includes(i + 1)) ?? false) + Number(kin.has(i)));
   return all.sort((a, b) => met[b] - met[a] || size[b] - size[a]).slice(0, 4).sort((a, b) => a - b);
 }
 
@@ -88,7 +108,7 @@ const both = (f: Frame, orbit: Orbit): Orbit[] => (f.other?.history ? [f.other, 
 export function drawHistory(f: Frame, orbit: Orbit): Moving | null {
   if (!orbit.history) return null;
   const { pen, palette: p, size, length: d, coordinates: chosen } = f;
-  const box: [number, number, number, number] = [46, 1.6 * size, f.width - 8, f.height - 2.6 * size];
+  const box: [number, number, number, number] = [LEFT, 1.6 * size, f.width - 8, f.height - 2.6 * size];
   const orbits = both(f, orbit);
   const yr = range(orbits.flatMap((o) => chosen.map((i) => o.history!.x[i].map((x) => d * x))));
   const a = axes(f, box, [0, Math.max(...orbits.map((o) => o.period))], yr, "time t, s", "");
@@ -109,7 +129,7 @@ export function drawGaps(f: Frame, orbit: Orbit, model: Model): Moving | null {
   const h = orbit.history;
   if (!h) return null;
   const { pen, palette: p, size } = f;
-  const box: [number, number, number, number] = [46, 8, f.width - 8, f.height - 2.6 * size];
+  const box: [number, number, number, number] = [LEFT, 8, f.width - 8, f.height - 2.6 * size];
   const list = model.contacts.filter((c) => c.clearance !== null).slice(0, 4);
   if (!list.length) {
     pen.text(f.width / 2, f.height / 2, "no stops: springs of a power law", { size, fill: p.soft, anchor: "middle" });
@@ -175,7 +195,7 @@ export function drawPhase(f: Frame, orbit: Orbit, model: Model): Moving | null {
   const orbits = both(f, orbit);
   const scales = chosen.map((i, c) => {
     const [left, top] = [(c % columns) * w, Math.floor(c / columns) * height];
-    const box: [number, number, number, number] = [left + 46, top + 1.6 * size, left + w - 8, top + height - 2.6 * size];
+    const box: [number, number, number, number] = [left + LEFT, top + 1.6 * size, left + w - 8, top + height - 2.6 * size];
     const all = (key: "x" | "v") => range(orbits.map((o) => o.history![key][i].map((value) => d * value)));
     const a = axes(f, box, all("x"), all("v"), `x${lower(i + 1)}`, `v${lower(i + 1)}`);
     for (const o of orbits) {
@@ -219,13 +239,24 @@ export function drawCircle(f: Frame, orbit: Orbit): void {
   if (list.some(([re, im]) => Math.hypot(re, im) > 1.25)) pen.text(cx, f.height - 3, "open: far outside the circle", { size: size - 3, fill: p.soft, anchor: "middle" });
 }
 
+// Whether it is masses with springs between them: finite elements couple rotations, by positive entries and in the mass matrix, too.
+export function inRow(m: Model): boolean {
+  if (m.dofs > 8) return false;
+  for (let i = 0; i < m.dofs; i++)
+    for (let j = 0; j < i; j++) {
+      const [at, of] = [i * m.dofs + j, (list: number[]) => Math.sqrt(Math.abs(list[i * m.dofs + i] * list[j * m.dofs + j]))];
+      if (m.stiffness[at] > 1e-9 * of(m.stiffness) || Math.abs(m.mass[at]) > 1e-9 * of(m.mass)) return false;
+    }
+  return true;
+}
+
 /* The masses on a line, each about its own place, pulled by springs where the stiffness joins them; stops as brackets: those between two masses ride on
  * the first one. Displacements are drawn to one scale, in which the largest clearance fits between two masses. */
 export function drawMasses(f: Frame, orbit: Orbit, model: Model, now: number): void {
   const { pen, palette: p } = f;
   const n = model.dofs;
   const state = stateAt(orbit, n, now);
-  if (n > 8) return drawBars(f, state.x, orbit);
+  if (!inRow(model)) return drawBars(f, state.x, orbit);
   const pitch = (f.width - 40) / n;
   const clearance = Math.max(...model.contacts.map((c) => c.clearance ?? 1), 0.1);
   const most = Math.max(...(orbit.amplitudes ?? [1]), 1e-9);
@@ -251,7 +282,7 @@ export function drawMasses(f: Frame, orbit: Orbit, model: Model, now: number): v
     }
   }
   model.contacts.forEach((c, index) => {
-    const touched = c.normal.map((b, i) => [b, i] as const).filter(([b]) => b !== 0);
+    const touched = c.normal.map((b, i) => [b, i] as const).filter(([, i]) => meets(c, i));
     const lift = floor - 56 - 7 * index;
     for (const stop of [1, -1] as const) {
       if (c.clearance === null || !(c.sides === "both" || c.sides === (stop > 0 ? "upper" : "lower"))) continue;
@@ -279,7 +310,7 @@ export function drawMasses(f: Frame, orbit: Orbit, model: Model, now: number): v
   }
 }
 
-// Structures with many masses: those displacements that are drawn below, side by side; rotations between them would make a saw of it.
+// Structures that are no row of masses: those displacements that are drawn below, side by side; rotations between them would make a saw of it.
 function drawBars(f: Frame, x: number[], orbit: Orbit): void {
   const { pen, palette: p, coordinates: chosen } = f;
   const most = Math.max(...chosen.map((i) => orbit.amplitudes?.[i] ?? 1), 1e-300);

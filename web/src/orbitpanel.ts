@@ -3,7 +3,7 @@ import { getOrbit, mayCompute, type Orbit } from "./api";
 import type { Atlas, Branch } from "./atlas";
 import { button, digits, el } from "./dom";
 import { animatedPng } from "./apng";
-import { coordinates, drawCircle, drawGaps, drawHistory, drawMasses, drawPhase, type Frame, type Moving } from "./figures";
+import { coordinates, drawCircle, drawGaps, drawHistory, drawMasses, drawPhase, inRow, type Frame, type Moving } from "./figures";
 import { branchRuns, junctionRuns, toHtml } from "./labels";
 import { CanvasPen, type Pen, SvgPen } from "./pen";
 import { saved } from "./saved";
@@ -84,10 +84,10 @@ export class OrbitPanel {
       if (this.scaleNote.textContent !== note) this.scaleNote.textContent = note;
     };
     this.slider.oninput = () => this.go(this.slider.valueAsNumber);
-    const { dofs } = this.atlas().description.model;
-    const many = dofs > 2;
-    if (!drawing && dofs > 8) this.scaleNote.textContent = "`drawing` shows all";
-    this.root.append(this.head, steps, this.error, this.pinNote, this.figure(drawing ? "The structure" : dofs > 8 ? "Some displacements" : "The masses", drawing ? 190 : 112, motion, el("span", {}, this.scaleNote, " ", this.stillButton)),
+    const { model } = this.atlas().description;
+    const many = model.dofs > 2;
+    if (!drawing && !inRow(model)) this.scaleNote.textContent = "`drawing` shows all";
+    this.root.append(this.head, steps, this.error, this.pinNote, this.figure(drawing ? "The structure" : inRow(model) ? "The masses" : "Some displacements", drawing ? 190 : 112, motion, el("span", {}, this.scaleNote, " ", this.stillButton)),
       this.facts, this.figure("Displacements", 190, drawHistory, many ? el("label", { class: "chosen" }, "x ", this.chosen) : undefined, (u) => u.lengthUnit),
       this.figure("Gaps and impacts", 150, (f, o) => drawGaps(f, o, this.atlas().description.model), undefined, (u) => (u.scale === "physical" ? u.lengthUnit : " (over the clearances)")),
       this.figure("Phase portraits", 210, (f, o) => drawPhase(f, o, this.atlas().description.model), undefined, (u) => u.lengthNote),

@@ -1,6 +1,6 @@
 /* The structure as its study draws it, in motion: nodes, and lines between them. In a plane as it is seen, in space from a corner. */
 import type { Drawing, Model, Orbit } from "./api";
-import { colourOf, stateAt, type Frame } from "./figures";
+import { colourOf, meets, stateAt, type Frame } from "./figures";
 
 const SHARE = 0.13; // of the picture that the largest displacement takes
 
@@ -38,7 +38,7 @@ export function drawStructure(f: Frame, orbit: Orbit, model: Model, drawing: Dra
   };
   const hit = orbit.impact_times.findIndex((t) => Math.abs(t - now) < 0.012 * orbit.period || Math.abs(t + orbit.period - now) < 0.012 * orbit.period);
   const contact = hit >= 0 ? model.faces[orbit.impact_faces[hit]]?.contact : undefined;
-  const touched = (i: number) => contact !== undefined && drawing.nodes[i].moves.some((k) => k > 0 && model.contacts[contact].normal[k - 1] !== 0);
+  const touched = (i: number) => contact !== undefined && drawing.nodes[i].moves.some((k) => k > 0 && meets(model.contacts[contact], k - 1));
   for (const moved of [false, true]) {
     const at = drawing.nodes.map((_, i) => place(i, moved));
     const points = drawing.lines.flatMap(([a, b]) => [...at[a], ...at[b], NaN, NaN]);
