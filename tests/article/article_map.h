@@ -174,6 +174,115 @@ static verdict any_row_can_go(finding *f, const char *arg)
     return stated(n > 30 && !wrong);
 }
 
+/* F and its explicit Jacobian (eq. 28 to 37), each column carried along: in flight dz' = Phi dz + z' dtau with
+ * tau = beta_i T, and the impact is linear. */
+static void map_jacobian(int n, const double *s, const double *side, double *out, double jac[MAP_SIZE][MAP_SIZE])
+{
+    double z[4], dz[MAP_SIZE][4] = {{0}}, phi[4][4];
+    const int size = n + 5;
+    memcpy(z, s, sizeof z);
+    for (int k = 0; k < 4; k++) dz[k][k] = 1;
+    for (int i = 0; i < n; i++) {
+        map_flow(s[4 + i] * s[4 + n], phi);
+        map_apply(phi, z);
+        const double rate[4] = {z[2], z[3], (z[1] - 9 * z[0]) / MAP_MASS_1, (z[0] - z[1]) / MAP_MASS_2};
+        out[i] = z[1] - z[0] - side[(i + 1) % n];
+        for (int k = 0; k < size; k++) {
+            const double dtau = k == 4 + i ? s[4 + n] : k == 4 + n ? s[4 + i] : 0;
+            map_apply(phi, dz[k]);
+            for (int m = 0; m < 4; m++) dz[k][m] += rate[m] * dtau;
+            jac[i][k] = dz[k][1] - dz[k][0];
+            map_impact(dz[k]);
+        }
+        map_impact(z);
+    }
+    out[n] = -1;
+    for (int k = 0; k < size; k++) {
+        const bool part = k >= 4 && k < 4 + n;
+        out[n] += part ? s[k] : 0;
+        jac[n][k] = part;
+        for (int m = 0; m < 4; m++) jac[n + 1 + m][k] = dz[k][m] - (k == m);
+    }
+    for (int m = 0; m < 4; m++) out[n + 1 + m] = z[m] - s[m];
+}
+
+/* a x = b, elimination with row pivots; b becomes x. */
+static void map_solve(int size, double a[MAP_SIZE][MAP_SIZE], double *b)
+{
+    for (int step = 0; step < size; step++) {
+        int r = step;
+        for (int i = step; i < size; i++)
+            if (fabs(a[i][step]) > fabs(a[r][step])) r = i;
+        for (int k = 0; k < size; k++) {
+            const double swap = a[step][k];
+            a[step][k] = a[r][k], a[r][k] = swap;
+        }
+        const double swap = b[step];
+        b[step] = b[r], b[r] = swap;
+        for (int i = step + 1; i < size; i++) {
+            const double part = a[i][step] / a[step][step];
+            for (int k = step; k < size; k++) a[i][k] -= part * a[step][k];
+            b[i] -= part * b[step];
+        }
+    }
+    for (int i = size - 1; i >= 0; i--) {
+        for (int k = i + 1; k < size; k++) b[i] -= a[i][k] * b[k];
+        b[i] /= a[i][i];
+    }
+}
+
+/* Newton steps from s across the direction `along`, in the place of the row `row` that closes; the distances covered.
+ */
+static void map_newton(int n, double *s, const double *side, const double *along, int row, double moved[3])
+{
+    for (int step = 0; step < 3; step++) {
+        double jac[MAP_SIZE][MAP_SIZE], out[MAP_SIZE];
+        map_jacobian(n, s, side, out, jac);
+        memcpy(jac[row], along, (size_t)(n + 5) * sizeof *along);
+        out[row] = 0;
+        map_solve(n + 5, jac, out);
+        moved[step] = 0;
+        for (int k = 0; k < n + 5; k++) s[k] -= out[k], moved[step] = fmax(moved[step], fabs(out[k]));
+    }
+}
+
+/* From beside a stored point, 1e-4 across the branch, Newton's method in (z0, beta, T) comes back to that point. Orbits
+ * that multiply what is off by more than 1000 in a period are beyond its reach, as those of any single shooting. */
+static verdict newton_in_states_and_parts(finding *f, const char *arg)
+{
+    int n = 0, back = 0;
+    double worst = 0, square = 0;
+    (void)arg;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas_of(ELEMENTARY)); id++) {
+        ric_branch b = branch(ELEMENTARY, id);
+        double s[MAP_SIZE], side[MAP_IMPACTS], before[MAP_SIZE], after[MAP_SIZE], moved[3], off[MAP_SIZE];
+        const int i = b.n_point / 2, size = b.impacts + 5;
+        if (b.n_point < 5 || !map_unknowns(ELEMENTARY, &b, i, s, side)) continue;
+        if (!(fabs(point(ELEMENTARY, id, i).trace) < 1000)) continue;
+        map_unknowns(ELEMENTARY, &b, i - 1, before, side), map_unknowns(ELEMENTARY, &b, i + 1, after, side);
+        double along[MAP_SIZE], length = 0, part = 0;
+        for (int k = 0; k < size; k++) along[k] = after[k] - before[k], length += along[k] * along[k];
+        for (int k = 0; k < size; k++) off[k] = 1e-4 * cos(3 * k + id), part += off[k] * along[k] / length;
+        for (int k = 0; k < size; k++) before[k] = s[k] + off[k] - part * along[k];
+        const double slope[4] = {9 * s[0] - s[1], s[1] - s[0], MAP_MASS_1 * s[2], MAP_MASS_2 * s[3]};
+        int row = 0;
+        for (int k = 1; k < 4; k++)
+            if (fabs(slope[k]) > fabs(slope[row])) row = k;
+        map_newton(b.impacts, before, side, along, b.impacts + 1 + row, moved);
+        double far = 0;
+        for (int k = 0; k < size; k++) far = fmax(far, fabs(before[k] - s[k]));
+        n++;
+        back += far < 1e-9;
+        worst = fmax(worst, far);
+        square = fmax(square, moved[1] / (moved[0] * moved[0]));
+    }
+    say(f,
+        "from 1e-4 beside %d orbits three steps lead back to within 1e-9 of %d; the second step is at most %.2g times "
+        "the square of the first",
+        n, back, square);
+    return stated(n > 10 && back == n && square < 1e4);
+}
+
 /* lambda + 1 / lambda of the return map of (z, t), eq. 40 to 46, of an orbit that begins right after an impact: its
  * block of z has the eigenvalues 0, 1, lambda, 1 / lambda. *slowest: the least speed of an impact. */
 static double map_pair(int n, const double *s, double *slowest)
