@@ -130,10 +130,10 @@ picture: setup-tests build
 
 bench: build
 	@$(BUILD)/ricochet-bench
-	@for name in elementary cascade beam-midspan; do \
+	@for name in elementary cascade beam-midspan two-springs; do \
 		$(BUILD)/ricochet run examples/$$name/study.yaml -o $(BUILD)/bench-$$name.ricochet --quiet || exit 1; done
 	@$(BUILD)/ricochet-bench-prove $(BUILD)/bench-elementary.ricochet $(BUILD)/bench-cascade.ricochet \
-		$(BUILD)/bench-beam-midspan.ricochet | tee $(BUILD)/bench-prove.txt
+		$(BUILD)/bench-beam-midspan.ricochet $(BUILD)/bench-two-springs.ricochet | tee $(BUILD)/bench-prove.txt
 	@if [ -x $(BUILD)/ricochet-bench-forced ]; then $(BUILD)/ricochet-bench-forced -o $(BUILD)/bench-forced.txt; fi
 
 sanitize: setup-tests $(ASAN)/build.ninja
