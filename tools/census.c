@@ -14,7 +14,13 @@
  * r_k = 0), and the energy. They are solved for t_2 .. t_N and T by Gauss-Newton steps from random times, all words of
  * N letters in turn. A result counts if all impulses push off their stop, no stop is passed in between, and the orbit
  * is no shorter one gone through several times. Orbits that rotation, negation or reversal of their words and times
- * maps to each other are one. */
+ * maps to each other are one.
+ *
+ * Then rounds begin with pieces of the orbits found so far: pieces whose letters are those of the word, with their
+ * times a little changed, one behind the other. Random times alone come to long unstable orbits too seldom, as each
+ * impact multiplies what is wrong; but a word says what an unstable motion does, and the same pieces of words take
+ * about the same time. Rounds go on until one has found nothing more. Orbits of a branch of constant period are missed:
+ * their times do not determine the impulses. */
 #include <lapacke.h>
 #include <math.h>
 #include <stdbool.h>
@@ -23,7 +29,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST = 10, STEPS = 40, KEPT = 100000 };
+enum { MOST = 10, STEPS = 40, KEPT = 100000, ROUNDS = 20 };
 static const double pi = 3.14159265358979324;
 static double omega[2], phi2[2], share[2]; /* frequencies; (phi of the gap)^2; energy of a unit of each */
 
@@ -222,9 +228,17 @@ static bool admissible(const orbit *o)
         if (!(o->side[k] ? o->p[k] > 1e-7 : o->p[k] < -1e-7)) return false;
     for (int k = 0; k < o->n; k++) {
         double from = o->t[k], length = (k + 1 < o->n ? o->t[k + 1] : o->T) - from;
-        int count = 8 + (int)(length * 60);
-        for (int i = 1; i < count; i++)
-            if (fabs(gap_at(o, from + length * i / count)) > 1 + 1e-9) return false;
+        double past = 1, now = 1; /* |gap| at the last two places; at the ends it is 1 and falls */
+        int count = 8 + (int)(length * 240);
+        for (int i = 1; i <= count; i++) {
+            double next = i < count ? fabs(gap_at(o, from + length * i / count)) : 1, bend = 2 * now - past - next;
+            /* between places the top of a parabola: off by the fourth power of their distance, 1e-9 */
+            double top = i > 1 && now >= past && now >= next && bend > 0
+                             ? now + (next - past) * (next - past) / (8 * bend)
+                             : now;
+            if (i > 1 && top > 1 + 1e-8) return false;
+            past = now, now = next;
+        }
     }
     return true;
 }
@@ -299,32 +313,80 @@ static bool independent(int n, int bits)
     return true;
 }
 
+/* Times of a word from random ones; T up to longest. */
+static void scattered(orbit *o, double longest)
+{
+    double sum = 0, tau[MOST], scatter = uniform() < 0.5 ? 1 : 3;
+    for (int k = 0; k < o->n; k++) {
+        tau[k] = pow(-log(fmax(uniform(), 1e-12)), scatter);
+        sum += tau[k];
+    }
+    o->T = longest * pow(uniform(), uniform() < 0.5 ? 1 : 2);
+    for (int k = 1; k < o->n; k++) o->t[k] = o->t[k - 1] + o->T * tau[k - 1] / sum;
+}
+
+/* Flights of a word from `from` on as an orbit found has them, in one of its images: how many letters are the same. */
+static int piece(const orbit *o, int from, double *tau)
+{
+    int i = (int)(uniform() * n_found), n = found[i].n, first = (int)(uniform() * n), same = 0;
+    bool back = uniform() < 0.5;
+    int at = back ? (2 * n - first) % n : first, other = found[i].word[at] ^ o->side[from];
+    for (; same < o->n - from; same++) {
+        int k = back ? (2 * n * MOST - same - first) % n : (same + first) % n;
+        if ((found[i].word[k] ^ other) != o->side[from + same]) break;
+        tau[from + same] = found[i].flights[back ? (2 * n * MOST - same - first - 1) % n : k];
+    }
+    return same;
+}
+
+/* Times of a word from pieces of orbits found, each flight changed a little. */
+static void pieced(orbit *o)
+{
+    double tau[MOST], change = 0.3 * pow(uniform(), 2);
+    for (int k = 0; k < o->n;) {
+        int most = piece(o, k, tau);
+        k += most > 1 ? 1 + (int)(uniform() * most) : 1;
+    }
+    o->T = 0;
+    for (int k = 0; k < o->n; k++) {
+        o->t[k] = o->T;
+        o->T += tau[k] * exp(change * (uniform() + uniform() - 1));
+    }
+}
+
+/* A round of starts for all words of n letters. */
+static void look(int n, double energy, long starts, bool pieces)
+{
+    double longest = 10 * pi;
+    for (int bits = 0; bits < 1 << n; bits++) {
+        if (!independent(n, bits)) continue;
+        for (long i = 0; i < starts * n; i++) {
+            orbit o = {.n = n};
+            for (int k = 0; k < n; k++) o.side[k] = bits >> (n - 1 - k) & 1;
+            if (pieces) pieced(&o);
+            else scattered(&o, longest);
+            if (!ordered(&o, longest) || !solve(&o, energy, longest) || o.T > longest || !admissible(&o)) continue;
+            keep(&o);
+        }
+    }
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 4) return 2;
-    double energy = atof(argv[1]), longest = 10 * pi;
+    double energy = atof(argv[1]);
+    int least = strchr(argv[2], ':') ? atoi(argv[2]) : 1;
     int most = atoi(strchr(argv[2], ':') ? strchr(argv[2], ':') + 1 : argv[2]);
     long starts = atol(argv[3]);
     state = 0x9e3779b97f4a7c15u * (uint64_t)(argc > 4 ? atol(argv[4]) : 1);
     modes();
     found = calloc(KEPT, sizeof *found);
-    for (int n = strchr(argv[2], ':') ? atoi(argv[2]) : 1; n <= most; n++)
-        for (int bits = 0; bits < 1 << n; bits++) {
-            if (!independent(n, bits)) continue;
-            for (long i = 0; i < starts * n; i++) {
-                orbit o = {.n = n};
-                double sum = 0, tau[MOST], scatter = uniform() < 0.5 ? 1 : 3;
-                for (int k = 0; k < n; k++) {
-                    o.side[k] = bits >> (n - 1 - k) & 1;
-                    tau[k] = pow(-log(fmax(uniform(), 1e-12)), scatter);
-                    sum += tau[k];
-                }
-                o.T = longest * pow(uniform(), uniform() < 0.5 ? 1 : 2);
-                for (int k = 1; k < n; k++) o.t[k] = o.t[k - 1] + o.T * tau[k - 1] / sum;
-                if (!ordered(&o, longest) || !solve(&o, energy, longest) || o.T > longest || !admissible(&o)) continue;
-                keep(&o);
-            }
-        }
+    for (int n = least; n <= most; n++) look(n, energy, starts, false);
+    for (int before = -1, round = 0; n_found > before && n_found && round < ROUNDS; round++) {
+        before = n_found;
+        for (int n = least; n <= most; n++) look(n, energy, starts, true);
+        fprintf(stderr, "round %d: %d, before %d\n", round + 1, n_found, before);
+    }
     for (int i = 0; i < n_found; i++) {
         printf("%d ", found[i].n);
         for (int k = 0; k < found[i].n; k++) printf("%d", found[i].word[k]);
