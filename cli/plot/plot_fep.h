@@ -84,6 +84,11 @@ typedef struct {
     double idle[2];
 } fep;
 
+/* plot_fep_options.c: the words of options that may be repeated, and all of them, with a message where they are wrong.
+ */
+extern const char *const fep_questions[ASK_N];
+int fep_parse_options(int *argc, char **argv, fep_options *o);
+
 /* plot_fep.c. NULL when memory ran out. */
 plot_tag *fep_new_tag(fep *f);
 /* Whether a place is drawn larger in another panel than the first, which is being drawn: its label is there. */
