@@ -75,9 +75,10 @@ static double periods(const picture *p, int step)
 /* The families of a cascade: for each a line of displacements for every impact. */
 typedef struct {
     int n_point, impacts;
-    double from; /* accumulated frequency where it starts */
-    double *way; /* [n_point] accumulated frequency */
-    double *x;   /* [n_point * impacts] */
+    double from;           /* accumulated frequency where it starts */
+    double *way;           /* [n_point] accumulated frequency */
+    double *x;             /* [n_point * impacts] */
+    ric_stability *stable; /* [n_point] */
 } strip;
 
 static ric_status read_strip(const picture *p, int step, double from, strip *out)
@@ -91,14 +92,16 @@ static ric_status read_strip(const picture *p, int step, double from, strip *out
     *out = (strip){.n_point = s.n_point, .impacts = ric_cascade_impacts(p->cascade, step), .from = from};
     out->way = calloc((size_t)out->n_point + 1, sizeof *out->way);
     out->x = calloc((size_t)out->n_point * (size_t)out->impacts + 1, sizeof *out->x);
+    out->stable = calloc((size_t)out->n_point + 1, sizeof *out->stable);
     x = calloc((size_t)out->impacts * (size_t)n_dof + 1, sizeof *x);
-    if (!out->way || !out->x || !x) status = RIC_E_NOMEM;
+    if (!out->way || !out->x || !out->stable || !x) status = RIC_E_NOMEM;
     for (int i = 0; !status && i < out->n_point; i++) {
         ric_point point;
         if ((status = ric_cascade_point(p->cascade, step, i, &point, x))) break;
         from += i ? fabs(product * (point.frequency - before)) : 0;
         before = point.frequency;
         out->way[i] = from;
+        out->stable[i] = point.stable;
         for (int k = 0; k < out->impacts; k++)
             out->x[(size_t)i * (size_t)out->impacts + (size_t)k] = x[k * n_dof + p->dof];
     }
@@ -106,15 +109,36 @@ static ric_status read_strip(const picture *p, int step, double from, strip *out
     return status;
 }
 
+/* Thick where stable: from a point of one kind to the first of the next. */
 static void draw_strip(picture *p, const plot_panel *panel, int step, const strip *s)
 {
     plot_point *line = malloc(((size_t)s->n_point + 1) * sizeof *line);
     for (int k = 0; line && k < s->impacts; k++) {
         for (int i = 0; i < s->n_point; i++)
             line[i] = (plot_point){s->way[i], s->x[(size_t)i * (size_t)s->impacts + (size_t)k]};
-        plot_panel_curve(p->page, panel, thin[step % 2], s->n_point, line);
+        for (int i = 0, first = 0; i < s->n_point; i++) {
+            if (i + 1 < s->n_point && s->stable[i + 1] == s->stable[first]) continue;
+            const bool stable = s->stable[first] == RIC_STABLE_YES;
+            const int last = i + 1 < s->n_point ? i + 1 : i;
+            plot_panel_curve(p->page, panel, stable ? thick[step % 2] : thin[step % 2], last - first + 1, line + first);
+            first = last;
+        }
     }
     free(line);
+}
+
+/* What is drawn. */
+static void draw_legend(picture *p, int n, const strip *strips, double top)
+{
+    plot_legend_entry entries[3];
+    bool seen[2] = {false, false};
+    int count = 0;
+    for (int i = 1; i < n; i++)
+        for (int k = 0; k < strips[i].n_point; k++) seen[strips[i].stable[k] == RIC_STABLE_YES] = true;
+    if (seen[1]) entries[count++] = (plot_legend_entry){"stable", (int)thick[1], -1};
+    if (seen[0]) entries[count++] = (plot_legend_entry){"unstable", (int)thin[1], -1};
+    if (n > 2) entries[count++] = (plot_legend_entry){"every other family", (int)thin[0], -1};
+    plot_legend(p->page, count, entries, 12, plot_page_width(p->page) - 12, top);
 }
 
 /* A dashed line where each family starts, labelled with its p/q and impacts. */
@@ -164,7 +188,7 @@ static int draw_diagram(picture *p)
         plot_range_widen(false, 0.04, &y[0], &y[1]);
         const plot_units unit = units_of(p);
         plot_panel panel = {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0, .hi = x > 0 ? 1.02 * x : 1},
-                            {.from = 56,
+                            {.from = 90,
                              .to = plot_page_height(p->page) - 30 - plot_page_head(p->common, NULL),
                              .lo = y[0],
                              .hi = y[1]}};
@@ -177,6 +201,7 @@ static int draw_diagram(picture *p)
                          p->common->hertz ? "frequency passed on the way, times the multiplicities (Hz)"
                                           : "frequency passed on the way, times the multiplicities (rad/s)",
                          name);
+        draw_legend(p, n, strips, panel.y.from - 46);
         mark_strips(p, &panel, n, strips);
         plot_page_title(p->page, p->common, NULL);
         code = plot_page_write(p->page, p->common);
@@ -184,6 +209,7 @@ static int draw_diagram(picture *p)
     for (int i = 0; strips && i < n; i++) {
         free(strips[i].way);
         free(strips[i].x);
+        free(strips[i].stable);
     }
     free(strips);
     return code;

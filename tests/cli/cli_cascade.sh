@@ -87,6 +87,7 @@ if command -v gnuplot >/dev/null; then
     base=$(id "$atlas" 'S2-[01]')
     ok 'diagram' picture diagram.svg --branch "$base" --multiply 2/3,2,4
     ok 'a line at each multiplication, and the path' drawn diagram.svg 'natural frequency: 3' 'a?symmetric, (un)?stable: [1-9][0-9]*'
+    ok 'what is stable is told apart, in words' sh -c 'for word in stable unstable "every other family"; do grep -q ">$word<" "$1" || exit 1; done' sh "$folder/diagram.svg"
     ok 'diagram of x1' picture x1.pdf --branch "$base" --multiply 2/3,2,4 --dof 1
     ok 'shapes' picture shapes.png --branch "$base" --multiply 2/3,2,4 --shapes
     ok 'circle' picture circle.svg --branch "$s6" --circle --duplicate 12
