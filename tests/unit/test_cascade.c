@@ -23,7 +23,7 @@ static const char
                      "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n";
 
 /* The cubic spring of section 3.3: both backbones and nothing else, and the same with what leaves them by doubling. */
-static const char *const cubic =
+static const char cubic[] =
     "title: t\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: [{normal: [-1, 1], law: power, "
     "exponent: 3, length: 1, reference: 1}]}\nexplore: {energy: [0, 880], frequency: [0.2, 10], multiply: %d, depth: "
     "%d}\n";

@@ -192,7 +192,8 @@ export class SectionPanel {
     const { l, t, w, h } = this.box;
     this.paintAxes(pen);
     pen.clipped(l, t, w, h, () => {
-      const [x, y] = [(u: number) => this.toX(u) - l, (v: number) => this.toY(v) - t];
+      const { x0, x1, y0, y1 } = this.window;
+      const [x, y] = [(u: number) => ((u - x0) / (x1 - x0)) * w, (v: number) => ((y1 - v) / (y1 - y0)) * h]; // thousands of points: the layout is asked once
       const edge = Array.from({ length: 181 }, (_, i) => [x(Math.cos((i * Math.PI) / 90)), y(Math.sin((i * Math.PI) / 90))]).flat();
       pen.path(edge, { stroke: p.soft, width: 1 });
       const dots = (s: SectionStart, colour: string, r: number) => {
