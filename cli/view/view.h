@@ -182,8 +182,17 @@ typedef struct {
     bool exact;                   /* no other port will do */
 } view_listen;
 
-/* Whether a text is an address in numbers: names are not asked for. */
+/* view_socket.c. Whether a text is an address in numbers: names are not asked for. */
 bool view_address_valid(const char *text);
+/* Where it listens, http://127.0.0.1:8787. */
+typedef struct {
+    bool loopback;
+    int port;
+    char origin[120];
+} view_socket;
+/* A listening socket, or -1 after a message on stderr. */
+int view_socket_open(const view_listen *where, view_socket *out);
+
 /* Listens and answers until it is stopped. On failure NULL, after a message on stderr. */
 view_server *view_server_start(view_shelf *shelf, view_grower *grower, const view_listen *where);
 /* Hangs up on connections that only keep others out; to be called now and then. */

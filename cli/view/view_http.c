@@ -7,19 +7,14 @@
 
 #include <arpa/inet.h>
 #include <ctype.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <microhttpd.h>
-#include <netdb.h>
-#include <netinet/in.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
-#include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -36,7 +31,6 @@ enum {
     IDLE_SECONDS = 30,      /* of an answer that nobody takes */
     COMPUTING_SECONDS = 20, /* for one answer */
     COMPUTING_MAX = 4,      /* computing at one time */
-    PORTS_TRIED = 20,
     TOKEN_BYTES = 16,
 };
 
@@ -581,72 +575,7 @@ static void forget(void *user, struct MHD_Connection *connection, void **state, 
     view_line_waits(server->lines, line_of(connection), true);
 }
 
-/* ------------------------------------------------------------------- socket */
-
-static bool is_loopback(const struct sockaddr *address)
-{
-    if (address->sa_family == AF_INET)
-        return ntohl(((const struct sockaddr_in *)(const void *)address)->sin_addr.s_addr) >> 24 == 127;
-    return IN6_IS_ADDR_LOOPBACK(&((const struct sockaddr_in6 *)(const void *)address)->sin6_addr);
-}
-
-/* A listening socket, or -1 with errno. */
-static int listen_at(const struct addrinfo *where, int port)
-{
-    struct sockaddr_storage address;
-    const int one = 1, fd = socket(where->ai_family, SOCK_STREAM, 0);
-    memcpy(&address, where->ai_addr, where->ai_addrlen);
-    if (where->ai_family == AF_INET) ((struct sockaddr_in *)&address)->sin_port = htons((uint16_t)port);
-    else ((struct sockaddr_in6 *)&address)->sin6_port = htons((uint16_t)port);
-    if (fd < 0) return -1;
-    fcntl(fd, F_SETFD, FD_CLOEXEC);
-    setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one);
-    if (bind(fd, (struct sockaddr *)&address, where->ai_addrlen) || listen(fd, 64)) {
-        const int reason = errno;
-        close(fd);
-        errno = reason;
-        return -1;
-    }
-    return fd;
-}
-
-static int port_of(int fd)
-{
-    struct sockaddr_storage address;
-    socklen_t n = sizeof address;
-    if (getsockname(fd, (struct sockaddr *)&address, &n)) return 0;
-    return ntohs(address.ss_family == AF_INET ? ((struct sockaddr_in *)&address)->sin_port
-                                              : ((struct sockaddr_in6 *)&address)->sin6_port);
-}
-
-bool view_address_valid(const char *text)
-{
-    unsigned char bytes[16];
-    return inet_pton(AF_INET, text, bytes) == 1 || inet_pton(AF_INET6, text, bytes) == 1;
-}
-
-static int open_socket(view_server *server, const view_listen *where)
-{
-    const struct addrinfo hints = {.ai_flags = AI_NUMERICHOST, .ai_socktype = SOCK_STREAM};
-    const char *address = where->address ? where->address : "127.0.0.1";
-    struct addrinfo *found = NULL;
-    int fd = -1, tried = 0;
-    if (getaddrinfo(address, NULL, &hints, &found)) return -1;
-    do fd = listen_at(found, where->port ? where->port + tried : 0);
-    while (fd < 0 && errno == EADDRINUSE && !where->exact && ++tried < PORTS_TRIED && where->port + tried < 65536);
-    if (fd < 0)
-        cli_say("ricochet: cannot listen at %s, port %d: %s; choose another one with --port\n", address, where->port,
-                strerror(errno));
-    else {
-        server->loopback = is_loopback(found->ai_addr);
-        server->port = port_of(fd);
-        snprintf(server->address, sizeof server->address,
-                 found->ai_family == AF_INET6 ? "http://[%s]:%d/?token=%s" : "http://%s:%d/?token=%s", address,
-                 server->port, server->token);
-    }
-    freeaddrinfo(found);
-    return fd;
-}
+/* -------------------------------------------------------------------- start */
 
 static bool random_hex(size_t bytes, char *out)
 {
@@ -682,11 +611,15 @@ view_server *view_server_start(view_shelf *shelf, view_grower *grower, const vie
     server->computing = (bucket){.burst = 240, .rate = 120, .left = 240, .last = now};
     pthread_mutex_init(&server->lock, NULL);
     server->lines = view_lines_create();
-    const int fd = server->lines ? open_socket(server, where) : -1;
+    view_socket place;
+    const int fd = server->lines ? view_socket_open(where, &place) : -1;
     if (fd < 0) {
         view_server_stop(server);
         return NULL;
     }
+    server->loopback = place.loopback;
+    server->port = place.port;
+    snprintf(server->address, sizeof server->address, "%s/?token=%s", place.origin, server->token);
     server->daemon = MHD_start_daemon(MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD |
                                           MHD_USE_ERROR_LOG,
                                       0, NULL, NULL, handle, server, MHD_OPTION_EXTERNAL_LOGGER, keep_quiet, NULL,
