@@ -101,7 +101,7 @@ static ric_status read_strip(const picture *p, int step, double from, strip *out
         from += i ? fabs(product * (point.frequency - before)) : 0;
         before = point.frequency;
         out->way[i] = from;
-        out->stable[i] = point.stable;
+        out->stable[i] = (ric_stability)point.stable;
         for (int k = 0; k < out->impacts; k++)
             out->x[(size_t)i * (size_t)out->impacts + (size_t)k] = x[k * n_dof + p->dof];
     }

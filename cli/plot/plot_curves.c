@@ -434,7 +434,7 @@ static bool take_labels(int *argc, char **argv, curves *c)
     static const char *const choices[] = {[TAGS_ALL] = "all", [TAGS_NAMED] = "named", [TAGS_NONE] = "none"};
     const char *labels = NULL;
     if (!cli_take_value(argc, argv, "--labels", &labels)) return false;
-    for (int i = TAGS_ALL; i <= TAGS_NONE; i++) {
+    for (unsigned i = TAGS_ALL; i <= TAGS_NONE; i++) {
         if (labels && strcmp(labels, choices[i])) continue;
         c->wanted = i;
         return true;
