@@ -398,19 +398,6 @@ static bool find_end(problem *p, const arb_t e, arb_ptr out)
 
 /* -------------------------------------------------------------------- motions */
 
-/* Where |lambda| < 1, of a chain that has one, with E > 0 it is 0. */
-static bool is_closed(const ric_chain *c, arb_srcptr lambda, slong prec)
-{
-    arb_t y;
-    if (!ric_chain_general(c)) return true;
-    arb_init(y);
-    arb_abs(y, lambda);
-    arb_sub_ui(y, y, 1, prec);
-    const bool closed = arb_is_negative(y);
-    arb_clear(y);
-    return closed;
-}
-
 /* All orbits of the arc, and those of the smaller class that it is seen from, close, and they pass no stop. */
 static bool arc_stands(problem *p, ric_leaving *v)
 {
@@ -423,8 +410,8 @@ static bool arc_stands(problem *p, ric_leaving *v)
     place_large(p, p->box, y, hull);
     ric_passage_init(&passage);
     ric_chain_energy(p->e, p->large.phase[0], hull, y);
-    const bool done = arb_is_positive(y) && is_closed(&p->large, hull + count - 1, p->e->prec) &&
-                      is_closed(&p->small, p->box + p->n_chain - 1, p->e->prec) &&
+    const bool done = arb_is_positive(y) && ric_chain_closes(&p->large, p->e, hull) &&
+                      ric_chain_closes(&p->small, p->e, p->box) &&
                       ric_passage_prove(&passage, &p->large, p->e, &(ric_family){.hull = hull});
     v->approach = arf_get_d(arb_midref(passage.approach), ARF_RND_FLOOR);
     ric_passage_clear(&passage);
