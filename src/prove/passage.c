@@ -141,10 +141,11 @@ static void gap_along(const gap *g, arb_srcptr x, arb_t out)
     if (g->side < 0) arb_neg(out, out);
 }
 
-/* A part of a flight, at the ends of which the gap may be closed by an impact. */
+/* A part of a flight, at the ends of which the gap may be closed by an impact, or the motion be at rest. */
 typedef struct {
     arb_srcptr from, to;
     bool opens, closes;
+    bool rests[2];
 } part;
 
 /* h, h' and h'' at time `mid`, over all of the family; the parts that a normal takes of q, p and -L q. */
@@ -172,7 +173,8 @@ static void gap_at(const gap *g, const arb_t mid, arb_ptr h)
 /* h > 0 on a part of length 2 r as h(mid) - |h'(mid)| r - bend r^2 / 2 > 0. Behind an impact, where h is zero and h' is
  * not negative whatever else is open of the states, also as h' > 0, and before one as h' < 0; along an arc, or where an
  * impact is a touch, as h'' > 0, too: of any other orbit whose impacts are that slow rounding would decide. Around a
- * touch in flight h'' > 0 closes it there alone. */
+ * touch in flight h'' > 0 closes it there alone. All of a contact, or what is left of it from a place at rest on, where
+ * h' = 0, has h > 0 as h'' < 0, however short it is. */
 static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb_t r)
 {
     const slong prec = g->e->prec;
@@ -191,7 +193,9 @@ static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb
     arb_add_error(h + 2, x);
     const bool one = p->opens != p->closes;
     const bool touches = g->touch && arb_le(p->from, g->touch) && arb_le(g->touch, p->to);
-    const bool open = arb_is_positive(h) || (((one && g->slow) || touches) && arb_is_positive(h + 2)) ||
+    const bool whole = (p->opens && p->closes) || (p->rests[0] && p->closes) || (p->opens && p->rests[1]);
+    const bool open = arb_is_positive(h) || (whole && arb_is_negative(h + 2)) ||
+                      (((one && g->slow) || touches) && arb_is_positive(h + 2)) ||
                       (one && p->opens && arb_is_positive(h + 1)) || (one && p->closes && arb_is_negative(h + 1));
     _arb_vec_clear(h, 3);
     arb_clear(x);
@@ -244,8 +248,9 @@ static bool is_open(const gap *g, part p, int depth)
     arb_sub(x, mid, p.from, prec);
     arb_max(r, r, x, prec);
     const bool open = part_is_open(g, &p, mid, r) || part_falls(g, &p, mid, r) ||
-                      (depth < DEEPEST && is_open(g, (part){p.from, mid, p.opens, false}, depth + 1) &&
-                       is_open(g, (part){mid, p.to, false, p.closes}, depth + 1));
+                      (depth < DEEPEST &&
+                       is_open(g, (part){p.from, mid, p.opens, false, {p.rests[0], false}}, depth + 1) &&
+                       is_open(g, (part){mid, p.to, false, p.closes, {false, p.rests[1]}}, depth + 1));
     arb_clear(mid);
     arb_clear(r);
     arb_clear(x);
@@ -258,10 +263,11 @@ static bool is_at(const gap *g, const ric_enclosure *e, int face)
     return face >= 0 && e->wall[face].contact == g->contact && e->wall[face].side == g->facing;
 }
 
-/* The gap over one flight from face `from` to face `to`. Where it touches at a mirror point the flight is longer by
- * what is not known of that time. */
-static bool stays_open(const gap *g, int from, int to, const arb_t tau)
+/* The gap over flight k. Where it touches at a mirror point the flight is longer by what is not known of that time. */
+static bool stays_open(const gap *g, const ric_chain *c, int k, const arb_t tau)
 {
+    const int from = c->face[k], to = c->face[k + 1];
+    const bool rests[2] = {k == 0 && c->start == RIC_CHAIN_REST, k == c->m - 1 && c->end == RIC_CHAIN_REST};
     arb_t start, end, x;
     arb_init(start);
     arb_init(end);
@@ -276,7 +282,7 @@ static bool stays_open(const gap *g, int from, int to, const arb_t tau)
         mag_zero(arb_radref(end));
         arb_max(end, end, x, g->e->prec);
     }
-    const bool open = is_open(g, (part){start, end, is_at(g, g->e, from), is_at(g, g->e, to)}, 0);
+    const bool open = is_open(g, (part){start, end, is_at(g, g->e, from), is_at(g, g->e, to), {rests[0], rests[1]}}, 0);
     arb_clear(start);
     arb_clear(end);
     arb_clear(x);
@@ -368,7 +374,7 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
     arb_srcptr w = u->hull + at, tau = w + 2 * c->n;
     ric_chain_fly(e, c->phase[k], w, tau, flown);
     snprintf(p->why, sizeof p->why, "flight %d does not last", k + 1);
-    bool stands = arb_is_positive(tau);
+    bool stands = arb_is_positive(tau) || (u->arrival && arb_is_negative(u->arrival->slope + at + 2 * c->n));
     for (int f = 0; f < e->n_face && stands; f++)
         for (int image = 0; image <= ric_chain_imaged(c) && stands; image++) {
             gap_place(g, c, k, f, image, u);
@@ -376,7 +382,7 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
             if (touches_in(g, u, k)) g->touch = u->touch->time;
             snprintf(p->why, sizeof p->why, "face %d%s is not proved to stay open in flight %d", f,
                      image ? ", or its image," : "", k + 1);
-            stands = stays_open(g, c->face[k], c->face[k + 1], tau);
+            stands = stays_open(g, c, k, tau);
         }
     if (stands && c->face[k + 1] >= 0 && !is_touch(c, u, k + 1)) {
         snprintf(p->why, sizeof p->why, "the impact behind flight %d is not proved to approach", k + 1);

@@ -63,11 +63,12 @@ static ric_status list_stations(tracing *t)
 
 /* ----------------------------------------------------------------- junctions */
 
-/* A spring that closes and opens at one instant: the conditions of both are one there, and the equations singular. */
+/* A spring that closes and opens at one instant: the conditions of both are one there, and the equations singular; not
+ * so with a mirror point in the midst of the contact, from which only half of it is in the chain. */
 static bool has_no_length(const ric_chain *c, arb_srcptr u)
 {
     for (int k = 0; k < c->m; k++)
-        if (arb_contains_zero(u + (slong)k * c->size + 2 * c->n)) return true;
+        if (c->face[k] >= 0 && c->face[k + 1] >= 0 && arb_contains_zero(u + (slong)k * c->size + 2 * c->n)) return true;
     return false;
 }
 
