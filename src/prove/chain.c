@@ -8,7 +8,8 @@
 /* What is left of velocities, or displacements, at a mirror point, of those of the motion: only where to begin is
  * decided by it. */
 #define AT_MIRROR 1e-6
-enum { MIRRORS = 4 }; /* at most in a period */
+#define NO_LENGTH 1e-6 /* of a period: a contact that is looked at as a touch; the equations decide */
+enum { MIRRORS = 4 };  /* at most in a period */
 
 /* ------------------------------------------------------------------- motion */
 
@@ -270,7 +271,7 @@ static ric_chain_end kind_in_flight(const ric_enclosure *e, const ric_phase *pha
 }
 
 typedef struct {
-    int n, letters;
+    int n, letters, room;    /* room: letters at first */
     const int *word;         /* [letters] faces, and n_face more where they open */
     const ric_phase **phase; /* [letters] of the flight behind each */
     arb_ptr states;          /* [letters * 2n] behind every event */
@@ -385,7 +386,7 @@ static bool motion_open(motion *z, const ric_enclosure *e, const ric_branch *bra
                         const double *flights)
 {
     const int n = e->n;
-    *z = (motion){.n = n, .letters = branch->letters, .word = branch->word};
+    *z = (motion){.n = n, .letters = branch->letters, .room = branch->letters, .word = branch->word};
     z->phase = flint_calloc((size_t)z->letters, sizeof *z->phase);
     z->states = _arb_vec_init((slong)z->letters * 2 * n);
     z->tau = _arb_vec_init(z->letters);
@@ -406,8 +407,8 @@ static bool motion_open(motion *z, const ric_enclosure *e, const ric_branch *bra
 
 static void motion_close(motion *z)
 {
-    _arb_vec_clear(z->states, (slong)z->letters * 2 * z->n);
-    _arb_vec_clear(z->tau, z->letters);
+    _arb_vec_clear(z->states, (slong)z->room * 2 * z->n);
+    _arb_vec_clear(z->tau, z->room);
     flint_free(z->phase);
 }
 
@@ -478,6 +479,13 @@ static bool is_halved(const ric_enclosure *e, const ric_branch *branch)
     return true;
 }
 
+static void fill(ric_chain *c, const ric_enclosure *e, motion *z, const ric_branch *branch)
+{
+    if (branch->reversible) find_mirrors(e, z);
+    if (branch->reversible && is_reversible(e, z)) fill_reversible(c, e, z);
+    else fill_general(c, e, z, is_halved(e, branch));
+}
+
 bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
                       const double *flights)
 {
@@ -485,11 +493,66 @@ bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *br
     *c = (ric_chain){.sign = 1, .number = -1};
     if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters)) return false;
     const bool enclosed = motion_open(&z, e, branch, state, flights);
-    if (enclosed && branch->reversible) find_mirrors(e, &z);
-    if (enclosed && branch->reversible && is_reversible(e, &z)) fill_reversible(c, e, &z);
-    else if (enclosed) fill_general(c, e, &z, is_halved(e, branch));
+    if (enclosed) fill(c, e, &z, branch);
     motion_close(&z);
     return enclosed;
+}
+
+/* Takes pairs of a closing and an opening of one spring, or the other way round, with no time between them out of the
+ * motion; word [letters]: what is left, returned is how many. */
+static int drop_touches(motion *z, const ric_enclosure *e, int *word)
+{
+    const slong size = 2 * z->n;
+    double period = 0;
+    int kept = 0;
+    bool *gone = flint_calloc((size_t)z->letters, sizeof *gone);
+    for (int k = 0; k < z->letters; k++) period += ric_arb_middle(z->tau + k);
+    for (int k = 0; k < z->letters; k++) {
+        const int next = (k + 1) % z->letters, face = face_of(e, z, k);
+        const bool pair = next != k && e->wall[face].closes && face == face_of(e, z, next) && !gone[k] && !gone[next];
+        if (pair && fabs(ric_arb_middle(z->tau + k)) < NO_LENGTH * period) gone[k] = gone[next] = true;
+    }
+    int first = 0;
+    while (first < z->letters && gone[first]) first++;
+    for (int i = 0; i < z->letters && first < z->letters; i++) { /* from the first that stays, so that times add up */
+        const int k = (first + i) % z->letters;
+        if (gone[k]) {
+            arb_add(z->tau + first + kept - 1, z->tau + first + kept - 1, z->tau + k, e->prec);
+            continue;
+        }
+        word[kept] = z->word[k];
+        if (k != first + kept) {
+            _arb_vec_set(z->states + (first + kept) * size, z->states + k * size, size);
+            arb_set(z->tau + first + kept, z->tau + k);
+        }
+        kept++;
+    }
+    for (int k = 0; k < kept && first > 0; k++) {
+        _arb_vec_set(z->states + k * size, z->states + (first + k) * size, size);
+        arb_set(z->tau + k, z->tau + first + k);
+    }
+    for (int k = 0; k < kept; k++) arb_get_mid_arb(z->tau + k, z->tau + k);
+    flint_free(gone);
+    z->word = word;
+    return kept;
+}
+
+bool ric_chain_shorten(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
+                       const double *flights)
+{
+    motion z;
+    ric_branch shorter = *branch;
+    *c = (ric_chain){.sign = 1, .number = -1};
+    if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters)) return false;
+    int *word = flint_calloc((size_t)branch->letters + 1, sizeof *word);
+    bool done = motion_open(&z, e, branch, state, flights);
+    if (done) z.letters = shorter.letters = drop_touches(&z, e, word);
+    shorter.word = word;
+    done = done && z.letters > 0 && z.letters < branch->letters && find_phases(&z, e);
+    if (done) fill(c, e, &z, &shorter);
+    motion_close(&z);
+    flint_free(word);
+    return done;
 }
 
 /* Place of the mirror point at the end of a reversible chain. */

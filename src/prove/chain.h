@@ -45,6 +45,9 @@ bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *br
 /* The same in the class of another chain of the branch; false if the stored numbers are not finite. */
 bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
                     const double *flights, const ric_chain *other);
+/* The same without the contacts of no length in it, which are touches; false where it has none, or nothing else. */
+bool ric_chain_shorten(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
+                       const double *flights);
 /* Of a linear mode, state [2 n_dof] anywhere on it: from rest to the centre, a quarter of the period. */
 bool ric_chain_mode(ric_chain *c, const ric_enclosure *e, const double *state, double period);
 void ric_chain_copy(ric_chain *to, const ric_chain *from);

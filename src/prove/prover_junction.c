@@ -274,6 +274,11 @@ ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool la
     ric_chain c = {0};
     bool made;
     ric_status status = ric_walk_chain(w, last ? w->branch.n_point - 1 : 0, &c, &made);
+    ric_chain shorter = {0};
+    if (made && ric_chain_shorten(&shorter, w->e, &w->branch, w->state, w->state + 2 * w->e->n_dof)) {
+        ric_chain_free(&c);
+        c = shorter;
+    }
     if (made && (ask_slowest(&c, w->e, &ask) || ask_nearest(&c, w->e, &ask))) {
         ric_augmented_free(x);
         if (ric_prover_junction_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
