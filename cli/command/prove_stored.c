@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/halt.h"
 #include "common/module.h"
 #include "prove.h"
 
@@ -27,7 +28,7 @@ static ric_status prove_one(prove_list *w, ric_prover *prover, prove_result *r)
     ric_status status = w->curves      ? ric_prover_curve(prover, r->curve.branch, &r->curve)
                         : w->junctions ? ric_prover_junction(prover, r->junction.junction, &r->junction)
                                        : ric_prover_point(prover, r->proof.branch, r->proof.point, &r->proof);
-    if (status) return status;
+    if (status || ric_halted()) return status; /* what was stopped in its midst says nothing */
     const char *text = ric_prover_certificate(prover);
     if (*text && !(r->certificate = strdup(text))) return RIC_E_NOMEM;
     r->done = true;
@@ -41,8 +42,10 @@ static void work(void *user)
     ric_prover *prover = NULL;
     ric_status status = ric_prover_create(w->atlas, &prover);
     if (!status) keep_model(w, prover);
+    ric_halt_ask(cli_workers_over, &w->workers);
     for (int i; !status && (i = cli_workers_take(&w->workers)) >= 0;)
         if (!w->results[i].done) status = prove_one(w, prover, &w->results[i]);
+    ric_halt_ask(NULL, NULL);
     if (status) cli_workers_fail(&w->workers, status);
     ric_prover_free(prover);
 }

@@ -10,6 +10,9 @@
 
 enum {
     DEEPEST = 22,   /* halvings of a step: 2^-22 of one is where two branches meet, or a gap closes */
+    MOST = 1500,    /* tubes of a step that are tried: some tens are taken where they get shorter towards an end, and
+                     * as many as there are halvings allow where nothing is gained by that */
+    TUBE = 1000000, /* multiplications of one, about */
     MANY_PARTS = 4, /* halvings of a tube for its stability: of two modes */
     FEW_PARTS = 1   /* of more, where it is dear */
 };
@@ -155,7 +158,7 @@ static bool join_by_one(ric_curve *x, const ric_node *a, const ric_node *b)
 static bool join(ric_curve *x, const ric_node *a, const ric_node *b, int depth)
 {
     if (join_by_one(x, a, b)) return true;
-    if (depth == DEEPEST) return false;
+    if (depth == DEEPEST || ++x->tried > MOST || ric_halt(TUBE)) return false;
     ric_node m;
     ric_curve_node_init(&m);
     node_between(&m, a, b, x->e);
@@ -168,6 +171,7 @@ static bool join(ric_curve *x, const ric_node *a, const ric_node *b, int depth)
 
 bool ric_curve_join(ric_curve *x, const ric_node *a, const ric_node *b)
 {
+    x->tried = 0;
     if (!ric_chain_same_class(&a->c, &b->c)) return false;
     return a->last ? !b->last && join(x, b, a, 0) : join(x, a, b, 0);
 }

@@ -17,7 +17,7 @@ typedef struct {
 
 typedef struct {
     const ric_enclosure *e;
-    int tubes;
+    int tubes, tried; /* in all; halvings of the step that is being proved */
     double length[3]; /* along the curve, by ric_stability: what is unstable, stable and undecided */
     ric_arcs *arcs;   /* its certificate, or NULL */
     char why[200];    /* where it ends, and why */

@@ -195,7 +195,7 @@ static void tell(const theorem *t, ric_proof *out)
 /* Existence, distance, passage, multipliers: false with the reason in `out` where one of them is missing. */
 static bool prove(theorem *t, const ric_branch *branch, const double *state, const double *flights, ric_proof *out)
 {
-    const char *why = "a stored number is not finite";
+    const char *why = "a stored number is not finite, or the structure is free to move while springs are closed";
     if (ric_chain_create(&t->chain, t->e, branch, state, flights))
         why = ric_existence_prove(&t->existence, &t->chain, t->e);
     if (!why && !t->existence.identified) why = "another orbit may lie as near: a junction";

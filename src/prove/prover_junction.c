@@ -295,8 +295,12 @@ static ric_status on_mode(ric_walk *w, const ric_junction *row, ric_augmented *x
     ric_point stored;
     const ric_status status = ric_walk_point(w, w->branch.to == row->id ? w->branch.n_point - 1 : 0, &stored);
     if (status) return status;
-    if (!ric_chain_mode(&c, w->e, w->state, w->state[2 * w->e->n_dof]) || !ask_nearest(&c, w->e, &ask))
-        snprintf(out->why, sizeof out->why, "no gap is all but a touch");
+    bool touches = ric_chain_mode(&c, w->e, w->state, w->state[2 * w->e->n_dof]) && ask_nearest(&c, w->e, &ask);
+    if (touches && ask.image) { /* from the other place at rest on */
+        _arb_vec_neg(c.u, c.u, c.n);
+        ask.image = false;
+    }
+    if (!touches) snprintf(out->why, sizeof out->why, "no gap is all but a touch");
     else if (ric_prover_junction_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
     ric_chain_free(&c);
     return status;

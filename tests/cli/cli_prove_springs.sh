@@ -53,6 +53,16 @@ for row in proved:
     ok "$name: and its junctions" bash -c '"$0" prove "$1" --junctions 2>/dev/null | grep -q "^$2 of $3 junctions proved"' "$ricochet" "$folder/$name.ricochet" "$junctions" "$of_junctions"
 done
 
+# Half of its branches take longer than that by themselves: what was stopped in its midst is not kept, and proved the next time.
+stopped() {
+    cp "$folder/two-springs.ricochet" "$folder/stopped.ricochet"
+    plant "$folder/stopped.ricochet" "$folder/s.ricochet" 'db.execute("DELETE FROM proof_graph")'
+    "$ricochet" prove "$folder/s.ricochet" --curves --seconds 0.02
+    [ $? -eq 3 ] || return 1
+    "$ricochet" prove "$folder/s.ricochet" --curves | grep -q '^6 of 6 curves proved, 4 of them from end to end, by 283 tubes'
+}
+ok 'a stop ends within a curve, and nothing half done is kept' stopped
+
 # One mass 1 on a spring 1, with a spring 5 beyond |x| = 1: half a quarter is asin(1 / A), the other acos((1 - r) / B) / w, w^2 = 6.
 cat >"$folder/one.yaml" <<'E2'
 title: One mass between two springs
