@@ -58,7 +58,7 @@ static ric_status digest_row(const ric_atlas *atlas, const ric_proof *p, const c
             ric_store_digest_model(ric_atlas_model(atlas)), p->branch, p->point, (int)p->state, p->bits, (int)p->stable,
             p->symmetric, p->reversible, branch->symmetric, branch->reversible);
     for (int i = 0; i < branch->letters; i++) fprintf(b.file, " %d", branch->word[i]);
-    fprintf(b.file, " %a %a %d", row.point.energy, row.point.frequency, (int)row.point.stable);
+    fprintf(b.file, " %a %a %a %d", row.point.energy, row.point.frequency, row.point.trace, (int)row.point.stable);
     for (int i = 0; i < 2 * n_dof; i++) fprintf(b.file, " %a", row.state[i]);
     for (int i = 0; i < branch->letters; i++) fprintf(b.file, " %a", row.flights[i]);
     for (int i = 0; i < NUMBERS; i++) fprintf(b.file, " %a", stored_number(p, i));

@@ -15,6 +15,7 @@
 /* Speed, in d and 2^-time s, that the rounding of what is stored makes of a touch: a slower impact may be one of either
  * sign, and the junction is what is to be proved. */
 #define TOUCH 1e-12
+#define TRACE 1e-3 /* relative to 1 + |trace| */
 
 static const slong bits[PRECISIONS] = {128, 256, 512};
 
@@ -152,6 +153,16 @@ static bool is_near(const arb_t x, double stored)
     return ric_prover_near(both, stored);
 }
 
+/* Of two modes: the stored trace is lost where less than three digits of it are known. */
+static bool trace_agrees(const arb_t trace, double stored)
+{
+    double both[2];
+    if (!arb_is_finite(trace) || !isfinite(stored)) return true;
+    ric_arb_interval(trace, both);
+    const double near = TRACE * (1 + fabs(stored));
+    return both[1] > stored - near && both[0] < stored + near;
+}
+
 /* Whether the stored point says what is proved of its orbit; `why` where it does not. */
 static bool agrees(const theorem *t, const ric_point *stored, ric_proof *out)
 {
@@ -166,6 +177,8 @@ static bool agrees(const theorem *t, const ric_point *stored, ric_proof *out)
     const int flag = stored->stable;
     arb_clear(frequency);
     if (!near) snprintf(out->why, sizeof out->why, "the stored energy or frequency is not that of the orbit");
+    else if (!trace_agrees(t->monodromy.trace, ric_point_trace(stored)))
+        snprintf(out->why, sizeof out->why, "the stored trace is not that of the orbit");
     else if (proved != RIC_STABLE_UNDECIDED && flag != RIC_STABLE_UNDECIDED && flag != (int)proved)
         snprintf(out->why, sizeof out->why, "stored as %s, and proved to be %s",
                  flag == RIC_STABLE_YES ? verdict[1] : verdict[0], verdict[proved]);
