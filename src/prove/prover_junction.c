@@ -209,11 +209,11 @@ void ric_prover_junction_tell(const ric_augmented *x, ric_story *out)
     const ric_augmented_question *a = &x->ask;
     const ric_wall *wall = &x->e->wall[a->face];
     const int face = a->image ? wall->mirror : a->face;
-    const bool spring = a->kind == RIC_AUGMENTED_TOUCH && wall->closes && face >= 0;
+    const bool told = a->kind == RIC_AUGMENTED_TOUCH && face >= 0;
     const ric_story_touch touch = {.impact = a->kind == RIC_AUGMENTED_SPEED ? a->place : -1,
-                                   .flight = spring ? a->place : -1,
+                                   .flight = told ? a->place : -1,
                                    .face = face,
-                                   .opens = spring && ric_phase_closed(x->c.phase[a->place], face),
+                                   .opens = told && ric_phase_closed(x->c.phase[a->place], face),
                                    .time = x->z + x->n_orbit};
     ric_story_tell(out, &x->c, x->z, &touch, x->e);
 }

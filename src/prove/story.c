@@ -112,20 +112,40 @@ static void add_end(ric_story *s, const ric_chain *c, arb_srcptr block, arb_srcp
     _arb_vec_clear(flown, 2 * s->n);
 }
 
+/* Whether it touches at the mirror point at which the chain begins, or ends. */
+static bool touches_first(const ric_chain *c, const ric_story_touch *touch)
+{
+    return touch->flight == 0 && c->face[0] < 0 && arb_contains_zero(touch->time);
+}
+
+static bool touches_last(const ric_chain *c, const ric_story_touch *touch, arb_srcptr block)
+{
+    return touch->flight == c->m - 1 && c->face[c->m] < 0 && arb_overlaps(touch->time, block + 2 * c->n);
+}
+
+/* A mirror point in flight at which a stop is touched is an impact of no speed. */
+static void make_impact(ric_moment *m, int face)
+{
+    m->face = face;
+    m->touch = true;
+}
+
 /* A spring that is touched in flight closes and opens at once, or the other way round; at a mirror point one of the two
- * is on its far side. */
+ * is on its far side. A stop is an impact of no speed, and at a mirror point that itself. */
 static void add_touch(ric_story *s, const ric_chain *c, const ric_story_touch *touch, arb_srcptr block,
                       const arb_t time)
 {
-    const bool first = touch->flight == 0 && c->face[0] < 0 && arb_contains_zero(touch->time);
-    const bool last = touch->flight == c->m - 1 && c->face[c->m] < 0 && arb_overlaps(touch->time, block + 2 * s->n);
+    const bool first = touches_first(c, touch), last = touches_last(c, touch, block);
+    const bool spring = s->e->wall[touch->face].closes;
+    if (first && !spring) make_impact(&s->at[0], touch->face);
+    if ((first || last) && !spring) return;
     arb_ptr flown = _arb_vec_init(2 * s->n);
     arb_t at;
     arb_init(at);
     ric_chain_fly(s->e, c->phase[touch->flight], block, touch->time, flown);
     arb_add(at, time, first ? at : last ? block + 2 * s->n : touch->time, s->e->prec);
-    for (int k = first; k < 2 - last; k++)
-        add(s, &(ric_moment){.face = touch->face, .opens = touch->opens != k, .touch = true}, at, flown);
+    for (int k = first; k < (spring ? 2 - last : 1); k++)
+        add(s, &(ric_moment){.face = touch->face, .opens = spring && touch->opens != k, .touch = true}, at, flown);
     arb_clear(at);
     _arb_vec_clear(flown, 2 * s->n);
 }
@@ -150,6 +170,9 @@ static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr befo
     arb_mul_ui(s->period, time, (ulong)ric_chain_copies(c), e->prec);
     if (!general) {
         add_end(s, c, u + (slong)(c->m - 1) * c->size, before, time, touch && touch->impact == c->m);
+        const arb_srcptr block = u + (slong)(c->m - 1) * c->size;
+        const bool last = touch && touch->flight >= 0 && touches_last(c, touch, block);
+        if (last && !e->wall[touch->face].closes) make_impact(&s->at[s->count - 1], touch->face);
         add_back(s, 0, time, c->end == RIC_CHAIN_CENTRE);
     }
     s->symmetric = ric_chain_symmetric(c);

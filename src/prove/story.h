@@ -21,12 +21,12 @@ typedef struct {
     arb_ptr period;
 } ric_story;
 
-/* What exactly touches: an impact of no speed, or a spring in flight, which closes and opens at once, or the other way
- * round. */
+/* What exactly touches: an impact of no speed, or, in flight, a stop, or a spring that closes and opens at once, or the
+ * other way round. */
 typedef struct {
     int impact;       /* block that begins with it, m for the end; -1: none */
-    int flight, face; /* of the spring; flight -1: none */
-    bool opens;       /* first */
+    int flight, face; /* of one in flight; flight -1: none */
+    bool opens;       /* first, of a spring */
     arb_srcptr time;
 } ric_story_touch;
 

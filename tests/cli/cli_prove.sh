@@ -231,6 +231,9 @@ sed 's/depth: 6/depth: 2/; s/impacts: 8/impacts: 2/; s/start: \[1, 2, 3\]/start:
 "$ricochet" run "$folder/lumped/study.yaml" -o "$folder/lumped.ricochet" --quiet
 ok 'orbits of twenty modes are told apart' bash -c 'for i in 2 25; do "$0" prove "$1" --branch 5 --point $i 2>&1 | grep -q "^1 of 1" || exit 1; done' "$ricochet" "$folder/lumped.ricochet"
 
+# One of its branches ends where a gap touches in flight, and another one goes on from there with an impact.
+"$ricochet" run examples/corner/study.yaml -o "$folder/corner.ricochet" --quiet
+ok 'a touch in flight is an impact of no speed for the branch that has it' bash -c '"$0" prove "$1" | grep -q "^354 of 354 points proved"' "$ricochet" "$folder/corner.ricochet"
 "$ricochet" run examples/power-3/study.yaml -o "$folder/power-3.ricochet" --quiet
 ok 'power-3 is left out by name' bash -c '"$0" prove "$1" | grep -q "^the first of them: .*power"' "$ricochet" "$folder/power-3.ricochet"
 finish
