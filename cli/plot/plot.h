@@ -304,7 +304,7 @@ bool plot_track_join(plot_track *track, plot_point at, double arclength);
 /* The knot that was added last is the last one before a gap. */
 void plot_track_gap(plot_track *track);
 void plot_track_free(plot_track *track);
-/* Of a stored point: PLOT_JOINT where it is undecided because it is a junction. */
+/* Of a stored point: PLOT_JOINT at a junction, which has on either side what its neighbours have. */
 int plot_point_stability(const ric_branch *branch, int i, const ric_point *point);
 /* By arclength, where joints were added after the points. */
 void plot_track_sort(plot_track *track);

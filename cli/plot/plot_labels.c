@@ -153,7 +153,7 @@ static double leader_cost(const placing *p, const plot_tag *tag, leader_line lin
     if (!plot_page_free_line(p->page, rest.from, rest.to)) return INFINITY;
     for (int i = 0; i < p->n_leader; i++)
         if (lines_cross(line, p->leaders[i])) return INFINITY;
-    return 2.5 * leader_ink(p->page, rest) + (tag->clear > 0 ? 4 : 8);
+    return 8 * leader_ink(p->page, rest) + (tag->clear > 0 ? 4 : 8);
 }
 
 /* On how many sides of a box lines pass so near that it may seem to belong to them, beyond the first, its own. */
@@ -180,7 +180,7 @@ static double box_cost(const placing *p, const plot_tag *tag, plot_box box, doub
     if (!plot_page_free_box(p->page, wide) || plot_page_ink(p->page, wide) > 0) return INFINITY;
     for (int i = 0; i < p->n_leader; i++)
         if (crosses_box(p->leaders[i], wide)) return INFINITY;
-    distance += 4 * crowding(p->page, wide);
+    distance += 10 * crowding(p->page, wide);
     if (gap < 9) { /* a curve between the label and its own would seem to be the one that is meant */
         const double ink = leader_ink(p->page, beyond_own(leader_to(tag, box), 0.5));
         return ink > 2 ? INFINITY : distance + 6 * ink;

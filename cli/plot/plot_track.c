@@ -53,7 +53,8 @@ static int by_arclength(const void *a, const void *b)
 int plot_point_stability(const ric_branch *branch, int i, const ric_point *point)
 {
     const int stable = point->stable >= 0 && point->stable <= 2 ? point->stable : RIC_STABLE_UNDECIDED;
-    return stable == RIC_STABLE_UNDECIDED && cli_point_at_junction(branch, i, point) ? PLOT_JOINT : stable;
+    const bool inside = i > 0 && i + 1 < branch->n_point; /* else there may be no neighbour that could say */
+    return (inside || stable == RIC_STABLE_UNDECIDED) && cli_point_at_junction(branch, i, point) ? PLOT_JOINT : stable;
 }
 
 void plot_track_sort(plot_track *t)

@@ -362,7 +362,8 @@ static ric_status sample(ric_continuation *tr, unsigned which, int test, double 
         end = to;
         status = ric_event_samples_approach(tr, to, q->x[q->n - 2], least, h);
     }
-    return status ? status : ric_event_samples_refine(tr, which, pairs, from, end, h);
+    if (!status) status = ric_event_samples_refine(tr, which, pairs, from, end, h);
+    return status ? status : ric_event_samples_probe(tr, which, h);
 }
 
 /* ------------------------------------------------------- over a branch point */

@@ -8,7 +8,7 @@
  * Two of several pairs lambda + 1/lambda that pass one resonance in the same interval leave the sign of its function as
  * it was, and so does one that passes it and comes back beside another: so pairs are looked at by themselves, too, and
  * whether two between which the resonance lies may meet, by the square of their distance, which is smooth where they
- * do. */
+ * do. At +-2 the functions are the bordered determinant and the factors of the map. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +22,7 @@
 /* RATIO: of distances from an end at which functions may have poles: what happens there does so on every scale */
 #define RATIO 16
 #define NEAR_PAIR 32    /* of lambda + 1/lambda: pairs farther out than this pass no resonance beside others that do */
+#define PROBES 40       /* points more, of one step, at which pairs beside +-2 are looked at */
 #define LOST_WIDTH 0.05 /* relative: how well the place is known where multipliers get lost in rounding */
 #define LOST_LEAST 1e-4 /* the same, of the size, away from an end */
 
@@ -53,7 +54,7 @@ static void take(ric_continuation *tr, int i, double x, const ric_station *p)
     for (int k = 0; k < tr->n_resonance; k++)
         value[RIC_N_TEST + k] = lost ? NAN : ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[k].rho);
     for (int k = RIC_TEST_A; k <= RIC_TEST_D; k++) value[smooth(tr, k)] = value[k] == 0 ? 0 : p->factor[k - RIC_TEST_A];
-    for (int j = 0; tr->n_resonance && j < tr->floquet.n_pair; j++)
+    for (int j = 0; j < tr->floquet.n_pair; j++)
         value[pair_column(tr, j)] = p->own[2 * j + 1] == 0 ? p->own[2 * j] : NAN;
 }
 
@@ -290,6 +291,63 @@ ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool p
         if (!fine && !good) ric_continuation_widen(tr, tr->unresolved++ == 0, tr->crowded_at);
         if (!good) i++;
     }
+    return RIC_OK;
+}
+
+/* Whether the pairs stay on their sides of +-2, where factors of the map or its bordered determinant vanish. Where the
+ * sign of one is lost in rounding, so is the side of a pair. Of a whole period -2 is a resonance. */
+static bool pairs_stay_at_two(const ric_continuation *tr, int i, unsigned which)
+{
+    static const unsigned vanish[2] = {1u << RIC_TEST_DET | 1u << RIC_TEST_B, 1u << RIC_TEST_A | 1u << RIC_TEST_D};
+    for (int k = 0; k < (ric_shooting_halves(tr->chain) ? 2 : 1); k++) {
+        bool known = which & vanish[k];
+        for (int test = 0; test < RIC_N_TEST; test++)
+            for (int j = i; vanish[k] >> test & 1 && j < i + 2; j++) {
+                const double value = ric_event_samples_values(tr, j)[test];
+                known &= isfinite(value) && value != 0;
+            }
+        if (known && !pairs_stay(tr, i, k ? -2 : 2)) return false;
+    }
+    return true;
+}
+
+static ric_status probe(ric_continuation *tr, unsigned which, double h)
+{
+    ric_event_samples *q = &tr->samples;
+    const double finest = FINEST * tr->chain->scale;
+    const int most = q->n + PROBES < RIC_MOST_SAMPLES ? q->n + PROBES : RIC_MOST_SAMPLES;
+    for (int i = q->now; i + 1 < q->n;) {
+        const double a = q->x[i], b = q->x[i + 1];
+        bool good = false;
+        if (q->n < most && b - a > finest && !pairs_stay_at_two(tr, i, which)) {
+            ric_status status = ric_event_samples_insert(tr, (a + b) / 2, h, &good);
+            if (status) return status;
+            if (good && i > q->now) i--;
+        }
+        if (!good) i++;
+    }
+    return RIC_OK;
+}
+
+ric_status ric_event_samples_probe(ric_continuation *tr, unsigned which, double h)
+{
+    ric_event_samples *q = &tr->samples;
+    const int n = q->n, n_known = tr->known.n, before = ric_event_samples_changes(tr, which);
+    const size_t count = (size_t)n * (size_t)ric_continuation_watched(tr);
+    double x[n], values[count];
+    if (tr->floquet.n_pair < 2) return RIC_OK;
+    memcpy(x, q->x, sizeof x);
+    memcpy(values, q->values, sizeof values);
+    const int32_t steep = tr->steep;
+    const double scale = tr->chain->scale;
+    ric_status status = probe(tr, which, h);
+    if (status || q->n == n || ric_event_samples_changes(tr, which) != before) return status;
+    memcpy(q->x, x, sizeof x);
+    memcpy(q->values, values, sizeof values);
+    q->n = n;
+    tr->known.n = n_known;
+    tr->steep = steep;
+    tr->chain->scale = scale; /* steps are relative to it */
     return RIC_OK;
 }
 

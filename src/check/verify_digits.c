@@ -155,7 +155,9 @@ static ric_status bound(const replay *r, ric_digits *d, double rounding)
     real *sizes = d->close + 2 * n;
     /* of an orbit that is small beside the clearances the residual is relative to these */
     const real residual = r->point.residual * (1 + d->unit[0]) / d->unit[0],
-               digit = rounding * N + (residual > 0 ? fmin(residual, MOST_OPEN) : 0);
+               digit = rounding * N + (residual > 0 ? fmin(residual, MOST_OPEN) : 0),
+               open = residual > 0 ? fmin(r->point.residual, MOST_OPEN) * (1 + r->norm) : 0;
+    for (int k = 0; k < N; k++) d->gap[k] = open; /* the residual itself, whatever moves it */
     for (int j = 0; j < 2 * n; j++) {
         real column[2 * n];
         start_column(r, j, column);

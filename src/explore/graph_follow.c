@@ -134,6 +134,11 @@ static bool doubles(const ric_shooting *c, int test)
     return c->start != RIC_MIRROR_NONE && c->multiple == 2 && (test == RIC_TEST_A || test == RIC_TEST_D);
 }
 
+static bool at_one_place(double s, const ric_event *event)
+{
+    return fabs(s - event->s) < SAME_EVENT * (1 + event->s);
+}
+
 /* The resonance that an event belongs to, or NULL. A doubling is met as a zero of A or D and by its multiplier; that
  * may pass -1 and come back within one step, where only the tests tell both places. *twin: the event is met by its
  * multiplier, too. */
@@ -146,7 +151,7 @@ static const ric_resonance *resonance_of(const ric_continuation *tr, const ric_e
         if (tr->resonances[k].q == 2) doubling = &tr->resonances[k];
     for (int i = 0; i < tr->n_event; i++) {
         const ric_resonance *other = ric_continuation_resonance(tr, tr->events[i].test);
-        *twin |= other && other == doubling && fabs(tr->events[i].s - event->s) < SAME_EVENT * (1 + event->s);
+        *twin |= other && other == doubling && at_one_place(tr->events[i].s, event);
     }
     return doubling;
 }
@@ -207,6 +212,18 @@ static bool strays(const ric_node *node, const ric_periodic *cycle)
     return fabs(node->period * node->multiple - seen) > FLAT * seen;
 }
 
+/* A function that vanishes twice has two zeros: where their orbits count as one junction the branch says so. */
+static void tell_crowded(ric_edge *e, const ric_event *event, double energy)
+{
+    ric_continuation *tr = e->trace;
+    const ric_event *other = tr->events;
+    while (other < event && !(other->test == event->test && at_one_place(other->s, event))) other++;
+    if (other == event) return;
+    const bool first = tr->unresolved++ == 0;
+    tr->crowded_at[0] = first ? energy : fmin(tr->crowded_at[0], energy);
+    tr->crowded_at[1] = first ? energy : fmax(tr->crowded_at[1], energy);
+}
+
 static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
 {
     ric_status status;
@@ -243,7 +260,10 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length))
         return RIC_OK;
     for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
-        if (e->inner[i].node == index && fabs(e->inner[i].at - event->s) < SAME_EVENT * (1 + event->s)) return RIC_OK;
+        if (e->inner[i].node == index && at_one_place(e->inner[i].at, event)) {
+            tell_crowded(e, event, g->nodes[index]->energy * g->model->energy_unit);
+            return RIC_OK;
+        }
     unsigned choice;
     if ((status = passing_choice(g, e, event, g->nodes[index], aside, &choice))) return status;
     ric_graph_mark(g, g->nodes[index], choice, RIC_DEPARTURE_KNOWN);

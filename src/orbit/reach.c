@@ -132,11 +132,13 @@ static void offer_stationary(search *q, sample at)
 }
 
 /* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal, nor does a spring:
- * then only a maximum that happens to fall on the impact must not be lost between the flights before and after. */
+ * then only a maximum that happens to fall on the impact must not be lost between the flights before and after. A
+ * closed face may be left there as far as to the other side of the contact. */
 static void offer_impact(search *q, const ric_face *other, sample at)
 {
     bool kink = other->spring == 0 && !ric_model_orthogonal(q->chain->model, q->contact, other->contact);
-    if (kink) offer(q, at.t, at.s, (at.s > 0) != q->closed ? 1 : -1, true);
+    const int side = q->closed ? -q->chain->model->face[q->upper].side : at.s > 0 ? 1 : -1;
+    if (kink) offer(q, at.t, at.s, side, true);
     else if (fabs(at.ds) < LEVEL * (q->tau <= NO_TIME ? q->D1 : q->D3 * q->tau * q->tau)) offer_stationary(q, at);
 }
 

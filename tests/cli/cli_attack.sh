@@ -35,6 +35,11 @@ END
 # Springs that multiply rounding by 1e11 in a period: what is polished is the stored orbit, and none beside it on its branch.
 ok "the margins of structure 2100519 are those of its orbits" \
     tools/attack/attack --program "$ricochet" -n 1 --seed 2100519 --kind bilinear
+# Four equal touches, of which the last has come through flights that make 2.5e-7 of the last digits of the stored state.
+for seed in $(some_of '' 9600042); do
+    ok "the grazings of structure $seed touch to what their digits hold" \
+        tools/attack/attack --program "$ricochet" -n 1 --seed "$seed" --kind bilinear --points 1
+done
 # Orbits of two energies that are on no branch, by brute force: mixed; rigid, bilinear with two modes, rigid with three.
 for seed in 130022 $(some_of '' '130004 130017 130012'); do
     ok "no orbit of structure $seed is lost" \

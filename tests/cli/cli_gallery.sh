@@ -1,6 +1,6 @@
 #!/bin/bash
-# The gallery: every command of docs/gallery.md runs and gives a picture, the studies have the numbers that the article states, and every
-# figure from 1 to 30 is on the page.
+# The gallery: every command of docs/gallery.md runs and gives a picture, the atlases verify and have the numbers that the article states, and
+# every figure from 1 to 30 is on the page.
 set -u
 root=$PWD
 . tests/support/tap.sh
@@ -16,6 +16,7 @@ while IFS= read -r picture; do
     ok "$picture is a whole picture" sh -c 'test "$(wc -c <"$1")" -gt 5000 && tail -c 20 "$1" | grep -q "</svg>"' sh "$folder/$(basename "$picture")"
     ok "$picture is in the tree" test -s "docs/$picture"
 done < <(grep -oE '\]\(gallery/[^)]*\)' docs/gallery.md | tr -d ']()')
+long_form || left_out 'every point of all atlases verifies' 'make long takes all, here some points of seven atlases'
 long_form || left_out 'Fig. 29 is what is drawn today' 'it is drawn by make long; here it is the file of the tree'
 ok "the pictures in the tree$(some_of ', but for Fig. 29,' '') are what is drawn today" env PYTHONPATH=tests/support PYTHONDONTWRITEBYTECODE=1 python3 \
     tests/support/same_pictures.py docs/gallery "$folder"
@@ -26,6 +27,12 @@ ok 'so is that of the README' env PYTHONPATH=tests/support PYTHONDONTWRITEBYTECO
 ok 'the page in one file has them all' sh -c 'test "$(grep -c data:image/svg "$1")" -eq "$(grep -c "^!\[" docs/gallery.md)"' sh "$folder/gallery.html"
 for figure in $(seq 1 30); do
     ok "figure $figure is on the page" grep -q "^## Fig. $figure:" docs/gallery.md
+done
+
+# Nothing is drawn from an atlas that another program would refuse.
+every=$(some_of '' --all)
+for study in $(some_of 'modes elementary path duplicates cascade power-3 power-7' "$(sed -n 's|.*-o build/paper/\(.*\)\.ricochet.*|\1|p' docs/gallery.md)"); do
+    ok "$study: $(some_of 'some points' 'every point') of each branch verifies" "$ricochet" verify "$folder/$study.ricochet" $every
 done
 
 # Labels as a browser sets them, which has letters of its own.

@@ -277,6 +277,14 @@ ok 'so are the kinds of branches' sees plain <<'END'
 far, grey = apart([p.colours[kind + ", stable"] for kind in ("symmetric", "asymmetric", "linear")])
 check(min(far.values()) > 40 and grey > 10, far, grey)
 END
+ok 'a branch that loses its stability at a branch point, of which a point is stored' draw loses fep "$folder/two.ricochet" \
+    --branch 'S6[010101]' --energy 20:30 --frequency 1.665:1.69 --linear --linear-frequency --labels none --marks none
+ok 'is thick up to there' sees loses <<'END'
+frame = p.lines["axes"][0]
+end = frame[0][0] + (frame[1][0] - frame[0][0]) * (22.98740319908 - 20) / 10
+thick = max(x for line in p.lines["symmetric, stable"] for x, y in line if y < frame[0][1])
+check(abs(thick - end) < 0.5, thick, end)
+END
 ok 'a duplicate with a stable part' draw dashed fep "$folder/two.ricochet" --branch 'S2-[01]' --duplicates 3
 ok 'is thick where it is stable, thin where it is not' sees dashed <<'END'
 thick, thin = (p.lines.get("symmetric, %s, duplicate" % word) for word in ("stable", "unstable"))

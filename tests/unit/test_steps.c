@@ -450,6 +450,49 @@ static void two_multiplications_in_a_step(void **state)
                            "explore: {energy: [0, 40], frequency: [0.2979, 14], impacts: 4, multiply: 2, depth: 2}\n"));
 }
 
+/* Of four pairs of multipliers two pass 1 and come back within 6e-5 and 6e-4 of a step of 0.06: four branch points, of
+ * which the determinants of all pairs show no sign. */
+static void pairs_to_and_fro_in_a_step(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = same_for_all_steps(
+        "model:\n  mass: [[0.25, 0, 0, 0], [0, 1.25, 0, 0], [0, 0, 1.5, 0], [0, 0, 0, 1.5]]\n"
+        "  stiffness: [[2812500, -1437500, 0, 0], [-1437500, 3312500, -1875000, 0], [0, -1875000, 2375000, -500000], "
+        "[0, 0, -500000, 2000000]]\n  contacts:\n"
+        "    - {normal: [0, 0, -1, 1], law: power, exponent: 3, stiffness: 577600}\n"
+        "    - {normal: [1, 1, 2, 1], law: power, exponent: 3, stiffness: 1024000}\n"
+        "explore: {energy: [0, 300000], frequency: [119.5, 10380], impacts: 4, multiply: 1, depth: 1}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++)
+        found += junction_of(atlas, id).kind == RIC_KIND_BRANCH_POINT;
+    assert_int_equal(found, 4);
+    ric_atlas_free(atlas);
+}
+
+/* Two pairs pass -1 within 5e-7 beside a grazing: their orbits are one junction to what is told apart, and the branch
+ * says that there may be more than one. */
+static void junctions_that_are_one_are_said(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[0.78125, 0.046875, 0.1875], [0.046875, 1.578125, 0.03125], [0.1875, 0.03125, 2.015625]]\n"
+        "  stiffness:\n    - [1.3961440550959696, -2.027993453289029, -0.632420908001364]\n"
+        "    - [-2.027993453289029, 13.096938089422416, -1.3755764093765719]\n"
+        "    - [-0.632420908001364, -1.3755764093765719, 6.964708721552645]\n  contacts:\n"
+        "    - {normal: [0, 0, 1], law: rigid, clearance: 0.00165, sides: upper}\n"
+        "explore: {energy: [0, 28.74], frequency: [0.2, 9], impacts: 6, multiply: 2, depth: 2}\n");
+    int doublings = 0, said = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        const ric_junction j = junction_of(atlas, id);
+        doublings += j.kind == RIC_KIND_MULTIPLICATION && agrees(j.energy, 4.37252007165, 1e-9);
+    }
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+        said += strstr(branch_of(atlas, id).why, "closer together than can be told apart (E 4.3725") != NULL;
+    assert_int_equal(doublings, 1);
+    assert_int_equal(said, 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(to_and_fro),
@@ -466,6 +509,8 @@ int main(void)
                                        cmocka_unit_test(a_root_in_an_instant),
                                        cmocka_unit_test(no_doubling_of_lost_multipliers),
                                        cmocka_unit_test(the_end_is_stored),
-                                       cmocka_unit_test(two_multiplications_in_a_step)};
+                                       cmocka_unit_test(two_multiplications_in_a_step),
+                                       cmocka_unit_test(pairs_to_and_fro_in_a_step),
+                                       cmocka_unit_test(junctions_that_are_one_are_said)};
     return cmocka_run_group_tests_name("steps", tests, NULL, NULL);
 }

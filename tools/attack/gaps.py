@@ -24,6 +24,7 @@ class Reach:
         self.event = np.full(P, -np.inf)
         self.touches = np.zeros(P, dtype=int)
         self.where = [""] * P
+        self.place = [None] * P  # of `stationary`: (flight, contact, time in it, factor of s/d)
         for k in range(chain.N):
             self._flight(chain, k)
             self._at_event(chain, k)
@@ -69,12 +70,13 @@ class Reach:
                 at = (lower + upper) / 2
                 near = (at < 1e-7 * tau[p]) | (at > (1 - 1e-7) * tau[p])
                 value = factor * (base + _value(g, w, y[p], yd[p], at[:, None])[:, 0]) + offset
-                for q, z, at_end in zip(p, value, near):
+                for q, z, at_end, moment in zip(p, value, near, at):
                     if at_end and abs(z - 1) < 1e-6:
                         continue
                     self.values[q].append(float(z))
                     if z > self.stationary[q] and not brief[q]:
                         self.stationary[q], self.where[q] = z, f"face {f}, flight {k}"
+                        self.place[q] = k, contact, moment, factor
                     if abs(z - 1) < 1e-8:
                         self.touches[q] += 1
 

@@ -690,13 +690,22 @@ class Judge:
             v.find("penetration", where, f"gap opens to {reach.worst()[0]!r} ({reach.where[0]})")
         speeds = np.array([float(x[0]) for x in chain.speed]) / chain.size()[1][0]
         if j["kind"] == "grazing":
-            near = abs(reach.stationary[0] - 1) < 1e-7 or np.abs(speeds).min() < 1e-6
+            held = self._touch_held(chain, reach)
+            near = abs(reach.stationary[0] - 1) < 1e-7 + held or np.abs(speeds).min() < 1e-6
             if not near:
-                v.find("grazing", where, f"no touch: reach {reach.stationary[0]!r}, least speed {np.abs(speeds).min():.1e}")
+                v.find("grazing", where, f"no touch: reach {reach.stationary[0]!r} +- {held:.1e}, least speed {np.abs(speeds).min():.1e}")
         elif j["kind"] == "multiplication" and j["rotation_q"] and s.n > 1:
             self._rotation(j, chain, where)
         elif j["kind"] in ("extremum", "branch-point", "period-extremum"):
             self._singular(j, chain, where)
+
+    def _touch_held(self, chain, reach):
+        """To what the stored digits of one orbit hold its largest gap. A branch ends at its first touch, so that of several equal ones
+        the last, which has come farthest from the stored state, may be the largest by that."""
+        if reach.place[0] is None:
+            return 0.0
+        flight, contact, at, factor = reach.place[0]
+        return abs(factor) * float(chain.rounded_gap(flight, contact, np.array([at]))[0])
 
     def _rotation(self, j, chain, where):
         fine, _ = orbits.polish(chain)

@@ -117,6 +117,17 @@ class Chain:
         """[P]: what the equations make of a change of the unknowns, at most, both relative."""
         return np.linalg.norm(self.weighted(), ord=2, axis=(1, 2))
 
+    def rounded_gap(self, k, contact, at):
+        """[P]: what the last digits of the numbers that are stored make of the gap of a contact at its maximum, so long after flight
+        k has begun: all flights before last as long as they are said to, and that one to wherever the maximum is."""
+        s, n, P = self.s, self.s.n, len(self.u)
+        X = ar.zeros((P, 2 * n, 2 * n + self.N), ar.exact_of(self.u))
+        X[:, range(2 * n), range(2 * n)] = X[:, range(2 * n), range(2 * n)] + 1
+        for i in range(k):
+            X, _ = self._through(i, X)
+        X = s.fly_columns(self.closed[k], X, at)
+        return np.abs(ar.double(s.c[contact] @ X[:, :n]) * self.weights()[0]).sum(axis=1) * 2 ** -53
+
 
 def solve(a, b):
     """x with a x = b, by elimination with pivots in the digits of the numbers."""
