@@ -102,73 +102,44 @@ static void put_links(filling *f, slong from, const ric_equations *second)
     for (int i = 0; i + 1 < f->x->c.m; i++) put_group(f, from, &f->q.group[i], &second->group[i], false);
 }
 
-/* What closed springs add to E' a at the first block: k (s - d) c.a. */
-static void put_springs(filling *f, slong from)
+/* E' a at the first block: E' is (K q - sum k d c, p), less the pull; its derivative in the direction of a is that of K
+ * a. */
+static void put_energy(filling *f, slong from)
 {
     const ric_augmented *x = f->x;
-    const ric_enclosure *e = x->e;
-    arb_t press, force, value;
-    arb_init(press);
-    arb_init(force);
-    arb_init(value);
-    for (int k = 0; k < e->n_face; k++) {
-        if (!ric_phase_closed(x->c.phase[0], k)) continue;
-        arb_srcptr c = ric_enclosure_c(e, e->wall[k].contact);
-        ric_chain_along(e, k, f->z, press);
-        arb_sub(press, press, e->wall[k].gap, e->prec);
-        arb_mul(press, press, e->wall[k].spring, e->prec);
-        ric_chain_along(e, k, f->z + from, force);
-        arb_mul(force, force, e->wall[k].spring, e->prec);
-        for (slong i = 0; i < e->n; i++) {
-            arb_mul(value, press, c + i, e->prec);
-            add_term(f, f->row, from + i, value);
-            arb_mul(value, force, c + i, e->prec);
-            add_derivative(f, f->row, i, value);
-        }
+    const slong n = x->e->n;
+    const ric_phase *phase = x->c.phase[0];
+    arb_ptr force = _arb_vec_init(2 * n), change = _arb_vec_init(2 * n);
+    ric_chain_pull(x->e, phase, f->z, force);
+    _arb_vec_neg(force, force, n);
+    _arb_vec_set(force + n, f->z + n, n);
+    ric_chain_stiffen(x->e, phase, f->z + from, change);
+    _arb_vec_set(change + n, f->z + from + n, n);
+    for (slong i = 0; i < 2 * n; i++) {
+        add_term(f, f->row, from + i, force + i);
+        add_derivative(f, f->row, i, change + i);
     }
-    arb_clear(press);
-    arb_clear(force);
-    arb_clear(value);
+    _arb_vec_clear(force, 2 * n);
+    _arb_vec_clear(change, 2 * n);
 }
 
 /* Of the tangent: all of G', and E' or T'. */
 static void put_tangent(filling *f)
 {
     const ric_augmented *x = f->x;
-    const ric_enclosure *e = x->e;
-    const slong from = x->n_orbit, n = e->n;
+    const slong from = x->n_orbit;
     ric_equations second;
-    arb_t value, error;
-    arb_init(value);
-    arb_init(error);
+    arb_t one;
     open_second(f, from, &second);
     for (int i = 0; i < f->q.n - 1; i++) put_group(f, from, &f->q.group[i], &second.group[i], false);
     ric_equation_free(&second);
-    if (x->ask.kind == RIC_AUGMENTED_PERIOD) {
-        arb_one(value);
-        for (int k = 0; k < x->c.m; k++) add_term(f, f->row, from + (slong)k * x->c.size + 2 * n, value);
-    } else {
-        put_springs(f, from);
-        for (slong i = 0; i < 2 * n; i++) {
-            arb_zero(error);
-            if (i < n) ric_chain_norm(n, f->z, e->prec, error);
-            arb_mul(error, error, e->rho, e->prec);
-            if (i < n) arb_mul(value, e->square + i, f->z + i, e->prec);
-            else arb_set(value, f->z + i);
-            arb_add_error(value, error);
-            add_term(f, f->row, from + i, value);
-            arb_zero(error);
-            if (i < n) ric_chain_norm(n, f->z + from, e->prec, error);
-            arb_mul(error, error, e->rho, e->prec);
-            if (i < n) arb_mul(value, e->square + i, f->z + from + i, e->prec);
-            else arb_set(value, f->z + from + i);
-            arb_add_error(value, error);
-            add_derivative(f, f->row, i, value);
-        }
-    }
+    arb_init(one);
+    arb_one(one);
+    if (x->ask.kind == RIC_AUGMENTED_ENERGY) put_energy(f, from);
+    for (int k = 0; k < x->c.m && x->ask.kind == RIC_AUGMENTED_PERIOD; k++)
+        add_term(f, f->row, from + (slong)k * x->c.size + 2 * x->e->n, one);
     f->row++;
-    arb_clear(value);
-    arb_clear(error);
+    arb_clear(one);
 }
 
 /* What holds at a mirror point for motions that are turned into themselves, n rows, or into their opposite, n + 1: B

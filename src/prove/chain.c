@@ -122,25 +122,36 @@ void ric_chain_energy(const ric_enclosure *e, const ric_phase *phase, arb_srcptr
     arb_clear(x);
 }
 
-/* -(L + R) q - sum k (c.q - d) c. */
-void ric_chain_pull(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, arb_ptr out)
+void ric_chain_stiffen(const ric_enclosure *e, const ric_phase *phase, arb_srcptr q, arb_ptr out)
 {
     const slong n = e->n;
     arb_t x;
     arb_init(x);
-    ric_chain_norm(n, w, e->prec, x);
+    ric_chain_norm(n, q, e->prec, x);
     arb_mul(x, x, e->rho, e->prec);
     for (slong i = 0; i < n; i++) {
-        arb_mul(out + i, e->square + i, w + i, e->prec);
-        arb_neg(out + i, out + i);
+        arb_mul(out + i, e->square + i, q + i, e->prec);
         arb_add_error(out + i, x);
     }
     for (int f = 0; f < e->n_face; f++) {
         if (!ric_phase_closed(phase, f)) continue;
-        ric_chain_along(e, f, w, x);
-        arb_sub(x, x, e->wall[f].gap, e->prec);
+        ric_chain_along(e, f, q, x);
         arb_mul(x, x, e->wall[f].spring, e->prec);
-        for (slong i = 0; i < n; i++) arb_submul(out + i, x, ric_enclosure_c(e, e->wall[f].contact) + i, e->prec);
+        _arb_vec_scalar_addmul(out, ric_enclosure_c(e, e->wall[f].contact), n, x, e->prec);
+    }
+    arb_clear(x);
+}
+
+void ric_chain_pull(const ric_enclosure *e, const ric_phase *phase, arb_srcptr q, arb_ptr out)
+{
+    arb_t x;
+    arb_init(x);
+    ric_chain_stiffen(e, phase, q, out);
+    _arb_vec_neg(out, out, e->n);
+    for (int f = 0; f < e->n_face; f++) {
+        if (!ric_phase_closed(phase, f)) continue;
+        arb_mul(x, e->wall[f].spring, e->wall[f].gap, e->prec);
+        _arb_vec_scalar_addmul(out, ric_enclosure_c(e, e->wall[f].contact), e->n, x, e->prec);
     }
     arb_clear(x);
 }
@@ -211,17 +222,16 @@ void ric_chain_norm(slong n, arb_srcptr x, slong prec, arb_t out)
 
 void ric_chain_slack(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_t out)
 {
-    arb_ptr from = _arb_vec_init(2 * e->n);
+    arb_ptr own = phase ? _arb_vec_init(2 * e->n) : NULL;
     arb_t size;
     arb_init(size);
-    _arb_vec_set(from, w, 2 * e->n);
-    if (phase) ric_phase_enter(phase, w, from);
+    if (phase) ric_phase_enter(phase, w, own);
     ric_enclosure_slack(ric_phase_enclosure(phase, e), tau, out);
-    ric_chain_norm(2 * e->n, from, e->prec, size);
-    _arb_vec_clear(from, 2 * e->n);
+    ric_chain_norm(2 * e->n, phase ? own : w, e->prec, size);
     arb_add_ui(size, size, 1, e->prec);
     arb_mul(out, out, size, e->prec);
     arb_clear(size);
+    if (phase) _arb_vec_clear(own, 2 * e->n);
 }
 
 /* ------------------------------------------------------------- mirror points */
@@ -503,35 +513,29 @@ bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *br
 static int drop_touches(motion *z, const ric_enclosure *e, int *word)
 {
     const slong size = 2 * z->n;
+    const int letters = z->letters;
     double period = 0;
-    int kept = 0;
-    bool *gone = flint_calloc((size_t)z->letters, sizeof *gone);
-    for (int k = 0; k < z->letters; k++) period += ric_arb_middle(z->tau + k);
-    for (int k = 0; k < z->letters; k++) {
-        const int next = (k + 1) % z->letters, face = face_of(e, z, k);
+    int kept = 0, first = 0;
+    bool *gone = flint_calloc((size_t)letters, sizeof *gone);
+    arb_ptr states = _arb_vec_init(letters * size), tau = _arb_vec_init(letters);
+    for (int k = 0; k < letters; k++) period += ric_arb_middle(z->tau + k);
+    for (int k = 0; k < letters; k++) {
+        const int next = (k + 1) % letters, face = face_of(e, z, k);
         const bool pair = next != k && e->wall[face].closes && face == face_of(e, z, next) && !gone[k] && !gone[next];
         if (pair && fabs(ric_arb_middle(z->tau + k)) < NO_LENGTH * period) gone[k] = gone[next] = true;
     }
-    int first = 0;
-    while (first < z->letters && gone[first]) first++;
-    for (int i = 0; i < z->letters && first < z->letters; i++) { /* from the first that stays, so that times add up */
-        const int k = (first + i) % z->letters;
-        if (gone[k]) {
-            arb_add(z->tau + first + kept - 1, z->tau + first + kept - 1, z->tau + k, e->prec);
-            continue;
-        }
-        word[kept] = z->word[k];
-        if (k != first + kept) {
-            _arb_vec_set(z->states + (first + kept) * size, z->states + k * size, size);
-            arb_set(z->tau + first + kept, z->tau + k);
-        }
-        kept++;
+    while (first < letters && gone[first]) first++;
+    for (int i = 0; i < letters && first < letters; i++) { /* from the first that stays, so that times add up */
+        const int k = (first + i) % letters;
+        if (!gone[k]) _arb_vec_set(states + kept * size, z->states + k * size, size);
+        if (!gone[k]) word[kept++] = z->word[k];
+        arb_add(tau + kept - 1, tau + kept - 1, z->tau + k, e->prec);
     }
-    for (int k = 0; k < kept && first > 0; k++) {
-        _arb_vec_set(z->states + k * size, z->states + (first + k) * size, size);
-        arb_set(z->tau + k, z->tau + first + k);
-    }
-    for (int k = 0; k < kept; k++) arb_get_mid_arb(z->tau + k, z->tau + k);
+    set_mid(tau, tau, kept);
+    _arb_vec_swap(z->states, states, letters * size);
+    _arb_vec_swap(z->tau, tau, letters);
+    _arb_vec_clear(states, letters * size);
+    _arb_vec_clear(tau, letters);
     flint_free(gone);
     z->word = word;
     return kept;

@@ -99,8 +99,9 @@ void ric_chain_reflect(const ric_enclosure *e, int face, arb_ptr p);
 void ric_chain_along(const ric_enclosure *e, int face, arb_srcptr x, arb_t out);
 /* 1/2 p.p + 1/2 q.(L + R) q + 1/2 sum k (s - d)^2. */
 void ric_chain_energy(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, arb_t out);
-/* q'' [n] of a state in a phase. */
-void ric_chain_pull(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, arb_ptr out);
+/* (L + R + sum k c c') q [n] in a phase; and q'' = sum k d c less that. */
+void ric_chain_stiffen(const ric_enclosure *e, const ric_phase *phase, arb_srcptr q, arb_ptr out);
+void ric_chain_pull(const ric_enclosure *e, const ric_phase *phase, arb_srcptr q, arb_ptr out);
 /* Whether zeros in u, balls of all blocks and lambda, have lambda = 0. */
 bool ric_chain_closes(const ric_chain *c, const ric_enclosure *e, arb_srcptr u);
 /* Whether the spring at the beginning of block k, or at the end of the chain, opens there. */

@@ -340,7 +340,7 @@ static void bound_rows(const problem *p, arb_t out)
 static void bound_second(const problem *p, const arb_t r, arb_t lipschitz, arb_t slack)
 {
     slong prec = p->e->prec;
-    arb_ptr w = _arb_vec_init(p->c->size);
+    arb_ptr own = _arb_vec_init(p->c->size);
     block_bounds b;
     arb_t x, rows;
     bounds_init(&b);
@@ -351,8 +351,12 @@ static void bound_second(const problem *p, const arb_t r, arb_t lipschitz, arb_t
     for (int k = 0; k < p->c->m; k++) {
         const ric_phase *phase = p->c->phase[k];
         const ric_enclosure *e = ric_phase_enclosure(phase, p->e);
-        _arb_vec_set(w, ric_chain_block(p->c, k), p->c->size);
-        if (phase) ric_phase_enter(phase, ric_chain_block(p->c, k), w);
+        arb_srcptr w = ric_chain_block(p->c, k);
+        if (phase) {
+            ric_phase_enter(phase, w, own);
+            arb_set(own + 2 * p->c->n, w + 2 * p->c->n);
+            w = own;
+        }
         bound_motion(e, w, r, &b);
         bound_flight(e, w, r, &b);
         arb_add(x, e->top, b.second, prec);
@@ -370,7 +374,7 @@ static void bound_second(const problem *p, const arb_t r, arb_t lipschitz, arb_t
         arb_max(lipschitz, lipschitz, x, prec);
         arb_max(slack, slack, b.slack, prec);
     }
-    _arb_vec_clear(w, p->c->size);
+    _arb_vec_clear(own, p->c->size);
     bounds_clear(&b);
     arb_clear(x);
     arb_clear(rows);

@@ -27,6 +27,7 @@ typedef struct {
     bool mirrored;           /* the flight ends with a mirror point */
     arb_srcptr touch;        /* a time at which h = h' = 0, or NULL */
     arb_t d;                 /* clearance > 0 */
+    arb_t open;              /* what the flight leaves open of the state and its derivatives */
     arb_t bend, jerk, slack; /* bounds of |h''|, |h'''|; of what flights leave open of h and its derivatives */
     arb_ptr flown, other;    /* [2n] scratch */
 } gap;
@@ -36,6 +37,7 @@ static void gap_init(gap *g, const ric_enclosure *e)
     *g = (gap){.e = e, .own = _arb_vec_init(8 * e->n), .flown = _arb_vec_init(2 * e->n)};
     g->other = _arb_vec_init(2 * e->n);
     arb_init(g->d);
+    arb_init(g->open);
     arb_init(g->bend);
     arb_init(g->jerk);
     arb_init(g->slack);
@@ -47,13 +49,14 @@ static void gap_clear(gap *g)
     _arb_vec_clear(g->flown, 2 * g->e->n);
     _arb_vec_clear(g->other, 2 * g->e->n);
     arb_clear(g->d);
+    arb_clear(g->open);
     arb_clear(g->bend);
     arb_clear(g->jerk);
     arb_clear(g->slack);
 }
 
 /* |h''| <= sum |c_i| omega_i sqrt(omega_i^2 q_i^2 + p_i^2) + |c| slack |w|; h''' has an omega_i more. */
-static void gap_bend(gap *g, const arb_t tau)
+static void gap_bend(gap *g)
 {
     const ric_enclosure *e = g->modes;
     slong n = e->n;
@@ -73,10 +76,7 @@ static void gap_bend(gap *g, const arb_t tau)
         arb_addmul(g->jerk, x, e->omega + i, e->prec);
     }
     ric_chain_norm(n, g->c, e->prec, g->slack);
-    ric_chain_norm(2 * n, g->w, e->prec, x);
-    arb_mul(g->slack, g->slack, x, e->prec);
-    ric_enclosure_slack(e, tau, x);
-    arb_mul(g->slack, g->slack, x, e->prec);
+    arb_mul(g->slack, g->slack, g->open, e->prec);
     arb_add(g->bend, g->bend, g->slack, e->prec);
     arb_add(g->jerk, g->jerk, g->slack, e->prec);
     arb_clear(x);
@@ -110,11 +110,12 @@ static void gap_shift(gap *g, bool closed)
     arb_clear(shift);
 }
 
-/* A face, or its image under x -> -x, over flight k of a chain. */
-static void gap_place(gap *g, const ric_chain *c, int k, int face, bool image, const ric_family *u)
+/* Flight k of a chain, whatever the face. */
+static void gap_board(gap *g, const ric_chain *c, int k, const ric_family *u)
 {
-    const ric_wall *wall = &g->e->wall[face];
     const slong at = (slong)k * c->size;
+    arb_t size;
+    arb_init(size);
     g->phase = c->phase[k];
     g->modes = ric_phase_enclosure(g->phase, g->e);
     g->w = u->hull + at;
@@ -122,16 +123,27 @@ static void gap_place(gap *g, const ric_chain *c, int k, int face, bool image, c
     g->half = u->half ? u->half + at : NULL;
     g->slope = u->arrival ? u->arrival->slope + at : NULL;
     if (g->phase) gap_enter(g);
+    g->slow = u->half || u->touch;
+    g->last = u->arrival ? u->arrival->last + at + 2 * c->n : NULL;
+    g->mirrored = c->face[k + 1] < 0;
+    ric_enclosure_slack(g->modes, u->hull + at + 2 * c->n, g->open);
+    ric_chain_norm(2 * c->n, g->w, g->e->prec, size);
+    arb_mul(g->open, g->open, size, g->e->prec);
+    arb_clear(size);
+}
+
+/* A face, or its image under x -> -x, over that flight. */
+static void gap_place(gap *g, int face, bool image)
+{
+    const ric_wall *wall = &g->e->wall[face];
     g->contact = wall->contact;
     g->c = ric_enclosure_c(g->modes, wall->contact);
     g->facing = g->side = image ? -wall->side : wall->side;
-    g->slow = u->half || u->touch;
     g->touch = NULL;
-    g->last = u->arrival ? u->arrival->last + at + 2 * g->e->n : NULL;
     arb_set(g->d, wall->gap);
     if (wall->side < 0) arb_neg(g->d, g->d);
     if (g->phase) gap_shift(g, ric_phase_closed(g->phase, image ? wall->mirror : face));
-    gap_bend(g, u->hull + at + 2 * c->n);
+    gap_bend(g);
 }
 
 /* side c.x [n]. */
@@ -375,10 +387,10 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
     ric_chain_fly(e, c->phase[k], w, tau, flown);
     snprintf(p->why, sizeof p->why, "flight %d does not last", k + 1);
     bool stands = arb_is_positive(tau) || (u->arrival && arb_is_negative(u->arrival->slope + at + 2 * c->n));
+    gap_board(g, c, k, u);
     for (int f = 0; f < e->n_face && stands; f++)
         for (int image = 0; image <= ric_chain_imaged(c) && stands; image++) {
-            gap_place(g, c, k, f, image, u);
-            g->mirrored = c->face[k + 1] < 0;
+            gap_place(g, f, image);
             if (touches_in(g, u, k)) g->touch = u->touch->time;
             snprintf(p->why, sizeof p->why, "face %d%s is not proved to stay open in flight %d", f,
                      image ? ", or its image," : "", k + 1);
@@ -386,7 +398,7 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
         }
     if (stands && c->face[k + 1] >= 0 && !is_touch(c, u, k + 1)) {
         snprintf(p->why, sizeof p->why, "the impact behind flight %d is not proved to approach", k + 1);
-        gap_place(g, c, k, c->face[k + 1], false, u);
+        gap_place(g, c->face[k + 1], false);
         arb_t speed, rate;
         arb_init(speed);
         arb_init(rate);
