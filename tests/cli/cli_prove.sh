@@ -2,27 +2,14 @@
 # Proofs: what is stored is proved but for the junctions at the ends of branches; what is a little wrong is not.
 set -u
 . tests/support/tap.sh
+. tests/support/proofs.sh
 
 if ! "$ricochet" run examples/elementary/study.yaml -o "$folder/e.ricochet" --quiet; then echo '1..0 # SKIP no atlas'; exit 77; fi
 atlas="$folder/e.ricochet"
-said=$("$ricochet" prove "$atlas" 2>&1)
-if grep -q 'left out of this program' <<<"$said"; then
-    echo '1..0 # SKIP the program was built without FLINT'
-    exit 77
-fi
+needs_flint "$atlas"
 
 # What is planted is looked at on some branches, of 2 to 8 flights; on all in the long form.
 some=$(some_of '3 7 9' '')
-# prove ATLAS OUT ARGUMENT...: the rows
-prove() { "$ricochet" prove "$1" --json "${@:3}" >"$2" 2>/dev/null; [ -s "$2" ]; }
-# rows FILE CODE: Python over `rows` of FILE
-rows() { python3 - "$1" <<END
-import json, math, sys
-rows = [row for row in json.load(open(sys.argv[1])) if row["verdict"] != "left out"]
-proved = [row for row in rows if row["verdict"] == "proved"]
-$2
-END
-}
 # planted CODE: a copy of the atlas with Python over the database \`db\` done to it, its digest made anew
 planted() {
     plant "$atlas" "$folder/p.ricochet" '

@@ -2,23 +2,11 @@
 # Junctions as theorems: those of the demo are proved, each as what it is; what is a little wrong is not.
 set -u
 . tests/support/tap.sh
+. tests/support/proofs.sh
 
 if ! "$ricochet" run examples/elementary/study.yaml -o "$folder/e.ricochet" --quiet; then echo '1..0 # SKIP no atlas'; exit 77; fi
-if "$ricochet" prove "$folder/e.ricochet" --junctions 2>&1 | grep -q 'left out of this program'; then
-    echo '1..0 # SKIP the program was built without FLINT'
-    exit 77
-fi
+needs_flint "$folder/e.ricochet"
 
-# prove ATLAS OUT: the rows
-prove() { "$ricochet" prove "$1" --junctions --json >"$2" 2>/dev/null; [ -s "$2" ]; }
-# rows FILE CODE: Python over `rows` of FILE
-rows() { python3 -S - "$1" <<END
-import json, math, sys
-rows = json.load(open(sys.argv[1]))
-proved = [row for row in rows if row["verdict"] == "proved"]
-$2
-END
-}
 # planted CODE: a copy of the atlas with Python over the database \`db\` done to it, its digest made anew; and its rows
 planted() {
     plant "$folder/e.ricochet" "$folder/p.ricochet" '
@@ -26,11 +14,11 @@ def change(column, to):
     for id, old in db.execute(f"SELECT id, {column} FROM junction ORDER BY id").fetchall():
         db.execute(f"UPDATE junction SET {column} = ? WHERE id = ?", (to(old), id))
 '"$1"
-    prove "$folder/p.ricochet" "$folder/p.json"
+    prove "$folder/p.ricochet" "$folder/p.json" --junctions
 }
 
 ok 'all junctions are proved' bash -c '"$0" prove "$1" --junctions | grep -q "^18 of 18 junctions proved"' "$ricochet" "$folder/e.ricochet"
-prove "$folder/e.ricochet" "$folder/all.json"
+prove "$folder/e.ricochet" "$folder/all.json" --junctions
 ok 'each by what vanishes there' rows "$folder/all.json" '
 ways = {"grazing": ("an impact has no speed", "a gap touches"), "extremum": ("the energy turns",),
         "period-extremum": ("the period turns",), "branch-point": ("a motion breaks",), "multiplication": ("multipliers turn by 2/6",)}

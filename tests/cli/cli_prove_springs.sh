@@ -2,23 +2,11 @@
 # Proofs between bilinear springs, by themselves and beside a stop: what is stored is proved, what is a little wrong is not.
 set -u
 . tests/support/tap.sh
+. tests/support/proofs.sh
 
 if ! "$ricochet" run examples/stop-and-spring/study.yaml -o "$folder/stop-and-spring.ricochet" --quiet; then echo '1..0 # SKIP no atlas'; exit 77; fi
-if "$ricochet" prove "$folder/stop-and-spring.ricochet" 2>&1 | grep -q 'left out of this program'; then
-    echo '1..0 # SKIP the program was built without FLINT'
-    exit 77
-fi
+needs_flint "$folder/stop-and-spring.ricochet"
 
-# prove ATLAS OUT ARGUMENT...: the rows
-prove() { "$ricochet" prove "$1" --json "${@:3}" >"$2" 2>/dev/null; [ -s "$2" ]; }
-# rows FILE CODE: Python over `rows` of FILE
-rows() { python3 - "$1" <<END
-import json, math, sys
-rows = json.load(open(sys.argv[1]))
-proved = [row for row in rows if row["verdict"] == "proved"]
-$2
-END
-}
 # planted CODE: a copy of the atlas of two springs with Python over \`points\` done to it, its digest made anew; and its rows
 planted() {
     plant "$folder/two-springs.ricochet" "$folder/p.ricochet" '
