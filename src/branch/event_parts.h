@@ -41,8 +41,9 @@ int ric_event_samples_changes(const ric_continuation *trace, unsigned which);
  * functions may have poles, or NAN. */
 ric_status ric_event_samples_refine(ric_continuation *trace, unsigned which, bool pairs, double from, double to,
                                     double h);
-/* More points where two of several pairs may pass +-2, or one pass it and come back, which leaves the signs of the tests
- * `which` as they were. They are kept if they show a zero: what finds nothing changes no bit of what comes after. */
+/* More points where two of several pairs may pass +-2, or one pass it and come back, which leaves the signs of the
+ * tests `which` as they were. They are kept if they show a zero: what finds nothing changes no bit of what comes after.
+ */
 ric_status ric_event_samples_probe(ric_continuation *trace, unsigned which, double h);
 /* More points at distances from `end` that fall from that of `other` to `least`. */
 ric_status ric_event_samples_approach(ric_continuation *trace, double end, double other, double least, double h);
