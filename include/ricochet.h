@@ -584,7 +584,7 @@ typedef struct {
     int n_phase;              /* 2 where the level is above the threshold, else 0 */
     double phases[2];         /* of the force at the stored state: of the orbit that inherits the stability of
                                * the one in the atlas, and of the saddle */
-    ric_stability stable;     /* predicted, of the first */
+    ric_stability stable;     /* predicted, of the first; undecided where the next order may change it */
     double slope;             /* dT/dE there, scaled, from stored points; NaN: there is one point */
     double estimate;          /* how far the forced orbit is from this one, relative: the next order */
     double error;             /* of loss and work, where they are quadratures, relative */

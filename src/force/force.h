@@ -40,5 +40,8 @@ ric_status ric_force_balance_of(const ric_force *force, const ric_orbit *orbit, 
                                 ric_force_balance *out);
 /* Whether the force does work on it, or what there is of it is rounding (force_predict.c). */
 bool ric_force_predict_works(const ric_force_balance *sum);
+/* ric_force_predict without its `stable`, which is left undecided. */
+ric_status ric_force_predict_balance(const ric_force *force, int branch, const ric_orbit *orbit, int harmonic,
+                                     double level, ric_prediction *out);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "base/room.h"
-#include "force.h"
+#include "force_stability.h"
 
 /* Largest distance between the forced orbit and the one of the atlas, relative, at which the first order is trusted:
  * the second is then a hundredth. */
@@ -162,8 +162,8 @@ bool ric_force_predict_works(const ric_force_balance *sum)
     return hypot(sum->work[0], sum->work[1]) > (NO_WORK + sum->error) * sum->size;
 }
 
-ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *orbit, int harmonic, double level,
-                             ric_prediction *out)
+ric_status ric_force_predict_balance(const ric_force *f, int branch, const ric_orbit *orbit, int harmonic, double level,
+                                     ric_prediction *out)
 {
     ric_branch b;
     ric_point point;
@@ -189,11 +189,21 @@ ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *or
                             .error = sum.error,
                             .slope = log_t * RIC_TWO_PI / point.frequency / point.energy};
     find_phases(level, work, loss, log_t, out);
-    out->stable = log_t != 0 && isfinite(1 / log_t) ? ric_orbit_stability(orbit) : RIC_STABLE_UNDECIDED;
+    out->stable = RIC_STABLE_UNDECIDED;
     const reasons r = {.exchanged = fmax(loss, works ? level * work : 0) / point.energy,
                        .shaken = works ? shake(f, fmax(level, out->threshold), out) : 0,
                        .away = away_from_one(orbit),
                        .way = way};
     judge(&point, &r, level, out);
     return RIC_OK;
+}
+
+ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *orbit, int harmonic, double level,
+                             ric_prediction *out)
+{
+    ric_branch b;
+    ric_status status = ric_force_predict_balance(f, branch, orbit, harmonic, level, out);
+    if (status || out->slope == 0 || !isfinite(1 / out->slope)) return status;
+    status = ric_atlas_branch(f->atlas, branch, &b);
+    return status ? status : ric_force_stability(f, &b, orbit, out->estimate, &out->stable);
 }

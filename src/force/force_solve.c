@@ -39,6 +39,8 @@ ric_status ric_force_solve(const ric_force *f, const ric_orbit *orbit, int harmo
     ric_force_orbit *o = NULL;
     double start[2 * f->n];
     *out = (ric_forced){.fault = "Newton's method does not converge", .stable = RIC_STABLE_UNDECIDED};
+    if (harmonic < 1) return ric_fail(RIC_E_INPUT, "harmonic %d; harmonics are 1, 2, 3, ...", harmonic);
+    if (!(level > 0 && isfinite(level))) return ric_fail(RIC_E_INPUT, "a level is an amplitude of the force, above 0");
     if (ric_orbit_letters(orbit) == 0 && ric_model_detached(f->model))
         return ric_fail(RIC_E_INPUT, "a linear mode meets no stop: its forced motion is that of the linear structure");
     ric_status status = ric_force_medium_create(f, &medium);

@@ -7,13 +7,6 @@
 #include "base/room.h"
 #include "orbit/room.h"
 
-static ric_status check(int harmonic, double level)
-{
-    if (harmonic < 1) return ric_fail(RIC_E_INPUT, "harmonic %d; harmonics are 1, 2, 3, ...", harmonic);
-    if (!(level > 0 && isfinite(level))) return ric_fail(RIC_E_INPUT, "a level is an amplitude of the force, above 0");
-    return RIC_OK;
-}
-
 /* Under a power law the period is divided, so that no part multiplies errors by much. */
 enum { SMOOTH_PARTS = 4 };
 
@@ -49,9 +42,8 @@ ric_status ric_force_start_from(ric_force_medium *m, const ric_orbit *orbit, int
     ric_point point;
     const int n = m->n;
     double state[2 * n];
-    ric_status status = check(harmonic, level);
+    ric_status status;
     *out = NULL;
-    if (status) return status;
     ric_orbit_data(orbit, &point, NULL, NULL, NULL);
     const ric_force_drive drive = {harmonic * point.frequency / m->time, level, m->force->restitution};
     if (m->smooth) return smooth_from(m, orbit, &point, harmonic, &drive, phase, out);

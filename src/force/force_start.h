@@ -5,8 +5,8 @@
 #include "force_motion.h"
 
 /* The forced problem with the word of an orbit of the atlas, at Omega = harmonic * omega, and its state, at the phase
- * of the force there; not yet solved. The restitution is that of the force. RIC_E_INPUT, RIC_E_NUMERIC: it cannot be.
- */
+ * of the force there; not yet solved. Level 0 has the losses alone. The restitution is that of the force.
+ * RIC_E_INPUT, RIC_E_NUMERIC: it cannot be. */
 ric_status ric_force_start_from(ric_force_medium *medium, const ric_orbit *orbit, int harmonic, double level,
                                 double phase, ric_force_orbit **out);
 /* Solves it at its level. */

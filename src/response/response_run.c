@@ -67,7 +67,7 @@ static ric_status start_beside(ric_response_driver *d, int branch, const ric_orb
                                bool *taken)
 {
     ric_prediction p;
-    ric_status status = ric_force_predict(d->force, branch, orbit, harmonic, level, &p);
+    ric_status status = ric_force_predict_balance(d->force, branch, orbit, harmonic, level, &p);
     *taken = false;
     for (int k = 0; k < p.n_phase && !status; k++) {
         ric_force_orbit *o = NULL;
@@ -87,7 +87,7 @@ static ric_status start_beside(ric_response_driver *d, int branch, const ric_orb
 static double merit(ric_response_driver *d, int branch, const ric_orbit *orbit, int harmonic)
 {
     ric_prediction p;
-    if (ric_force_predict(d->force, branch, orbit, harmonic, 0, &p)) return NAN;
+    if (ric_force_predict_balance(d->force, branch, orbit, harmonic, 0, &p)) return NAN;
     const double omega = p.omega / d->medium->time;
     if (!(p.threshold < d->level) || omega < d->trace.window[0] || omega > d->trace.window[1]) return NAN;
     return p.threshold / d->level + (p.trusted ? 0 : 1);
@@ -149,7 +149,7 @@ static ric_status at_omega(ric_response_driver *d, const ric_branch *b, int harm
     ric_status status = ric_orbit_find(d->atlas, b->id, RIC_AT_FREQUENCY, d->r->asked.omega / harmonic, &n, &orbits);
     for (int i = 0; i < n && !status; i++) {
         double level = d->level;
-        status = ric_force_predict(d->force, b->id, orbits[i], harmonic, 0, &p);
+        status = ric_force_predict_balance(d->force, b->id, orbits[i], harmonic, 0, &p);
         if (!status && d->trace.along == RIC_ALONG_LEVEL)
             level = fmin(2 * p.threshold, (p.threshold + d->trace.window[1]) / 2);
         if (!status && isfinite(level)) status = start_beside(d, b->id, orbits[i], harmonic, level, &taken);
