@@ -29,9 +29,10 @@ ric_status ric_section_phase_create(const ric_model *m, uint64_t closed, ric_sec
         p->G = p->regime->G;
         p->rest = p->regime->rest;
     }
-    p->turn = ric_calloc(3 * (size_t)n + (size_t)m->n_contact, sizeof *p->turn);
+    p->turn = ric_calloc(3 * (size_t)n + 2 * (size_t)m->n_contact, sizeof *p->turn);
     if (!p->turn) return ric_no_memory("a phase of a section");
     p->fourth = p->turn + 3 * n;
+    p->bulge = p->fourth + m->n_contact;
     for (int i = 0; i < n; i++) fastest = fmax(fastest, p->omega[i]);
     p->panel = fastest > 0 ? PANEL / fastest : 0;
     for (int i = 0; i < n; i++) {
@@ -41,12 +42,14 @@ ric_status ric_section_phase_create(const ric_model *m, uint64_t closed, ric_sec
         p->turn[2 * n + i] = turns ? p->turn[n + i] : 0;
     }
     for (int f = 0; f < m->n_contact; f++) {
-        double sum = 0;
+        double second = 0, fourth = 0;
         for (int i = 0; i < n; i++) {
-            double square = p->omega[i] * p->omega[i], part = p->G[f * n + i] * square * square;
-            sum += part * part;
+            double square = p->omega[i] * p->omega[i], part = p->G[f * n + i] * square;
+            second += part * part;
+            fourth += part * square * part * square;
         }
-        p->fourth[f] = sqrt(sum);
+        p->fourth[f] = sqrt(fourth);
+        p->bulge[f] = sqrt(second) * p->panel * p->panel / 8;
     }
     return RIC_OK;
 }
@@ -148,17 +151,21 @@ typedef struct {
     ric_section_event *found;
 } search;
 
+static double sign_of(const search *q, int f)
+{
+    return q->phase->closed >> f & 1 ? -q->m->face[f].side : q->m->face[f].side;
+}
+
 /* The gap of a face from s at the start of the flight. */
 static gap gap_of(const search *q, int f, const double *s)
 {
     const ric_face *face = &q->m->face[f];
     int n = q->m->n;
-    bool closed = q->phase->closed >> f & 1;
     gap g = {.phase = q->phase,
              .n = n,
              .z = q->z,
              .G = q->phase->G + face->contact * n,
-             .sign = closed ? -face->side : face->side,
+             .sign = sign_of(q, f),
              .fourth = q->phase->fourth[face->contact] * q->size};
     g.start = f == q->left ? 0 : g.sign * (s[0] - face->gap);
     g.band = BAND * (fabs(face->gap) + fabs(s[0]));
@@ -180,16 +187,20 @@ static void look_at_start(const search *q, const double *all)
     }
 }
 
-/* Over the panel that begins at time t, with s at its ends: the first event of each face. */
+/* Over the panel that begins at time t, with s at its ends: the first event of each face. Most panels lie so far below
+ * a face that the chord of the gap and its largest bulge over that tell. */
 static void look_at_panel(const search *q, double t, const double *begin, const double *from, const double *to)
 {
     const ric_model *m = q->m;
     for (int f = 0; f < m->n_face; f++) {
         int contact = m->face[f].contact;
-        gap g = gap_of(q, f, begin + 3 * contact);
-        const double *a = from + 3 * contact, *b = to + 3 * contact;
-        ric_sample first = {t, {g.sign * (a[0] - m->face[f].gap), g.sign * a[1], g.sign * a[2]}},
-                   last = {t + q->phase->panel, {g.sign * (b[0] - m->face[f].gap), g.sign * b[1], g.sign * b[2]}};
+        const double *a = from + 3 * contact, *b = to + 3 * contact, gap_here = m->face[f].gap;
+        const double sign = sign_of(q, f), level = sign * gap_here;
+        if (fmax(sign * a[0], sign * b[0]) - level + q->size * q->phase->bulge[contact] < -BAND * fabs(gap_here))
+            continue;
+        const gap g = gap_of(q, f, begin + 3 * contact);
+        ric_sample first = {t, {g.sign * a[0] - level, g.sign * a[1], g.sign * a[2]}},
+                   last = {t + q->phase->panel, {g.sign * b[0] - level, g.sign * b[1], g.sign * b[2]}};
         if (t == 0) first.g[0] = fmin(g.start, 0);
         double found = first_crossing(&g, &first, &last);
         if (found < q->found->time) *q->found = (ric_section_event){.time = found, .face = f};

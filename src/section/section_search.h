@@ -20,6 +20,7 @@ typedef struct {
     const double *rest;       /* [n_contact]; NULL: zeros */
     double panel, *turn;      /* scaled time; [3n] as ric_flight_trig has it; panel 0: no mode turns */
     double *fourth;           /* [n_contact] D4 over the length of z */
+    double *bulge;            /* [n_contact] what s is above its chord over a panel at most, over the length of z */
 } ric_section_phase;
 
 typedef struct {
