@@ -151,26 +151,33 @@ static void start_columns(course *q, ric_mirror mirror, int face)
     if (mirror == RIC_MIRROR_IMPACT) exchange(q, &m->face[face], true, ld, q->V);
 }
 
-/* Columns W [2n * count] through a flight, of states or of deviations. False: no memory for the modes of its springs.
- */
-static bool fly(const course *q, real tau, int count, bool states, real *W)
+/* Displacements a and velocities p [count] of one mode, by its cosine and its two sines. */
+static void turn(int count, const real *by, real *a, real *p)
+{
+    for (int j = 0; j < count; j++) {
+        real t = a[j];
+        a[j] = by[0] * t + by[1] * p[j];
+        p[j] = by[0] * p[j] - by[2] * t;
+    }
+}
+
+/* A state w [2n] through a flight, and, unless NULL, deviations V [2n * ld]: sines of this precision are dear, and the
+ * same for both. False: no memory for the modes of its springs. */
+static bool fly(const course *q, real tau, real *w, real *V)
 {
     const ric_model *m = q->c->model;
-    int n = q->n;
-    if (q->closed) return ric_flight_fine(m, q->closed, tau, count, states, W);
-    for (int i = 0; i < n; i++) {
-        real omega = (real)m->omega[i] + m->omega_low[i], kappa = m->kappa[i], s, co, s1 = tau, s2 = 0;
-        sincosl(omega * tau, &s, &co);
+    if (q->closed)
+        return ric_flight_fine(m, q->closed, tau, 1, true, w) &&
+               (!V || ric_flight_fine(m, q->closed, tau, q->ld, false, V));
+    for (int i = 0; i < q->n; i++) {
+        real omega = (real)m->omega[i] + m->omega_low[i], kappa = m->kappa[i], s, by[3] = {1, tau, 0};
         if (m->omega[i] > 0) {
-            s1 = kappa * s / omega;
-            s2 = omega * s / kappa;
-        } else co = 1;
-        real *a = W + i * count, *p = W + (n + i) * count;
-        for (int j = 0; j < count; j++) {
-            real t = a[j];
-            a[j] = co * t + s1 * p[j];
-            p[j] = co * p[j] - s2 * t;
+            sincosl(omega * tau, &s, &by[0]);
+            by[1] = kappa * s / omega;
+            by[2] = omega * s / kappa;
         }
+        turn(1, by, w + i, w + q->n + i);
+        if (V) turn(q->ld, by, V + i * q->ld, V + (q->n + i) * q->ld);
     }
     return true;
 }
@@ -186,7 +193,7 @@ static bool meet(const course *q, const ric_face *f, real *tau)
     real w[2 * n], over, meant = *tau;
     for (int step = 0; step < STEPS; step++) {
         memcpy(w, q->w, sizeof w);
-        if (!fly(q, *tau, 1, true, w)) return false;
+        if (!fly(q, *tau, w, NULL)) return false;
         over = beyond(q, f, w);
         if (fabsl(over) <= MET * (1 + fabs(f->gap))) return true;
         *tau -= over / along(q, f, w + n);
@@ -298,7 +305,7 @@ static bool flights(course *q)
         const bool spring = next && next->spring > 0, closes = spring && c->closed[k + 1] >> c->face[k + 1] & 1;
         if (spring && !closes && !meet(q, next, &tau)) return false;
         early = meant - tau;
-        if (!fly(q, tau, 1, true, q->w) || !fly(q, tau, q->ld, false, q->V)) return false;
+        if (!fly(q, tau, q->w, q->V)) return false;
         if (next && next->spring == 0 && !(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) strike(q, next);
         else if (q->closed) grow(q);
         if (closes) begin_on(q, next);
