@@ -309,32 +309,83 @@ double ric_periodic_distance(const ric_periodic *a, const ric_periodic *b)
     return sum;
 }
 
+/* The next event round the circle, or the one before. */
+static int following(int N, int i, bool reverse)
+{
+    return reverse ? (i > 0 ? i : N) - 1 : i + 1 < N ? i + 1 : 0;
+}
+
 static bool same_word(const ric_model *m, const ric_periodic *a, const ric_periodic *b, int shift, bool reverse,
                       bool mirror)
 {
-    int N = a->N;
-    for (int i = 0; i < N; i++) {
-        int f = b->face[modulo(shift + (reverse ? -i : i), N)];
+    for (int i = 0, j = shift; i < a->N; i++, j = following(b->N, j, reverse)) {
+        int f = b->face[j];
         if (f >= 0 && mirror && (f = m->face[f].mirror) < 0) return false;
         if (f != a->face[i]) return false;
     }
     return true;
 }
 
-/* Distance of the image of b under an operation from a; infinity when the words differ. */
-static double image_distance(const ric_model *m, const ric_periodic *a, const ric_periodic *b, int shift, bool reverse,
-                             bool mirror)
+/* Images of one orbit under the group: its states after every event [N * 2n] are flown once, when the first of them is
+ * asked for. */
+typedef struct {
+    const ric_model *m;
+    const ric_periodic *c;
+    double *W;
+} images;
+
+static bool fly_states(images *q)
 {
-    if (!same_word(m, a, b, shift, reverse, mirror)) return HUGE_VAL;
-    /* flight times first: they cost nothing */
-    for (int i = 0; i < a->N; i++) {
-        int j = reverse ? modulo(shift - i - 1, a->N) : modulo(shift + i, a->N);
-        if (fabs(a->tau[i] - b->tau[j]) > APART) return HUGE_VAL;
+    if (!q->W && (q->W = ric_malloc((size_t)q->c->N * 2 * (size_t)q->c->n * sizeof *q->W)))
+        ric_periodic_states(q->m, q->c, q->W);
+    return q->W;
+}
+
+/* What an operation makes of the springs that are closed after event 0. */
+static uint64_t image_closed(const ric_model *m, const ric_periodic *c, int shift, bool reverse, bool mirror)
+{
+    if (!ric_flight_law_of(m)->closes) return c->closed;
+    uint64_t closed = ric_periodic_closed(m, c, shift);
+    if (reverse) closed = ric_flight_toggle(m, closed, c->face[shift]);
+    return mirror ? ric_flight_mirror(m, closed) : closed;
+}
+
+/* The state w [2n] after event 0 of an image. */
+static void image_state(const images *q, int shift, bool reverse, bool mirror, double *w)
+{
+    const ric_periodic *c = q->c;
+    const int n = c->n;
+    const bool over = c->opposite && 2 * shift == c->N;
+    memcpy(w, over ? c->opposite : q->W + 2 * n * shift, 2 * (size_t)n * sizeof *w);
+    if (reverse && c->face[shift] >= 0) ric_flight_strike(n, &q->m->face[c->face[shift]], w + n);
+    for (int i = 0; i < n; i++) {
+        if (mirror) w[i] = -w[i];
+        if (reverse != mirror) w[n + i] = -w[n + i];
     }
-    ric_periodic *image = ric_periodic_transform(m, b, shift, reverse, mirror);
-    double distance = image ? ric_periodic_distance(a, image) : HUGE_VAL;
-    ric_periodic_free(image);
-    return distance;
+}
+
+/* The flight of a cycle that is flight 0 of an image of it. */
+static int first_flight(int N, int shift, bool reverse)
+{
+    return reverse ? following(N, shift, true) : shift;
+}
+
+/* Distance of an image from a; infinity when the words differ, or where a flight time alone is farther away than
+ * `most`: times and words cost nothing, states are flown. */
+static double image_distance(images *q, const ric_periodic *a, int shift, bool reverse, bool mirror, double most)
+{
+    const ric_periodic *b = q->c;
+    const int first = first_flight(b->N, shift, reverse);
+    double w[2 * a->n], sum = 0, size = size_of(a);
+    if (!same_word(q->m, a, b, shift, reverse, mirror) || (mirror && !ric_periodic_mirrors(q->m, b))) return HUGE_VAL;
+    for (int i = 0, j = first; i < a->N; i++, j = following(b->N, j, reverse))
+        if (fabs(a->tau[i] - b->tau[j]) > most) return HUGE_VAL;
+    if (a->closed != image_closed(q->m, b, shift, reverse, mirror) || !fly_states(q)) return HUGE_VAL;
+    image_state(q, shift, reverse, mirror, w);
+    for (int i = 0; i < 2 * a->n; i++) sum = fmax(sum, fabs(a->w[i] - w[i]) / size);
+    for (int i = 0, j = first; i < a->N; i++, j = following(b->N, j, reverse))
+        sum = fmax(sum, fabs(a->tau[i] - b->tau[j]));
+    return sum;
 }
 
 bool ric_periodic_alike(const ric_model *m, const ric_periodic *a, const ric_periodic *b)
@@ -348,49 +399,57 @@ bool ric_periodic_alike(const ric_model *m, const ric_periodic *a, const ric_per
 bool ric_periodic_match(const ric_model *m, const ric_periodic *a, const ric_periodic *b, double tolerance, int *shift,
                         bool *reverse, bool *mirror)
 {
+    images q = {.m = m, .c = b};
     double nearest = HUGE_VAL;
-    if (a->N != b->N) return false;
-    for (int op = 0; op < ric_periodic_operations(m); op++)
-        for (int s = 0; s < a->N; s++) {
-            double distance = image_distance(m, a, b, s, op & 1, op & 2);
+    bool sure = false;
+    for (int op = 0; a->N == b->N && op < ric_periodic_operations(m); op++)
+        for (int s = 0; s < a->N && !sure; s++) {
+            double distance = image_distance(&q, a, s, op & 1, op & 2, fmin(tolerance, APART));
             if (distance > tolerance || distance >= nearest) continue;
             nearest = distance;
             *shift = s;
             *reverse = op & 1;
             *mirror = op & 2;
-            if (distance <= RIC_SAME_SOLVED)
-                return true; /* the images of an orbit with symmetries differ by rounding: the first
-                              * one */
+            /* the images of an orbit with symmetries differ by rounding: the first one */
+            sure = distance <= RIC_SAME_SOLVED;
         }
+    free(q.W);
     return nearest < HUGE_VAL;
+}
+
+static int shifts(images *q, double tolerance)
+{
+    const ric_periodic *c = q->c;
+    for (int s = 1; s < c->N; s++)
+        if (c->N % s == 0 && image_distance(q, c, s, false, false, fmin(tolerance, APART)) <= tolerance) return s;
+    return c->N;
 }
 
 /* The least shift that takes the cycle to itself; N: none does. */
 int ric_periodic_shifts(const ric_model *m, const ric_periodic *c, double tolerance)
 {
-    for (int s = 1; s < c->N; s++)
-        if (c->N % s == 0 && image_distance(m, c, c, s, false, false) <= tolerance) return s;
-    return c->N;
+    images q = {.m = m, .c = c};
+    int s = shifts(&q, tolerance);
+    free(q.W);
+    return s;
 }
 
 ric_periodic *ric_periodic_nearest_event(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near,
                                          double limit)
 {
-    ric_periodic *best = NULL;
+    images q = {.m = m, .c = near};
     double least = limit;
-    for (int op = 0; op < ric_periodic_operations(m); op++)
-        for (int k = 0; k < near->N; k++) {
-            ric_periodic *image = ric_periodic_transform(m, near, k, op & 1, op & 2);
-            double distance = image ? ric_periodic_distance(orbit, image) : HUGE_VAL;
-            if (distance < least) {
-                ric_periodic *last = best;
-                best = image;
-                image = last;
-                least = distance;
-            }
-            ric_periodic_free(image);
+    int best = -1, shift = 0;
+    for (int op = 0; orbit->N == near->N && op < ric_periodic_operations(m); op++)
+        for (int s = 0; s < near->N; s++) {
+            double distance = image_distance(&q, orbit, s, op & 1, op & 2, least);
+            if (!(distance < least)) continue;
+            least = distance;
+            best = op;
+            shift = s;
         }
-    return best;
+    free(q.W);
+    return best < 0 ? NULL : ric_periodic_transform(m, near, shift, best & 1, best & 2);
 }
 
 /* Whether both mirror points of the reversal s are of a kind that is said: an even half position is an impact. */
@@ -402,14 +461,14 @@ static bool mirrors_fit(const ric_periodic_claim *said, int s, int N)
 
 /* Of the reversals, with x -> -x or not, that hold: the first, or of a stored orbit, whose branch `said` speaks of, the
  * one that holds best; -1 if none does. The image under (shift s, reverse) has impact i = old impact s - i. */
-static int reversal(const ric_model *m, const ric_periodic *c, int period, bool mirror, double tolerance,
-                    const ric_periodic_claim *said)
+static int reversal(images *q, int period, bool mirror, double tolerance, const ric_periodic_claim *said)
 {
+    const ric_periodic *c = q->c;
     double least = tolerance;
     int best = -1;
     for (int s = 0; s < period && (said || best < 0); s++) {
         if (!mirror && !mirrors_fit(said, s, c->N)) continue;
-        double distance = image_distance(m, c, c, s, true, mirror);
+        double distance = image_distance(q, c, s, true, mirror, fmin(least, APART));
         if (!(distance <= least) || (best >= 0 && distance == least)) continue;
         least = distance;
         best = s;
@@ -420,11 +479,13 @@ static int reversal(const ric_model *m, const ric_periodic *c, int period, bool 
 int ric_periodic_try_symmetries(const ric_model *m, ric_periodic *c, int copies, double tolerance,
                                 const ric_periodic_claim *said)
 {
-    int shift = said ? c->N : ric_periodic_shifts(m, c, tolerance), q = shift < c->N ? c->N / shift : copies,
-        period = c->N / q;
-    c->half = period % 2 == 0 && image_distance(m, c, c, period / 2, false, true) <= tolerance;
-    c->pure = reversal(m, c, period, false, tolerance, said);
-    c->flip = reversal(m, c, period, true, tolerance, said);
+    images of = {.m = m, .c = c};
+    int shift = said ? c->N : shifts(&of, tolerance), q = shift < c->N ? c->N / shift : copies, period = c->N / q;
+    double most = fmin(tolerance, APART);
+    c->half = period % 2 == 0 && image_distance(&of, c, period / 2, false, true, most) <= tolerance;
+    c->pure = reversal(&of, period, false, tolerance, said);
+    c->flip = reversal(&of, period, true, tolerance, said);
+    free(of.W);
     return q;
 }
 
@@ -455,38 +516,89 @@ static uint64_t bit_of(int face)
     return face < 0 ? 0 : (uint64_t)1 << (face % RIC_FACES_MAX);
 }
 
-int ric_periodic_compare(uint64_t springs, const ric_periodic *a, const ric_periodic *b)
+/* A cycle as an operation reads it, which takes no time: its events from `shift` on, forwards or back, each on its own
+ * face or on the opposite one; `closed`: springs after the first. */
+typedef struct {
+    const ric_model *m; /* NULL: nothing is mirrored */
+    const ric_periodic *c;
+    int shift;
+    bool reverse, mirror;
+    uint64_t closed;
+} reading;
+
+static int face_at(const reading *r, int place)
+{
+    return mirrored(r->m, r->c->face[place], r->mirror);
+}
+
+/* By the events, and the springs that are closed after the first. */
+static int compare_words(uint64_t springs, const reading *a, const reading *b)
 {
     uint64_t x = a->closed, y = b->closed;
-    double size = size_of(a);
-    for (int i = 0; i < a->N; i++) {
-        uint64_t f = bit_of(a->face[i]) & springs, g = bit_of(b->face[i]) & springs;
+    const int N = a->c->N;
+    for (int i = 0, j = a->shift, k = b->shift; i < N; i++) {
+        const int own = face_at(a, j), theirs = face_at(b, k);
+        uint64_t f = bit_of(own) & springs, g = bit_of(theirs) & springs;
         if (i > 0) x ^= f;
         if (i > 0) y ^= g;
         bool opens = f && !(x & f), other = g && !(y & g);
         if (opens != other) return opens ? 1 : -1; /* closings first: the smallest word starts with one */
-        if (a->face[i] != b->face[i]) return a->face[i] < b->face[i] ? -1 : 1;
+        if (own != theirs) return own < theirs ? -1 : 1;
+        j = following(N, j, a->reverse);
+        k = following(N, k, b->reverse);
     }
     if (a->closed != b->closed) return a->closed < b->closed ? -1 : 1;
-    for (int i = 0; i < 2 * a->n; i++)
-        if (fabs(a->w[i] - b->w[i]) > RIC_SAME_LOCATED * size) return a->w[i] < b->w[i] ? -1 : 1;
-    for (int i = 0; i < a->N; i++)
-        if (fabs(a->tau[i] - b->tau[i]) > RIC_SAME_LOCATED) return a->tau[i] < b->tau[i] ? -1 : 1;
     return 0;
 }
 
+/* By the states v and w [2n] after the first event, then flight times. */
+static int compare_states(const reading *a, const double *v, const reading *b, const double *w)
+{
+    const int n = a->c->n, N = a->c->N;
+    const double size = 1 + sqrt(ric_dot(2 * n, v, v));
+    for (int i = 0; i < 2 * n; i++)
+        if (fabs(v[i] - w[i]) > RIC_SAME_LOCATED * size) return v[i] < w[i] ? -1 : 1;
+    int j = first_flight(N, a->shift, a->reverse), k = first_flight(N, b->shift, b->reverse);
+    for (int i = 0; i < N; i++) {
+        const double own = a->c->tau[j], theirs = b->c->tau[k];
+        if (fabs(own - theirs) > RIC_SAME_LOCATED) return own < theirs ? -1 : 1;
+        j = following(N, j, a->reverse);
+        k = following(N, k, b->reverse);
+    }
+    return 0;
+}
+
+int ric_periodic_compare(uint64_t springs, const ric_periodic *a, const ric_periodic *b)
+{
+    const reading own = {.c = a, .closed = a->closed}, other = {.c = b, .closed = b->closed};
+    const int order = compare_words(springs, &own, &other);
+    return order ? order : compare_states(&own, a->w, &other, b->w);
+}
+
+/* Words tell most images from each other: only of those with the smallest are states flown, all at once. */
 ric_periodic *ric_periodic_canonical(const ric_model *m, const ric_periodic *c)
 {
-    ric_periodic *best = ric_periodic_copy(c);
-    for (int op = 0; best && op < ric_periodic_operations(m); op++)
-        for (int s = 0; s < c->N; s++) {
-            ric_periodic *image = ric_periodic_transform(m, c, s, op & 1, op & 2);
-            if (image && ric_periodic_compare(ric_periodic_springs(m), image, best) < 0) {
-                ric_periodic *swap = best;
-                best = image;
-                image = swap;
-            }
-            ric_periodic_free(image);
+    const uint64_t springs = ric_periodic_springs(m);
+    const bool mirrors = ric_periodic_mirrors(m, c);
+    reading best = {.m = m, .c = c, .closed = c->closed};
+    double v[2 * c->n], w[2 * c->n];
+    images q = {.m = m, .c = c};
+    bool flown = false;
+    for (int op = 0; op < ric_periodic_operations(m); op++)
+        for (int s = 0; s < c->N && (mirrors || !(op & 2)); s++) {
+            reading next = {m, c, s, op & 1, op & 2, image_closed(m, c, s, op & 1, op & 2)};
+            int order = compare_words(springs, &next, &best);
+            if (order == 0 && (op || s)) {
+                if (!fly_states(&q)) return NULL;
+                if (!flown) image_state(&q, best.shift, best.reverse, best.mirror, v);
+                flown = true;
+                image_state(&q, s, op & 1, op & 2, w);
+                order = compare_states(&next, w, &best, v);
+                if (order < 0) memcpy(v, w, sizeof v);
+            } else if (order < 0) flown = false;
+            if (order < 0) best = next;
         }
-    return best;
+    free(q.W);
+    if (best.shift == 0 && !best.reverse && !best.mirror) return ric_periodic_copy(c);
+    return ric_periodic_transform(m, c, best.shift, best.reverse, best.mirror);
 }

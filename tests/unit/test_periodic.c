@@ -279,6 +279,68 @@ static void canonical_is_invariant(void **state)
     over_random_orbits(check_canonical);
 }
 
+/* ------------------------------------------------------------------ images */
+
+static bool same_bits(const ric_periodic *a, const ric_periodic *b)
+{
+    const size_t N = (size_t)a->N;
+    return a->N == b->N && a->closed == b->closed && a->half == b->half && a->pure == b->pure && a->flip == b->flip &&
+           !memcmp(a->face, b->face, N * sizeof *a->face) && !memcmp(a->tau, b->tau, N * sizeof *a->tau) &&
+           !memcmp(a->w, b->w, 2 * (size_t)a->n * sizeof *a->w);
+}
+
+/* The canonical form and the nearest image from all images, made one by one: what is only read off the cycle is the
+ * same to the last bit. */
+static void check_reading(const ric_model *m, ric_periodic *cycle, const ric_periodic *to, const char *where)
+{
+    ric_periodic *least = ric_periodic_copy(cycle), *nearest = NULL;
+    double distance = 1e-3;
+    for (int op = 0; op < ric_periodic_operations(m); op++)
+        for (int s = 0; s < cycle->N; s++) {
+            ric_periodic *image = ric_periodic_transform(m, cycle, s, op & 1, op & 2);
+            if (!image) continue;
+            double off = ric_periodic_distance(to, image);
+            if (ric_periodic_compare(ric_periodic_springs(m), image, least) < 0) {
+                ric_periodic_free(least);
+                least = ric_periodic_copy(image);
+            }
+            if (off < distance) {
+                distance = off;
+                ric_periodic_free(nearest);
+                nearest = image;
+            } else ric_periodic_free(image);
+        }
+    ric_periodic *canonical = ric_periodic_canonical(m, cycle), *found = ric_periodic_nearest(m, to, cycle, 1e-3);
+    if (!same_bits(least, canonical)) fail_msg("%s: not the canonical form of all images", where);
+    if (!found != !nearest || (found && !same_bits(found, nearest))) fail_msg("%s: not the nearest image", where);
+    ric_periodic_free(least);
+    ric_periodic_free(nearest);
+    ric_periodic_free(canonical);
+    ric_periodic_free(found);
+}
+
+static void check_images(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
+                         const char *where)
+{
+    (void)chain;
+    (void)u;
+    for (int k = 1; k <= 2; k++)
+        for (int s = 0; s < cycle->N; s++) {
+            ric_periodic *longer = ric_periodic_repeat(cycle, k),
+                         *to = ric_periodic_transform(m, longer, s, s & 1, s & 2);
+            to->w[0] += 1e-6;
+            check_reading(m, longer, to, where);
+            ric_periodic_free(longer);
+            ric_periodic_free(to);
+        }
+}
+
+static void images_are_read(void **state)
+{
+    (void)state;
+    over_random_orbits(check_images);
+}
+
 /* -------------------------------------------------------------------- keep */
 
 /* Drops touches of zero speed: the same motion with fewer impacts, and the symmetries that the choice leaves. */
@@ -392,6 +454,7 @@ int main(void)
         cmocka_unit_test(transforms_are_a_group),
         cmocka_unit_test(symmetries_are_found),
         cmocka_unit_test(canonical_is_invariant),
+        cmocka_unit_test(images_are_read),
         cmocka_unit_test(touches_are_dropped),
         cmocka_unit_test(images_that_exist),
     };
