@@ -275,7 +275,8 @@ static bool samples_create(ric_continuation *tr)
 {
     tr->samples.values = ric_calloc(RIC_MOST_SAMPLES * (size_t)ric_continuation_watched(tr), sizeof(double));
     tr->known.own = ric_calloc(RIC_MOST_KNOWN * 2 * (size_t)tr->chain->n, sizeof(double));
-    return tr->samples.values && tr->known.own;
+    tr->solved.u = ric_calloc(RIC_MOST_SOLVED * (size_t)tr->chain->n_unknown, sizeof(double));
+    return tr->samples.values && tr->known.own && tr->solved.u;
 }
 
 /* ------------------------------------------------------------------- points */
@@ -459,6 +460,7 @@ void ric_continuation_free(ric_continuation *tr)
     free(tr->resonances);
     free(tr->samples.values);
     free(tr->known.own);
+    free(tr->solved.u);
     free(tr->end.u);
     free(tr->end.t);
     free(tr->points);

@@ -88,6 +88,15 @@ typedef struct {
     double *own; /* [RIC_MOST_KNOWN * 2 * n_pair] */
 } ric_known_pairs;
 
+/* Orbits that the step at work has solved for, the last of them: a place where a function vanishes is asked for again
+ * with other things to look at (event_locate.c). */
+enum { RIC_MOST_SOLVED = 16 };
+typedef struct {
+    int n; /* of all of them: number i is at i % RIC_MOST_SOLVED */
+    double x[RIC_MOST_SOLVED];
+    double *u; /* [RIC_MOST_SOLVED * n_unknown] */
+} ric_solved_orbits;
+
 typedef struct {
     int test; /* which function vanished */
     double s;
@@ -161,6 +170,7 @@ typedef struct {
     ric_station now, next, mid, past;
     ric_event_samples samples;
     ric_known_pairs known;
+    ric_solved_orbits solved;
     bool may_gain; /* orbits of this word may have more symmetry than the form (symmetric_end.h) */
     double *du, *guess, *start_u, *start_t;
     /* what was found */

@@ -595,6 +595,7 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
 {
     int test;
     double end;
+    tr->solved.n = 0;
     bool good, crossed = tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0 && watched(tr, RIC_TEST_DET);
     if ((*retry = approach_crossing(tr, h))) return RIC_OK;
     double home[tr->chain->n_unknown], s;

@@ -24,14 +24,40 @@ void ric_event_cubic(const ric_continuation *tr, double x, double h, double *u)
     for (int i = 0; i < tr->chain->n_unknown; i++) u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
 }
 
+/* The orbit at x of an earlier call in this step: the chain is left evaluated there, as Newton's method left it. */
+static bool solved_before(ric_continuation *tr, double x, double *u)
+{
+    const ric_solved_orbits *q = &tr->solved;
+    const size_t size = (size_t)tr->chain->n_unknown;
+    for (int i = q->n - 1; i >= 0 && i >= q->n - RIC_MOST_SOLVED; i--) {
+        if (q->x[i % RIC_MOST_SOLVED] != x) continue;
+        memcpy(u, q->u + (size_t)(i % RIC_MOST_SOLVED) * size, size * sizeof *u);
+        ric_shooting_evaluate(tr->chain, u);
+        tr->evaluations++;
+        return !tr->chain->singular;
+    }
+    return false;
+}
+
+static void keep_solved(ric_continuation *tr, double x, const double *u)
+{
+    ric_solved_orbits *q = &tr->solved;
+    const size_t size = (size_t)tr->chain->n_unknown;
+    const int place = q->n++ % RIC_MOST_SOLVED;
+    q->x[place] = x;
+    memcpy(q->u + (size_t)place * size, u, size * sizeof *u);
+}
+
 static bool correct(ric_continuation *tr, double x, double h, ric_station *out)
 {
     const ric_station *a = &tr->now;
     int iterations;
+    out->s = a->s + (tr->next.s - a->s) * (x / h);
+    if ((out->solved = solved_before(tr, x, out->u))) return true;
     ric_event_cubic(tr, x, h, out->u);
     out->solved = ric_continuation_correct(tr->chain, out->u, a->u, a->t, x, tr->du, &iterations);
     tr->evaluations += iterations + 1;
-    out->s = a->s + (tr->next.s - a->s) * (x / h);
+    if (out->solved) keep_solved(tr, x, out->u);
     return out->solved;
 }
 
