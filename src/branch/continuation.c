@@ -206,20 +206,24 @@ ric_status ric_continuation_fill(ric_continuation *tr, double s, ric_station *p)
     return status;
 }
 
+static double definite_slope(ric_shooting *c, int test, const ric_station *p)
+{
+    const double slope = ric_continuation_slope(c, test, p->t);
+    return definite(slope, ric_continuation_slope_error(c, p->u, p->t, test, slope));
+}
+
 /* The tests that need no map; p->row has no stability. */
 static void examine_orbit(ric_continuation *tr, ric_station *p, double orientation, const ric_margins *now)
 {
-    const ric_shooting *c = tr->chain;
+    ric_shooting *c = tr->chain;
     const ric_limits *lim = tr->limits;
-    double *F = p->test, slope = 0;
-    for (int k = c->n_start; k < c->n_start + c->n_flight; k++) slope += p->t[k];
+    double *F = p->test;
     F[RIC_TEST_REACH] = 1 - now->reach;
     F[RIC_TEST_APPROACH] = fmin(now->approach, smallest_touch(c, p->u));
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
     F[RIC_TEST_DET] = orientation * c->end_det;
-    F[RIC_TEST_SLOPE] = definite(ric_shooting_energy_slope(c, p->t) / c->scale,
-                                 ric_continuation_blur(c, RIC_TEST_SLOPE));
-    F[RIC_TEST_PERIOD] = definite(slope, ric_continuation_blur(c, RIC_TEST_PERIOD));
+    F[RIC_TEST_SLOPE] = definite_slope(c, RIC_TEST_SLOPE, p);
+    F[RIC_TEST_PERIOD] = definite_slope(c, RIC_TEST_PERIOD, p);
     F[RIC_TEST_E_MAX] = lim->energy[1] - now->energy;
     F[RIC_TEST_E_MIN] = now->energy - tr->lowest;
     F[RIC_TEST_F_MAX] = now->time - lim->period[0];

@@ -12,7 +12,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of the same version: it
  * is raised with every change after which the same departure may lead to other bits, else an atlas that is continued
  * would mix branches of two programs. */
-#define RIC_NUMERICS 39
+#define RIC_NUMERICS 40
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -285,6 +285,10 @@ double ric_continuation_tolerance(const ric_shooting *chain);
 /* Error of dE/ds (relative to the scale) or dT/ds at the last evaluation: the kernel vector is known to rounding over
  * the smallest pivot. */
 double ric_continuation_blur(const ric_shooting *chain, int test);
+/* The slope along t at the last evaluation, relative to the scale; and its error there, u with the kernel vector t, as
+ * far as it counts beside a slope: the orbits are flown that are the same but for rounding. */
+double ric_continuation_slope(const ric_shooting *chain, int test, const double *t);
+double ric_continuation_slope_error(ric_shooting *chain, const double *u, const double *t, int test, double slope);
 /* Unit kernel vector at the last evaluation, oriented along `along` (NULL: as it comes). Returns its orientation
  * sign. */
 double ric_continuation_tangent(const ric_shooting *chain, const double *along, double *t);

@@ -1,4 +1,5 @@
-/* How far the multipliers of an orbit may be off: the orbit itself is known to rounding, and its map moves with it. */
+/* How far slopes and multipliers of an orbit may be off: the orbit itself is known to rounding, and its map moves with
+ * it. */
 #include "continuation.h"
 
 #include <float.h>
@@ -20,6 +21,16 @@
  * nothing of this one, and whose flight may take seconds */
 #define BESIDE 0.1
 #define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
+
+/* UNCLEAR: times its bound by the smallest pivot, and PLAIN times that by the second singular value, from which on a
+ * slope is clear of its error */
+#define UNCLEAR 1e6
+#define PLAIN 100
+/* TURNED: radians by which rounding turns the kernel vector, from which on no slope is known */
+#define TURNED 0.01
+/* LEFT: of the tolerance without what springs make of displacements, which are met better than they may be: what a
+ * flight has been seen to round to; its constants are three times that */
+#define LEFT (1 / 3.0)
 
 double ric_continuation_approach(const ric_shooting *c, bool springs)
 {
@@ -54,6 +65,34 @@ bool ric_continuation_move(const ric_shooting *c, const double *u, int way, doub
                  across = way & 1 ? far : -far, along = way & 2 ? far : -far;
     for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, each) + across * plane[i] + along * plane[size + i];
     return far <= (ric_flight_law_of(c->model)->integrated ? BESIDE * c->scale : DBL_MAX);
+}
+
+/* Beside a branch point the kernel vector t mixes with the direction v of the second smallest singular value: by
+ * rounding / sigma, and by the distance rounding / sigma, towards the other branch, at which the orbit is, over that
+ * from the branch point, of which sigma is a measure. The slope is off by that times the slope along v. The smallest
+ * pivot may be 10^4 times sigma, and the slope along v changes within that distance: where the bound by the pivot is
+ * not clear of the slope, what it is off by is measured. */
+double ric_continuation_slope_error(ric_shooting *c, const double *u, const double *t, int test, double slope)
+{
+    const int size = c->n_unknown;
+    const double pivot = ric_continuation_blur(c, test);
+    double plane[2 * size], second, v[size], other[size], error = pivot;
+    if (!(fabs(slope) > pivot && fabs(slope) < UNCLEAR * pivot)) return pivot;
+    if (!ric_shooting_plane(c, plane, &second)) return HUGE_VAL;
+    const double left = fmax(c->residual, LEFT * ric_continuation_tolerance(c) / (1 + c->stiff)),
+                 most = left / second * (1 + 1 / second), off = left * c->scale / second;
+    if (fabs(slope) > PLAIN * most) return pivot;
+    if (most > TURNED) return HUGE_VAL;
+    const double here = ric_continuation_slope(c, test, t);
+    for (int side = -1; side <= 1; side += 2) {
+        for (int i = 0; i < size; i++) v[i] = u[i] + side * off * plane[i];
+        ric_shooting_evaluate(c, v);
+        ric_continuation_tangent(c, t, other);
+        const double change = fabs(ric_continuation_slope(c, test, other) - here);
+        error = change <= error ? error : change;
+    }
+    ric_shooting_evaluate(c, u);
+    return error;
 }
 
 /* How far the nearest of the pairs `rho` [2 count] is from one. */

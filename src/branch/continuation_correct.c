@@ -42,6 +42,14 @@ double ric_continuation_blur(const ric_shooting *c, int test)
     return test == RIC_TEST_PERIOD ? sqrt(c->n_flight) * kernel : kernel;
 }
 
+double ric_continuation_slope(const ric_shooting *c, int test, const double *t)
+{
+    double sum = 0;
+    if (test == RIC_TEST_SLOPE) return ric_shooting_energy_slope(c, t) / c->scale;
+    for (int k = c->n_start; k < c->n_start + c->n_flight; k++) sum += t[k];
+    return sum;
+}
+
 bool ric_continuation_solved(const ric_shooting *c)
 {
     return c->residual <= ACCEPTED * fmin(ric_continuation_tolerance(c), LOST);

@@ -26,6 +26,7 @@
 #define APPROACHES 4
 /* What may keep two branches apart (ric_branch_point_gap) that cross: rounding. */
 #define CROSSED 1e-11
+#define FLAT 4 /* periods of a multiplication from which on its order is none below four */
 /* dE/ds at a multiplication, of that at 1/2 RIC_CROSSING beside it, below which it counts as zero. */
 #define ON_SLOPE 0.02
 
@@ -441,7 +442,8 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
     if (*end_test < 0 && at_image(tr, &q, h, ric_symmetric_end_meets, &at)) *end_test = RIC_TEST_DET;
     bool arrived = *end_test >= 0;
     if (arrived) *end = at;
-    bool repeated = ric_symmetric_end_repeats(tr, tr->mid.u);
+    const int times = ric_symmetric_end_repeats(tr, tr->mid.u);
+    const bool repeated = times > 1;
     /* two branches that only come close: the step has changed from one to the other */
     if (!arrived && !repeated && !(ric_branch_point_gap(tr->chain, tr->mid.u) < CROSSED)) {
         free(q.u);
@@ -450,9 +452,10 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
     }
     /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the
      * determinant: that zero belongs to the one junction, and beyond it the other sign is the one to expect. A family
-     * of order 3 passes on a slope; its extremum lies aside and is a junction of its own. */
+     * of order 3 passes on a slope; its extremum lies aside and is a junction of its own. Of fewer than four
+     * periods the order is not known, as it may be that of half a period: there the slope tells. */
     bool image = !arrived && at_image(tr, &q, h, ric_symmetric_end_passes, &at);
-    bool flat = arrived || image ||
+    bool flat = arrived || image || times >= FLAT ||
                 (repeated && fabs(ric_event_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
                                  ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));
     for (int i = 0; i < RIC_N_TEST; i++) {

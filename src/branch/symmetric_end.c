@@ -170,12 +170,15 @@ bool ric_symmetric_end_passes(const ric_continuation *tr, const ric_crossed *pla
     return mirrors && turned_round(tr, place, 2, 3, aside);
 }
 
-bool ric_symmetric_end_repeats(const ric_continuation *tr, const double *at)
+int ric_symmetric_end_repeats(const ric_continuation *tr, const double *at)
 {
+    const ric_model *m = tr->chain->model;
     ric_periodic *cycle = ric_continuation_cycle(tr, at);
-    bool result = cycle && ric_periodic_repeats(tr->chain->model, cycle, RIC_SAME_EXTRAPOLATED);
+    int times = 1;
+    if (cycle && ric_periodic_repeats(m, cycle, RIC_SAME_EXTRAPOLATED))
+        times = (int)fmax(2, ric_periodic_find_symmetries(m, cycle, RIC_SAME_EXTRAPOLATED));
     ric_periodic_free(cycle);
-    return result;
+    return times;
 }
 
 /* Singular values that belong to the range. Under a power law the shortest step to a crossing may leave one above

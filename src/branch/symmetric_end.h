@@ -16,8 +16,8 @@ bool ric_symmetric_end_meets(const ric_continuation *trace, const ric_crossed *p
 /* Whether x -> -x does so, a symmetry that the structure lacks but not the contacts that the orbit meets. Beyond are
  * the mirror images, other motions, and the branch goes on. *aside as above. */
 bool ric_symmetric_end_passes(const ric_continuation *trace, const ric_crossed *place, double *aside);
-/* Whether the orbit is one of fewer impacts gone through several times. */
-bool ric_symmetric_end_repeats(const ric_continuation *trace, const double *at);
+/* How often the orbit goes through one of fewer impacts. */
+int ric_symmetric_end_repeats(const ric_continuation *trace, const double *at);
 
 /* Whether the word of a chain is that of orbits with a symmetry that its form does not have, or of fewer impacts. */
 bool ric_symmetric_end_may_gain(const ric_shooting *chain);

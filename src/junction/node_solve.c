@@ -338,22 +338,22 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
 bool ric_node_solve_sharp(const ric_model *m, const ric_periodic *cycle, int test)
 {
     ric_criterion_work q = {.test = test};
-    double *u = NULL, change = 0, blur = HUGE_VAL, h = 0;
-    bool line = false;
+    double *u = NULL;
+    bool line = false, placed = false;
     if (!ric_periodic_to_chain(m, cycle, &q.chain, &u)) {
         ric_shooting *c = q.chain;
         double f[4], noise, normal[c->n_unknown];
         ric_shooting_evaluate(c, u);
         ric_continuation_tangent(c, NULL, normal);
-        blur = ric_continuation_blur(c, test);
-        h = BESIDE * c->scale;
-        if (around(&q, u, normal, h, f, &noise)) change = f[3] - f[0];
+        const bool seen = around(&q, u, normal, BESIDE * c->scale, f, &noise);
+        ric_shooting_evaluate(c, u);
+        const double least = PLACED * fabs(f[3] - f[0]) / (2 * BESIDE);
+        placed = seen && least > ric_continuation_slope_error(c, u, normal, test, least);
         line = inclines(&q, u, normal);
-        h /= c->scale;
     }
     ric_shooting_free(q.chain);
     free(u);
-    return line && PLACED * fabs(change) > 2 * h * blur;
+    return line && placed;
 }
 
 static bool solve_chain(ric_shooting *chain, double *u)

@@ -366,6 +366,93 @@ static void an_end_before_the_last_point(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Stops of which one is a thousand times as near as the other. */
+static const char near_and_far[] =
+    "model:\n  mass: [[1.546875, 0.125, 0.09375], [0.125, 2.5, 0.25], [0.09375, 0.25, 1.46875]]\n"
+    "  stiffness: [[6.556460538945877, 0.8052842587296554, -3.2765633504430096],\n"
+    "    [0.8052842587296554, 10.029813326778692, -5.0258280215230435],\n"
+    "    [-3.2765633504430096, -5.0258280215230435, 6.861486905051336]]\n"
+    "  contacts: [{normal: [0, 1, 0], clearance: 0.963}, {normal: [1, 0, 0], clearance: 0.000963}]\n"
+    "explore: {start: modes, energy: [0, 1.144e-4], frequency: [0.2001, 8.998], impacts: 4, multiply: 2, depth: 2}\n";
+
+/* The most that slopes of orbits differ by which are the same but for rounding, at distance d along t0 from u0; and
+ * the least of them that counts as one. */
+static void spread(ric_shooting *c, const double *u0, const double *t0, double d, double *out, double *counts)
+{
+    enum { STARTS = 12 };
+    const int size = c->n_unknown;
+    double v[size], du[size], t[size], least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {-HUGE_VAL, -HUGE_VAL};
+    counts[0] = counts[1] = HUGE_VAL;
+    for (unsigned way = 1; way <= STARTS; way++) {
+        unsigned bits = way * 2654435769u;
+        int iterations;
+        for (int i = 0; i < size; i++) v[i] = u0[i] + d * t0[i] + ric_moved(&bits, 1e-11);
+        if (!ric_continuation_correct(c, v, u0, t0, d, du, &iterations)) continue;
+        ric_continuation_tangent(c, t0, t);
+        for (int k = 0; k < 2; k++) {
+            const int test = k ? RIC_TEST_PERIOD : RIC_TEST_SLOPE;
+            const double slope = ric_continuation_slope(c, test, t);
+            if (fabs(slope) > ric_continuation_slope_error(c, v, t, test, slope))
+                counts[k] = fmin(counts[k], fabs(slope));
+            least[k] = fmin(least[k], slope);
+            most[k] = fmax(most[k], slope);
+        }
+    }
+    for (int k = 0; k < 2; k++) out[k] = fmax(most[k] - least[k], 0);
+}
+
+/* Beside a branch point orbits that are the same but for rounding have slopes that differ: what is taken for one is
+ * more than that. */
+static void slopes_beside(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    int checked = 0;
+    if (ric_study_parse(near_and_far, "near and far", ".", &study)) fail_msg("%s", ric_detail());
+    ric_graph *g = explored_graph(study);
+    for (int k = 0; k < g->n_node; k++) {
+        const ric_node *node = g->nodes[k];
+        ric_shooting *c = NULL;
+        double *u0 = NULL, *t0 = NULL, by[2], counts[2];
+        unsigned ignore = 0;
+        if (node->kind != RIC_KIND_MULTIPLICATION || node->n_departure < 2) continue;
+        if (ric_switching_depart(g->model, node, node->departures[1].choice, 1, &c, &u0, &t0, &ignore)) continue;
+        const double step = sqrt(ric_dot(c->n_unknown, t0, t0));
+        for (int i = 0; i < c->n_unknown; i++) t0[i] /= step;
+        if (ignore & RIC_SINGULAR_START)
+            for (double d = 1e-4; d > 2e-8; d /= 1.3, checked++)
+                for (int side = -1; side <= 1; side += 2) {
+                    spread(c, u0, t0, side * d * c->scale, by, counts);
+                    for (int test = 0; test < 2; test++)
+                        if (by[test] / 2 > counts[test])
+                            fail_msg("E %.9g: at %g slopes differ by %g, and %g counts as one", node->energy, side * d,
+                                     by[test], counts[test]);
+                }
+        ric_shooting_free(c);
+        free(u0);
+        free(t0);
+    }
+    assert_true(checked > 20);
+    ric_graph_free(g);
+    ric_study_free(study);
+}
+
+/* There the slope of the branch that arrives is rounding, and its sign makes no extremum. */
+static void no_extremum_of_rounding(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(near_and_far);
+    int doublings = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        const ric_junction j = junction_of(atlas, id);
+        const bool here = fabs(j.energy / 3.14654161e-6 - 1) < 1e-8;
+        doublings += here && j.kind == RIC_KIND_MULTIPLICATION;
+        if (here && j.kind == RIC_KIND_EXTREMUM) fail_msg("%s at E %.12g", j.label, j.energy);
+    }
+    assert_int_equal(doublings, 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right),
@@ -373,6 +460,8 @@ int main(void)
                                        cmocka_unit_test(nearly_left_and_right),
                                        cmocka_unit_test(faint_modes),
                                        cmocka_unit_test(faint_modes_together),
-                                       cmocka_unit_test(an_end_before_the_last_point)};
+                                       cmocka_unit_test(an_end_before_the_last_point),
+                                       cmocka_unit_test(slopes_beside),
+                                       cmocka_unit_test(no_extremum_of_rounding)};
     return cmocka_run_group_tests_name("crossing", tests, NULL, NULL);
 }
