@@ -22,7 +22,6 @@
 #define NUMBER 1e-11            /* largest relative error of a frequency, and of a speed over the largest */
 #define MOST_OPEN 1e-11         /* no orbit that is more than this open passes */
 #define UNSEEN 1e-12            /* part of a normal below which a mode is not seen */
-#define EQUAL 1e-11             /* relative: squares of frequencies that are one */
 #define BACK 1e-6   /* an orbit that repeats itself is after part of the period where it began, to this part */
 #define IMAGE 1e-9  /* half a period later a symmetric orbit is its image to this part */
 #define STATED 1e-9 /* relative: a trace that is off by less is not wrong where the library knows it no better */
@@ -49,8 +48,7 @@ static void add_noise(motion *m, int size, real norm, real *w)
 
 static bool is_alike(const replay *r, int i, int j)
 {
-    real a = r->omega[i] * r->omega[i], b = r->omega[j] * r->omega[j];
-    return fabs(a - b) <= EQUAL * fmax(a, b);
+    return r->frequency[i] == r->frequency[j];
 }
 
 /* Adds what face f has of the modes as frequent as mode i, perpendicular to the directions from `first` on, as one more

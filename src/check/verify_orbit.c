@@ -41,13 +41,14 @@ static ric_status allocate(replay *r)
 {
     size_t n = (size_t)r->n, f = (size_t)r->n_flight;
     r->store = ric_calloc(5 * n + (f + 1) * (4 * n + 2), sizeof *r->store);
-    r->stored = ric_calloc(4 * n + f, sizeof *r->stored);
+    r->stored = ric_calloc(5 * n + f, sizeof *r->stored);
     r->face = ric_calloc((size_t)r->n_face + 1, sizeof *r->face);
     if (!r->store || !r->stored || !r->face)
         return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
     r->state = r->stored;
     r->x = r->state + 2 * n;
     r->flights = r->x + 2 * n;
+    r->frequency = r->flights + f;
     r->kappa = r->store;
     r->w = r->kappa + n;
     r->moved = r->w + 2 * n;
@@ -164,11 +165,26 @@ static ric_status prepare(replay *r, const ric_model *model)
     return allocate(r);
 }
 
+/* The frequencies that the library says, in the order of the simulator's modes. */
+static ric_status load_frequencies(replay *r)
+{
+    const int n = r->n;
+    double said[n];
+    ric_status status = ric_model_frequencies(r->model, said);
+    for (int i = 0; i < n && !status; i++) {
+        r->frequency[i] = said[0];
+        for (int j = 1; j < n; j++)
+            if (fabs(said[j] - r->omega[i]) < fabs(r->frequency[i] - r->omega[i])) r->frequency[i] = said[j];
+    }
+    return status;
+}
+
 /* From the state and the flights. */
 static ric_status make_orbit(replay *r, bool touches)
 {
     ric_status status = ric_simulator_create(r->model, &r->sim);
     if (!status) status = load_faces(r);
+    if (!status) status = load_frequencies(r);
     if (!status) status = load_events(r);
     if (status) return status;
     for (int k = 0; k < r->n_flight; k++) {

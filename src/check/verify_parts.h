@@ -46,6 +46,7 @@ typedef struct {
     face_t *face;
     double *state, *flights;      /* [2n] x, v and [n_flight] as stored */
     const real *omega;            /* [n] the simulator's */
+    double *frequency;            /* [n] as said: those that are one are so to the last bit */
     real *kappa;                  /* [n] omega, or 2 pi / period for a free mode */
     real *tau;                    /* [n_flight] flight times */
     real *chain;                  /* [(n_flight + 1) * 2n] q, p behind each impact; last: behind the last flight */

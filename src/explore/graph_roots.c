@@ -8,7 +8,6 @@
 #include "base/room.h"
 
 #define ABOVE 1e-6   /* part by which a start lies above the lower edge of the window */
-#define EQUAL 1e-11  /* difference of two squared frequencies, relative, that rounding makes */
 #define UNMOVED 1e-9 /* share of a force that counts as none */
 #define STILL 1e-9   /* scaled amplitude at which no power law with an exponent from 3 on is felt */
 #define MIXED 0.01   /* of the amplitude of a mode: its orbit with more of others is a mixture */
@@ -34,8 +33,8 @@ static bool drives(const ric_model *m, int exponent, int mode, int other)
 static int mixed_with(const ric_model *m, int mode)
 {
     for (int i = 0; i < m->n; i++) {
-        double off = m->omega[i] * m->omega[i] / (m->omega[mode] * m->omega[mode]) - 1;
-        for (int f = 0; f < m->n_contact && i != mode && fabs(off) <= EQUAL; f++)
+        bool equal = i != mode && m->omega[i] == m->omega[mode] && m->omega_low[i] == m->omega_low[mode];
+        for (int f = 0; f < m->n_contact && equal; f++)
             if (drives(m, m->contact[f].exponent, mode, i)) return i;
     }
     return -1;

@@ -317,7 +317,7 @@ static int end_of(const ric_model *m, int first)
 {
     int end = first + 1;
     while (end < m->n && m->omega[first] > 0 &&
-           ric_modes_equal(m->omega[first] * m->omega[first], m->omega[end] * m->omega[end]))
+           ric_modes_near(m->omega[first] * m->omega[first], m->omega[end] * m->omega[end]))
         end++;
     return end;
 }

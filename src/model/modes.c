@@ -12,10 +12,11 @@
 
 /* A modal normal below this fraction of |c_f| is rounding: the mode is not seen by the contact. */
 #define UNSEEN 1e-12
-/* Frequencies closer than this (relative, in omega^2) count as equal: their eigenvectors are not determined by M and
- * K. */
+/* Frequencies closer than this (relative, in omega^2) may count as equal, where rounding of the entries of M and K
+ * makes as much: their eigenvectors are not determined by M and K. */
 #define EQUAL 1e-11
-#define REFINED 400 /* largest n for which eigenpairs are refined: beyond it the cubic cost in long double is felt */
+#define ROUNDINGS 512 /* of omega^2, by which equal ones differ in any case: 2e-13 of a state in a turn */
+#define REFINED 400   /* largest n for which eigenpairs are refined: beyond it the cubic cost in long double is felt */
 
 /* out = A X, of square matrices; row by row, which is how they lie in memory. */
 static void multiply(int n, const double *A, const long double *X, long double *out)
@@ -159,9 +160,50 @@ out:
     return status;
 }
 
-bool ric_modes_equal(double lower, double upper)
+bool ric_modes_near(double lower, double upper)
 {
     return !(upper - lower > EQUAL * upper);
+}
+
+static long double squared(const ric_model *m, int mode)
+{
+    const long double omega = (long double)m->frequency[mode] + m->frequency_low[mode];
+    return omega * omega;
+}
+
+/* What one rounding of every entry of M and K makes of omega^2 of a mode. */
+static double rounding_of(const ric_model *m, int mode)
+{
+    const int n = m->n_dof;
+    const double lambda = m->frequency[mode] * m->frequency[mode];
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            sum += fabs(m->Phi[i * n + mode] * m->Phi[j * n + mode]) *
+                   (fabs(m->K[i * n + j]) + lambda * fabs(m->M[i * n + j]));
+    return DBL_EPSILON * sum;
+}
+
+/* Whether rounding alone may tell apart the frequencies of two modes, the lower one first. What is taken for equal and
+ * is not, every orbit of these modes is off by: no more than that may be. */
+static bool are_equal(const ric_model *m, int lower, int upper)
+{
+    const double square = (double)squared(m, upper), gap = (double)(squared(m, upper) - squared(m, lower));
+    if (!(gap <= EQUAL * square)) return false;
+    return m->n_dof > REFINED || gap <= ROUNDINGS * DBL_EPSILON * square ||
+           gap <= rounding_of(m, lower) + rounding_of(m, upper);
+}
+
+/* Modes first..last have one frequency from here on, that of their mean square, whatever their basis is. */
+static void join_frequencies(ric_model *m, int first, int last)
+{
+    long double sum = 0;
+    for (int i = first; i <= last; i++) sum += squared(m, i);
+    const long double omega = sqrtl(sum / (last - first + 1));
+    for (int i = first; i <= last; i++) {
+        m->frequency[i] = (double)omega;
+        m->frequency_low[i] = (double)(omega - m->frequency[i]);
+    }
 }
 
 /* Within modes first..last of one frequency, turns the basis by the right singular vectors of the modal normals: the
@@ -202,12 +244,10 @@ static ric_status separate_equal(ric_model *m)
     ric_status status = RIC_OK;
     int n = m->n_dof;
     for (int i = 0, j; i < n && !status; i = j) {
-        double lambda = m->frequency[i] * m->frequency[i];
-        for (j = i + 1; j < n; j++) {
-            double next = m->frequency[j] * m->frequency[j];
-            if (!ric_modes_equal(lambda, next)) break;
-        }
-        if (j - i > 1) status = rotate_equal(m, i, j - 1);
+        for (j = i + 1; j < n && are_equal(m, i, j); j++) continue;
+        if (j - i == 1) continue;
+        join_frequencies(m, i, j - 1);
+        status = rotate_equal(m, i, j - 1);
     }
     return status;
 }
@@ -290,7 +330,7 @@ ric_status ric_modes_find(ric_model *m)
 bool ric_modes_distinct(const ric_model *m)
 {
     for (int i = 1; i < m->n_dof; i++)
-        if (ric_modes_equal(m->frequency[i - 1] * m->frequency[i - 1], m->frequency[i] * m->frequency[i])) return false;
+        if (m->frequency[i - 1] == m->frequency[i] && m->frequency_low[i - 1] == m->frequency_low[i]) return false;
     return true;
 }
 

@@ -5,8 +5,9 @@
 #include "model.h"
 
 /* K phi = lambda M phi: frequencies (rigid-body modes have exactly 0) with what rounding took from them, shapes, modal
- * normals, seen modes and their number n, and n_part of a model with its raw data. Among modes of one frequency the
- * basis is that in which most are unseen; every shape has its largest component positive. O(n_dof^3). */
+ * normals, seen modes and their number n, and n_part of a model with its raw data. Modes whose frequencies rounding of
+ * the matrices alone tells apart have one, to the last bit, and the basis in which most are unseen; every shape has its
+ * largest component positive. O(n_dof^3). */
 ric_status ric_modes_find(ric_model *model);
 
 /* The same for a model with the mass and stiffness of another one, whose modes it takes: of one frequency none are, as
@@ -18,7 +19,8 @@ bool ric_modes_distinct(const ric_model *model);
 /* Turns the shapes of a model to those of another one that it differs little from: model.h, ric_model_create_near. */
 ric_status ric_modes_orient(ric_model *model, const ric_model *near);
 
-/* Whether rounding alone may tell apart two squared frequencies, the lower one first. */
-bool ric_modes_equal(double lower, double upper);
+/* Whether two squared frequencies, the lower one first, are so near that motions with impacts mix their modes at once:
+ * the mixtures that they leave from (mixture.h) are orbits to that. */
+bool ric_modes_near(double lower, double upper);
 
 #endif

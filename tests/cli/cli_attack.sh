@@ -21,6 +21,11 @@ mixed 1 $few 30
 power 1 $power 10
 power 34 $clusters 10
 END
+# Frequencies 1e-6 to 1e-14 apart: the judge has as many multipliers as there are modes of their own.
+for kind in rigid bilinear mixed power; do
+    ok "$few structures of all but equal frequencies, $kind" \
+        tools/attack/attack --program "$ricochet" -n $few --near --kind $kind --points 8 --verify
+done
 # Seed, points: orbits that repeat themselves but for a difference that some of their events do not have; clusters of near
 # frequencies, of which all multipliers want many digits; orbits that are all but their own images, and go on otherwise, or for another time.
 while read -r seed points; do

@@ -1,4 +1,5 @@
-/* Power laws on structures with modes of one frequency: no branch starts at what the springs mix, and that is said. */
+/* Structures with modes of one frequency, or all but one: under power laws no branch starts at what the springs mix,
+ * and that is said; what is stored are orbits. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -81,6 +82,30 @@ static void near_modes_have_branches(void **state)
     }
 }
 
+/* Two frequencies from a rounding to a millionth apart: what is taken for equal is so to what the replay finds in an
+ * orbit, and the others are orbits of their own modes, however near those are. */
+static void near_modes_are_no_equal_ones(void **state)
+{
+    (void)state;
+    const double apart[] = {1e-15, 3e-14, 1e-13, 3e-13, 1e-12, 3e-12, 9e-12, 3e-11, 1e-9, 1e-6};
+    const char *law[] = {"rigid, clearance: 1", "bilinear, clearance: 1, stiffness: 5",
+                         "power, exponent: 5, length: 1, reference: 1"};
+    for (int i = 0; i < 30; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "title: near modes\nmodel: {mass: [[1, 0], [0, 1]], stiffness: [[1, 0], [0, %.17g]], contacts: "
+                 "[{normal: [1, 0.6], law: %s}]}\n"
+                 "explore: {energy: [0, 3], frequency: [0.2, 3], depth: 1, impacts: 3}\n",
+                 1 + apart[i % 10], law[i / 10]);
+        ric_atlas *atlas = explore_text(text);
+        const int branches = ric_atlas_n_branch(atlas);
+        assert_true(branches > 0);
+        for (int id = 1; id <= branches; id++)
+            for (int k = 0; k < branch_of(atlas, id).n_point; k++) point_passes(atlas, id, k);
+        ric_atlas_free(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -88,6 +113,7 @@ int main(void)
         cmocka_unit_test(the_others_are_followed),
         cmocka_unit_test(parts_say_so),
         cmocka_unit_test(near_modes_have_branches),
+        cmocka_unit_test(near_modes_are_no_equal_ones),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

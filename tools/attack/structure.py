@@ -10,7 +10,10 @@ import numpy as np
 
 import arithmetic as ar
 
-EQUAL = 1e-11  # relative: eigenvalues nearer than this are one eigenspace
+EQUAL = 1e-11  # of an eigenvalue: one that is farther than this from the next is an eigenspace of its own, however stiff others are,
+ROUNDED = 2.2e-16  # and one that is farther than roundings of its own and of every entry of the matrices make it
+OWN = 512
+ZERO = 1e-13  # of the largest eigenvalue: below it a motion is free
 UNSEEN = 1e-10  # of a normal: the share in an eigenspace that counts as none
 
 
@@ -62,7 +65,7 @@ class Structure:
         lam, vectors = lam[order], vectors[:, order]
         top, groups = float(max(abs(ar.double(lam)))), []
         for i in range(len(lam)):
-            if groups and float(lam[i] - lam[groups[-1][0]]) <= EQUAL * top:
+            if groups and self._equal(lam, vectors, groups[-1][0], i, ZERO * top):
                 groups[-1].append(i)
             else:
                 groups.append([i])
@@ -87,6 +90,18 @@ class Structure:
         self.c = [self.seen.T @ c for c in normals]
         self.all_lam = lam
         self.lam = ar.eigen(self.A)[0]
+
+    def _equal(self, lam, vectors, first, i, zero):
+        """Whether rounding alone tells two eigenvalues apart, or they are of free motions."""
+        gap, size = float(lam[i] - lam[first]), float(lam[i])
+        if size <= zero or gap <= OWN * ROUNDED * size:
+            return True
+        return gap <= EQUAL * size and gap <= self._rounding(float(lam[first]), vectors[:, first]) + self._rounding(size, vectors[:, i])
+
+    def _rounding(self, lam, vector):
+        """What a rounding of every entry of the matrices makes of an eigenvalue."""
+        shape = np.abs(np.linalg.solve(ar.double(self.low).T, ar.double(vector)))
+        return ROUNDED * float(shape @ (np.abs(ar.double(self.stiffness)) + lam * np.abs(ar.double(self.mass))) @ shape)
 
     def _list_contacts(self, contacts):
         exact, omega2 = self.exact, ar.number(self.omega_ref, self.exact) ** 2
@@ -119,7 +134,7 @@ class Structure:
                 a = a + face.spring * np.outer(c, c)
                 force = force + face.spring * face.side * face.limit * c
             lam, vectors = ar.eigen(a)
-            small = 1e-13 * float(max(ar.double(self.lam).max() / self.omega_ref**2, 0))
+            small = ZERO * float(max(ar.double(self.lam).max() / self.omega_ref**2, 0))
             zero = ar.double(lam) < small
             lam[zero] = lam[zero] * 0
             share = vectors.T @ force

@@ -127,6 +127,45 @@ def make(seed, kind=None, small=False):
     return kind, text, {"title": f"seed {seed}", "model": model, "explore": explore}
 
 
+def _near_matrices(rng, n):
+    """(mass, stiffness, how far apart) with two frequencies or three that are 1e-6 .. 1e-14 apart, the others anywhere."""
+    apart = 10.0 ** -rng.uniform(6, 14)
+    lam = [1.0, (1 + apart) ** 2] + [(1 + apart * rng.uniform(-3, 3)) ** 2] * int(n > 3 and rng.random() < 0.3)
+    lam = rng.permutation(lam + [_round(rng.uniform(1.3, 6)) for _ in range(n - len(lam))])
+    if rng.random() < 0.4:
+        return np.eye(n), np.diag(lam), f"{apart:.1e} apart, uncoupled"
+    a = rng.integers(-4, 5, (n, n)) / 8.0
+    mass = a @ a.T + np.diag(rng.integers(2, 9, n) / 4.0)
+    low = np.linalg.cholesky(mass).astype(np.longdouble)
+    q = np.linalg.qr(rng.standard_normal((n, n)))[0].astype(np.longdouble)
+    q = q @ (1.5 * np.eye(n, dtype=np.longdouble) - 0.5 * (q.T @ q))
+    stiffness = (low @ q @ np.diag(lam) @ q.T @ low.T).astype(float)
+    return mass, (stiffness + stiffness.T) / 2, f"{apart:.1e} apart, coupled"
+
+
+def near(seed, kind=None):
+    """(kind, what it is, study) of a seed: frequencies that are all but equal, small budgets."""
+    rng = np.random.default_rng([seed, 1])
+    kind = kind or KINDS[seed % 4]
+    n = int(rng.integers(2, 7)) if kind != "power" else int(rng.choice([2, 2, 3, 3, 4, 5]))
+    mass, stiffness, text = _near_matrices(rng, n)
+    normals = _normals(rng, n, 2 if kind == "mixed" else int(rng.choice([1, 1, 2])))
+    if rng.random() < 0.6:
+        normals = [np.round(rng.standard_normal(n), 2) for _ in normals]
+    laws = ["rigid", "bilinear"] if kind == "mixed" else [kind] * len(normals)
+    contacts = [_contact(rng, kind, law, b, _round(rng.uniform(0.6, 1.6), 3), 2.0) for law, b in zip(laws, normals)]
+    omega = np.sqrt(np.linalg.eigvalsh(_standard(mass, stiffness)))
+    window = _windows(rng, mass, stiffness, omega, np.zeros(n, bool), contacts, kind)
+    explore = {"start": "modes", "energy": window[0], "frequency": window[1], "impacts": int(rng.choice([3, 4])), "multiply": 1, "depth": 1}
+    model = {"mass": mass.tolist(), "stiffness": stiffness.tolist(), "contacts": contacts}
+    return kind, f"{n} dof, {text}, {'+'.join(c['law'] for c in contacts)}", {"title": f"near {seed}", "model": model, "explore": explore}
+
+
+def _standard(mass, stiffness):
+    low = np.linalg.cholesky(mass)
+    return np.linalg.solve(low, np.linalg.solve(low, stiffness).T)
+
+
 def _windows(rng, mass, stiffness, omega, zero, contacts, kind):
     """Scaled energies up to a few times a typical grazing energy; frequencies around those of the modes."""
     low = np.linalg.cholesky(mass)
