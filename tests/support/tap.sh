@@ -3,7 +3,7 @@ ricochet=${RICOCHET:?the program to test}
 folder=$(mktemp -d) || exit 1
 # A copy of the shell that a signal ends before it is the program runs this trap, too, and may not come to the end of a
 # command: the folder is the first shell's, and is removed only where that is certain.
-trap '[ "$BASHPID" = "$$" ] && rm -rf "$folder"' EXIT
+trap '[ "$BASHPID" = "$$" ] && rm -rf "$folder" "$folder-times"' EXIT
 number=0 failed=0
 
 # Whether the program was built with sanitizers: it is some times slower then, reserves terabytes of addresses and brings its own allocator.
@@ -46,10 +46,11 @@ left_out()
 }
 
 # With RICOCHET_TEST_COST=1: the processor's time of all that has ended up to here, after each test.
-cost() {
+cost() { # without a process, which would count, too
+    local own of_children
     times >"$folder-times"
-    tail -n 1 "$folder-times" | sed 's/^/# user and system so far: /'
-    rm -f "$folder-times"
+    { read -r own && read -r of_children; } <"$folder-times"
+    echo "# user and system so far: $of_children"
 }
 
 # ok NAME COMMAND...: one test; what the command prints is shown if it fails
