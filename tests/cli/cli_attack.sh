@@ -10,7 +10,7 @@ fi
 # The short form plants each fault once, and takes one branch away.
 ok "the judge sees planted faults" env ATTACK_PART=planted tools/attack/attack "$ricochet" $(some_of 1 "")
 # Kind, first seed, how many, points besides the ends of branches. Power laws take twenty times as long as stops.
-few=$(some_of 4 16) power=$(some_of 2 11) clusters=$(some_of 1 4)
+few=$(some_of 2 16) power=$(some_of 1 11) clusters=$(some_of 1 4)
 while read -r kind seed count points; do
     ok "$count structures, $kind, from seed $seed on" \
         tools/attack/attack --program "$ricochet" -n "$count" --seed "$seed" --kind "$kind" --small --points "$points"
@@ -29,13 +29,13 @@ done
 # Seed, points: orbits that repeat themselves but for a difference that some of their events do not have; clusters of near
 # frequencies, of which all multipliers want many digits; orbits that are all but their own images, and go on otherwise, or for another time.
 while read -r seed points; do
-    ok "all of structure $seed is confirmed" \
+    [ -z "$seed" ] || ok "all of structure $seed is confirmed" \
         tools/attack/attack --program "$ricochet" -n 1 --seed "$seed" --points "$points" --unconfirmed 0
-done <<'END'
+done <<END
 90022 400
 90629 40
 801281 40
-850969 200
+$(some_of '' '850969 200')
 END
 # Springs that multiply rounding by 1e11 in a period: what is polished is the stored orbit, and none beside it on its branch.
 ok "the margins of structure 2100519 are those of its orbits" \
@@ -54,7 +54,7 @@ done
 library=$(dirname "$ricochet")/src/libricochet.so
 if [ -f "$library" ] && python3 -S -c 'import ctypes, sys; ctypes.CDLL(sys.argv[1])' "$library" 2>/dev/null; then
     for kind in rigid bilinear mixed power; do
-        structures=4
+        structures=$(some_of 2 4)
         [ $kind != power ] || structures=$(some_of 1 4) # ten times as dear
         ok "bounds of multipliers, $kind" env ATTACK_PART=bounds tools/attack/attack "$library" "$ricochet" $kind "$structures" 5000 8
     done

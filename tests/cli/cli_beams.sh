@@ -20,7 +20,7 @@ fi
 for spring in $(some_of 4.01 '3.98 3.99 4.01'); do
     ok "spring $spring: run" explored $spring
     ok "spring $spring: no branch failed" closed $spring
-    ok "spring $spring: every stored point verifies" "$ricochet" verify "$folder/$spring.ricochet" --all
+    ok "spring $spring: $(some_of "some stored points verify" "every stored point verifies")" "$ricochet" verify "$folder/$spring.ricochet" $(some_of "" --all)
 done
 ok 'spring 3.5: run' explored 3.5
 # Mode 12 has 125 times the frequency 1.12095190881 rad/s and a modal normal of 3e-4: at an odd multiple the closed form of S2 (theory section

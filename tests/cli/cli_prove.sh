@@ -8,8 +8,8 @@ if ! "$ricochet" run examples/elementary/study.yaml -o "$folder/e.ricochet" --qu
 atlas="$folder/e.ricochet"
 needs_flint "$atlas"
 
-# What is planted is looked at on some branches, of 2 to 8 flights; on all in the long form.
-some=$(some_of '3 7 9' '')
+# What is planted is looked at on two branches, of 2 and 8 flights; on all in the long form.
+some=$(some_of '3 9' '')
 # planted CODE: a copy of the atlas with Python over the database \`db\` done to it, its digest made anew
 planted() {
     plant "$atlas" "$folder/p.ricochet" '
@@ -221,6 +221,7 @@ ok 'orbits of twenty modes are told apart' bash -c 'for i in 2 25; do "$0" prove
 # One of its branches ends where a gap touches in flight, and another one goes on from there with an impact.
 "$ricochet" run examples/corner/study.yaml -o "$folder/corner.ricochet" --quiet
 ok 'a touch in flight is an impact of no speed for the branch that has it' bash -c '"$0" prove "$1" | grep -q "^354 of 354 points proved"' "$ricochet" "$folder/corner.ricochet"
-"$ricochet" run examples/power-3/study.yaml -o "$folder/power-3.ricochet" --quiet
+sed "s/depth: 2/depth: 1/" examples/power-3/study.yaml >"$folder/power-3.yaml"
+"$ricochet" run "$folder/power-3.yaml" -o "$folder/power-3.ricochet" --quiet
 ok 'power-3 is left out by name' bash -c '"$0" prove "$1" | grep -q "^the first of them: .*power"' "$ricochet" "$folder/power-3.ricochet"
 finish
