@@ -212,8 +212,9 @@ assert sorted(map(json.dumps, all)) == sorted(map(json.dumps, some))
 P
 }
 ok 'cascade --sort' falling cascade energy "$atlas" --branch 3 --doublings 3
-ok 'hunt --sort' falling hunt period examples/elementary/study.yaml --energy 1
+few='--lines 400 --rows 5 --row 60 --random 2000'
+ok 'hunt --sort' falling hunt period examples/elementary/study.yaml --energy 1 $few
 ok 'verify --sort' falling verify return_error "$atlas" --branch 3
-wrong_column() { "$ricochet" hunt examples/elementary/study.yaml --energy 1 --sort colour >"$folder/out" 2>/dev/null; [ $? = 2 ]; }
+wrong_column() { "$ricochet" hunt examples/elementary/study.yaml --energy 1 $few --sort colour >"$folder/out" 2>/dev/null; [ $? = 2 ]; }
 ok 'a column that is not there' wrong_column
 finish

@@ -9,6 +9,18 @@ needs_flint() {
 }
 # prove ATLAS OUT ARGUMENT...: the rows
 prove() { "$ricochet" prove "$1" --json "${@:3}" >"$2" 2>/dev/null; [ -s "$2" ]; }
+# prove_some ATLAS OUT BRANCH...: the rows of these branches, of all where none is named
+prove_some() {
+    local branch
+    if [ $# = 2 ]; then prove "$1" "$2"; return; fi
+    for branch in "${@:3}"; do "$ricochet" prove "$1" --branch "$branch" --json 2>/dev/null; done | python3 -S -c '
+import json, sys
+decoder, text, rows = json.JSONDecoder(), sys.stdin.read().strip(), []
+while text:
+    part, end = decoder.raw_decode(text)
+    rows, text = rows + part, text[end:].strip()
+print(json.dumps(rows))' >"$2"
+}
 # rows FILE CODE: Python over `rows` of FILE, without those that are left out by name
 rows() { python3 - "$1" <<END
 import json, math, sys

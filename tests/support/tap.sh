@@ -102,8 +102,9 @@ for name in names:
     if name in ("trace", "meta") or name.startswith("sqlite_"):
         continue
     print(name)
-    for row in sorted(atlas.execute(f"SELECT * FROM {name}"), key=repr):
-        print(*(value.hex() if isinstance(value, (bytes, float)) else repr(value) for value in row))
+    # quote() keeps every bit of a number
+    row = " || ' ' || ".join(f'quote("{column[1]}")' for column in atlas.execute(f"PRAGMA table_info({name})"))
+    print(*(text for (text,) in atlas.execute(f"SELECT {row} FROM {name} ORDER BY 1")), sep="\n")
 END
     [ $? = 0 ] || echo "not read: $1 $RANDOM $RANDOM" # two that cannot be read are not the same
 }

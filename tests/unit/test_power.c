@@ -193,13 +193,16 @@ static void extrema_have_three(void **state)
 /* Deep in a cascade ranks may come out smaller than the kind of a junction allows, C_11 for the extremum at energy
  * 719.975: that is rounding, and not decided. With a large step, too, both doublings at 215.9 and 221.2 are found,
  * between which a multiplier stays just below -1, the doubling at 719.9098, and no extremum at 719.919, where two
- * families come close. Steps of 0.27, 0.08 and 0.03 find the same 86 junctions. */
+ * families come close. Steps of 0.27, 0.08 and 0.03 find the same 86 junctions. The short form ends at energy 740,
+ * where the first branches of the cascade do not come back yet. */
 static void no_fewer_than_the_kind_has(void **state)
 {
     (void)state;
-    ric_atlas *atlas =
-        explore(article, 3,
-                "start: [2], energy: [0, 880], frequency: [0.18, 6], multiply: 4, depth: 0, cascade: [3, 2, 4]", 0.27);
+    char options[128];
+    snprintf(options, sizeof options,
+             "start: [2], energy: [0, %d], frequency: [0.18, 6], multiply: 4, depth: 0, cascade: [3, 2, 4]",
+             long_form() ? 880 : 740);
+    ric_atlas *atlas = explore(article, 3, options, 0.27);
     int met = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
@@ -210,8 +213,8 @@ static void no_fewer_than_the_kind_has(void **state)
                10 * (agrees(j.energy, 215.896607776, 1e-9) || agrees(j.energy, 221.16272669, 1e-9));
         assert_false(agrees(j.energy, 719.91926876, 1e-9));
     }
-    assert_int_equal(met, 21);
-    assert_int_equal(ric_atlas_n_junction(atlas), 86);
+    assert_int_equal(met, long_form() ? 21 : 0);
+    assert_int_equal(ric_atlas_n_junction(atlas), long_form() ? 86 : 25);
     ric_atlas_free(atlas);
 }
 
@@ -550,9 +553,8 @@ static void closes_where_it_passes(void **state)
 static void power_99(void **state)
 {
     (void)state;
-    const char *window = long_form() ? "energy: [0, 6], frequency: [0.2, 10], multiply: 2, depth: 3"
-                                     : "start: [2], energy: [0, 6], frequency: [1.7, 6.5], multiply: 2, depth: 3";
-    ric_atlas *atlas = explore(article, 99, window, 0);
+    if (!long_form()) skip();
+    ric_atlas *atlas = explore(article, 99, "energy: [0, 6], frequency: [0.2, 10], multiply: 2, depth: 3", 0);
     int met = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
