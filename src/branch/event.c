@@ -430,8 +430,7 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
 {
     ric_event_bridge q;
     ric_event_root roots[RIC_N_TEST + BRIDGED * tr->n_resonance];
-    int n = 0;
-    int first = tr->n_event;
+    int n = 0, first = tr->n_event;
     ric_status status = ric_event_bridge_build(tr, h, &q);
     *end_test = -1;
     if ((*retry = status == RIC_E_NUMERIC && tr->avoided)) return RIC_OK;
@@ -440,10 +439,14 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
     ric_event_bridge_station(tr, &q, at, h, &tr->mid);
     if (*end_test < 0 && at_image(tr, &q, h, ric_symmetric_end_meets, &at)) *end_test = RIC_TEST_DET;
-    bool arrived = *end_test >= 0;
-    if (arrived) *end = at;
     const int times = ric_symmetric_end_repeats(tr, tr->mid.u);
-    const bool repeated = times > 1;
+    const bool arrived = *end_test >= 0, repeated = times > 1, level = times >= FLAT && !arrived;
+    if (arrived) *end = at;
+    /* the determinant has a zero of higher order there, which cubics place badly; the slope has a simple one */
+    if (level && q.test[0][RIC_TEST_SLOPE] * q.test[3][RIC_TEST_SLOPE] < 0) {
+        at = ric_event_bridge_root(tr, &q, RIC_TEST_SLOPE, q.x[0], q.x[3], q.test[0][RIC_TEST_SLOPE], NAN);
+        ric_event_bridge_station(tr, &q, at, h, &tr->mid);
+    }
     /* two branches that only come close: the step has changed from one to the other */
     if (!arrived && !repeated && !(ric_branch_point_gap(tr->chain, tr->mid.u) < CROSSED)) {
         free(q.u);
@@ -455,7 +458,7 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
      * of order 3 passes on a slope; its extremum lies aside and is a junction of its own. Of fewer than four
      * periods the order is not known, as it may be that of half a period: there the slope tells. */
     bool image = !arrived && at_image(tr, &q, h, ric_symmetric_end_passes, &at);
-    bool flat = arrived || image || times >= FLAT ||
+    bool flat = arrived || image || level ||
                 (repeated && fabs(ric_event_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
                                  ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));
     for (int i = 0; i < RIC_N_TEST; i++) {

@@ -493,6 +493,34 @@ static void junctions_that_are_one_are_said(void **state)
     ric_atlas_free(atlas);
 }
 
+/* S(1) passes a multiplication by five, where the slopes of energy and period vanish and the determinant has a zero of
+ * higher order that cubics place badly: with short steps two extrema stood beside it, and its rotation number was that
+ * of an orbit without symmetry. */
+static void level_at_a_multiplication(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "model:\n  mass: [[0.25, 0, 0, 0], [0, 0.25, 0, 0], [0, 0, 1.75, 0], [0, 0, 0, 0.75]]\n"
+        "  stiffness: [[5.5, -2.25, 0, 0], [-2.25, 7.75, -5.5, 0], [0, -5.5, 6, -0.5], [0, 0, -0.5, 6.5]]\n"
+        "  contacts: [{normal: [0, 0, 1, 0], law: power, exponent: 9, stiffness: 0.3418}]\n"
+        "explore: {start: [1], energy: [0, 6574], frequency: [0.1772, 18.5], impacts: 4, multiply: 1, depth: 1}\n";
+    static const double steps[] = {0.009, 0.03};
+    for (int i = 0; i < 2; i++) {
+        ric_atlas *atlas = explore_text_with(text, NULL, steps[i]);
+        int found = 0;
+        for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+            const ric_junction j = junction_of(atlas, id);
+            if (!agrees(j.energy, 897.019198016, 1e-7)) continue;
+            if (j.kind != RIC_KIND_MULTIPLICATION || j.rotation[0] != 4 || j.rotation[1] != 5)
+                fail_msg("step %g: %s at E %.12g, rotation %d/%d", steps[i], j.label, j.energy, j.rotation[0],
+                         j.rotation[1]);
+            found++;
+        }
+        assert_int_equal(found, 1);
+        ric_atlas_free(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(to_and_fro),
@@ -511,6 +539,7 @@ int main(void)
                                        cmocka_unit_test(the_end_is_stored),
                                        cmocka_unit_test(two_multiplications_in_a_step),
                                        cmocka_unit_test(pairs_to_and_fro_in_a_step),
-                                       cmocka_unit_test(junctions_that_are_one_are_said)};
+                                       cmocka_unit_test(junctions_that_are_one_are_said),
+                                       cmocka_unit_test(level_at_a_multiplication)};
     return cmocka_run_group_tests_name("steps", tests, NULL, NULL);
 }
