@@ -146,19 +146,22 @@ void ric_floquet_judge_lost(ric_floquet *f)
 
 void ric_floquet_widen(ric_floquet *f, const double *more)
 {
-    double worst = 0;
+    double worst = 0, lost = 0;
+    int known = 0;
     for (int i = 0; i < f->n_pair; i++) {
         double *r = f->rho + 2 * i;
         f->each[i] += more[i];
         /* of rho beyond a double infinite errors would be a small part */
         if (isfinite(more[i]) && f->each[i] <= LOST * (1 + hypot(r[0], r[1]))) {
             worst = fmax(worst, f->each[i]);
+            known++;
             continue;
         }
+        lost = isfinite(f->each[i]) ? fmax(lost, f->each[i]) : HUGE_VAL;
         r[0] = r[1] = NAN;
         f->trace_asinh = f->rotation = NAN; /* of two modes, which have one pair */
     }
-    f->error = worst;
+    f->error = known ? worst : lost;
 }
 
 void ric_floquet_pair(const double *rho, double *out)
