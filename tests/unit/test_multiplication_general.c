@@ -353,9 +353,12 @@ static void check_study(int which, int count[2][MAX_ORDER])
     snprintf(name, sizeof name, "study %d", which);
     if (ric_study_parse(studies[which], name, ".", &study)) fail_msg("%s", ric_detail());
     if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+    const int largest = ric_model_detached(g->model) ? 7
+                        : long_form()                ? 5
+                                                     : 4; /* a node under a power law takes seconds */
     for (int i = 0; i < g->n_edge; i++)
         if (g->edges[i].trace->chain->start == RIC_MIRROR_NONE)
-            check_branch(g, g->edges[i].trace, name, ric_model_detached(g->model) ? 7 : 5, count);
+            check_branch(g, g->edges[i].trace, name, largest, count);
     ric_graph_free(g);
     ric_study_free(study);
 }
@@ -391,7 +394,7 @@ static void cubic_spring(void **state)
         assert_true(two[0][3] == most && two[0][4] == most && two[0][5] == most);
     }
     check_study(4, three);
-    assert_true(three[0][3] && three[0][4] && three[0][5]);
+    assert_true(three[0][3] && three[0][4] && (three[0][5] || !long_form()));
 }
 
 static void all_ways_lead_home(void **state)
