@@ -48,9 +48,9 @@ static void rows_belong_to_orbits(void **state)
 {
     (void)state;
     static const char *const files[] = {"examples/two-springs/study.yaml", "examples/stop-and-spring/study.yaml",
-                                        "examples/paper/power-21.yaml", "examples/paper/power-3.yaml"};
+                                        "examples/paper/power-3.yaml", "examples/paper/power-21.yaml"};
     int arrivals = 0;
-    for (size_t s = 0; s < sizeof files / sizeof *files; s++) {
+    for (size_t s = 0; s < sizeof files / sizeof *files - !long_form(); s++) {
         ric_study *study = NULL;
         assert_int_equal(ric_study_read(files[s], &study), RIC_OK);
         ric_graph *graph = explored_graph(study);
@@ -63,7 +63,7 @@ static void rows_belong_to_orbits(void **state)
         ric_graph_free(graph);
         ric_study_free(study);
     }
-    assert_true(arrivals > 5);
+    if (!(arrivals > (long_form() ? 5 : 2))) fail_msg("%d arrivals", arrivals);
 }
 
 /* Stability at u, and at states that are the same orbit but for rounding. With `judge`, as
@@ -173,7 +173,7 @@ static void flags_agree(void **state)
                 double u[size], du[size];
                 if ((p->stable == RIC_STABLE_UNDECIDED) == (q->stable == RIC_STABLE_UNDECIDED)) continue;
                 borders++;
-                for (double x = 0.3; x > 1e-12; x /= 1.7) {
+                for (double x = 0.3; x > 1e-12; x /= long_form() ? 1.7 : 3.1) {
                     double y = p->stable == RIC_STABLE_UNDECIDED ? x : 1 - x;
                     for (int k = 0; k < size; k++) u[k] = a[k] + y * (b[k] - a[k]);
                     if (!ric_continuation_correct(c, u, NULL, NULL, 0, du, &steps)) break;

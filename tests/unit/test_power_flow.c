@@ -285,7 +285,7 @@ static void more_digits_lose_less(void **state)
     int again = 0;
     double gained = 0;
     (void)state;
-    for (int i = 0; i < 60; i += every_of(2)) {
+    for (int i = 0; i < 60; i += every_of(4)) {
         structure s;
         random_structure((uint64_t)(900 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], false, &s);
         int ld = 2 * s.n;

@@ -21,7 +21,7 @@ static void every_point_passes(const char *model, const char *options)
              options);
     ric_atlas *atlas = explore_text(text);
     int checked = 0;
-    const int step = every_of(3); /* but for the ends, which are what is tried */
+    const int step = every_of(6); /* but for the ends, which are what is tried */
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch b = branch_of(atlas, id);
         for (int i = 0; i < b.n_point; i += i == 0 || i + 1 + step >= b.n_point ? 1 : step) {
@@ -65,9 +65,10 @@ static void all_of_it_passes(const char *text)
 {
     ric_atlas *atlas = explore_text(text);
     int events = 0;
+    const int step = every_of(3); /* between the ends */
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch b = branch_of(atlas, id);
-        for (int i = 0; i < b.n_point; i++) {
+        for (int i = 0; i < b.n_point; i += i < 2 || i + 2 + step >= b.n_point ? 1 : step) {
             ric_claims claims;
             point_passes(atlas, id, i);
             assert_int_equal(ric_verify_claims(atlas, id, i, &claims), RIC_OK);
@@ -76,7 +77,7 @@ static void all_of_it_passes(const char *text)
             events += b.letters;
         }
     }
-    assert_true(events > 200);
+    assert_true(events > 200 / step);
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_claims claims;
         assert_int_equal(ric_verify_junction(atlas, id, &claims), RIC_OK);
