@@ -111,6 +111,7 @@ static bool contracts(ric_augmented *x, arb_mat_t J, arb_ptr F)
     const bool tight = holds && tighten(x);
     if (tight) place_box(x, box);
     if (tight) _arb_vec_swap(x->z, box, x->n);
+    if (tight && x->ask.kind == RIC_AUGMENTED_MEET) arb_zero(x->z + (slong)x->ask.place * x->c.size + 2 * x->e->n);
     _arb_vec_clear(box, x->n);
     return tight;
 }
@@ -187,7 +188,8 @@ static void lay_directions(ric_augmented *x)
 
 static void open_system(ric_augmented *x, const ric_chain *c, const ric_enclosure *e, const ric_augmented_question *ask)
 {
-    *x = (ric_augmented){.e = e, .ask = *ask};
+    *x = (ric_augmented){.e = e, .ask = *ask, .times = 1};
+    x->together = flint_calloc((size_t)e->n_contact, sizeof *x->together);
     ric_chain_copy(&x->c, c);
     x->n_orbit = (slong)c->m * c->size + ric_chain_general(c);
     x->n_motion = ask->kind <= RIC_AUGMENTED_PERIOD ? x->n_orbit : (slong)c->m * c->size;
@@ -260,6 +262,7 @@ void ric_augmented_free(ric_augmented *x)
     arb_mat_clear(x->gauge);
     arb_clear(x->exists);
     arb_clear(x->unique);
+    flint_free(x->together);
     ric_contraction_free(&x->k);
     ric_chain_free(&x->c);
     x->z = NULL;

@@ -12,6 +12,9 @@
  *   DOUBLE          of a general chain: a motion beside it that closes with the other sign
  *   SPEED           the speed of the impact that block `place` begins with, or that the chain ends with (m), is zero
  *   TOUCH           in flight `place` the gap of `face`, or of its image, and its derivative are zero at a time t
+ *   GAP             the gap of `face`, or of its image, is zero at the event that block `place` begins with, or that
+ *                   the chain ends with (m): a corner
+ *   MEET            flight `place` has no length: a corner, too
  * Motions beside the orbit are held by one linear condition, l.a = 1, and as a time shift is turned into its opposite
  * by every mirror point, such a motion has one condition more there: at an impact the time is that of the impact, in
  * flight it is not along the motion. Werner and Spence, SIAM J. Numer. Anal. 21 (1984) 388-399. */
@@ -29,6 +32,8 @@ typedef enum {
     RIC_AUGMENTED_DOUBLE,
     RIC_AUGMENTED_SPEED,
     RIC_AUGMENTED_TOUCH,
+    RIC_AUGMENTED_GAP,
+    RIC_AUGMENTED_MEET,
 } ric_augmented_kind;
 
 typedef struct {
@@ -51,8 +56,10 @@ typedef struct {
     arb_ptr l;               /* [n - n_orbit] */
     arb_mat_t gauge;         /* [2 * 2n] along the motion at both ends */
     ric_contraction k;
-    arb_t exists, unique; /* radii in the largest number */
-    const char *why;      /* why it is not proved, or NULL */
+    arb_t exists, unique;  /* radii in the largest number */
+    signed char *together; /* [n_contact] TOUCH: sides of other contacts that touch at that instant, too, or 0 */
+    int times;             /* how often it lies in the period of the junction */
+    const char *why;       /* why it is not proved, or NULL */
 } ric_augmented;
 
 /* Looks for the junction near the centre of `c`; to be released in any case. */

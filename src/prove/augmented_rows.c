@@ -415,6 +415,44 @@ static void put_touch(filling *f)
     ric_augmented_flight_close(&g);
 }
 
+/* c . q of the state behind event `place`, or before it at the end of the chain. */
+static void put_gap(filling *f)
+{
+    const ric_augmented *x = f->x;
+    const ric_enclosure *e = x->e;
+    const ric_wall *wall = &e->wall[x->ask.face];
+    const slong n = e->n, last = (slong)(x->c.m - 1) * x->c.size;
+    arb_srcptr c = ric_enclosure_c(e, wall->contact);
+    ric_augmented_flight g;
+    arb_t sum;
+    arb_init(sum);
+    if (x->ask.place < x->c.m)
+        for (slong i = 0; i < n; i++) add_term(f, f->row, (slong)x->ask.place * x->c.size + i, c + i);
+    else {
+        ric_augmented_flight_open(&g, e, x->c.phase[x->c.m - 1], x->c.u + last, x->c.u + last + 2 * n, NULL);
+        arb_dot(f->F + f->row, NULL, 0, c, 1, g.flown, 1, n, e->prec);
+        for (slong j = 0; j <= 2 * n; j++) {
+            arb_zero(sum);
+            for (slong i = 0; i < n; i++) arb_addmul(sum, c + i, arb_mat_entry(g.D, i, j), e->prec);
+            add_derivative(f, f->row, last + j, sum);
+        }
+        ric_augmented_flight_close(&g);
+    }
+    if (x->ask.image) arb_add(f->F + f->row, f->F + f->row, wall->gap, e->prec);
+    else arb_sub(f->F + f->row, f->F + f->row, wall->gap, e->prec);
+    f->row++;
+    arb_clear(sum);
+}
+
+static void put_meet(filling *f)
+{
+    arb_t one;
+    arb_init(one);
+    arb_one(one);
+    add_term(f, f->row++, (slong)f->x->ask.place * f->x->c.size + 2 * f->x->e->n, one);
+    arb_clear(one);
+}
+
 /* l . a = 1; of motions that may be turned into one another also l rotated: (a, b) to (-b, a). */
 static void put_norm(filling *f)
 {
@@ -459,6 +497,8 @@ void ric_augmented_evaluate(ric_augmented *x, arb_srcptr z, arb_mat_struct *J, a
     case RIC_AUGMENTED_DOUBLE: put_double(&f); break;
     case RIC_AUGMENTED_SPEED: put_speed(&f); break;
     case RIC_AUGMENTED_TOUCH: put_touch(&f); break;
+    case RIC_AUGMENTED_GAP: put_gap(&f); break;
+    case RIC_AUGMENTED_MEET: put_meet(&f); break;
     }
     ric_equation_free(&f.q);
     put_norm(&f);

@@ -41,6 +41,7 @@ void ric_curve_node_prove(ric_node *a, const ric_enclosure *e)
     if (!a->why && !x.identified) a->why = "another orbit may lie as near: a junction";
     if (!a->why && !(x.moved <= RIC_PROVER_NEAR)) a->why = "the orbit that was proved lies elsewhere";
     arb_set(a->exists, x.exists);
+    a->unique = a->why ? 0 : arf_get_d(arb_midref(x.unique), ARF_RND_FLOOR);
     ric_existence_clear(&x);
 }
 
@@ -120,7 +121,10 @@ static bool tube_stands(ric_curve *x, const ric_tube *t, arb_srcptr last)
     ric_passage passage;
     ric_passage_init(&passage);
     const bool stands = ric_passage_prove(&passage, &t->hull, x->e,
-                                          &(ric_family){t->hull.u, t->middle, t->half, NULL, last ? &arrival : NULL});
+                                          &(ric_family){.hull = t->hull.u,
+                                                        .middle = t->middle,
+                                                        .half = t->half,
+                                                        .arrival = last ? &arrival : NULL});
     snprintf(x->why, sizeof x->why, "%s", passage.why);
     if (stands) {
         judge_part(x, t, 0, 1, x->e->n > 2 ? FEW_PARTS : MANY_PARTS);
@@ -169,9 +173,31 @@ static bool join(ric_curve *x, const ric_node *a, const ric_node *b, int depth)
     return done;
 }
 
+/* Two stored points of one orbit: they hold the same number at the same value, and that of b lies where a is alone. */
+static bool is_one_orbit(const ric_curve *x, const ric_node *a, const ric_node *b)
+{
+    const ric_chain *c = &a->c, *d = &b->c;
+    if (c->number < 0 || c->number != d->number || c->at != d->at || !fmpz_equal(c->held, d->held)) return false;
+    const slong count = (slong)c->m * c->size;
+    arb_ptr way = _arb_vec_init(count);
+    arb_t far, unique;
+    arb_init(far);
+    arb_init(unique);
+    _arb_vec_sub(way, c->u, d->u, count, x->e->prec);
+    ric_chain_norm(count, way, x->e->prec, far);
+    arb_add(far, far, b->exists, x->e->prec);
+    arb_set_d(unique, a->unique);
+    const bool one = arb_lt(far, unique);
+    arb_clear(far);
+    arb_clear(unique);
+    _arb_vec_clear(way, count);
+    return one;
+}
+
 bool ric_curve_join(ric_curve *x, const ric_node *a, const ric_node *b)
 {
     x->tried = 0;
     if (!ric_chain_same_class(&a->c, &b->c)) return false;
+    if (is_one_orbit(x, a, b)) return true;
     return a->last ? !b->last && join(x, b, a, 0) : join(x, a, b, 0);
 }

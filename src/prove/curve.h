@@ -11,7 +11,8 @@
 typedef struct {
     ric_chain c;
     arb_t exists;
-    arb_ptr last;    /* [m * size + 1] balls, of an orbit that touches and ends the curve; NULL */
+    double unique; /* no other orbit of the class holds its number at the same value so near the centre; 0: not known */
+    arb_ptr last;  /* [m * size + 1] balls, of an orbit that touches and ends the curve; NULL */
     const char *why; /* why it is none, or NULL */
 } ric_node;
 

@@ -275,8 +275,18 @@ static bool is_at(const gap *g, const ric_enclosure *e, int face)
     return face >= 0 && e->wall[face].contact == g->contact && e->wall[face].side == g->facing;
 }
 
+/* The same of a second contact that is closed at that instant. */
+static bool is_at_corner(const gap *g, const ric_corner *corner, int flight, bool end)
+{
+    for (int i = 0; corner && i < corner->n; i++) {
+        const ric_closure *at = &corner->at[i];
+        if (at->flight == flight && at->end == end && at->contact == g->contact && at->side == g->facing) return true;
+    }
+    return false;
+}
+
 /* The gap over flight k. Where it touches at a mirror point the flight is longer by what is not known of that time. */
-static bool stays_open(const gap *g, const ric_chain *c, int k, const arb_t tau)
+static bool stays_open(const gap *g, const ric_chain *c, int k, const arb_t tau, const ric_corner *corner)
 {
     const int from = c->face[k], to = c->face[k + 1];
     const bool rests[2] = {k == 0 && c->start == RIC_CHAIN_REST, k == c->m - 1 && c->end == RIC_CHAIN_REST};
@@ -294,7 +304,9 @@ static bool stays_open(const gap *g, const ric_chain *c, int k, const arb_t tau)
         mag_zero(arb_radref(end));
         arb_max(end, end, x, g->e->prec);
     }
-    const bool open = is_open(g, (part){start, end, is_at(g, g->e, from), is_at(g, g->e, to), {rests[0], rests[1]}}, 0);
+    const bool opens = is_at(g, g->e, from) || is_at_corner(g, corner, k, false);
+    const bool closes = is_at(g, g->e, to) || is_at_corner(g, corner, k, true);
+    const bool open = is_open(g, (part){start, end, opens, closes, {rests[0], rests[1]}}, 0);
     arb_clear(start);
     arb_clear(end);
     arb_clear(x);
@@ -376,7 +388,8 @@ static bool touches_in(const gap *g, const ric_family *u, int flight)
     const ric_touch *t = u->touch;
     if (!t || t->impact >= 0 || t->flight != flight) return false;
     const ric_wall *wall = &g->e->wall[t->face];
-    return wall->contact == g->contact && (t->image ? -wall->side : wall->side) == g->facing;
+    return (wall->contact == g->contact && (t->image ? -wall->side : wall->side) == g->facing) ||
+           (t->together && t->together[g->contact] == g->facing);
 }
 
 static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, const ric_family *u, arb_ptr flown)
@@ -386,15 +399,16 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
     arb_srcptr w = u->hull + at, tau = w + 2 * c->n;
     ric_chain_fly(e, c->phase[k], w, tau, flown);
     snprintf(p->why, sizeof p->why, "flight %d does not last", k + 1);
-    bool stands = arb_is_positive(tau) || (u->arrival && arb_is_negative(u->arrival->slope + at + 2 * c->n));
+    const bool empty = u->corner && u->corner->empty == k;
+    bool stands = empty || arb_is_positive(tau) || (u->arrival && arb_is_negative(u->arrival->slope + at + 2 * c->n));
     gap_board(g, c, k, u);
-    for (int f = 0; f < e->n_face && stands; f++)
+    for (int f = 0; f < e->n_face && stands && !empty; f++)
         for (int image = 0; image <= ric_chain_imaged(c) && stands; image++) {
             gap_place(g, f, image);
             if (touches_in(g, u, k)) g->touch = u->touch->time;
             snprintf(p->why, sizeof p->why, "face %d%s is not proved to stay open in flight %d", f,
                      image ? ", or its image," : "", k + 1);
-            stands = stays_open(g, c, k, tau);
+            stands = stays_open(g, c, k, tau, u->corner);
         }
     if (stands && c->face[k + 1] >= 0 && !is_touch(c, u, k + 1)) {
         snprintf(p->why, sizeof p->why, "the impact behind flight %d is not proved to approach", k + 1);

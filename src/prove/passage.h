@@ -18,7 +18,22 @@ typedef struct {
     arb_srcptr middle, half;           /* NULL, NULL: one orbit */
     const struct ric_touch *touch;     /* of a grazing orbit, or NULL */
     const struct ric_arrival *arrival; /* of an arc that ends with one, or NULL */
+    const struct ric_corner *corner;   /* of an orbit at which several contacts close at one instant, or NULL */
 } ric_family;
+
+/* A gap that is exactly closed at the beginning of a flight, or at its end. */
+typedef struct {
+    int flight;
+    bool end;
+    int contact, side;
+} ric_closure;
+
+/* Where an orbit closes a second contact at the instant of an event: in which flights that is seen, and the flight that
+ * has no length (-1: none). Gaps have to open behind it, and to close before it, with a speed. */
+typedef struct ric_corner {
+    int n, empty;
+    ric_closure at[4];
+} ric_corner;
 
 /* The end of an arc, of which it is known that its gaps are not negative and its impacts no departures: what falls
  * along all of the arc towards the end was positive before it. */
@@ -34,6 +49,7 @@ typedef struct ric_touch {
     int flight, face; /* of one in flight */
     bool image;
     arb_srcptr time;
+    const signed char *together; /* [n_contact] sides of other contacts that touch then, too, or 0; or NULL */
 } ric_touch;
 
 void ric_passage_init(ric_passage *p);

@@ -11,6 +11,7 @@
 #include "passage.h"
 #include "prover_junction.h"
 #include "story.h"
+#include "twins.h"
 
 enum { MOST_QUESTIONS = 4 };
 
@@ -142,6 +143,39 @@ static bool ask_nearest(const ric_chain *c, const ric_enclosure *e, ric_augmente
     return least < CLOSE;
 }
 
+/* The gap of a face, or of its image, at the event that block k begins with, or the chain ends with. */
+static double gap_at_event(const ric_enclosure *e, const ric_chain *c, int k, int face, bool image)
+{
+    const int flight = k < c->m ? k : k - 1;
+    const double time = k < c->m ? 0 : ric_arb_middle(ric_chain_block(c, flight) + 2 * e->n);
+    double h[2];
+    gap_at(e, c, &(ric_augmented_question){.place = flight, .face = face, .image = image}, time, h);
+    return h[0];
+}
+
+/* The flight of no length, or the contact that is closed at an event of another one. */
+static bool ask_corner(const ric_chain *c, const ric_enclosure *e, ric_augmented_question *ask)
+{
+    double least = CLOSE;
+    for (int k = 0; k <= c->m - ric_chain_general(c); k++) {
+        if (c->face[k] < 0) continue;
+        const int own = e->wall[c->face[k]].contact;
+        const double tau = k < c->m ? fabs(ric_arb_middle(ric_chain_block(c, k) + 2 * e->n)) : HUGE_VAL;
+        if (tau < CLOSE && c->face[k + 1] >= 0 && e->wall[c->face[k + 1]].contact != own) {
+            *ask = (ric_augmented_question){.kind = RIC_AUGMENTED_MEET, .place = k};
+            return true;
+        }
+        for (int f = 0; f < e->n_face; f++)
+            for (int image = 0; image <= ric_chain_imaged(c) && e->wall[f].contact != own; image++) {
+                const double h = fabs(gap_at_event(e, c, k, f, image));
+                if (!(h < least)) continue;
+                least = h;
+                *ask = (ric_augmented_question){.kind = RIC_AUGMENTED_GAP, .place = k, .face = f, .image = image};
+            }
+    }
+    return least < CLOSE;
+}
+
 /* ------------------------------------------------------------------- proofs */
 
 static void measure(const ric_augmented *x, ric_junction_proof *out)
@@ -183,28 +217,81 @@ static void describe(const ric_augmented *x, ric_junction_proof *out)
     case RIC_AUGMENTED_DOUBLE: snprintf(out->how, sizeof out->how, "a motion closes with the other sign"); break;
     case RIC_AUGMENTED_SPEED: snprintf(out->how, sizeof out->how, "an impact has no speed"); break;
     case RIC_AUGMENTED_TOUCH: snprintf(out->how, sizeof out->how, "a gap touches in flight %d", a->place + 1); break;
+    case RIC_AUGMENTED_GAP: snprintf(out->how, sizeof out->how, "a gap closes at an impact on another contact"); break;
+    case RIC_AUGMENTED_MEET: snprintf(out->how, sizeof out->how, "flight %d has no length", a->place + 1); break;
     }
+}
+
+/* Contacts that touch at the same instant as that of the question, as they are images of it: of a linear mode, which
+ * the chain from rest to a centre is where its equations are regular, and if no mode is unseen. */
+static void find_together(ric_augmented *x)
+{
+    const ric_enclosure *e = x->e;
+    const bool mode = x->c.m == 1 && x->c.face[0] < 0 && x->c.face[1] < 0 && x->c.start == RIC_CHAIN_REST &&
+                      x->c.end == RIC_CHAIN_CENTRE && !x->c.phase[0] && e->n == e->n_dof;
+    const int own = e->wall[x->ask.face].contact;
+    arb_t s;
+    if (x->ask.kind != RIC_AUGMENTED_TOUCH || !mode || !arb_contains_zero(x->z + x->n_orbit)) return;
+    arb_init(s);
+    for (int k = 0; k < e->n_contact; k++) {
+        if (k == own || !ric_twins_are(e->model, own, k)) continue;
+        arb_dot(s, NULL, 0, ric_enclosure_c(e, k), 1, x->z, 1, e->n, e->prec);
+        x->together[k] = arb_is_positive(s) ? 1 : arb_is_negative(s) ? -1 : 0;
+    }
+    arb_clear(s);
+}
+
+static void add_closure(ric_corner *corner, int flight, bool end, const ric_wall *wall, bool turned)
+{
+    corner->at[corner->n++] = (ric_closure){flight, end, wall->contact, turned ? -wall->side : wall->side};
+}
+
+/* Where the flights of the chain see a corner; event m of a general chain is event 0, or its image. */
+static void find_corner(const ric_augmented *x, ric_corner *corner)
+{
+    const ric_chain *c = &x->c;
+    const ric_wall *wall = x->e->wall;
+    const int k = x->ask.place;
+    const bool around = ric_chain_general(c), turned = around && c->sign < 0;
+    *corner = (ric_corner){.empty = -1};
+    if (x->ask.kind == RIC_AUGMENTED_GAP) {
+        if (k < c->m) add_closure(corner, k, false, &wall[x->ask.face], x->ask.image);
+        if (k > 0) add_closure(corner, k - 1, true, &wall[x->ask.face], x->ask.image);
+        else if (around) add_closure(corner, c->m - 1, true, &wall[x->ask.face], x->ask.image != turned);
+        return;
+    }
+    corner->empty = k;
+    if (k > 0) add_closure(corner, k - 1, true, &wall[c->face[k + 1]], false);
+    else if (around) add_closure(corner, c->m - 1, true, &wall[c->face[k + 1]], turned);
+    if (k + 1 < c->m) add_closure(corner, k + 1, false, &wall[c->face[k]], false);
+    else if (around) add_closure(corner, 0, false, &wall[c->face[k]], turned);
 }
 
 static bool stands(const ric_augmented *x, ric_junction_proof *out)
 {
     const ric_augmented_question *a = &x->ask;
+    const bool touches = a->kind == RIC_AUGMENTED_SPEED || a->kind == RIC_AUGMENTED_TOUCH;
+    const bool meets = a->kind == RIC_AUGMENTED_GAP || a->kind == RIC_AUGMENTED_MEET;
+    ric_corner corner;
+    if (meets) find_corner(x, &corner);
     const ric_touch touch = {.impact = a->kind == RIC_AUGMENTED_SPEED ? a->place : -1,
                              .flight = a->place,
                              .face = a->face,
                              .image = a->image,
-                             .time = x->z + x->n_orbit};
+                             .time = x->z + x->n_orbit,
+                             .together = x->together};
     ric_passage passage;
     ric_passage_init(&passage);
     const bool done = ric_passage_prove(&passage, &x->c, x->e,
                                         &(ric_family){.hull = x->z,
-                                                      .touch = a->kind >= RIC_AUGMENTED_SPEED ? &touch : NULL});
+                                                      .touch = touches ? &touch : NULL,
+                                                      .corner = meets ? &corner : NULL});
     snprintf(out->why, sizeof out->why, "%s", passage.why);
     ric_passage_clear(&passage);
     return done;
 }
 
-void ric_prover_junction_tell(const ric_augmented *x, ric_story *out)
+static void tell_once(const ric_augmented *x, ric_story *out)
 {
     const ric_augmented_question *a = &x->ask;
     const ric_wall *wall = &x->e->wall[a->face];
@@ -214,8 +301,15 @@ void ric_prover_junction_tell(const ric_augmented *x, ric_story *out)
                                    .flight = told ? a->place : -1,
                                    .face = face,
                                    .opens = told && ric_phase_closed(x->c.phase[a->place], face),
-                                   .time = x->z + x->n_orbit};
+                                   .time = x->z + x->n_orbit,
+                                   .together = x->together};
     ric_story_tell(out, &x->c, x->z, &touch, x->e);
+}
+
+void ric_prover_junction_tell(const ric_augmented *x, ric_story *out)
+{
+    tell_once(x, out);
+    ric_story_repeat(out, x->times);
 }
 
 /* What is stored is the orbit that was proved. */
@@ -224,8 +318,13 @@ static bool agrees(const ric_augmented *x, const ric_junction *row, ric_junction
     const double turn = 8 * atan(1), multiple = row->multiple;
     const double period[2] = {turn / out->period[1] / multiple, turn / out->period[0] / multiple};
     ric_story story;
-    ric_prover_junction_tell(x, &story);
+    tell_once(x, &story);
     out->distance = ric_story_distance(&story, row->letters, row->word, row->state, row->flights);
+    if (row->kind == RIC_KIND_CORNER) { /* it is stored in one order of the two */
+        ric_story_exchange(&story);
+        out->distance = fmin(out->distance,
+                             ric_story_distance(&story, row->letters, row->word, row->state, row->flights));
+    }
     ric_story_free(&story);
     const bool near = ric_prover_near(out->energy, row->energy) && ric_prover_near(period, row->frequency);
     if (!near) snprintf(out->why, sizeof out->why, "the stored energy or frequency is not that of the junction");
@@ -239,6 +338,7 @@ bool ric_prover_junction_at(const ric_junction *row, const ric_chain *c, const r
 {
     bool done = ric_augmented_prove(x, c, e, ask);
     if (!done) snprintf(out->why, sizeof out->why, "%s", x->why);
+    if (done) find_together(x);
     if (done) measure(x, out);
     done = done && stands(x, out) && agrees(x, row, out);
     if (done) describe(x, out);
@@ -275,35 +375,76 @@ ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool la
     bool made;
     ric_status status = ric_walk_chain(w, last ? w->branch.n_point - 1 : 0, &c, &made);
     ric_chain shorter = {0};
-    if (made && ric_chain_shorten(&shorter, w->e, &w->branch, w->state, w->state + 2 * w->e->n_dof)) {
+    const bool corner = row->kind == RIC_KIND_CORNER;
+    if (made && !corner && ric_chain_shorten(&shorter, w->e, &w->branch, w->state, w->state + 2 * w->e->n_dof)) {
         ric_chain_free(&c);
         c = shorter;
     }
-    if (made && (ask_slowest(&c, w->e, &ask) || ask_nearest(&c, w->e, &ask))) {
+    if (made && (corner ? ask_corner(&c, w->e, &ask) : ask_slowest(&c, w->e, &ask) || ask_nearest(&c, w->e, &ask))) {
         ric_augmented_free(x);
         if (ric_prover_junction_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
-    } else snprintf(out->why, sizeof out->why, "no impact and no gap is all but a touch");
+    } else if (corner) snprintf(out->why, sizeof out->why, "no two contacts close at all but one instant");
+    else snprintf(out->why, sizeof out->why, "no impact and no gap is all but a touch");
     ric_chain_free(&c);
     return status;
 }
 
-/* Where a linear mode touches a spring, at the end of its branch; a stop is touched by the branch that hits it. */
-static ric_status on_mode(ric_walk *w, const ric_junction *row, ric_augmented *x, ric_junction_proof *out)
+/* Where a linear mode touches. */
+static void on_linear(const ric_enclosure *e, const double *state, double period, const ric_junction *row,
+                      ric_augmented *x, ric_junction_proof *out)
 {
     ric_augmented_question ask;
     ric_chain c;
-    ric_point stored;
-    const ric_status status = ric_walk_point(w, w->branch.to == row->id ? w->branch.n_point - 1 : 0, &stored);
-    if (status) return status;
-    bool touches = ric_chain_mode(&c, w->e, w->state, w->state[2 * w->e->n_dof]) && ask_nearest(&c, w->e, &ask);
+    bool touches = ric_chain_mode(&c, e, state, period) && ask_nearest(&c, e, &ask);
     if (touches && ask.image) { /* from the other place at rest on */
         _arb_vec_neg(c.u, c.u, c.n);
         ask.image = false;
     }
     if (!touches) snprintf(out->why, sizeof out->why, "no gap is all but a touch");
-    else if (ric_prover_junction_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
+    else {
+        ric_augmented_free(x);
+        if (ric_prover_junction_at(row, &c, e, &ask, x, out)) out->state = RIC_PROOF_DONE;
+    }
     ric_chain_free(&c);
+}
+
+/* At the end of its branch: a spring; a stop is touched by the branch that hits it. */
+static ric_status on_mode(ric_walk *w, const ric_junction *row, ric_augmented *x, ric_junction_proof *out)
+{
+    ric_point stored;
+    const ric_status status = ric_walk_point(w, w->branch.to == row->id ? w->branch.n_point - 1 : 0, &stored);
+    if (!status) on_linear(w->e, w->state, w->state[2 * w->e->n_dof], row, x, out);
     return status;
+}
+
+/* What is asked of a chain of the junction itself, n questions. */
+static int ask_itself(const ric_junction *row, const ric_chain *c, const ric_enclosure *e, ric_augmented_question *ask)
+{
+    return row->kind == RIC_KIND_GRAZING ? ask_nearest(c, e, ask) : ask_inside(row, c, ask);
+}
+
+/* By what is stored of the junction itself. Of a grazing that is its orbit without touches: in a class with more
+ * mirrors than those of the branches that end there, or gone through once where they go through it several times,
+ * several touches are one. Of all others it is that of a branch that the atlas need not have. */
+static void on_itself(const ric_enclosure *e, const ric_junction *row, ric_augmented *x, ric_junction_proof *out)
+{
+    ric_augmented_question ask[MOST_QUESTIONS];
+    ric_branch branch = {.letters = row->letters, .word = row->word};
+    if (row->letters == 0 && row->kind == RIC_KIND_GRAZING) on_linear(e, row->state, row->flights[0], row, x, out);
+    for (int kind = 3; kind >= 0 && row->letters > 0 && out->state != RIC_PROOF_DONE; kind--) {
+        ric_chain c;
+        branch.reversible = kind & 2;
+        branch.symmetric = kind & 1;
+        const bool made = ric_chain_create(&c, e, &branch, row->state, row->flights);
+        const int n = made ? ask_itself(row, &c, e, ask) : 0;
+        for (int i = 0; i < n && out->state != RIC_PROOF_DONE; i++) {
+            ric_augmented_free(x);
+            if (ric_prover_junction_at(row, &c, e, &ask[i], x, out)) out->state = RIC_PROOF_DONE;
+        }
+        ric_chain_free(&c);
+    }
+    out->branch = row->n_branch > 0 ? row->branches[0] : 0;
+    if (out->state == RIC_PROOF_DONE && row->kind == RIC_KIND_GRAZING) x->times = row->multiple;
 }
 
 /* On one of its branches. */
@@ -312,7 +453,7 @@ static ric_status on_branch(ric_prover *p, const ric_junction *row, int id, int 
 {
     ric_walk w;
     ric_status status = ric_walk_open(&w, p, id, level);
-    const bool end = row->kind == RIC_KIND_GRAZING;
+    const bool end = row->kind == RIC_KIND_GRAZING || row->kind == RIC_KIND_CORNER;
     if (!status && w.branch.letters == 0 && end) status = on_mode(&w, row, x, out);
     if (!status && w.branch.letters > 0 && !(status = ric_walk_class(&w)) && w.like.u) {
         if (end && w.branch.from == row->id) status = ric_prover_junction_end(&w, row, false, x, out);
@@ -346,6 +487,11 @@ ric_status ric_prover_junction_find(ric_prover *p, const ric_junction *row, int 
             if (!ric_atlas_branch(p->atlas, row->branches[k], &branch) && branch.letters == letters &&
                 ric_prover_junction_asked(row, &branch))
                 status = on_branch(p, row, row->branches[k], level, x, out);
+    if (!status && row->kind != RIC_KIND_CORNER && out->state != RIC_PROOF_DONE) {
+        ric_junction_proof own = *out;
+        on_itself(ric_prover_enclosure(p, level), row, x, &own);
+        if (own.state == RIC_PROOF_DONE) *out = own;
+    }
     return status;
 }
 
@@ -355,7 +501,6 @@ static const char *left_out(const ric_prover *p, const ric_junction *row)
     switch (row->kind) {
     case RIC_KIND_START:
     case RIC_KIND_USER: return "an ordinary orbit";
-    case RIC_KIND_CORNER: return "a corner: not yet";
     default: return NULL;
     }
 }

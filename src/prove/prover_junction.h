@@ -22,7 +22,8 @@ ric_status ric_prover_junction_find(ric_prover *p, const ric_junction *row, int 
                                     ric_junction_proof *out);
 /* Whether equations for it are asked on a branch: those of a multiplication on the one that is multiplied. */
 bool ric_prover_junction_asked(const ric_junction *row, const ric_branch *branch);
-/* A whole period of what was proved; to be freed. */
+/* A whole period of what was proved, as the junction has it: that of a grazing that is gone through several times
+ * holds it as often. To be freed. */
 void ric_prover_junction_tell(const ric_augmented *x, ric_story *out);
 
 #endif

@@ -10,6 +10,9 @@
 #include "base/room.h"
 #include "prover_junction.h"
 
+/* Of a clearance: a mode that comes as near to a stop touches it, and the junction is what is to be proved. */
+#define TOUCH 1e-12
+
 /* Energy and frequency of what was proved, and those that are stored. */
 static bool agrees(const ric_point *stored, ric_proof *out)
 {
@@ -110,7 +113,7 @@ static bool is_simple(mode *m)
     return simple;
 }
 
-/* The motion reaches A |c_k| to both sides of each stop. */
+/* The motion reaches A |c_k| to both sides of each stop; what rounding makes of a touch is none. */
 static bool stays_open(const mode *m)
 {
     const ric_enclosure *e = m->e;
@@ -124,6 +127,8 @@ static bool stays_open(const mode *m)
         arb_mul(reach, reach, m->size, e->prec);
         ric_chain_norm(e->n, c, e->prec, x);
         arb_addmul(reach, x, m->off, e->prec);
+        arb_set_d(x, TOUCH);
+        arb_addmul(reach, reach, x, e->prec);
         arb_abs(x, e->wall[f].gap);
         open = arb_lt(reach, x);
     }
@@ -205,7 +210,10 @@ void ric_prover_mode(const ric_enclosure *e, const ric_point *stored, const doub
     else if (!stays_open(&m)) snprintf(out->why, sizeof out->why, "a stop is not proved to stay open");
     else {
         tell_mode(&m, out);
-        if (agrees(stored, out)) out->state = RIC_PROOF_DONE;
+        if (agrees(stored, out)) {
+            out->state = RIC_PROOF_DONE;
+            *out->why = 0;
+        }
     }
     mode_close(&m);
 }
@@ -313,7 +321,10 @@ ric_status ric_prover_at_junction(ric_prover *p, const ric_branch *branch, int i
     if (!junction || !p->at[0].good) return status;
     status = ric_walk_open(&w, p, branch->id, 0);
     if (!status) status = ric_atlas_junction(p->atlas, junction, &row);
-    if (!status) status = ric_prover_junction_find(p, &row, 0, &x, &proof);
+    if (!status && row.kind == RIC_KIND_CORNER) {
+        status = ric_walk_class(&w);
+        if (!status && w.like.u) status = ric_prover_junction_end(&w, &row, i > 0, &x, &proof);
+    } else if (!status) status = ric_prover_junction_find(p, &row, 0, &x, &proof);
     if (!status && proof.state == RIC_PROOF_DONE) {
         ric_proof found = *out;
         status = compare_at(&w, i, &row, &x, &proof, &found);

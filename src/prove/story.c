@@ -66,14 +66,21 @@ static void add_back(ric_story *s, int first, const arb_t end, bool centre)
     arb_clear(time);
 }
 
+/* Room for so many moments. */
+static void widen_story(ric_story *s, int most)
+{
+    if (most <= s->most) return;
+    s->at = flint_realloc(s->at, (size_t)most * sizeof *s->at);
+    for (; s->most < most; s->most++) {
+        s->at[s->most] = (ric_moment){.face = -1, .w = _arb_vec_init(2 * s->n)};
+        arb_init(s->at[s->most].time);
+    }
+}
+
 static void open_story(ric_story *s, const ric_chain *c, const ric_enclosure *e)
 {
-    *s = (ric_story){.e = e, .n = e->n, .most = 8 * (c->m + 4)};
-    s->at = flint_calloc((size_t)s->most, sizeof *s->at);
-    for (int i = 0; i < s->most; i++) {
-        arb_init(s->at[i].time);
-        s->at[i].w = _arb_vec_init(2 * e->n);
-    }
+    *s = (ric_story){.e = e, .n = e->n};
+    widen_story(s, 8 * (c->m + 4 + e->n_contact));
     s->period = _arb_vec_init(1);
 }
 
@@ -130,6 +137,21 @@ static void make_impact(ric_moment *m, int face)
     m->touch = true;
 }
 
+/* The other stops that are touched at the mirror point with which the chain begins; how many. */
+static int add_together(ric_story *s, const ric_story_touch *touch, arb_srcptr block)
+{
+    arb_t start;
+    int count = 0;
+    arb_init(start);
+    for (int f = 0; f < s->e->n_face && touch->together; f++) {
+        if (touch->together[s->e->wall[f].contact] != s->e->wall[f].side) continue;
+        add(s, &(ric_moment){.face = f, .touch = true, .mirror = true}, start, block);
+        count++;
+    }
+    arb_clear(start);
+    return count;
+}
+
 /* A spring that is touched in flight closes and opens at once, or the other way round; at a mirror point one of the two
  * is on its far side. A stop is an impact of no speed, and at a mirror point that itself. */
 static void add_touch(ric_story *s, const ric_chain *c, const ric_story_touch *touch, arb_srcptr block,
@@ -154,6 +176,7 @@ static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr befo
                  const ric_enclosure *e)
 {
     const bool general = ric_chain_general(c);
+    int together = 0;
     arb_t time;
     open_story(s, c, e);
     arb_init(time);
@@ -165,6 +188,7 @@ static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr befo
                                  .mirror = !general && k == 0};
         add(s, &here, time, block);
         if (touch && touch->flight == k) add_touch(s, c, touch, block, time);
+        if (touch && touch->flight == k && touches_first(c, touch)) together = add_together(s, touch, block);
         arb_add(time, time, block + 2 * s->n, e->prec);
     }
     arb_mul_ui(s->period, time, (ulong)ric_chain_copies(c), e->prec);
@@ -173,7 +197,7 @@ static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr befo
         const arb_srcptr block = u + (slong)(c->m - 1) * c->size;
         const bool last = touch && touch->flight >= 0 && touches_last(c, touch, block);
         if (last && !e->wall[touch->face].closes) make_impact(&s->at[s->count - 1], touch->face);
-        add_back(s, 0, time, c->end == RIC_CHAIN_CENTRE);
+        add_back(s, together, time, c->end == RIC_CHAIN_CENTRE);
     }
     s->symmetric = ric_chain_symmetric(c);
     if (ric_chain_symmetric(c)) add_image(s);
@@ -189,6 +213,59 @@ void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, const ric_st
 void ric_story_tell_parts(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, const ric_enclosure *e)
 {
     tell(s, c, u, before, NULL, e);
+}
+
+void ric_story_repeat(ric_story *s, int times)
+{
+    const int count = s->count;
+    arb_t time;
+    arb_init(time);
+    widen_story(s, times * count);
+    for (int k = 1; k < times; k++)
+        for (int i = 0; i < count; i++) {
+            arb_mul_ui(time, s->period, (ulong)k, s->e->prec);
+            arb_add(time, time, s->at[i].time, s->e->prec);
+            add(s, &s->at[i], time, s->at[i].w);
+        }
+    arb_mul_ui(s->period, s->period, (ulong)times, s->e->prec);
+    s->symmetric = s->symmetric && times % 2;
+    arb_clear(time);
+}
+
+/* Whether moment j, that after i, is an impact of another contact at the same instant. */
+static bool meets(const ric_story *s, int i, int j)
+{
+    const ric_moment *a = &s->at[i], *b = &s->at[j];
+    if (a->face < 0 || b->face < 0 || a->touch || b->touch) return false;
+    if (s->e->wall[a->face].contact == s->e->wall[b->face].contact) return false;
+    arb_t time;
+    arb_init(time);
+    arb_sub(time, b->time, a->time, s->e->prec);
+    if (j < i) arb_add(time, time, s->period, s->e->prec);
+    const bool meets = arb_contains_zero(time);
+    arb_clear(time);
+    return meets;
+}
+
+void ric_story_exchange(ric_story *s)
+{
+    for (int i = 0; i < s->count && s->count > 2; i++) {
+        const int j = (i + 1) % s->count;
+        if (!meets(s, i, j)) continue;
+        ric_moment *a = &s->at[i], *b = &s->at[j];
+        _arb_vec_set(b->w, a->w, 2 * s->n);
+        ric_chain_reflect(s->e, a->face, b->w + s->n); /* before both */
+        ric_chain_reflect(s->e, b->face, b->w + s->n);
+        _arb_vec_set(a->w, b->w, 2 * s->n);
+        ric_chain_reflect(s->e, a->face, b->w + s->n);
+        const int face = a->face;
+        const bool opens = a->opens;
+        a->face = b->face;
+        a->opens = b->opens;
+        b->face = face;
+        b->opens = opens;
+        i++;
+    }
 }
 
 /* As the motion runs backwards, from its last moment on. */
@@ -292,7 +369,8 @@ static bool has_face(const ric_moment *m, int face, bool opens)
     return (m->face == face && m->opens == opens) || (face < 0 && m->touch && m->mirror);
 }
 
-/* The moment that is `later` than moment `first`, with that face, or -1. */
+/* The moment that is `later` than moment `first`, with that face, or -1: a chain may go through the motion several
+ * times. */
 static int find_moment(const ric_story *s, int first, double later, int face, bool opens, double *place)
 {
     const double period = ric_arb_middle(s->period);
@@ -300,7 +378,7 @@ static int find_moment(const ric_story *s, int first, double later, int face, bo
     for (int i = 0; i < s->count; i++) {
         const double gone = fmod(ric_arb_middle(s->at[i].time) - ric_arb_middle(s->at[first].time) + 2 * period,
                                  period);
-        const double off = fmin(fabs(gone - later), fabs(fabs(gone - later) - period)) / (1 + period);
+        const double far = fabs(gone - fmod(later, period)), off = fmin(far, fabs(far - period)) / (1 + period);
         if (!has_face(&s->at[i], face, opens) || !(off < *place)) continue;
         *place = off;
         best = i;

@@ -28,6 +28,8 @@ typedef struct {
     int flight, face; /* of one in flight; flight -1: none */
     bool opens;       /* first, of a spring */
     arb_srcptr time;
+    const signed char *together; /* [n_contact] sides of stops that touch then, too, or 0: at a mirror point that the
+                                  * chain begins with; or NULL */
 } ric_story_touch;
 
 /* u [m * size]: balls, in place of the centre of the chain; what is told holds the motion in them. touch: NULL: none.
@@ -37,6 +39,11 @@ void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, const ric_st
 /* The same of any numbers, with the state `before` the mirror point that the chain ends with, [2n]: moments and times
  * are linear in all of them. */
 void ric_story_tell_parts(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, const ric_enclosure *e);
+/* Impacts of two contacts at one instant in the other order, all of them; of reflections that commute it is the same
+ * motion. */
+void ric_story_exchange(ric_story *s);
+/* As a motion that many times as long. */
+void ric_story_repeat(ric_story *s, int times);
 void ric_story_free(ric_story *s);
 
 /* The largest difference from a stored orbit, over 1 + the size of its state: states behind impacts and flight times,

@@ -30,7 +30,7 @@ assert all(row["point"] in (0, last[row["branch"]]) and row["why"].endswith(" it
 ok 'linear modes have the period and trace of their closed form' rows "$folder/all.json" '
 for branch, z, other in ((1, (11 - 57 ** 0.5) / 4, (11 + 57 ** 0.5) / 4), (2, (11 + 57 ** 0.5) / 4, (11 - 57 ** 0.5) / 4)):
     some = [row for row in rows if row["branch"] == branch and not row["why"]]
-    assert len(some) == 9 and all(row["stable"] == "yes" for row in some)
+    assert len(some) == 8 and all(row["stable"] == "yes" for row in some) # the last one touches
     T = 2 * math.pi / z ** 0.5
     for row in some:
         assert max(abs(t - T) for t in row["period"]) < 1e-14 * T and max(abs(t - 2 * math.cos(other ** 0.5 * T)) for t in row["trace"]) < 1e-13, row'

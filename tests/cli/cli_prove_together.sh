@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# Junctions at which several contacts touch or close at one instant, and grazings that are one touch only in a smaller
+# class than that of their branches: proved as what they are, and refused where they are a little wrong.
+set -u
+. tests/support/tap.sh
+. tests/support/proofs.sh
+
+for name in symmetric-chain two-walls loose-mass corner; do
+    if ! "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet; then echo '1..0 # SKIP no atlas'; exit 77; fi
+done
+needs_flint "$folder/corner.ricochet"
+
+# planted NAME CODE: a copy of that atlas with Python over the database \`db\` done to it, its digest made anew
+planted() { plant "$folder/$1.ricochet" "$folder/p.ricochet" "$2"; }
+# junctions NAME: the rows of that atlas
+junctions() { prove "$folder/$1.ricochet" "$folder/rows.json" --junctions; }
+
+# Both stops touch at once in every mode, as exchanging left and right takes one to the other. omega^2 = 2 - sqrt(2), 2,
+# 2 + sqrt(2), phi = (1, sqrt(2), 1), (1, 0, -1), (1, -sqrt(2), 1)
+junctions symmetric-chain
+ok 'two stops are touched at once, which are images of one another' rows "$folder/rows.json" '
+root = 2 ** 0.5
+known = {"G1_0,4": (2 + root, (1, -root, 1)), "G2_0,4": (2, (1, 0, -1)), "G3_0,4": (2 - root, (1, root, 1))}
+some = [row for row in proved if row["label"] in known]
+assert len(some) == 3, rows
+for row in some:
+    z, phi = known[row["label"]]
+    E = z * sum(x * x for x in phi) / (2 * (phi[1] - phi[0]) ** 2)
+    assert row["energy"][0] - 1e-13 * E <= E <= row["energy"][1] + 1e-13 * E and row["exists"] < 1e-30, row
+    T = 2 * math.pi / z ** 0.5
+    assert row["period"][0] - 1e-13 * T <= T <= row["period"][1] + 1e-13 * T, row'
+prove "$folder/symmetric-chain.ricochet" "$folder/points.json"
+ok 'and the branches that leave begin there' rows "$folder/points.json" '
+assert len(rows) == 229 and len(proved) >= 228, len(proved)
+first = {row["branch"]: row["why"] for row in proved if row["point"] == 0}
+assert [first[b] for b in (4, 5, 6, 7)] == [f"the junction G{k}_0,4 itself" for k in (1, 3, 2, 1)], first'
+ok 'where two stored points are one orbit the curve goes on' bash -c '"$0" prove "$1" --curves | grep -q "^4 of 4 curves proved"' "$ricochet" "$folder/symmetric-chain.ricochet"
+# A stiffness that is off by 1e-12: the stops are touched one after the other. What touches one alone may be so.
+planted symmetric-chain '
+for key in "model", "study":
+    text, = db.execute("SELECT value FROM meta WHERE key = ?", (key,)).fetchone()
+    changed = text.replace("[0, -1, 2]", "[0, -1, 2.000000000001]")
+    assert changed != text
+    db.execute("UPDATE meta SET value = ? WHERE key = ?", (changed, key))'
+prove "$folder/p.ricochet" "$folder/points.json"
+ok 'stops of a structure that is not quite symmetric are not' rows "$folder/points.json" '
+first = {row["branch"] for row in proved if row["point"] == 0 and row["branch"] > 3}
+assert len(rows) > 100 and 6 not in first and not {4, 7} <= first, first'
+
+# Corners: two contacts close at one instant, in either order, or where only one of them is hit.
+junctions two-walls
+ok 'two contacts close at one instant, in either order' rows "$folder/rows.json" '
+some = {row["label"]: row["how"] for row in proved if row["kind"] == "corner"}
+assert set(some) == {"K2", "K3", "K4"} and all("has no length" in how for how in some.values()), some'
+prove "$folder/two-walls.ricochet" "$folder/points.json"
+ok 'and the branches on both sides of it end there' rows "$folder/points.json" '
+ends = {row["branch"] for row in proved if " K" in row["why"]}
+assert ends >= {18, 19, 20, 21}, ends
+assert len(rows) == 640 and len(proved) >= 639'
+junctions corner
+ok 'a gap closes at an impact on another contact' rows "$folder/rows.json" '
+assert len(proved) == len(rows) == 20 and [row["how"] for row in rows if row["kind"] == "corner"] == ["a gap closes at an impact on another contact"]'
+# refused NAME CODE: no corner of the atlas is proved after that
+refused() {
+    planted "$1" "$2" && prove "$folder/p.ricochet" "$folder/rows.json" --junctions
+    rows "$folder/rows.json" 'assert len(rows) > 10 and not [row for row in proved if row["kind"] == "corner"], proved'
+}
+ok 'no corner with a state off by 1e-6' refused two-walls '
+for id, state in db.execute("SELECT id, state FROM junction WHERE kind = ?", ("corner",)).fetchall():
+    x = floats(state)
+    db.execute("UPDATE junction SET state = ? WHERE id = ?", (blob([x[0] - 1e-6] + x[1:]), id))'
+for name in two-walls corner; do
+    ok "nor of $name with other flights" refused "$name" '
+for id, flights in db.execute("SELECT id, flights FROM junction WHERE kind = ?", ("corner",)).fetchall():
+    db.execute("UPDATE junction SET flights = ? WHERE id = ?", (blob([t + 1e-6 for t in floats(flights)]), id))'
+    ok "nor of $name with another energy" refused "$name" 'db.execute("UPDATE junction SET energy = energy * (1 + 2e-8) WHERE kind = ?", ("corner",))'
+done
+# A mode that touches 18 times in nine periods touches once in its own class; so do branch points whose other branch
+# the atlas does not have.
+junctions loose-mass
+ok 'a grazing that is gone through several times is one touch' rows "$folder/rows.json" '
+assert len(proved) == len(rows) == 48, [row for row in rows if row["verdict"] != "proved"]
+assert len([row for row in proved if row["label"] in ("G1_0,18", "G1_0,14", "G1_0,10", "G1_0,6")]) == 4'
+ok 'and all points are proved' bash -c '"$0" prove "$1" | grep -q "^1419 of 1419 points proved"' "$ricochet" "$folder/loose-mass.ricochet"
+finish
