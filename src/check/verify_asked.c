@@ -7,6 +7,7 @@
 #include "verify_pairs.h"
 
 #define AT_JUNCTION 1e-9 /* of the arclength: a point that near to a junction is the junction */
+#define GIVEN 1e-3       /* error of a multiplier over 1 + its size up to which the library gives it */
 
 static bool two_meet(const ric_atlas *atlas, int id)
 {
@@ -27,6 +28,16 @@ static bool is_joint(const ric_atlas *atlas, const ric_branch *b, int i, double 
     return joint;
 }
 
+/* What the library says its multipliers may be off by. Where that is more than it gives them for it knows nothing of
+ * them: they are those of the stored trace then, and the digits of the replay alone say what is known. */
+static double stated(const ric_orbit *orbit, int n_pair, const double *multipliers)
+{
+    const double error = ric_orbit_multiplier_error(orbit);
+    double largest = 0;
+    for (int i = 0; i < 2 * n_pair; i++) largest = fmax(largest, hypot(multipliers[2 * i], multipliers[2 * i + 1]));
+    return error <= GIVEN * (1 + largest) ? error : 0;
+}
+
 ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point,
                                  ric_verify_asked *out)
 {
@@ -45,7 +56,7 @@ ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, cons
                  !ric_orbit_multipliers(orbits[0], out->multipliers);
     if (out->given) {
         out->stable = ric_orbit_stability(orbits[0]);
-        out->error = ric_orbit_multiplier_error(orbits[0]);
+        out->error = stated(orbits[0], n_mode - 1, out->multipliers);
     }
     out->n_pair = n_mode - 1;
     ric_orbits_free(n, orbits);
