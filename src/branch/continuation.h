@@ -267,9 +267,10 @@ ric_status ric_continuation_judge(ric_shooting *chain, const double *u, ric_floq
 bool ric_continuation_doubtful(const ric_shooting *chain, const ric_floquet *floquet);
 /* Unknowns that are the same orbit as u but for rounding, from the last evaluation, there: each within its own, and all
  * of them by what the residual leaves open across the curve, where the Jacobian is least, and as far along it: beside a
- * branch point rounding exchanges the two. `way` 1 .. RIC_TRACE_WAYS. False: nothing is known of how far that is. */
+ * branch point rounding exchanges the two. In several ways, out [RIC_TRACE_WAYS * n_unknown]. False: nothing is known
+ * of how far that is. */
 enum { RIC_TRACE_WAYS = 4 };
-bool ric_continuation_move(const ric_shooting *chain, const double *u, int way, double *out);
+bool ric_continuation_move(const ric_shooting *chain, const double *u, double *out);
 /* The multipliers of the orbit at u with the flag and the error of each, that of the orbit counted: unknowns within
  * their rounding, and what the residual leaves open. Measured, with a margin: several flights. Pairs of which less than
  * three digits are left are lost. */

@@ -53,17 +53,20 @@ static double of_unknown(const ric_shooting *c)
     return ric_flight_law_of(c->model)->closes ? fmax(UNKNOWN, ric_continuation_tolerance(c) / RIC_MEASURED) : UNKNOWN;
 }
 
-bool ric_continuation_move(const ric_shooting *c, const double *u, int way, double *out)
+bool ric_continuation_move(const ric_shooting *c, const double *u, double *out)
 {
     int size = c->n_unknown;
     double plane[2 * size], second;
-    unsigned bits = (unsigned)way * 2654435769u;
     if (!ric_shooting_plane(c, plane, &second)) return false;
     /* beside another branch the two directions are exchanged by as little as is known of the orbit; elsewhere the one
      * along the branch counts for nothing */
-    const double far = ric_continuation_tolerance(c) * c->scale / second, each = of_unknown(c) * c->scale,
-                 across = way & 1 ? far : -far, along = way & 2 ? far : -far;
-    for (int i = 0; i < size; i++) out[i] = u[i] + ric_moved(&bits, each) + across * plane[i] + along * plane[size + i];
+    const double far = ric_continuation_tolerance(c) * c->scale / second, each = of_unknown(c) * c->scale;
+    for (int way = 1; way <= RIC_TRACE_WAYS; way++, out += size) {
+        unsigned bits = (unsigned)way * 2654435769u;
+        const double across = way & 1 ? far : -far, along = way & 2 ? far : -far;
+        for (int i = 0; i < size; i++)
+            out[i] = u[i] + ric_moved(&bits, each) + across * plane[i] + along * plane[size + i];
+    }
     return far <= (ric_flight_law_of(c->model)->integrated ? BESIDE * c->scale : DBL_MAX);
 }
 
@@ -139,22 +142,21 @@ static double tells_side(const ric_floquet *f)
 static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, double enough, double *seen)
 {
     enum { WAYS = RIC_TRACE_WAYS };
-    static const int order[WAYS] = {1, 3, 2, 4}; /* the first two are moved to either side of both directions */
+    static const int order[WAYS] = {0, 2, 1, 3}; /* the first two are moved to either side of both directions */
     int k = f->n_pair, size = c->n_unknown, worst = 0;
     double at[2 * k], own[2 * k], each[k], moved[WAYS * size], margin = stable_margin(f, &worst), off = 0;
     ric_floquet kept = *f;
     /* one pair outside is enough: the others may be known less */
     double error = (margin < 0 ? f->each[worst] : f->error) * steepness(margin);
     ric_status status = RIC_OK;
-    bool known = true;
+    const bool known = ric_continuation_move(c, u, moved);
     memcpy(at, f->rho, sizeof at);
     memcpy(own, f->own, sizeof own);
     memcpy(each, f->each, sizeof each);
     if (seen) memset(seen, 0, (size_t)k * sizeof *seen);
     f->enough = enough;
-    for (int i = 0; i < WAYS; i++) known = known && ric_continuation_move(c, u, order[i], moved + i * size);
     for (int sample = 0; sample < 2 * WAYS && known && !status; sample++) {
-        double *v = moved + sample / 2 * size;
+        double *v = moved + order[sample / 2] * size;
         if (!seen && sample == 4 && error + off < CLEAR * fabs(margin)) break;
         /* where several impacts are slow at once the equations leave more directions open than the two that
          * ric_continuation_move knows, and the orbit at which Newton's method ends lies along all of them */

@@ -151,8 +151,7 @@ static double scatter_of_root(ric_criterion_work *q, const double *u, const doub
     double v[ALL * size], du[size], scatter = 0, grain = ric_continuation_tolerance(c) * c->scale;
     for (int i = 0; i < ALONG; i++)
         for (int j = 0; j < size; j++) v[i * size + j] = u[j] + place[i] * grain * normal[j];
-    for (int i = 0; i < RIC_TRACE_WAYS; i++)
-        if (!ric_continuation_move(c, u, i + 1, v + (ALONG + i) * size)) return HUGE_VAL;
+    if (!ric_continuation_move(c, u, v + ALONG * size)) return HUGE_VAL;
     for (int i = 0; i < ALL; i++) {
         double *at = v + i * size;
         if (i >= ALONG) ric_shooting_fly(c, at);
