@@ -9,6 +9,7 @@
 #include "constants.h"
 #include "eigen.h"
 #include "eigen_fine.h"
+#include "extremes.h"
 #include "halt.h"
 #include "hermite.h"
 #include "memory.h"

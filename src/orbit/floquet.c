@@ -133,11 +133,14 @@ static void project(const ric_shooting *c, const double *h, double *V, double *P
 /* One impact at w, the state right after it, on columns: both q and p are reflected, and p gets a kick proportional to
  * 1 / speed (saltation, eq. 41-46 of the article in modal coordinates). The kick goes with the whole force that pulls
  * the structure towards the stop, that of the closed springs included (docs/theory.md section 5). */
-static void saltation(const ric_model *m, int n, int ld, const ric_face *f, uint64_t closed, const double *w,
-                      const double *before, double *V)
+static inline __attribute__((always_inline)) void saltation(const ric_model *m, int n, const ric_face *f,
+                                                            uint64_t closed, const double *w, const double *before,
+                                                            double *V)
 {
+    const int ld = 2 * (n - 1);
     double rate[2 * n];
-    ric_flight_rate(m, closed, w, rate);
+    if (ric_flight_law_of(m)->turns) ric_flow(m, n, w, rate); /* no contact pushes */
+    else ric_flight_rate(m, closed, w, rate);
     double speed = not_zero(ric_dot(n, f->c, before)), pull = ric_dot(n, f->c, rate + n);
     double kick = 2 * pull / (f->cc * speed);
     for (int j = 0; j < ld; j++) {
@@ -155,11 +158,11 @@ static void saltation(const ric_model *m, int n, int ld, const ric_face *f, uint
 }
 
 /* Keeps the columns finite: returns the power of two taken out. */
-static int rescale(int count, double *V, double *largest)
+static inline __attribute__((always_inline)) int rescale(int count, double *V, double *largest)
 {
     double top = 0;
     int exponent;
-    for (int i = 0; i < count; i++) top = fmax(top, fabs(V[i]));
+    for (int i = 0; i < count; i++) top = ric_raise(top, fabs(V[i]));
     *largest = top;
     if (top < 0x1p200) return 0;
     frexp(top, &exponent);
@@ -170,13 +173,14 @@ static int rescale(int count, double *V, double *largest)
 
 /* Takes V through the flights from .. to - 1; *exponent collects the scaling, *growth the largest entry met (scaled
  * likewise). */
-static void propagate(const ric_shooting *c, int from, int to, double *V, int *exponent, double *growth)
+static inline __attribute__((always_inline)) void propagate_of(const ric_shooting *c, int n, const int *span, double *V,
+                                                               int *exponent, double *growth)
 {
-    int n = c->n, ld = 2 * (n - 1);
+    const int ld = 2 * (n - 1);
     const ric_model *m = c->model;
     *exponent = 0;
     *growth = 1;
-    for (int k = from; k < to; k++) {
+    for (int k = span[0]; k < span[1]; k++) {
         const double *map = c->map + c->stride * (size_t)k;
         bool dense = ric_flight_dense(m, c->closed[k]), ends = k + 1 == c->n_flight;
         if (dense) ric_flight_carry(n, map, ld, ld, V);
@@ -194,10 +198,20 @@ static void propagate(const ric_shooting *c, int from, int to, double *V, int *e
         if (!struck && !dense) continue;
         double top;
         if (struck)
-            saltation(m, n, ld, &m->face[c->face[k + 1]], c->closed[k], c->w + 2 * n * (k + 1), c->before + n * k, V);
+            saltation(m, n, &m->face[c->face[k + 1]], c->closed[k], c->w + 2 * n * (k + 1), c->before + n * k, V);
         int shift = rescale(2 * n * ld, V, &top);
         *exponent += shift;
-        *growth = fmax(shift ? ldexp(*growth, -shift) : *growth, top);
+        *growth = ric_larger(shift ? ldexp(*growth, -shift) : *growth, top);
+    }
+}
+
+static void propagate(const ric_shooting *c, int from, int to, double *V, int *exponent, double *growth)
+{
+    const int span[2] = {from, to};
+    switch (c->n) {
+    case 2: propagate_of(c, 2, span, V, exponent, growth); break;
+    case 3: propagate_of(c, 3, span, V, exponent, growth); break;
+    default: propagate_of(c, c->n, span, V, exponent, growth);
     }
 }
 

@@ -115,9 +115,8 @@ void ric_shooting_free(ric_shooting *c)
 /* ---------------------------------------------------------------- states */
 
 /* Start state from the start block; returns the gap residual at an impact start (0 elsewhere). */
-static double start_state(ric_shooting *c, const double *u)
+static inline __attribute__((always_inline)) double start_state(ric_shooting *c, int n, const double *u)
 {
-    int n = c->n;
     double *w = c->w;
     const ric_face *face = c->face[0] >= 0 ? &c->model->face[c->face[0]] : NULL;
     switch (c->start) {
@@ -170,9 +169,8 @@ static inline __attribute__((always_inline)) double fly_one(ric_shooting *c, int
 
 /* Residual of end condition i of a reversible chain, and the row that it is of the state: rows of p, of a, or of E
  * p. */
-static double end_residual(const ric_shooting *c, int i)
+static inline double end_residual(const ric_shooting *c, int n, int i)
 {
-    int n = c->n;
     const double *w = c->w + 2 * n * c->n_flight;
     switch (c->end) {
     case RIC_MIRROR_REST: return w[n + i];
@@ -182,19 +180,20 @@ static double end_residual(const ric_shooting *c, int i)
     }
 }
 
-static void set_residual(ric_shooting *c, const double *u, double largest)
+static inline __attribute__((always_inline)) void set_residual(ric_shooting *c, int n, const double *u, double largest)
 {
-    int n = c->n, rows = c->end == RIC_MIRROR_NONE ? 2 * n : c->n_end;
+    int rows = c->end == RIC_MIRROR_NONE ? 2 * n : c->n_end;
     double sum = 0;
     for (int i = 0; i < 2 * n; i++) sum += c->w[i] * c->w[i];
-    for (int i = 0; i < rows; i++) largest = fmax(largest, fabs(end_residual(c, i)));
+    for (int i = 0; i < rows; i++) largest = ric_larger(largest, fabs(end_residual(c, n, i)));
     c->scale = 1 + sqrt(sum);
     c->share = ric_model_detached(c->model) ? 1 : fmin(sqrt(sum), 1);
     largest = fmax(largest, ric_shooting_nodes_gap(c, u));
     double longest = 0, fastest = 0;
     const double *end = c->w + 2 * n * c->n_flight;
-    for (int k = 0; k < c->n_flight; k++) longest = fmax(longest, u[c->n_start + k]);
-    for (int i = 0; i < n; i++) fastest = fmax(fastest, c->model->kappa[i] * fmax(fabs(end[i]), fabs(end[n + i])));
+    for (int k = 0; k < c->n_flight; k++) longest = ric_larger(longest, u[c->n_start + k]);
+    for (int i = 0; i < n; i++)
+        fastest = ric_larger(fastest, c->model->kappa[i] * ric_larger(fabs(end[i]), fabs(end[n + i])));
     double reach = 0;
     for (int i = 0; i < n; i++) reach += end[i] * end[i];
     c->stiff = c->fastest > 0 ? c->fastest * sqrt(reach) / c->scale : 0;
@@ -213,16 +212,25 @@ static bool halted(ric_shooting *c)
     return true;
 }
 
+static inline __attribute__((always_inline)) void fly_all(ric_shooting *c, int n, const double *u)
+{
+    double largest = fabs(start_state(c, n, u));
+    for (int k = 0; k < c->n_flight; k++) {
+        double gap = fabs(fly_one(c, n, k, u + c->n_start + k));
+        /* in the general form the last gap follows from the closure */
+        if (!(ric_general(c) && k + 1 == c->n_flight)) largest = ric_larger(largest, gap);
+    }
+    set_residual(c, n, u, largest);
+}
+
 void ric_shooting_fly(ric_shooting *c, const double *u)
 {
     if (halted(c)) return;
-    double largest = fabs(start_state(c, u));
-    for (int k = 0; k < c->n_flight; k++) {
-        double gap = fabs(fly_one(c, c->n, k, u + c->n_start + k));
-        /* in the general form the last gap follows from the closure */
-        if (!(ric_general(c) && k + 1 == c->n_flight)) largest = fmax(largest, gap);
+    switch (c->n) {
+    case 2: fly_all(c, 2, u); break;
+    case 3: fly_all(c, 3, u); break;
+    default: fly_all(c, c->n, u);
     }
-    set_residual(c, u, largest);
 }
 
 /* ---------------------------------------------------------- factorisation */
@@ -345,9 +353,8 @@ void ric_shooting_mean_gradient(const ric_shooting *c, double *h)
 
 /* Rows of the end conditions gathered at the top of X (2n - 1, n or n - 1 of them); the residual goes into the
  * inhomogeneous column. */
-static double end_rows_general(ric_shooting *c, int columns)
+static inline __attribute__((always_inline)) double end_rows_general(ric_shooting *c, int n, int ld, int columns)
 {
-    int n = c->n, ld = c->ld;
     const double *wN = c->w + 2 * n * c->n_flight;
     double *X = c->X, h[2 * n], sum = 0;
     ric_shooting_mean_gradient(c, h);
@@ -372,30 +379,30 @@ static double end_rows_general(ric_shooting *c, int columns)
     return sign;
 }
 
-static void end_rows_reversible(ric_shooting *c)
+static inline __attribute__((always_inline)) void end_rows_reversible(ric_shooting *c, int n, int ld)
 {
-    int n = c->n, ld = c->ld;
     double *X = c->X;
     if (c->end == RIC_MIRROR_REST) memmove(X, X + n * ld, (size_t)n * (size_t)ld * sizeof *X);
     else if (c->end == RIC_MIRROR_IMPACT) {
         ric_model_across(n, c->model->face[c->face[c->n_flight]].c, ld, ld, X + n * ld);
         memmove(X, X + n * ld, (size_t)(n - 1) * (size_t)ld * sizeof *X);
     }
-    for (int r = 0; r < c->n_end; r++) X[r * ld + ld - 1] += end_residual(c, r);
+    for (int r = 0; r < c->n_end; r++) X[r * ld + ld - 1] += end_residual(c, n, r);
 }
 
 /* The last 2n - 1, n or n - 1 rows, one Householder reflection each: one column is left, the kernel. */
-static void eliminate_end(ric_shooting *c, int columns, double sign)
+static inline __attribute__((always_inline)) void eliminate_end(ric_shooting *c, int rows, int ld, double sign)
 {
-    int ld = c->ld, first = 1 + c->n_flight;
-    c->smallest = HUGE_VAL;
-    for (int r = 0; r < c->n_end; r++) {
+    int first = 1 + c->n_flight;
+    double smallest = HUGE_VAL;
+    for (int r = 0; r < rows; r++) {
         double g[ld];
         memcpy(g, c->X + r * ld, (size_t)ld * sizeof *g);
-        double rho = ric_pin(c, first + r, columns - r, g, -g[ld - 1], c->n_end, ld);
+        double rho = ric_pin(c, first + r, rows + 1 - r, g, -g[ld - 1], rows, ld);
         sign *= rho;
-        c->smallest = fmin(c->smallest, fabs(rho));
+        smallest = ric_smaller(smallest, fabs(rho));
     }
+    c->smallest = smallest;
     c->end_det = sign;
 }
 
@@ -403,7 +410,7 @@ static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, cons
                                                            bool nodes)
 {
     int rows = whole ? 4 * n : 2 * n, ld = nodes ? c->ld : whole ? 2 * n + 1 : n + 2, nz = c->n_start;
-    double gap = start_state(c, u), largest = fabs(gap), sign = 1;
+    double gap = start_state(c, n, u), largest = fabs(gap), sign = 1;
     c->singular = false;
     start_columns(c, n, rows, ld);
     if (c->start == RIC_MIRROR_NONE || c->start == RIC_MIRROR_IMPACT) {
@@ -421,13 +428,15 @@ static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, cons
         gap = fly_one(c, n, k, u + c->n_start + k);
         if (nodes) sign *= ric_shooting_nodes_eliminate(c, u, free_columns, rows);
         else if (carry(c, n, free_columns, k, gap, pinned, rows, ld) < 0) sign = -sign;
-        if (pinned) largest = fmax(largest, fabs(gap));
+        if (pinned) largest = ric_larger(largest, fabs(gap));
     }
     nz = c->end == RIC_MIRROR_IMPACT ? n : free_columns + 1;
-    if (whole) sign *= end_rows_general(c, nz);
-    else end_rows_reversible(c);
-    eliminate_end(c, nz, sign);
-    set_residual(c, u, largest);
+    if (whole) sign *= end_rows_general(c, n, ld, nz);
+    else end_rows_reversible(c, n, ld);
+    if (whole) eliminate_end(c, 2 * n - 1, ld, sign);
+    else if (c->end == RIC_MIRROR_IMPACT) eliminate_end(c, n - 1, ld, sign);
+    else eliminate_end(c, n, ld, sign);
+    set_residual(c, n, u, largest);
 }
 
 void ric_shooting_evaluate(ric_shooting *c, const double *u)
@@ -449,29 +458,43 @@ void ric_shooting_evaluate(ric_shooting *c, const double *u)
 
 /* ------------------------------------------------------- back-substitution */
 
-/* From the last column z[0] back to the start block: `end` [n_end] are the values of the coordinates that the end rows
- * pinned, the first row's first. */
-static void unwind(const ric_shooting *c, bool newton, double first, const double *end, double *du)
+/* From the last column back to the start block: `end` [n_end + 1] are the values of the coordinates that the end rows
+ * pinned, the first row's first, and that of the last column. With their number known to the compiler what is live is
+ * in registers between two flights. */
+static inline __attribute__((always_inline)) void unwind_of(const ric_shooting *c, int free_columns, int ld,
+                                                            bool newton, const double *end, double *du)
 {
-    int m = 1, free_columns = ric_general(c) ? 2 * c->n - 1 : c->n;
-    double z[c->ld];
-    z[0] = first;
+    const bool whole = ric_general(c);
+    int m = 1;
+    double z[ld];
+    z[0] = end[c->n_end];
     for (int r = c->n_end - 1; r >= 0; r--) ric_unpin(c, 1 + c->n_flight + r, ++m, end[r], z);
     ric_shooting_nodes_unwind(c, newton, m, z, du);
     for (int k = c->n_flight - 1; k >= 0; k--) {
-        bool pinned = c->face[k + 1] >= 0 && !(ric_general(c) && k + 1 == c->n_flight);
-        if (pinned) ric_unpin(c, 1 + k, ++m, newton ? c->zeta[1 + k] : 0, z);
-        du[c->n_start + k] = z[--m];
+        bool pinned = c->face[k + 1] >= 0 && !(whole && k + 1 == c->n_flight);
+        if (pinned) ric_unpin(c, 1 + k, free_columns + 1, newton ? c->zeta[1 + k] : 0, z);
+        du[c->n_start + k] = z[free_columns];
     }
-    if (c->n_start > free_columns) ric_unpin(c, 0, ++m, newton ? c->zeta[0] : 0, z);
+    if (c->n_start > free_columns) ric_unpin(c, 0, free_columns + 1, newton ? c->zeta[0] : 0, z);
     memcpy(du, z, (size_t)c->n_start * sizeof *du);
+}
+
+static void unwind(const ric_shooting *c, bool newton, const double *end, double *du)
+{
+    const bool whole = ric_general(c);
+    switch (c->parts > 1 ? 0 : c->n) {
+    case 2: whole ? unwind_of(c, 3, 5, newton, end, du) : unwind_of(c, 2, 4, newton, end, du); break;
+    case 3: whole ? unwind_of(c, 5, 7, newton, end, du) : unwind_of(c, 3, 5, newton, end, du); break;
+    default: unwind_of(c, whole ? 2 * c->n - 1 : c->n, c->ld, newton, end, du);
+    }
 }
 
 void ric_shooting_step(const ric_shooting *c, bool newton, double alpha, double *du)
 {
     double end[c->n_end + 1];
     for (int r = 0; r < c->n_end; r++) end[r] = newton ? c->zeta[1 + c->n_flight + r] : 0;
-    unwind(c, newton, alpha, end, du);
+    end[c->n_end] = alpha;
+    unwind(c, newton, end, du);
 }
 
 /* What the flights leave of the Jacobian is the small matrix L [n_end, n_end + 1] of the end rows, behind orthogonal
@@ -488,9 +511,9 @@ bool ric_shooting_plane(const ric_shooting *c, double *kernel, double *second)
     for (int i = 0; found && i < 2; i++) {
         /* row r pinned column n_end - r */
         const double *y = V + (rows - 1 + i) * columns;
-        double end[rows];
-        for (int r = 0; r < rows; r++) end[r] = y[rows - r];
-        unwind(c, false, y[0], end, kernel + (size_t)i * (size_t)c->n_unknown);
+        double end[rows + 1];
+        for (int r = 0; r <= rows; r++) end[r] = y[rows - r];
+        unwind(c, false, end, kernel + (size_t)i * (size_t)c->n_unknown);
     }
     free(L);
     return found;
@@ -527,14 +550,14 @@ double ric_shooting_energy_slope(const ric_shooting *c, const double *du)
 int ric_shooting_residuals(ric_shooting *c, const double *u, double *r)
 {
     int n = c->n, k = 0, rows = ric_general(c) ? 2 * n : c->n_end;
-    double gap = start_state(c, u);
+    double gap = start_state(c, n, u);
     if (c->face[0] >= 0 || ric_general(c)) r[k++] = gap; /* without an event: the phase, which is free */
     for (int i = 0; i < c->n_flight; i++) {
         gap = fly_one(c, n, i, u + c->n_start + i);
         if (c->face[i + 1] >= 0 && !(ric_general(c) && i + 1 == c->n_flight)) r[k++] = gap;
     }
     k += ric_shooting_nodes_residuals(c, u, r + k);
-    for (int i = 0; i < rows; i++) r[k++] = end_residual(c, i);
+    for (int i = 0; i < rows; i++) r[k++] = end_residual(c, n, i);
     return k;
 }
 
