@@ -46,8 +46,8 @@ class Account:
     flight, s: no flight is longer, inf where none is proved, 0 where no stop is reached; period, s, (low, high), what was
     looked through; all_periods: no orbit of so many impacts has another period; words, up to images; boxes; ghosts, zeros of
     the equations that are no motions; open, zeros of which it is not proved whether they are motions; undecided, boxes that
-    are neither empty nor known to hold one orbit; measure, their share of all flight times; stopped, on request, or as the
-    time was over.
+    are neither empty nor known to hold one orbit; measure, their share of all flight times and states; stopped, on
+    request, or as the time was over.
     """
 
     flight: float

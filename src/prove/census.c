@@ -21,7 +21,8 @@ enum {
 #define LONGEST_TIME 1e6  /* in units of the enclosure, of a flight or a period */
 #define TRY_BELOW 0.4     /* sum of the widths of flights times the largest frequency, for an attempt */
 #define SMALLEST 1e-9     /* of flights times the largest frequency: boxes are not divided further */
-#define STATE_BEHIND 20.0 /* a state that is known that many times worse than flights say is divided first */
+#define STATE_BEHIND 20.0 /* a state that is known that many times worse than flights say is divided first, */
+#define STATE_FIRST 0.12  /* and one that is known no better than that, of |w|: flights follow from it */
 
 typedef struct {
     ric_census_word word;
@@ -62,6 +63,7 @@ static double volume(const ric_census_box *b, int N)
 {
     double v = 1;
     for (int k = 0; k < N; k++) v *= b->t[k].hi - b->t[k].lo;
+    for (int i = 0; i < 4; i++) v *= b->w[i].hi - b->w[i].lo;
     return v;
 }
 
@@ -111,7 +113,8 @@ static void leave(task *t, const ric_census_box *b)
     t->measure += volume(b, t->word.N);
 }
 
-/* The unknown to divide: the longest flight, unless the state is much worse known than flights account for. */
+/* The unknown to divide: a state of which it is not known where its flights lead; then the longest flight, unless the
+ * state is much worse known than flights account for. */
 static ric_range *widest(const ric_census *s, ric_census_box *b, int N, double *width)
 {
     ric_range *flight = &b->t[0], *state = &b->w[0];
@@ -121,7 +124,7 @@ static ric_range *widest(const ric_census *s, ric_census_box *b, int N, double *
         if (b->w[i].hi - b->w[i].lo > state->hi - state->lo) state = &b->w[i];
     const double times = (flight->hi - flight->lo) * s->pair.top, size = (state->hi - state->lo) / s->pair.size;
     *width = fmax(times, size / STATE_BEHIND);
-    return size > STATE_BEHIND * times ? state : flight;
+    return size > STATE_FIRST || size > STATE_BEHIND * times ? state : flight;
 }
 
 static void search(ric_census *s, task *t, ric_census_box *b, int tries, int depth)
@@ -259,7 +262,7 @@ static bool next_word(ric_census_word *w, int n_face)
     return false;
 }
 
-/* Boxes of a word: flights are halved, the longest first. */
+/* Boxes of a word: states are halved, one number after the other. */
 static bool divide(ric_census *s, const ric_census_word *word)
 {
     const int first = s->n_task;
@@ -273,11 +276,11 @@ static bool divide(ric_census *s, const ric_census_word *word)
     for (int level = 0; s->n_task - first < TASKS; level++) {
         const int n = s->n_task;
         for (int i = first; i < n; i++) {
-            ric_range *x = &s->tasks[i].box.t[level % word->N];
+            ric_range *x = &s->tasks[i].box.w[level % 4];
             const double middle = ric_census_box_middle(*x);
             s->tasks[s->n_task] = s->tasks[i];
             x->hi = middle;
-            s->tasks[s->n_task++].box.t[level % word->N].lo = middle;
+            s->tasks[s->n_task++].box.w[level % 4].lo = middle;
         }
     }
     return true;

@@ -3,9 +3,12 @@
 #include <string.h>
 
 #include "base/room.h"
+#include "census_scan.h"
 
 /* Times the largest frequency: the sum of the halves of the flights from which on Taylor's polynomials are tried. */
 #define WIDEST 1.5
+/* The same of the flights from which on motions are followed from impact to impact. */
+#define BROAD 0.5
 /* A pass that leaves more than this of the flights ends the passes; there are at most that many. */
 #define PASS_LEAVES 0.7
 enum { PASSES = 4, UNKNOWNS = 4 + RIC_CENSUS_IMPACTS };
@@ -334,31 +337,41 @@ static double climb(const ric_census_pair *p, const ric_census_face *f, const ri
     return (lo + hi) / 2;
 }
 
-/* Whether g.a is surely larger than d at a time that every flight of the box has: the time is looked for, its gap
- * proved. */
+/* Whether g.a is surely larger than d at a time between two looks at it, of which one in the middle is larger. */
+static bool passes_near(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4], ric_range around,
+                        double error)
+{
+    const double at = climb(p, f, w, around.lo, around.hi);
+    if (!(place_after(p, f, w, at) > f->d.m + f->g_size * error)) return false;
+    return at >= around.lo && at <= around.hi && is_beyond(p, f, w, at, error);
+}
+
+/* Whether g.a is surely larger than d at a time that every flight of the box has: the times are looked for at which it
+ * is largest, and its gap proved. A motion that begins on the face has one of them there. */
 static bool passes(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4], double least, double error)
 {
     const int samples = (int)fmin(SAMPLES_MOST, ceil(least * p->top / SAMPLE));
-    double best = -HUGE_VAL, at = 0, turn[2][2], now[4] = {w[0].m, w[1].m, w[2].m, w[3].m};
+    double turn[2][2], now[4] = {w[0].m, w[1].m, w[2].m, w[3].m}, h[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     if (samples < 1) return false;
     const double step = least / samples, needed = f->d.m + f->g_size * error;
+    const double between = f->g_size * p->size * (step * p->top) * (step * p->top) / 8;
     for (int i = 0; i < 2; i++) {
         turn[i][0] = cos(p->omega[i].m * step);
         turn[i][1] = sin(p->omega[i].m * step);
     }
-    for (int k = 0; k <= samples; k++) {
-        const double h = f->g[0].m * now[0] + f->g[1].m * now[1];
-        if (h > best) best = h, at = k * step;
+    for (int k = 0; k <= samples + 1; k++) {
+        h[0] = h[1];
+        h[1] = h[2];
+        h[2] = k > samples ? -HUGE_VAL : f->g[0].m * now[0] + f->g[1].m * now[1];
+        const ric_range around = {fmax(0, (k - 2) * step), fmin(least, k * step)};
+        if (h[1] >= h[0] && h[1] >= h[2] && h[1] + between > needed && passes_near(p, f, w, around, error)) return true;
         for (int i = 0; i < 2; i++) {
             const double a = now[i], v = now[2 + i];
             now[i] = turn[i][0] * a + turn[i][1] * v;
             now[2 + i] = turn[i][0] * v - turn[i][1] * a;
         }
     }
-    const double between = f->g_size * p->size * (step * p->top) * (step * p->top) / 8;
-    if (best <= needed && best + between > needed)
-        at = climb(p, f, w, fmax(0, at - step), fmin(least, at + step)), best = place_after(p, f, w, at);
-    return best > needed && at >= 0 && at <= least && is_beyond(p, f, w, at, error);
+    return false;
 }
 
 /* Whether every motion of the box leaves face f outwards. */
@@ -416,6 +429,8 @@ bool ric_census_box_reduce(ric_census_box *b, const ric_census_pair *p, const ri
     ric_census_frame f;
     double t[RIC_CENSUS_IMPACTS], width = 0;
     if (!keep_limits(b, N, limits)) return false;
+    if (sum_of_widths(b, N) * p->top > BROAD && !(ric_census_scan(b, p, word) && keep_limits(b, N, limits)))
+        return false;
     for (int pass = 0; pass < PASSES; pass++) {
         const double before = sum_of_widths(b, N);
         if (before * p->top > 2 * WIDEST || (pass && before > PASS_LEAVES * width)) break;
