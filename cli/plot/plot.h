@@ -95,6 +95,8 @@ const char *plot_text_colour(plot_stroke branch);
 bool plot_page_free_box(const plot_page *page, plot_box box);
 bool plot_page_free_line(const plot_page *page, plot_point from, plot_point to);
 double plot_page_ink(plot_page *page, plot_box box);
+/* Whether a line of another colour than `own` passes through a point. */
+bool plot_page_other(const plot_page *page, plot_point at, plot_stroke own);
 
 /* The script that has gnuplot draw the page; false when memory ran out, or the file cannot be written. */
 typedef enum { PLOT_FORMAT_NONE, PLOT_FORMAT_SVG, PLOT_FORMAT_PDF, PLOT_FORMAT_PNG, PLOT_FORMAT_GNUPLOT } plot_format;
@@ -210,12 +212,15 @@ typedef struct {
     double weight; /* larger is placed first */
     int group;     /* of labels with the same group > 0 only one is placed: alternatives */
     const char *colour;
-    bool leader; /* may stand far away with a thin line to its point */
+    bool leader;        /* may stand far away with a thin line to its point */
+    bool spare;         /* stands elsewhere, too: nobody misses it where there is no good place */
+    bool curve;         /* names the curve through `at`, which says nothing where a mark lies on it, */
+    plot_stroke stroke; /* drawn so */
     char text[96];
 } plot_tag;
 
-/* Places labels inside `box` without touching texts, marks or each other, and off the lines; returns how many found no
- * place. Sorts tags. */
+/* plot_place.c. Places labels inside `box` without touching texts, marks or each other, and off the lines; returns how
+ * many found no place. Sorts tags. */
 int plot_place_tags(plot_page *page, plot_box box, int n, plot_tag *tags, double size);
 
 /* ---------------------------------------------------------- options (cmd_plot.c) */

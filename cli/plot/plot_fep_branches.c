@@ -130,12 +130,12 @@ void fep_free_source(fep_source *s)
 /* ----------------------------------------------------------------- branches */
 
 /* The part of piece i of a track that lies in the panel, in pixels; returns its length, 0 if there is none. */
-static double visible_piece(const fep *f, const plot_track *t, int i, plot_point *a, plot_point *b)
+static double visible_piece(const plot_panel *panel, const plot_track *t, int i, plot_point *a, plot_point *b)
 {
-    const plot_box box = plot_panel_box(f->panel);
+    const plot_box box = plot_panel_box(panel);
     if (t->knots[i - 1].gap) return 0;
-    *a = plot_panel_at(f->panel, t->knots[i - 1].at);
-    *b = plot_panel_at(f->panel, t->knots[i].at);
+    *a = plot_panel_at(panel, t->knots[i - 1].at);
+    *b = plot_panel_at(panel, t->knots[i].at);
     return isfinite(a->x + a->y + b->x + b->y) && plot_clip_segment(&box, a, b) ? hypot(b->x - a->x, b->y - a->y) : 0;
 }
 
@@ -145,7 +145,7 @@ static bool wants_label(fep *f, const fep_source *s, const ric_branch *branch, i
     char name[400];
     const char *label = ric_duplicate_label(branch, k, sizeof name, name) == RIC_OK ? name : "";
     if (fep_label_asked(f, s, label, k == 1 ? branch->id : 0, 0))
-        return length > 12; /* a corner of a panel says nothing */
+        return length > 24; /* a corner of a panel says nothing */
     if (length < 45 || f->options->labels == LABELS_NONE || f->options->labels == LABELS_NAMED ||
         f->options->labels == LABELS_ASKED)
         return false;
@@ -159,30 +159,46 @@ static bool zoomed(const fep *f, const plot_track *t, int i)
     return fep_in_zoom(f, t->knots[i - 1].at) || fep_in_zoom(f, t->knots[i].at);
 }
 
-/* Label of the k-duplicate of a branch: may stand at any of a few places along its visible part. */
+/* Whether a curve of the first panel is long enough in another one to have its label there. */
+static bool named_larger(const fep *f, const plot_track *t)
+{
+    bool found = false;
+    for (int k = 1; f->panel == f->panels && k < f->n_panel; k++) {
+        plot_point a, b;
+        double length = 0;
+        for (int i = 1; i < t->n; i++) length += visible_piece(&f->panels[k], t, i, &a, &b);
+        found |= length > 60;
+    }
+    return found;
+}
+
+/* Label of the k-duplicate of a branch: may stand at any of a few places along its visible part, and is left out where
+ * there is no room beside the curve while another panel names it. */
 static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, int k_duplicate, const plot_track *t)
 {
     enum { PLACES = 15 };
     plot_point a, b;
     double length = 0, done = 0, next = 0.5;
-    for (int i = 1; i < t->n; i++) length += visible_piece(f, t, i, &a, &b);
+    for (int i = 1; i < t->n; i++) length += visible_piece(f->panel, t, i, &a, &b);
     if (!wants_label(f, s, branch, k_duplicate, length)) return;
-    const bool asked = f->options->labels == LABELS_ASKED;
+    const bool asked = f->options->labels == LABELS_ASKED, spare = named_larger(f, t);
     const int group = ++f->n_group;
     const double weight = 20 + 90 * asked - 4 * (k_duplicate - 1) - 5 * branch->depth + 8 * branch->symmetric +
                           fmin(length, 400) / 40 - 0.2 * branch->impacts;
     for (int i = 1, k = 0; i < t->n && k < PLACES; i++) {
-        const double step = visible_piece(f, t, i, &a, &b);
+        const double step = visible_piece(f->panel, t, i, &a, &b);
         for (; k < PLACES && step > 0 && done + step >= next / PLACES * length; next++, k++) {
             const double part = (next / PLACES * length - done) / step;
             if (zoomed(f, t, i)) continue;
             plot_tag tag = {.at = {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}, .clear = 3, .group = group};
             tag.weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
-            tag.colour = plot_text_colour(f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->tint
-                                                          : plot_branch_family(s->model, branch));
+            tag.stroke = f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->tint : plot_branch_family(s->model, branch);
+            tag.colour = plot_text_colour(tag.stroke);
             plot_branch_title(branch, k_duplicate, sizeof tag.text, tag.text);
-            for (int leader = 0; leader <= asked; leader++) { /* at a distance only where there is no room beside the
-                                                               * curve */
+            tag.spare = spare;
+            tag.curve = true;
+            for (int leader = 0; leader <= (asked && !spare); leader++) { /* at a distance only where there is no room
+                                                                           * beside the curve */
                 plot_tag *place = fep_new_tag(f);
                 if (!place) return;
                 *place = tag;

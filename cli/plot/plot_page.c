@@ -131,7 +131,7 @@ struct plot_page {
     int n_label;
     plot_box *boxes; /* texts and marks */
     int n_box, room;
-    unsigned char *ink; /* [rows * columns], pixels under lines */
+    unsigned char *ink; /* [rows * columns], what colour is under lines; 0: none */
     unsigned *sums;     /* [(rows + 1) * (columns + 1)] running sums of ink, made when asked for; NULL = stale */
     int columns, rows;
     bool failed;
@@ -183,14 +183,21 @@ void plot_page_free(plot_page *page)
 
 /* ------------------------------------------------------------------ drawing */
 
-static void stain(plot_page *page, plot_point a, plot_point b)
+/* Branches in their colours, all else in one. */
+static unsigned char tint_of(plot_stroke stroke)
+{
+    const int i = (int)stroke - PLOT_DUPLICATE;
+    return i < 0 || i >= 6 * PLOT_N_BRANCH ? 1 : (unsigned char)(2 + i / 3 % PLOT_N_BRANCH);
+}
+
+static void stain(plot_page *page, unsigned char tint, plot_point a, plot_point b)
 {
     const double length = hypot(b.x - a.x, b.y - a.y);
     const int n = 1 + (int)fmin(length, 1e5);
     for (int i = 0; i <= n; i++) {
         const int column = (int)floor(a.x + (b.x - a.x) * i / n), row = (int)floor(a.y + (b.y - a.y) * i / n);
         if (column >= 0 && column < page->columns && row >= 0 && row < page->rows)
-            page->ink[(size_t)row * (size_t)page->columns + (size_t)column] = 1;
+            page->ink[(size_t)row * (size_t)page->columns + (size_t)column] = tint;
     }
 }
 
@@ -199,7 +206,7 @@ void plot_page_line(plot_page *page, plot_stroke stroke, int n, const plot_point
     FILE *file = page->lines[stroke].file;
     for (int i = 0; i < n; i++) {
         fprintf(file, "%.2f %.2f\n", points[i].x, points[i].y);
-        if (i > 0) stain(page, points[i - 1], points[i]);
+        if (i > 0) stain(page, tint_of(stroke), points[i - 1], points[i]);
     }
     fputc('\n', file); /* an empty line lifts the pen */
     free(page->sums);
@@ -345,7 +352,7 @@ static bool sum_ink(plot_page *page)
     if (!page->sums) return false;
     for (size_t row = 0; row < rows; row++)
         for (size_t column = 0, line = 0; column < columns; column++) {
-            line += page->ink[row * columns + column];
+            line += page->ink[row * columns + column] != 0;
             page->sums[(row + 1) * stride + column + 1] = page->sums[row * stride + column + 1] + (unsigned)line;
         }
     return true;
@@ -365,6 +372,13 @@ double plot_page_ink(plot_page *page, plot_box box)
     const unsigned *s = page->sums;
     return (double)(s[top * stride + right] - s[bottom * stride + right] - s[top * stride + left] +
                     s[bottom * stride + left]);
+}
+
+bool plot_page_other(const plot_page *page, plot_point at, plot_stroke own)
+{
+    if (!(at.x >= 0 && at.y >= 0 && at.x < page->columns && at.y < page->rows)) return false;
+    const unsigned char tint = page->ink[(size_t)at.y * (size_t)page->columns + (size_t)at.x];
+    return tint && tint != tint_of(own);
 }
 
 /* ------------------------------------------------------------------- script */

@@ -26,6 +26,17 @@ ok "the pictures in the tree$(some_of ', but for Figs. 21, 22 and 24 to 29,' '')
 "$ricochet" plot fep "$folder/demo.ricochet" --break 2.2 -o "$folder/elementary.svg" 2>"$folder/log"
 ok 'so is that of the README' env PYTHONPATH=tests/support PYTHONDONTWRITEBYTECODE=1 python3 -S tests/support/same_pictures.py docs "$folder" \
     elementary.svg
+# Lines from labels to their points: how many branches they may cross, where there is no other place. Names of figures, numbers.
+ok 'lines to labels cross no branch but where there is no other place' env PYTHONPATH=tests/support PYTHONDONTWRITEBYTECODE=1 python3 -S - docs/gallery <<'END'
+import os, sys
+from picture import Picture, crossed
+most = {"fig08": 1, "fig10": 1, "fig15": 1, "fig17": 1, "fig20b": 1, "fig21": 6, "fig24": 6, "fig25": 6, "fig26": 1}
+names = sorted(n[:-4] for n in os.listdir(sys.argv[1]) if n.endswith(".svg"))
+found = {n: crossed(Picture(os.path.join(sys.argv[1], n + ".svg"))) for n in names}
+wrong = {n: k for n, k in found.items() if k > most.get(n, 0)}
+print("crossed:", wrong)
+sys.exit(len(names) < 30 or bool(wrong))
+END
 ok 'the page in one file has them all' sh -c 'test "$(grep -c data:image/svg "$1")" -eq "$(grep -c "^!\[" docs/gallery.md)"' sh "$folder/gallery.html"
 for figure in $(seq 1 30); do
     ok "figure $figure is on the page" grep -q "^## Fig. $figure:" docs/gallery.md

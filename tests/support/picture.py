@@ -41,6 +41,26 @@ def strokes(path):
     return [[tuple(map(float, p.split(","))) for p in re.findall(r"[-\d.]+,[-\d.]+", piece)] for piece in path.split("M")[1:]]
 
 
+def crosses(one, other):
+    """Whether two pieces of lines cross."""
+    side = lambda a, b, c: (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    (a, b), (c, d) = one, other
+    return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
+
+
+def crossed(picture):
+    """How many pieces of branches the lines from labels to points cross, but for the two pixels beside the point."""
+    count = 0
+    branches = [l for name, lines in picture.lines.items() if re.search("stable|undecided", name) for l in lines]
+    for (x, y), end in picture.lines.get("leaders", []):
+        length = dist((x, y), end)
+        if length <= 2:
+            continue
+        start = (x + 2 * (end[0] - x) / length, y + 2 * (end[1] - y) / length)
+        count += sum(crosses((start, end), piece) for line in branches for piece in zip(line, line[1:]))
+    return count
+
+
 def distance(point, piece):
     """From a piece of a line between two points."""
     (ax, ay), (bx, by) = piece
