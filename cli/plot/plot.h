@@ -120,6 +120,8 @@ int plot_check_target(const struct plot_options *options);
 /* Free text made safe for enhanced notation: its special characters escaped, broken UTF-8 and control characters
  * replaced. */
 void plot_text_escape(const char *text, size_t size, char *out);
+/* A number as it is printed, 5.06·10⁻⁵ for 5.06e-05. */
+void plot_text_number(double value, int digits, size_t size, char *out);
 /* Names as the article sets them: C1_32 with a raised 1 over a lowered 32, S2-[01], A5[00101]; long words as powers.
  * Others are escaped. */
 void plot_text_label(const char *label, size_t size, char *out);

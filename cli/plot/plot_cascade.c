@@ -217,15 +217,30 @@ static int draw_diagram(picture *p)
 
 /* ------------------------------------------------------------------ shapes */
 
-/* Samples of a phase portrait; where the velocity jumps a dashed line, as in the pictures of orbits. */
-static void draw_portrait(picture *p, const plot_panel *panel, int n, const plot_point *data)
+/* Whether the velocity jumps from one sample to the next: much more than beside it. */
+static bool jumps(int n, const plot_point *data, int i, double range)
 {
-    const double jump = 0.05 * (panel->y.hi - panel->y.lo);
+    const double step = fabs(data[i + 1].y - data[i].y), before = i > 0 ? fabs(data[i].y - data[i - 1].y) : 0,
+                 after = i + 2 < n ? fabs(data[i + 2].y - data[i + 1].y) : 0;
+    return step > 0.01 * range && step > 3 * fmax(before, after);
+}
+
+/* Samples of a phase portrait, `step` apart in time; where the velocity jumps a dashed line, as in the pictures of
+ * orbits, where the motion before meets that after it. */
+static void draw_portrait(picture *p, const plot_panel *panel, double step, int n, const plot_point *data)
+{
     for (int i = 0, first = 0; i < n; i++) {
-        if (i + 1 < n && fabs(data[i + 1].y - data[i].y) < jump) continue;
+        if (i + 1 < n && !jumps(n, data, i, panel->y.hi - panel->y.lo)) continue;
         plot_panel_curve(p->page, panel, thin[1], i + 1 - first, data + first);
-        if (i + 1 < n) plot_panel_curve(p->page, panel, PLOT_JUMP, 2, data + i);
         first = i + 1;
+        if (first == n) break;
+        const plot_point *from = data + i, *to = from + 1;
+        const double t = (to->x - from->x - to->y * step) / (from->y - to->y),
+                     x = from->x + from->y * fmax(0, fmin(step, t));
+        const plot_point before = {x, from->y}, after = {x, to->y};
+        plot_panel_curve(p->page, panel, thin[1], 2, (plot_point[]){*from, before});
+        plot_panel_curve(p->page, panel, PLOT_JUMP, 2, (plot_point[]){before, after});
+        plot_panel_curve(p->page, panel, thin[1], 2, (plot_point[]){after, *to});
     }
 }
 
@@ -254,7 +269,7 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
     }
     if (good) {
         plot_panel_curve(p->page, &left, thin[0], SAMPLES + 1, history);
-        draw_portrait(p, &right, SAMPLES + 1, portrait);
+        draw_portrait(p, &right, period * times / SAMPLES, SAMPLES + 1, portrait);
         snprintf(name, sizeof name, "x_{%d}", p->dof + 1);
         plot_panel_frame(p->page, &left, last ? "time, in periods of the last orbit" : NULL, name);
         snprintf(text, sizeof text, "v_{%d}", p->dof + 1);
@@ -410,8 +425,8 @@ static int draw_circle(picture *p)
         return CLI_FAILED;
     }
     plot_range_widen(false, 0.03, &x[0], &x[1]);
-    const plot_panel circle = {{.from = 66, .to = 66 + side, .lo = -1.4, .hi = 1.4},
-                               {.from = 60, .to = 60 + side, .lo = -1.4, .hi = 1.4}};
+    const plot_panel circle = {{.from = 66, .to = 66 + side, .lo = -1.55, .hi = 1.55},
+                               {.from = 60, .to = 60 + side, .lo = -1.55, .hi = 1.55}};
     const plot_panel angles = {{.from = 66 + side + 90, .to = plot_page_width(p->page) - 20, .lo = x[0], .hi = x[1]},
                                {.from = 60, .to = 60 + side, .lo = 0, .hi = 1}};
     draw_roots(p, &circle, &angles);

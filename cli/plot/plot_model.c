@@ -325,7 +325,11 @@ static void contact_text(const picture *p, int number, const ric_contact *c, siz
                                                            : "\xe2\x88\x92",
                              c->clearance);
     if (c->law == RIC_LAW_RIGID) snprintf(out + used, size - used, "rigid");
-    else snprintf(out + used, size - used, "spring %.4g", c->stiffness);
+    else {
+        char stiffness[64];
+        plot_text_number(c->stiffness, 4, sizeof stiffness, stiffness);
+        snprintf(out + used, size - used, "spring %s", stiffness);
+    }
 }
 
 /* A line for each contact; returns the height that they take. */

@@ -421,9 +421,10 @@ static void name_part(const sheet *s, const sheet_part *p, size_t size, char *ou
 {
     const int used = snprintf(out, size, p->k > 1 ? "%d periods" : "%d period", p->k);
     const plot_units unit = plot_units_of(s->common, ric_atlas_model(s->from.atlas[0]));
+    char way[64];
+    plot_text_number(passed(p) * unit.frequency, 3, sizeof way, way);
     if (s->stretch && used > 0 && (size_t)used < size)
-        snprintf(out + used, size - (size_t)used, ", %.3g %s", passed(p) * unit.frequency,
-                 s->common->hertz ? "Hz" : "rad/s");
+        snprintf(out + used, size - (size_t)used, ", %s %s", way, s->common->hertz ? "Hz" : "rad/s");
 }
 
 static int draw_columns(sheet *s, int n, const column *columns)

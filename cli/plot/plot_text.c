@@ -2,6 +2,7 @@
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "plot.h"
@@ -197,6 +198,19 @@ void plot_text_label(const char *label, size_t size, char *out)
         out[used++] = *label++;
         out[used] = '\0';
     }
+}
+
+void plot_text_number(double value, int digits, size_t size, char *out)
+{
+    char plain[48];
+    snprintf(plain, sizeof plain, "%.*g", digits, value);
+    const char *mark = strchr(plain, 'e');
+    const int n = mark ? (int)(mark - plain) : 0, power = mark ? atoi(mark + 1) : 0;
+    const bool one = n == 1 && *plain == '1';
+    if (!mark) snprintf(out, size, "%s", plain);
+    else
+        snprintf(out, size, "%.*s%s10^{%s%d}", one ? 0 : n, plain, one ? "" : "\xc2\xb7",
+                 power < 0 ? "\xe2\x88\x92" : "", abs(power));
 }
 
 /* Advance widths of Helvetica in thousandths of an em (Adobe font metrics), for ASCII from the space on. */
