@@ -21,6 +21,7 @@ ric_border *ric_border_create(const ric_shooting *chain)
     q->v = ric_calloc(N * states, sizeof *q->v);
     q->beta = ric_calloc(N, sizeof *q->beta);
     q->pivot = ric_calloc(N, sizeof *q->pivot);
+    q->row = ric_calloc(N * states, sizeof *q->row);
     q->pinned = ric_calloc(N * states, sizeof *q->pinned);
     q->X = ric_calloc(states * states, sizeof *q->X);
     q->K = ric_calloc(unknowns * states, sizeof *q->K);
@@ -32,8 +33,8 @@ ric_border *ric_border_create(const ric_shooting *chain)
     q->swap = ric_calloc(2 * states, sizeof *q->swap);
     q->U = ric_calloc(states * states, sizeof *q->U);
     q->V = ric_calloc(unknowns * states, sizeof *q->V);
-    if (q->map && q->rate && q->v && q->beta && q->pivot && q->pinned && q->X && q->K && q->S && q->left && q->right &&
-        q->sigma && q->small && q->swap && q->U && q->V)
+    if (q->map && q->rate && q->v && q->beta && q->pivot && q->row && q->pinned && q->X && q->K && q->S && q->left &&
+        q->right && q->sigma && q->small && q->swap && q->U && q->V)
         return q;
     ric_border_free(q);
     return NULL;
@@ -47,6 +48,7 @@ void ric_border_free(ric_border *q)
     free(q->v);
     free(q->beta);
     free(q->pivot);
+    free(q->row);
     free(q->pinned);
     free(q->X);
     free(q->K);
@@ -60,6 +62,9 @@ void ric_border_free(ric_border *q)
     free(q->V);
     free(q);
 }
+
+/* The code of one flight is written once and used twice, with its sizes known to the compiler for two modes. */
+#define INLINE static inline __attribute__((always_inline))
 
 /* ------------------------------------------------------------------ flights */
 
@@ -108,10 +113,9 @@ static void take_flights(ric_border *q, double rounding, unsigned bits)
 }
 
 /* Columns of X [2n * ld], the first `columns`, through flight k, up to the event. */
-static void fly_columns(ric_border *q, int k, int columns, int ld, double *X)
+INLINE void fly_columns(ric_border *q, int n, int k, int columns, int ld, double *X)
 {
     const ric_shooting *c = q->chain;
-    int n = q->n;
     const double *map = q->map + c->stride * (size_t)k;
     bool dense = ric_flight_dense(c->model, c->closed[k]);
     q->operations += (dense ? 4 * n * n : 4 * n) * (long)columns;
@@ -128,10 +132,9 @@ static void fly_columns(ric_border *q, int k, int columns, int ld, double *X)
 }
 
 /* What the event at the end of flight k does to columns. */
-static void strike_columns(ric_border *q, int k, int columns, int ld, double *X)
+INLINE void strike_columns(ric_border *q, int n, int k, int columns, int ld, double *X)
 {
     const ric_shooting *c = q->chain;
-    int n = q->n;
     const ric_face *face = c->face[k + 1] >= 0 ? &c->model->face[c->face[k + 1]] : NULL;
     if (!face || face->spring > 0) return;
     q->operations += 2 * n * (long)columns;
@@ -159,11 +162,17 @@ static void condition(const ric_border *q, int k, double *h)
 
 /* ------------------------------------------------------------ factorisation */
 
-/* One reflection makes the row of condition k (0, .., 0, pivot): the last of the 2n columns is pinned, and kept. */
-static bool pin(ric_border *q, int k)
+INLINE double dot(int m, const double *x, const double *y)
 {
-    int m = 2 * q->n;
-    double h[m], row[m], *v = q->v + (size_t)k * (size_t)m, *X = q->X, sum = 0;
+    double sum = 0;
+    for (int i = 0; i < m; i++) sum += x[i] * y[i];
+    return sum;
+}
+
+/* One reflection makes the row of condition k (0, .., 0, pivot): the last of the 2n columns is pinned, and kept. */
+INLINE bool pin(ric_border *q, int m, int k)
+{
+    double row[m], *v = q->v + (size_t)k * (size_t)m, *h = q->row + (size_t)k * (size_t)m, *X = q->X, sum = 0;
     condition(q, k, h);
     for (int j = 0; j < m; j++) {
         row[j] = 0;
@@ -177,7 +186,7 @@ static bool pin(ric_border *q, int k)
     q->beta[k] = 1 / (norm * (norm + fabs(last)));
     q->pivot[k] = pivot;
     for (int i = 0; i < m; i++) {
-        double s = q->beta[k] * ric_dot(m, X + i * m, v);
+        double s = q->beta[k] * dot(m, X + i * m, v);
         for (int j = 0; j < m; j++) X[i * m + j] -= s * v[j];
         q->pinned[(size_t)k * (size_t)m + (size_t)i] = X[i * m + m - 1];
     }
@@ -187,20 +196,25 @@ static bool pin(ric_border *q, int k)
 
 /* From the combinations z [2n] that are left, and the values of the pinned ones (NULL: 0), back to the unknowns
  * y [unknowns] = (w_0 / size, tau). */
-static void lift(ric_border *q, const double *last, const double *pinned, double *y)
+INLINE void lift_to(ric_border *q, int m, const double *last, const double *pinned, double *y)
 {
-    int m = 2 * q->n;
     double z[m];
     memcpy(z, last, sizeof z);
     for (int k = q->N - 1; k >= 0; k--) {
         const double *v = q->v + (size_t)k * (size_t)m;
         y[m + k] = z[m - 1];
         z[m - 1] = pinned ? pinned[k] : 0;
-        double s = q->beta[k] * ric_dot(m, v, z);
+        double s = q->beta[k] * dot(m, v, z);
         for (int j = 0; j < m; j++) z[j] -= s * v[j];
     }
     memcpy(y, z, sizeof z);
     q->operations += 2L * m * q->N;
+}
+
+static void lift(ric_border *q, const double *last, const double *pinned, double *y)
+{
+    if (q->n == 2) lift_to(q, 4, last, pinned, y);
+    else lift_to(q, 2 * q->n, last, pinned, y);
 }
 
 static void lift_all(ric_border *q)
@@ -215,19 +229,25 @@ static void lift_all(ric_border *q)
     }
 }
 
+INLINE bool eliminate(ric_border *q, int m)
+{
+    memset(q->X, 0, (size_t)m * (size_t)m * sizeof *q->X);
+    for (int i = 0; i < m; i++) q->X[i * m + i] = 1;
+    for (int k = 0; k < q->N; k++) {
+        if (!pin(q, m, k)) return false;
+        fly_columns(q, m / 2, k, m - 1, m, q->X);
+        for (int i = 0; i < m; i++) q->X[i * m + m - 1] = q->rate[(size_t)k * (size_t)m + (size_t)i];
+        strike_columns(q, m / 2, k, m, m, q->X);
+    }
+    return true;
+}
+
 bool ric_border_factor(ric_border *q, double rounding, unsigned bits)
 {
     int m = 2 * q->n;
     double super[m];
     take_flights(q, rounding, bits);
-    memset(q->X, 0, (size_t)m * (size_t)m * sizeof *q->X);
-    for (int i = 0; i < m; i++) q->X[i * m + i] = 1;
-    for (int k = 0; k < q->N; k++) {
-        if (!pin(q, k)) return false;
-        fly_columns(q, k, m - 1, m, q->X);
-        for (int i = 0; i < m; i++) q->X[i * m + m - 1] = q->rate[(size_t)k * (size_t)m + (size_t)i];
-        strike_columns(q, k, m, m, q->X);
-    }
+    if (!(m == 4 ? eliminate(q, 4) : eliminate(q, m))) return false;
     lift_all(q);
     for (int i = 0; i < m * m; i++) {
         q->S[i] = q->X[i] -= q->K[i]; /* the first rows of K are those of w_0 */
@@ -280,19 +300,30 @@ bool ric_border_set(ric_border *q, const ric_border *frame, int b)
 }
 
 /* The values of the pinned combinations, and what they make of the state at the end, out [2n]. */
-static void forward(ric_border *q, const double *conditions, double *pinned, double *out)
+INLINE void forward_to(ric_border *q, int m, const double *conditions, double *pinned, double *out)
 {
-    int m = 2 * q->n;
-    double h[m];
     memset(out, 0, (size_t)m * sizeof *out);
     for (int k = 0; k < q->N; k++) {
-        condition(q, k, h);
-        pinned[k] = (conditions[k] / q->size - ric_dot(m, h, out)) / q->pivot[k];
-        for (int i = 0; i < m; i++) out[i] += q->pinned[(size_t)k * (size_t)m + (size_t)i] * pinned[k];
-        fly_columns(q, k, 1, 1, out);
-        strike_columns(q, k, 1, 1, out);
+        const double *along = q->pinned + (size_t)k * (size_t)m;
+        pinned[k] = (conditions[k] / q->size - dot(m, q->row + (size_t)k * (size_t)m, out)) / q->pivot[k];
+        for (int i = 0; i < m; i++) out[i] += along[i] * pinned[k];
+        fly_columns(q, m / 2, k, 1, 1, out);
+        strike_columns(q, m / 2, k, 1, 1, out);
         q->operations += 2 * m;
     }
+}
+
+static void forward(ric_border *q, const double *conditions, double *pinned, double *out)
+{
+    if (q->n == 2) forward_to(q, 4, conditions, pinned, out);
+    else forward_to(q, 2 * q->n, conditions, pinned, out);
+}
+
+static bool all_zero(int n, const double *x)
+{
+    for (int i = 0; i < n; i++)
+        if (x[i] != 0) return false;
+    return true;
 }
 
 bool ric_border_solve(ric_border *q, const double *r, const double *s, double *x, double *g)
@@ -300,8 +331,13 @@ bool ric_border_solve(ric_border *q, const double *r, const double *s, double *x
     int m = 2 * q->n, N = q->N, b = q->b, size = m + b;
     double pinned[N], end[m], zero[m], rhs[size], total = 0;
     memset(zero, 0, sizeof zero);
-    forward(q, r + m, pinned, end);
-    lift(q, zero, pinned, x);
+    if (all_zero(N, r + m)) { /* the first of a series of solves */
+        memset(end, 0, sizeof end);
+        memset(x, 0, (size_t)q->unknowns * sizeof *x);
+    } else {
+        forward(q, r + m, pinned, end);
+        lift(q, zero, pinned, x);
+    }
     for (int i = 0; i < m; i++) rhs[i] = r[i] / q->size - end[i] + x[i];
     for (int i = 0; i < b; i++) {
         rhs[m + i] = s[i];

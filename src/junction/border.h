@@ -22,7 +22,7 @@ typedef struct {
     double size, T;               /* of w_0; the period */
     double *map, *rate;           /* [N * stride], [N * 2n] of each flight, as the chain has them but for the moves */
     double *v, *beta;             /* [N * 2n], [N] Householder vector of each condition */
-    double *pivot;                /* [N] */
+    double *pivot, *row;          /* [N], [N * 2n] rows of the conditions */
     double *pinned;               /* [N * 2n] what the pinned combination makes of the state at the condition */
     double *X;                    /* [2n * 2n] live columns */
     double *K;                    /* [unknowns * 2n] combinations that are left for the closure, orthonormal columns */
