@@ -57,33 +57,12 @@ typedef struct {
     int capacity, count;
 } search;
 
-static sample sample_at(const search *q, double t)
+/* At t; *bend, unless NULL: s'' there. */
+static inline __attribute__((always_inline)) sample sample_of(const search *q, int n, double t, double *bend)
 {
-    int n = q->n;
     const double *w = q->start, *g = q->g, *omega = q->omega;
     sample out = {t, q->rest, 0};
-    for (int i = 0; i < n; i++) {
-        double a = w[i], p = w[n + i];
-        if (omega[i] > 0) {
-            double si, co;
-            sincos(omega[i] * t, &si, &co);
-            out.s += g[i] * (a * co + p * si);
-            out.ds += g[i] * omega[i] * (p * co - a * si);
-        } else {
-            out.s += g[i] * (a + p * t);
-            out.ds += g[i] * p;
-        }
-    }
-    return out;
-}
-
-/* The same with s''. */
-static sample bent_sample_at(const search *q, double t, double *bend)
-{
-    int n = q->n;
-    const double *w = q->start, *g = q->g, *omega = q->omega;
-    sample out = {t, q->rest, 0};
-    *bend = 0;
+    if (bend) *bend = 0;
     for (int i = 0; i < n; i++) {
         double a = w[i], p = w[n + i];
         if (omega[i] > 0) {
@@ -92,13 +71,23 @@ static sample bent_sample_at(const search *q, double t, double *bend)
             double sum = g[i] * (a * co + p * si);
             out.s += sum;
             out.ds += g[i] * omega[i] * (p * co - a * si);
-            *bend -= omega[i] * omega[i] * sum;
+            if (bend) *bend -= omega[i] * omega[i] * sum;
         } else {
             out.s += g[i] * (a + p * t);
             out.ds += g[i] * p;
         }
     }
     return out;
+}
+
+static sample sample_at(const search *q, double t)
+{
+    return q->n == 2 ? sample_of(q, 2, t, NULL) : sample_of(q, q->n, t, NULL);
+}
+
+static sample bent_sample_at(const search *q, double t, double *bend)
+{
+    return q->n == 2 ? sample_of(q, 2, t, bend) : sample_of(q, q->n, t, bend);
 }
 
 static double curvature(const search *q, double t)
@@ -116,7 +105,7 @@ static void offer(search *q, double t, double s, int side, bool kink)
     double value = q->closed ? 2 + side * s / q->gap : side * s / q->gap;
     if (face < 0) return;
     if (!q->touches) {
-        q->best = fmax(q->best, value);
+        q->best = ric_larger(q->best, value);
         return;
     }
     if (value < q->threshold) return;
@@ -126,9 +115,14 @@ static void offer(search *q, double t, double s, int side, bool kink)
 
 /* A stationary point, which is a maximum on one side only: a closed face that is farthest beyond the clearance does not
  * come near to opening. */
+static void offer_bent(search *q, sample at, double bend)
+{
+    offer(q, at.t, at.s, bend < 0 ? 1 : -1, false);
+}
+
 static void offer_stationary(search *q, sample at)
 {
-    offer(q, at.t, at.s, curvature(q, at.t) < 0 ? 1 : -1, false);
+    offer_bent(q, at, curvature(q, at.t));
 }
 
 /* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal, nor does a spring:
@@ -144,7 +138,7 @@ static void offer_impact(search *q, const ric_face *other, sample at)
 
 static double largest(double a, double b, double c, double d)
 {
-    return fmax(fmax(a, b), fmax(c, d));
+    return ric_larger(ric_larger(a, b), ric_larger(c, d));
 }
 
 /* A single sign change of the slope between l and r, and the value there. After a step of STATIONARY Newton's method
@@ -178,7 +172,7 @@ static double towards(const search *q, double a, double b, double c, double d)
         return 2 * q->gap + largest(-side * a, -side * b, -side * c, -side * d);
     }
     if (q->upper >= 0) reach = largest(a, b, c, d);
-    if (q->lower >= 0) reach = fmax(reach, largest(-a, -b, -c, -d));
+    if (q->lower >= 0) reach = ric_larger(reach, largest(-a, -b, -c, -d));
     return reach;
 }
 
@@ -187,18 +181,19 @@ static double towards(const search *q, double a, double b, double c, double d)
 static bool undecided(const search *q, sample l, sample r, bool *single)
 {
     double h = r.t - l.t, slope = 3 * (r.s - l.s) / h - l.ds - r.ds, error = q->D4 * h * h * h;
-    double low = fmin(fmin(l.ds, r.ds), slope), high = fmax(fmax(l.ds, r.ds), slope);
+    const double least = ric_smaller(l.ds, r.ds), most = ric_larger(l.ds, r.ds);
+    const double low = ric_smaller(least, slope), high = ric_larger(most, slope);
     *single = false;
     if (low > error * SLOPE_BOUND || high < -error * SLOPE_BOUND) return false;
     /* on short intervals the cubic's middle slope is a difference that cancels; the chord of s' itself is off by D3 h^2
      * / 8 only */
     double chord = q->D3 * h * h / 8;
-    if (fmin(l.ds, r.ds) > chord || fmax(l.ds, r.ds) < -chord) return false;
+    if (least > chord || most < -chord) return false;
     /* beside a point of rest s' grows from zero as long as s'' keeps its sign */
     if ((l.t == 0 && q->bend_start > q->D3 * h) || (r.t == q->tau && q->bend_end > q->D3 * h)) return false;
     double b1 = l.s + h * l.ds / 3, b2 = r.s - h * r.ds / 3, value = error * h / 384;
-    double most = towards(q, l.s, b1, b2, r.s) + value;
-    if (most <= level(q) * (1 + BERNSTEIN) || (!q->closed && most <= q->blur)) return false;
+    const double farthest = towards(q, l.s, b1, b2, r.s) + value;
+    if (farthest <= level(q) * (1 + BERNSTEIN) || (!q->closed && farthest <= q->blur)) return false;
     /* slope monotone on the interval: second differences of its Bernstein coefficients beyond the error of s''
      * (D4 h^2 / 12) */
     double d1 = slope - l.ds, d2 = r.ds - slope, bend = error / 12;
@@ -236,7 +231,8 @@ static void search_flight(search *q, sample first, sample last)
 /* Whether the bounds bound anything: numbers that overflow decide no interval, and all of them would be halved. */
 static bool is_bounded(const search *q, sample l, sample r)
 {
-    double sum = fabs(l.s) + fabs(r.s) + q->tau * (fabs(l.ds) + fabs(r.ds)) + q->D4 * pow(q->tau, 4);
+    double sum = fabs(l.s) + fabs(r.s) + q->tau * (fabs(l.ds) + fabs(r.ds)) +
+                 q->D4 * (q->tau * q->tau) * (q->tau * q->tau);
     return isfinite(sum);
 }
 
@@ -281,16 +277,19 @@ static void search_contact(search *q)
     if (q->own_start && f0 == f1 && D2 * q->tau * q->tau < 8 * q->blur) return;
     /* at rest every gap is stationary */
     if (k == 0 && c->start == RIC_MIRROR_REST) {
-        offer_stationary(q, l);
-        q->bend_start = fabs(curvature(q, 0));
+        const double bend = curvature(q, 0);
+        offer_bent(q, l, bend);
+        q->bend_start = fabs(bend);
         l.ds = 0;
     }
-    if (k == last && c->end == RIC_MIRROR_REST) {
-        q->bend_end = fabs(curvature(q, q->tau));
+    const bool rests = k == last && c->end == RIC_MIRROR_REST;
+    const double bend = rests ? curvature(q, q->tau) : 0;
+    if (rests) {
+        q->bend_end = fabs(bend);
         r.ds = 0;
     }
     search_flight(q, l, r);
-    if (k == last && c->end == RIC_MIRROR_REST) offer_stationary(q, r);
+    if (rests) offer_bent(q, r, bend);
     /* the start of the chain counts for the end in the general form */
     if (k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start) offer_impact(q, &m->face[f0], l);
     if (f1 >= 0 && !q->own_end) offer_impact(q, &m->face[f1], r);
