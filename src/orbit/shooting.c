@@ -45,24 +45,14 @@ ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mir
     c->scale = 1;
     c->n_unknown = c->n_start + n_flight;
     c->n_end = count_end(n, end);
-    c->ld = start == RIC_MIRROR_NONE ? 2 * n + 1 : n + 2;
-    size_t flights = (size_t)n_flight, vectors = flights + 1 + (size_t)c->n_end, ld = (size_t)c->ld, nn = (size_t)n;
-    c->face = ric_malloc((flights + 1) * sizeof *c->face);
-    c->w = ric_calloc((flights + 1) * 2 * nn, sizeof(double));
-    c->before = ric_calloc(flights * nn + 1, sizeof(double));
-    c->rate = ric_calloc(flights * 2 * nn + 1, sizeof(double));
+    const size_t flights = (size_t)n_flight, nn = (size_t)n;
     c->stride = ric_flight_stride(model);
+    c->face = ric_malloc((flights + 1) * sizeof *c->face);
     c->closed = ric_calloc(flights + 1, sizeof *c->closed);
-    c->map = ric_calloc(flights * c->stride + 1, sizeof(double));
-    c->approach = ric_calloc(flights + 1, sizeof(double));
-    c->tau = ric_calloc(flights + 1, sizeof(double));
-    c->hv = ric_calloc(vectors * ld, sizeof(double));
-    c->beta = ric_calloc(vectors, sizeof(double));
-    c->zeta = ric_calloc(vectors, sizeof(double));
-    c->X = ric_calloc(6 * nn * ld, sizeof(double));
-    c->flown = ric_calloc(2 * nn + 1, sizeof(double)); /* no time from the origin: no flight that is ever asked for */
-    if (!c->face || !c->w || !c->before || !c->rate || !c->closed || !c->map || !c->approach || !c->tau || !c->hv ||
-        !c->beta || !c->zeta || !c->X || !c->flown) {
+    double **const arrays[] = {&c->w, &c->before, &c->rate, &c->map, &c->approach, &c->tau};
+    const size_t sizes[] = {(flights + 1) * 2 * nn, flights * nn, flights * 2 * nn,
+                            flights * c->stride,    flights + 1,  flights};
+    if (!c->face || !c->closed || !ric_shooting_nodes_room(6, sizes, arrays) || ric_shooting_nodes_divide(c, 1)) {
         ric_shooting_free(c);
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
     }
@@ -96,19 +86,9 @@ void ric_shooting_free(ric_shooting *c)
 {
     if (!c) return;
     free(c->face);
-    free(c->w);
-    free(c->before);
-    free(c->rate);
+    free(c->w); /* and what lies behind it */
     free(c->closed);
-    free(c->map);
-    free(c->approach);
-    free(c->tau);
-    free(c->hv);
-    free(c->beta);
-    free(c->zeta);
-    free(c->X);
-    free(c->flown);
-    free(c->part);
+    free(c->hv); /* likewise */
     free(c);
 }
 

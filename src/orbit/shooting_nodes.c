@@ -38,18 +38,26 @@ void ric_shooting_nodes_put(const ric_shooting *c, int j, const double *w, doubl
     for (int i = 0; i < 2 * c->n; i++) u[node_at(c, j) + i] = w[i] / unit(c);
 }
 
+bool ric_shooting_nodes_room(int count, const size_t *sizes, double **const *arrays)
+{
+    size_t all = 1;
+    for (int i = 0; i < count; i++) all += sizes[i];
+    double *room = ric_calloc(all, sizeof *room);
+    for (int i = 0; i < count; room += room ? sizes[i] : 0, i++) *arrays[i] = room;
+    return *arrays[0];
+}
+
 ric_status ric_shooting_nodes_divide(ric_shooting *c, int parts)
 {
     size_t n = (size_t)c->n, inner = 2 * n * (size_t)(parts - 1), live = ric_general(c) ? 2 * n : n + 1;
-    size_t ld = live + 2 * n + 1, vectors = 1 + (size_t)c->n_flight + (size_t)c->n_end + inner;
+    size_t ld = live + 1 + (parts > 1 ? 2 * n : 0), vectors = 1 + (size_t)c->n_flight + (size_t)c->n_end + inner;
     double **const arrays[] = {&c->hv, &c->beta, &c->zeta, &c->X, &c->flown, &c->part};
+    /* no time from the origin: no flight that is ever asked for */
     const size_t sizes[] = {vectors * ld,     vectors,           vectors,
-                            (6 * n + 1) * ld, 2 * n + 1 + inner, (size_t)parts * (4 * n * n + 4 * n)};
-    for (int i = 0; i < 6; i++) {
-        free(*arrays[i]);
-        if (!(*arrays[i] = ric_calloc(sizes[i], sizeof(double))))
-            return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d parts", parts);
-    }
+                            (6 * n + 1) * ld, 2 * n + 1 + inner, parts > 1 ? (size_t)parts * (4 * n * n + 4 * n) : 0};
+    free(c->hv);
+    if (!ric_shooting_nodes_room(6, sizes, arrays))
+        return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d parts", parts);
     c->parts = parts;
     c->ld = (int)ld;
     c->n_unknown = c->n_start + c->n_flight + (int)inner;

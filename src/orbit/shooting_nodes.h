@@ -20,6 +20,9 @@ enum { RIC_PARTS_MOST = 256 };
 /* Divides the one flight of a chain into `parts`, at most RIC_PARTS_MOST; the chain has not been flown yet. Without
  * memory it can only be freed. */
 ric_status ric_shooting_nodes_divide(ric_shooting *chain, int parts);
+/* Room for several arrays, in one piece that is that of the first: chains are made by the thousand. False: no memory,
+ * and all are NULL. */
+bool ric_shooting_nodes_room(int count, const size_t *sizes, double **const *arrays);
 /* Node j of u, from 1: the state w [2n]. */
 void ric_shooting_nodes_put(const ric_shooting *chain, int j, const double *w, double *u);
 /* Fills in the nodes of u: those of one flight from its start. */
