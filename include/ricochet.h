@@ -1120,6 +1120,7 @@ typedef struct {
     int lines;        /* points on each symmetry line before it is refined */
     int rows, row;    /* rows on the section of each face, and points on each row before it is refined */
     int random;       /* random starts on each face */
+    int starts;       /* guesses of all impact times for each letter of each word, in each round; 0: none */
     uint64_t seed;
     /* NULL, or called now and then; return true to stop */
     bool (*progress)(const char *what, double part, int found, void *user);
@@ -1131,7 +1132,7 @@ void ric_hunt_options_init(ric_hunt_options *options);
 void ric_hunt_options_bound(ric_hunt_options *options, const ric_study *study);
 ric_status ric_hunt_create(const ric_model *model, const ric_hunt_options *options, ric_hunt **out);
 void ric_hunt_free(ric_hunt *hunt);
-/* Searches; sorts what was found. RIC_E_INTERRUPTED when progress asked to stop. */
+/* Searches; sorts what was found. RIC_E_INTERRUPTED when progress asked to stop: what was found until then is kept. */
 ric_status ric_hunt_run(ric_hunt *hunt);
 
 typedef struct {

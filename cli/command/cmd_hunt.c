@@ -104,7 +104,7 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
         !take_positive(argc, argv, "--period", bounded, &o->period[1]) ||
         !take_count(argc, argv, "--lines", 2, &o->lines) || !take_count(argc, argv, "--rows", 0, &o->rows) ||
         !take_count(argc, argv, "--row", 2, &o->row) || !take_count(argc, argv, "--random", 0, &o->random) ||
-        !cli_take_value(argc, argv, "--impacts", &text) ||
+        !take_count(argc, argv, "--starts", 0, &o->starts) || !cli_take_value(argc, argv, "--impacts", &text) ||
         (text && !cli_parse_integer(text, "--impacts", 1, RIC_HUNT_IMPACTS, &value)))
         return false;
     if (text) o->impacts = (int)value;
@@ -276,6 +276,7 @@ static ric_status hunt_at(quest *q, double energy)
     options.user = &q->display;
     ric_status status = ric_hunt_create(model, &options, &h);
     if (!status) status = ric_hunt_run(h);
+    if (status == RIC_E_INTERRUPTED) add_rows(h, model, energy, q->request->d, NULL, q->rows);
     if (!status && q->atlas) status = ric_hunt_compare(h, q->atlas, &c);
     if (!status && q->request->add) status = ric_hunt_add(h, c, q->atlas, q->request->atlas_path, &added);
     if (q->display.terminal) fputs("\r\033[K", stderr);
@@ -343,6 +344,18 @@ static ric_status hunt_window(quest *q)
     return status;
 }
 
+/* Prints what was found, all of it or until it was stopped; the exit code, `code` where it is not 0. */
+static int answer(const quest *q, const request *r, int code)
+{
+    if (r->choice.hertz) cli_in_hertz(q->rows);
+    if (!cli_choose(q->rows, &r->choice)) return CLI_WRONG;
+    if (code)
+        cli_say("%zu orbits were found until then%s\n", json_array_size(q->rows),
+                q->atlas ? "; those without a word in `atlas` were not compared" : "");
+    int printed = print(q->rows, q->atlas != NULL, r->format);
+    return printed ? printed : code ? code : q->code;
+}
+
 static int hunt(const request *r, const ric_study *study, ric_atlas **atlas)
 {
     quest q = {.request = r,
@@ -356,9 +369,7 @@ static int hunt(const request *r, const ric_study *study, ric_atlas **atlas)
                         : r->energy[0] < r->energy[1] ? hunt_window(&q)
                                                       : hunt_at(&q, r->energy[0]);
     int code = cli_report(status);
-    if (!status && r->choice.hertz) cli_in_hertz(q.rows);
-    if (!status && !cli_choose(q.rows, &r->choice)) code = CLI_WRONG;
-    else if (!status && !(code = print(q.rows, q.atlas != NULL, r->format))) code = q.code;
+    if (!status || status == RIC_E_INTERRUPTED) code = answer(&q, r, code);
     *atlas = q.atlas;
     json_decref(q.rows);
     json_decref(q.isolated);
@@ -414,7 +425,8 @@ static int run(int argc, char **argv)
 static const cli_item items[] = {
     {.text = "Looks for all periodic orbits of one scaled energy with up to N impacts per period, without "
              "following any branch: symmetry lines are scanned, rows and random starts are flown from impact to "
-             "impact. For rigid stops that see two modes. Every orbit is checked with the simulator. "
+             "impact, and the times of all impacts of a word are guessed at once. For rigid stops that see two modes. "
+             "Every orbit is checked with the simulator. "
              "An empty result is no proof; what a known atlas has is the measure of what is found."},
     {.name = "--energy",
      .value = "E[,E]",
@@ -435,7 +447,10 @@ static const cli_item items[] = {
     {.name = "--rows", .value = "N", .text = "rows on the section of each face, 60 unless given"},
     {.name = "--row", .value = "N", .text = "points on each row, 1000 unless given"},
     {.name = "--random", .value = "N", .text = "random starts on each face, 250000 unless given"},
-    {.name = "--seed", .value = "S", .text = "of the random starts, 1 unless given"},
+    {.name = "--starts",
+     .value = "N",
+     .text = "guesses of all impact times for each letter of each word, in every round, 60 unless given"},
+    {.name = "--seed", .value = "S", .text = "of the random starts and guesses, 1 unless given"},
     {.name = "--physical",
      .text = "energies, those of --energy too, and states in the units of the study, not scaled by the clearance"},
     CLI_ITEM_SORT,
@@ -450,8 +465,8 @@ const cli_command cli_hunt = {
     .name = "hunt",
     .summary = "periodic orbits of one energy by brute force; what an atlas lacks",
     .usage = "ricochet hunt STUDY|ATLAS --energy E[,E] [--impacts N] [--period T] [--atlas FILE [--add]]\n"
-             "           [--lines N] [--rows N] [--row N] [--random N] [--seed S] [--physical] [--hz]\n"
-             "           [--sort COLUMN] [--json | --csv | --wide]\n",
+             "           [--lines N] [--rows N] [--row N] [--random N] [--starts N] [--seed S]\n"
+             "           [--physical] [--hz] [--sort COLUMN] [--json | --csv | --wide]\n",
     .items = items,
     .example = "ricochet hunt examples/elementary/study.yaml --energy 5 --impacts 4\n"
                "ricochet hunt study.ricochet --energy 0.7,40 --impacts 4 --add\n",

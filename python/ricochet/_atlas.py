@@ -409,7 +409,7 @@ class Atlas:
         compare : bool
             Whether to compare with the atlas.
         options
-            lines, rows, row, random, seed: how densely is looked; see `ricochet hunt --help`.
+            lines, rows, row, random, starts, seed: how densely is looked; see `ricochet hunt --help`.
 
         Returns
         -------

@@ -110,8 +110,8 @@ def _options(atlas, energy: float, impacts: int, period, given: dict):
     if period is not None:
         options.period[1] = min(period, options.period[1])
     for name, value in given.items():
-        if name not in ("lines", "rows", "row", "random", "seed"):
-            raise InputError(f"hunt: no option '{name}': there are lines, rows, row, random and seed")
+        if name not in ("lines", "rows", "row", "random", "starts", "seed"):
+            raise InputError(f"hunt: no option '{name}': there are lines, rows, row, random, starts and seed")
         setattr(options, name, value)
     return options
 

@@ -18,6 +18,7 @@ void ric_hunt_options_init(ric_hunt_options *o)
                             .rows = 60,
                             .row = 1000,
                             .random = 250000,
+                            .starts = 60,
                             .seed = 1};
 }
 
@@ -37,11 +38,11 @@ static ric_status check_options(const ric_hunt_options *o)
     if (!(o->period[0] >= 0 && o->period[0] < o->period[1]))
         return ric_fail(RIC_E_INPUT, "period: from %g to %g s is no range; give two times, the smaller one first",
                         o->period[0], o->period[1]);
-    if (o->lines < 2 || o->row < 2 || o->rows < 0 || o->random < 0)
+    if (o->lines < 2 || o->row < 2 || o->rows < 0 || o->random < 0 || o->starts < 0)
         return ric_fail(RIC_E_INPUT,
-                        "lines %d, rows %d of %d, random %d: lines and points of a row are at least 2, "
+                        "lines %d, rows %d of %d, random %d, starts %d: lines and points of a row are at least 2, "
                         "the others at least 0",
-                        o->lines, o->rows, o->row, o->random);
+                        o->lines, o->rows, o->row, o->random, o->starts);
     return RIC_OK;
 }
 
@@ -75,6 +76,20 @@ ric_status ric_hunt_report(ric_hunt *h, const char *what, double part)
     if (h->options.progress && h->options.progress(what, part, h->n, h->options.user))
         return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
     return RIC_OK;
+}
+
+/* splitmix64 (Steele, Lea, Flood 2014). */
+uint64_t ric_hunt_random(uint64_t *state)
+{
+    uint64_t z = *state += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return z ^ z >> 31;
+}
+
+double ric_hunt_uniform(uint64_t *state)
+{
+    return (double)(ric_hunt_random(state) >> 11) * 0x1p-53;
 }
 
 /* ------------------------------------------------------------------ images */
@@ -204,7 +219,7 @@ static void unfold(const ric_impact_map *s, int half, ric_hit *hits)
     for (int k = 0; k < half; k++) hits[half + k] = ric_impact_map_mirrored(s, hits[k]);
 }
 
-ric_status ric_hunt_try(ric_hunt *h, int N, bool half, const ric_hit *hits, bool from_mirrors)
+ric_status ric_hunt_try(ric_hunt *h, int N, bool half, const ric_hit *hits, ric_hunt_way way)
 {
     int full = half ? 2 * N : N;
     ric_hit orbit[full];
@@ -229,8 +244,7 @@ ric_status ric_hunt_try(ric_hunt *h, int N, bool half, const ric_hit *hits, bool
         if (status) return status;
         known = h->n - 1;
     }
-    h->prey[known].from_mirrors += from_mirrors;
-    h->prey[known].from_rows += !from_mirrors;
+    h->prey[known].from[way]++;
     return RIC_OK;
 }
 
@@ -248,6 +262,7 @@ ric_status ric_hunt_run(ric_hunt *h)
 {
     ric_status status = ric_hunt_mirrors(h);
     if (!status) status = ric_hunt_rows(h);
+    if (!status) status = ric_hunt_words(h);
     if (h->n) qsort(h->prey, (size_t)h->n, sizeof *h->prey, prey_order);
     return status;
 }

@@ -6,14 +6,17 @@
 
 #include "impact_map.h"
 
+/* The searches. */
+typedef enum { RIC_WAY_MIRRORS, RIC_WAY_ROWS, RIC_WAY_WORDS, RIC_HUNT_WAYS } ric_hunt_way;
+
 /* An orbit: N impacts that repeat. */
 typedef struct {
     int N;
     ric_hit *hits;        /* [N], in canonical order: smallest word, then smallest numbers */
     double period, trace; /* seconds; lambda + 1/lambda */
     bool symmetric, reversible;
-    int pure, flip;              /* the reversals that keep it, as periodic.h has them, -1: none */
-    int from_mirrors, from_rows; /* how often each search has come to it */
+    int pure, flip;          /* the reversals that keep it, as periodic.h has them, -1: none */
+    int from[RIC_HUNT_WAYS]; /* how often each search has come to it */
 } ric_prey;
 
 struct ric_hunt {
@@ -25,14 +28,18 @@ struct ric_hunt {
     long ghosts;         /* solutions that are no motions */
 };
 
-/* The two searches. */
 ric_status ric_hunt_mirrors(ric_hunt *hunt);
 ric_status ric_hunt_rows(ric_hunt *hunt);
+/* After the others: it uses what they have found. */
+ric_status ric_hunt_words(ric_hunt *hunt);
 
 /* Solves from `hits` [N] (of half the period with `half`), checks and keeps the orbit unless it is known. */
-ric_status ric_hunt_try(ric_hunt *hunt, int N, bool half, const ric_hit *hits, bool from_mirrors);
+ric_status ric_hunt_try(ric_hunt *hunt, int N, bool half, const ric_hit *hits, ric_hunt_way way);
 /* The place of an orbit among those found, up to rotation, mirror image and time reversal; -1: it is not there. */
 int ric_hunt_find(const ric_hunt *hunt, int N, const ric_hit *hits, double tolerance);
+/* Random numbers of a state that the caller keeps: 64 bits, and from 0 to 1. */
+uint64_t ric_hunt_random(uint64_t *state);
+double ric_hunt_uniform(uint64_t *state);
 /* RIC_E_INTERRUPTED when the user wants to stop. */
 ric_status ric_hunt_report(ric_hunt *hunt, const char *what, double part);
 

@@ -139,7 +139,7 @@ static ric_status try_half(const ric_line *l, const ric_strand *a, int j, mirror
         period += orbit[k].tau;
     }
     if (N < 1 || N > l->hunt->options.impacts || period > 1.01 * l->hunt->options.period[1]) return RIC_OK;
-    return ric_hunt_try(l->hunt, N, false, orbit, true);
+    return ric_hunt_try(l->hunt, N, false, orbit, RIC_WAY_MIRRORS);
 }
 
 /* ---------------------------------------------------------------- the search */

@@ -33,20 +33,6 @@ typedef struct {
     double p; /* of the present row: P sin(angle) over its largest value */
 } search;
 
-/* splitmix64 (Steele, Lea, Flood 2014). */
-static uint64_t next_random(uint64_t *state)
-{
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
-
-static double uniform(uint64_t *state)
-{
-    return (double)(next_random(state) >> 11) * 0x1p-53;
-}
-
 /* One more attempt at a guess, unless it has had its share. */
 static bool admit(search *g, int N, bool half, const ric_hit *hits, double y, double angle)
 {
@@ -54,7 +40,7 @@ static bool admit(search *g, int N, bool half, const ric_hit *hits, double y, do
     for (int k = 0; k < N; k++) key = (key ^ (uint64_t)hits[k].face) * 0x100000001b3u;
     key = (key ^ (uint64_t)(int64_t)floor(y * CELLS)) * 0x9e3779b97f4a7c15u;
     key = (key ^ (uint64_t)(int64_t)floor(angle * CELLS)) * 0x9e3779b97f4a7c15u;
-    uint8_t *count = &g->tried[next_random(&key) & g->mask];
+    uint8_t *count = &g->tried[ric_hunt_random(&key) & g->mask];
     if (*count >= ATTEMPTS) return false;
     ++*count;
     return true;
@@ -71,7 +57,7 @@ static ric_status consider(search *g, int k, bool half, ric_hit *hits, const dou
     if (!(hypot(dy, da) < FAR)) return RIC_OK;
     double y = (hits[0].y - face->middle) / face->radius[0] + dy, angle = hits[0].angle + da;
     if (fabs(y) > 1 || !admit(g, k, half, hits, y, angle)) return RIC_OK;
-    return ric_hunt_try(g->hunt, k, half, hits, false);
+    return ric_hunt_try(g->hunt, k, half, hits, RIC_WAY_ROWS);
 }
 
 static void chain_rule(const double *step, double *D)
@@ -123,7 +109,7 @@ static bool start_row(const ric_line *l, double y, ric_hit *hit, double *w)
 static bool start_random(const ric_line *l, double unused, ric_hit *hit, double *w)
 {
     search *g = l->user;
-    double r = sqrt(uniform(&g->random)), turn = RIC_TWO_PI * uniform(&g->random);
+    double r = sqrt(ric_hunt_uniform(&g->random)), turn = RIC_TWO_PI * ric_hunt_uniform(&g->random);
     (void)unused;
     return place(l, r * cos(turn), r * sin(turn), hit, w);
 }

@@ -370,33 +370,38 @@ bool ric_impact_map_around(const ric_impact_map *s, int N, const ric_hit *hits, 
 
 /* ------------------------------------------------------------------ polish */
 
-/* A [n * n] x = b in place, partial pivoting; false where it is singular to rounding. */
-static bool solve(int n, double *A, double *b)
+static void swap_rows(int m, double *a, double *b)
+{
+    for (int k = 0; k < m; k++) {
+        double t = a[k];
+        a[k] = b[k];
+        b[k] = t;
+    }
+}
+
+bool ric_impact_map_eliminate(int n, int m, double *A, double *B)
 {
     for (int j = 0; j < n; j++) {
         int best = j;
         for (int i = j + 1; i < n; i++)
             if (fabs(A[i * n + j]) > fabs(A[best * n + j])) best = i;
         if (!(fabs(A[best * n + j]) > NOTHING)) return false;
-        for (int k = j; best != j && k < n; k++) {
-            double t = A[j * n + k];
-            A[j * n + k] = A[best * n + k];
-            A[best * n + k] = t;
+        if (best != j) {
+            swap_rows(n - j, A + j * n + j, A + best * n + j);
+            swap_rows(m, B + j * m, B + best * m);
         }
-        double t = b[j];
-        b[j] = b[best];
-        b[best] = t;
         for (int i = j + 1; i < n; i++) {
             double factor = A[i * n + j] / A[j * n + j];
             if (factor == 0) continue;
             for (int k = j + 1; k < n; k++) A[i * n + k] -= factor * A[j * n + k];
-            b[i] -= factor * b[j];
+            for (int k = 0; k < m; k++) B[i * m + k] -= factor * B[j * m + k];
         }
     }
-    for (int i = n - 1; i >= 0; i--) {
-        for (int k = i + 1; k < n; k++) b[i] -= A[i * n + k] * b[k];
-        b[i] /= A[i * n + i];
-    }
+    for (int i = n - 1; i >= 0; i--)
+        for (int c = 0; c < m; c++) {
+            for (int k = i + 1; k < n; k++) B[i * m + c] -= A[i * n + k] * B[k * m + c];
+            B[i * m + c] /= A[i * n + i];
+        }
     return true;
 }
 
@@ -450,7 +455,7 @@ bool ric_impact_map_polish(const ric_impact_map *s, int N, bool half, ric_hit *h
     double *A = work, *r = work + (size_t)n * (size_t)n, before = INFINITY;
     for (int i = 0; i < STEPS; i++) {
         double size = 1, change = 0, residual = assemble(s, N, half, hits, A, r);
-        if (!(residual < INFINITY) || !solve(n, A, r)) return false;
+        if (!(residual < INFINITY) || !ric_impact_map_eliminate(n, 1, A, r)) return false;
         if (i > 8 && residual > before / 2 && residual > NEARLY) return false;
         before = residual;
         double part = allowed(s, N, hits, r);

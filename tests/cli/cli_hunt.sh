@@ -15,7 +15,7 @@ YAML
 sed 's/9, -1/9.5, -1/' "$folder/study.yaml" >"$folder/other.yaml"
 atlas=$folder/atlas.ricochet
 
-hunt() { "$ricochet" hunt "$folder/study.yaml" --energy 5 --impacts 4 --lines 2000 --rows 15 --row 200 --random 5000 "$@"; }
+hunt() { "$ricochet" hunt "$folder/study.yaml" --energy 5 --impacts 4 --lines 2000 --rows 15 --row 200 --random 5000 --starts 20 "$@"; }
 
 refused() { refusal hunt "$@"; } # CODE PATTERN ARGUMENTS...
 ok "no energy" refused 2 "energy is missing" "$folder/study.yaml"
@@ -88,7 +88,7 @@ ok "and nothing is unexplained" test "$(grep -c ,unexplained, "$folder/single.cs
 # A window of energies: the chain of A3[001] and A4[0001] that no departure leads to, between two touches of three impacts.
 sed 's/impacts: 6, multiply: 2/impacts: 4, multiply: 1/' "$folder/study.yaml" >"$folder/islands.yaml"
 "$ricochet" run "$folder/islands.yaml" -o "$folder/islands.ricochet" >/dev/null 2>&1
-window() { "$ricochet" hunt "$folder/islands.ricochet" --energy "$1" --impacts 4 --lines 4000 --rows 10 --row 200 --random 3000 "${@:2}"; }
+window() { "$ricochet" hunt "$folder/islands.ricochet" --energy "$1" --impacts 4 --lines 4000 --rows 10 --row 200 --random 3000 --starts 20 "${@:2}"; }
 ok "a window that ends before it begins" refused 2 "ends before it begins" "$folder/islands.ricochet" --energy 11,3
 ok "a window without an end" refused 2 "not a finite number" "$folder/islands.ricochet" --energy 3,
 ok "before, every branch is linked to a mode" eval "! '$ricochet' branches '$folder/islands.ricochet' --json | grep -q '\"linked\": false'"
@@ -105,6 +105,23 @@ assert all(abs(r["frequency_min"] - 1.418199) < 1e-5 and abs(r["frequency_max"] 
 ' "$folder/islands.json"; }
 ok "the island has the ends that are known" is_island
 ok "report counts the islands" eval "'$ricochet' report '$folder/islands.ricochet' | grep -q 'families linked to no mode  *3 '"
+
+# Words alone: an orbit with multipliers of 1e17, whose word no start in double precision has.
+by_words() { "$ricochet" hunt "$folder/study.yaml" --lines 2 --rows 0 --random 0 "$@"; }
+by_words --energy 2.5 --impacts 7 --csv >"$folder/steep.csv" 2>/dev/null
+ok "an orbit that no motion leads to" grep -q ",0010011,26.06828454.*,-975484" "$folder/steep.csv"
+none() { test "$(by_words --energy 2.5 --impacts 7 --starts 0 --csv 2>/dev/null | grep -c 26.0682845)" = 0; }
+ok "and that is not found without guesses of impact times" none
+set -m # else the shell lets its children ignore Ctrl-C
+"$ricochet" hunt "$folder/study.yaml" --lines 2 --rows 0 --random 0 --energy 2.5 --starts 100000000 --csv >"$folder/stopped.csv" 2>"$folder/stopped" &
+spent() { test -r "/proc/$1/stat" && test "$(awk '{ print $14 }' "/proc/$1/stat")" -ge 50; } # half a second of processor time
+while kill -0 $! 2>/dev/null && ! spent $!; do sleep 0.05; done
+kill -INT $!
+wait $!
+ok "Ctrl-C ends it with its own exit code" test $? = 130
+ok "and prints what was found until then" test "$(tail -n +2 "$folder/stopped.csv" | wc -l)" -gt 0
+set +m
+ok "and says so" grep -q "orbits were found until then" "$folder/stopped"
 
 sed 's/clearance: 1.0/clearance: 2.0/' "$folder/study.yaml" >"$folder/wide.yaml"
 units() { # with twice the clearance energies are four times as large, and displacements twice
