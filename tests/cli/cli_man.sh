@@ -26,9 +26,12 @@ says_the_same() { # COMMAND
     [ ! -s "$folder/lost" ]
 }
 if command -v man >/dev/null && command -v groff >/dev/null; then
+    # Every page is set, and in the short form every third one is compared word by word, which sets it again.
+    turn=0
     for command in ricochet $commands; do
+        turn=$((turn + 1))
         ok "ricochet --man $command: man has no warning" well_formed "$command"
-        [ "$command" = ricochet ] || ok "$command: the page says what --help says" says_the_same "$command"
+        [ "$command" = ricochet ] || [ $((turn % $(every_of 3))) != 0 ] || ok "$command: the page says what --help says" says_the_same "$command"
     done
 else
     left_out 'manual pages' 'man or groff is missing (Debian: man-db, groff)'
