@@ -2,6 +2,7 @@
 import json
 import math
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -57,6 +58,12 @@ def same(found, wanted, where):
         assert found == wanted, (where, found, wanted)
 
 
+def cost():
+    """Seconds of the processor so far, of what was started, too."""
+    use = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(one.ru_utime + one.ru_stime for one in use)
+
+
 def run(tests):
     """Every test gets a folder of its own. Those that the command line names, or all."""
     failed, tests = 0, [test for test in tests if test.__name__ in sys.argv[1:] or not sys.argv[1:]]
@@ -72,5 +79,7 @@ def run(tests):
             failed += 1
             print(f"not ok {number} - {name}", flush=True)
             print("\n".join("# " + line for line in traceback.format_exc().splitlines()), flush=True)
+        if os.environ.get("RICOCHET_TEST_COST"):
+            print(f"# {cost():.2f} s of the processor so far", flush=True)
     print(f"1..{len(tests)}")
     sys.exit(1 if failed else 0)
