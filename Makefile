@@ -2,13 +2,14 @@
 BUILD ?= build
 ASAN ?= build-asan
 TSAN ?= build-tsan
+CLANG ?= build-clang
 FUZZ ?= build-fuzz
 FUZZ_CC ?= clang-14
 DEMO = $(BUILD)/demo
 FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. $(wildcard tests/*/.) bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench sanitize race memcheck memcheck-python sanitize-python package-check container-check faults fuzz attack clean
+.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench sanitize race memcheck memcheck-python sanitize-units sanitize-python clang-units package-check container-check faults fuzz attack clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -24,6 +25,8 @@ help:
 	@echo "make python    build, install what the Python package needs, and leave it ready in python/"
 	@echo "make site      build the documentation site in $(BUILD)/site/, with the notebooks run (Debian: pandoc)"
 	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
+	@echo "make sanitize-units  the same of the test programs alone, as CI does"
+	@echo "make clang-units  build all with clang in $(CLANG)/, every warning an error, and run the test programs"
 	@echo "make race      build with checks for data races in $(TSAN)/ and run what has threads"
 	@echo "make memcheck  run the test programs and all commands under valgrind (Debian: valgrind)"
 	@echo "make memcheck-python  run the tests of the Python package under valgrind"
@@ -35,7 +38,7 @@ help:
 	@echo "make fuzz      build the fuzzing harnesses in $(FUZZ)/ and run each for SECONDS=60 (Debian: clang-14, libclang-rt-14-dev)"
 	@echo "make picture   take the screenshot of ricochet view that the documentation shows"
 	@echo "make setup     install the packages that are missing (all of the above do it, too)"
-	@echo "make clean     remove $(BUILD)/, $(ASAN)/, $(TSAN)/ and $(FUZZ)/"
+	@echo "make clean     remove $(BUILD)/, $(ASAN)/, $(TSAN)/, $(CLANG)/ and $(FUZZ)/"
 
 setup:
 	@tools/setup
@@ -106,9 +109,10 @@ test:
 check: setup-tests build
 	@tools/run-tests $(BUILD) --no-suite slow
 
+# ONLY='cli_gallery power' names some.
 long: export RICOCHET_TEST_LONG = 1
 long: setup-tests build
-	@tools/run-tests $(BUILD) --timeout-multiplier 40
+	@tools/run-tests $(BUILD) --timeout-multiplier 40 $(ONLY)
 
 TIMES ?= 10
 BUSY ?= 2
@@ -140,6 +144,19 @@ sanitize: setup-tests $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet
 	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN) --timeout-multiplier 10
 	@tools/memcheck-python -address $(ASAN) || [ $$? = 77 ]
+
+# The same of the test programs alone, and of them and the library as clang makes them.
+sanitize-units: setup-tests $(ASAN)/build.ninja
+	@ninja -C $(ASAN) --quiet
+	@ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 tools/run-tests $(ASAN) --suite unit --suite article --timeout-multiplier 10
+
+$(CLANG)/build.ninja: export CC = clang
+$(CLANG)/build.ninja: $(FOLDERS) $(MESON_FILES) | setup
+	$(call configure,$(CLANG),-Dstrict=true)
+
+clang-units: setup-tests $(CLANG)/build.ninja
+	@ninja -C $(CLANG) --quiet
+	@tools/run-tests $(CLANG) --suite unit --suite article
 
 # The same of the Python package alone: the library is loaded into a Python that has no checks, behind that of the sanitizer.
 sanitize-python: setup-tests $(ASAN)/build.ninja
@@ -183,4 +200,4 @@ fuzz: $(FUZZ)/build.ninja
 	@tools/fuzz.sh $(FUZZ) $(SECONDS)
 
 clean:
-	rm -rf $(BUILD) $(ASAN) $(TSAN) $(FUZZ)
+	rm -rf $(BUILD) $(ASAN) $(TSAN) $(CLANG) $(FUZZ)

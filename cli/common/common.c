@@ -111,6 +111,8 @@ bool cli_left_unsaid(void)
     return unsaid;
 }
 
+static void put_formatted(FILE *out, const char *format, va_list arguments) __attribute__((format(printf, 2, 0)));
+
 static void put_formatted(FILE *out, const char *format, va_list arguments)
 {
     va_list again;

@@ -20,6 +20,9 @@ enum {
 /* ---------------------------------------------------------------- messages */
 
 static ric_status vwrong(const ric_yaml *r, size_t line, const char *key, const char *format, va_list arguments)
+    __attribute__((format(printf, 4, 0)));
+
+static ric_status vwrong(const ric_yaml *r, size_t line, const char *key, const char *format, va_list arguments)
 {
     char what[700];
     vsnprintf(what, sizeof what, format, arguments);
