@@ -164,7 +164,8 @@ static void tell_account(const request *r, const ric_census *census, const ric_c
     tell_periods(a, out);
     cli_tell(out, "%ld boxes of flight times in %d words; %d solutions are no motions\n", a->boxes, a->words,
              a->ghosts);
-    if (a->undecided) cli_tell(out, "%ld boxes are undecided, %.3g of all flight times and states\n", a->undecided, a->measure);
+    if (a->undecided)
+        cli_tell(out, "%ld boxes are undecided, %.3g of all flight times and states\n", a->undecided, a->measure);
     if (a->open) cli_tell(out, "of %d solutions it is not proved whether they are motions\n", a->open);
     tell_open(r, census, a->open);
 }
