@@ -2,6 +2,7 @@
 # Certificates of curves and grazings, checked by what shares nothing with the program: what it writes passes, lies do not.
 set -u
 . tests/support/tap.sh
+. tests/support/proofs.sh
 
 needs_checker
 for name in elementary three-masses; do
@@ -11,18 +12,8 @@ for name in elementary three-masses; do
         exit 77
     fi
 done
-# curves NAME BRANCH...: of these branches in the short form, one file for all
-curves() {
-    local one
-    if long_form; then "$ricochet" prove "$folder/$1.ricochet" --curves -o "$folder/$1-c.jsonl" && return; fi
-    for one in "${@:2}"; do
-        rm -f "$folder/one.jsonl"
-        "$ricochet" prove "$folder/$1.ricochet" --curves --branch "$one" -o "$folder/one.jsonl" || return 1
-        if [ "$one" = "$2" ]; then cat "$folder/one.jsonl"; else tail -n +2 "$folder/one.jsonl"; fi >>"$folder/$1-c.jsonl"
-    done
-}
-curves elementary 3 4 5 8 11 >"$folder/said" 2>&1
-curves three-masses 4 >"$folder/said" 2>&1
+certificates "$folder/elementary.ricochet" "$folder/elementary-c.jsonl" --curves $(some_of '3 4 5 8 11' '') >"$folder/said" 2>&1
+certificates "$folder/three-masses.ricochet" "$folder/three-masses-c.jsonl" --curves $(some_of 4 '') >"$folder/said" 2>&1
 accepted() { "$python" tools/check_certificate.py "$@" >"$folder/checked" && [ "$(tail -1 "$folder/checked")" = "$count accepted, 0 refused" ]; }
 count=6
 ok 'grazings of elementary are accepted, and are those of the atlas' accepted "$folder/elementary-j.jsonl" "$folder/elementary.ricochet"

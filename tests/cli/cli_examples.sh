@@ -49,14 +49,15 @@ if ! command -v python3 >/dev/null; then
     exit 77
 fi
 
-# Five examples take nearly all of the time, so the short form explores a part of them: the arm to a few times the energy of
-# its first touch, beam-lumped to a fifth of its energy, and all but the arm not so deep.
+# Six examples take nearly all of the time, so the short form explores a part of them: the arm to a few times the energy of
+# its first touch, beam-lumped and power-21 to a part of their energy, and the others not so deep.
 study() # EXAMPLE
 {
     local study=examples/$1/study.yaml part=
     case $1 in
     arm) part='s/times: .*/times: [0, 1.4]}/' ;;
     beam-lumped) part='s/depth: 6/depth: 2/; s/energy: .*/energy: [0, 20]/' ;;
+    power-21) part='s/energy: .*/energy: [0, 100]/' ;;
     peeters | power-3 | power-7) part='s/depth: 2/depth: 1/' ;;
     esac
     if [ -n "$part" ] && ! long_form; then

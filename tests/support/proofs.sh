@@ -21,6 +21,17 @@ while text:
     rows, text = rows + part, text[end:].strip()
 print(json.dumps(rows))' >"$2"
 }
+# certificates ATLAS FILE OPTION BRANCH...: of these branches in one file, of all where none is named; OPTION is --curves or nothing
+certificates() {
+    local one first=1
+    if [ $# = 3 ]; then "$ricochet" prove "$1" $3 -o "$2"; return; fi
+    for one in "${@:4}"; do
+        rm -f "$2-one"
+        "$ricochet" prove "$1" $3 --branch "$one" -o "$2-one"
+        tail -n +$first "$2-one" >>"$2"
+        first=2
+    done
+}
 # rows FILE CODE: Python over `rows` of FILE, without those that are left out by name
 rows() { python3 - "$1" <<END
 import json, math, sys
