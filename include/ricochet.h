@@ -1235,7 +1235,7 @@ typedef struct {
     int ghosts;       /* zeros of the equations that are no motions */
     int open;         /* zeros of which it is not proved whether they are motions */
     long undecided;   /* boxes that are neither empty nor known to hold one orbit */
-    double measure;   /* of these, as a share of all flight times */
+    double measure;   /* of these, as a share of all flight times and states */
     bool stopped;     /* on request, or as the time was over */
 } ric_census_account;
 
