@@ -25,7 +25,7 @@ help:
 	@echo "make python    build, install what the Python package needs, and leave it ready in python/"
 	@echo "make site      build the documentation site in $(BUILD)/site/, with the notebooks run (Debian: pandoc)"
 	@echo "make sanitize  build with address and undefined-behaviour checks in $(ASAN)/ and run the suite"
-	@echo "make sanitize-units  the same of the test programs alone, as CI does"
+	@echo "make sanitize-units  the same of the test programs alone"
 	@echo "make clang-units  build all with clang in $(CLANG)/, every warning an error, and run the test programs"
 	@echo "make race      build with checks for data races in $(TSAN)/ and run what has threads"
 	@echo "make memcheck  run the test programs and all commands under valgrind (Debian: valgrind)"
