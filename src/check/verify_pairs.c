@@ -373,10 +373,8 @@ static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims 
     out->multiplier_error = (double)fabs(stored->trace - found);
     out->multiplier_bound = (double)bound;
     bool vague = !(bound <= VAGUE);
-    /* nor does the library give it when it is asked again, or not for sure, as the rounding of the state lies between;
-     * and at an end it need not have, as with a flag */
-    if (isnan(stored->trace))
-        vague |= !all_given(p->asked) || p->asked->end || UNSAID * p->asked->error > VAGUE * hypot(2, full(p, 0, 0));
+    /* nor does the library give it when it is asked again; and at an end it need not have, as with a flag */
+    if (isnan(stored->trace)) vague |= !all_given(p->asked) || p->asked->end;
     out->multipliers = vague ? RIC_AGREES_UNCHECKED : out->multiplier_error <= bound ? RIC_AGREES_YES : RIC_AGREES_NO;
     if (out->multipliers == RIC_AGREES_NO && !*out->finding)
         snprintf(out->finding, sizeof out->finding, "trace %.17g stored, %.17g found, bound %.2g",
