@@ -5,7 +5,9 @@
 
 #include "plot.h"
 
-enum { ROUNDS = 3 };
+enum { ROUNDS = 3, WAYS = 16 };
+static const double distances[] = {2, 5, 8, 13, 20, 29, 40, 53, 68, 86, 106, 130}; /* pixels */
+enum { PLACES = WAYS * (int)(sizeof distances / sizeof *distances) };
 static const double near_by = 9;        /* pixels: from this distance on a label needs a line to its point */
 static const double good_enough = 12;   /* cost of a place that is not looked for again */
 static const double spare_cost = 30;    /* of a label that stands elsewhere, too: it has no worse place */
@@ -19,7 +21,8 @@ typedef struct {
 typedef struct {
     double cost; /* infinite: none */
     plot_box box;
-    double gap;
+    leader_line line; /* to it */
+    bool led;         /* the line is drawn */
     int tag;
 } stand;
 
@@ -31,6 +34,7 @@ typedef struct {
     const plot_tag *tags;
     int n_label, *first; /* [n_label], the weightiest tag of each label */
     stand *stands;       /* [n_label] */
+    double *alone;       /* [n * PLACES] cost of a place of a tag without other labels; NaN: not looked at yet */
 } placing;
 
 static int heavier(const void *a, const void *b)
@@ -114,23 +118,12 @@ static leader_line beyond_own(leader_line line, double own)
     return line;
 }
 
-static bool has_leader(const stand *s)
-{
-    return s->cost < INFINITY && s->gap >= near_by;
-}
-
-/* Cost of the leader, or infinity where it would meet a label, another mark or a leader. A curve that it crosses is
- * worth a longer way around. */
+/* Cost of the leader beside what is drawn, or infinity where it would meet a mark. A curve that it crosses is worth a
+ * longer way around. */
 static double leader_cost(const placing *p, const plot_tag *tag, leader_line line)
 {
     const leader_line rest = beyond_own(line, 2);
     if (!plot_page_free_line(p->page, rest.from, rest.to)) return INFINITY;
-    for (int i = 0; i < p->n_label; i++) {
-        const stand *s = &p->stands[i];
-        if (s->cost == INFINITY) continue;
-        if (crosses_box(rest, s->box)) return INFINITY;
-        if (has_leader(s) && lines_cross(line, leader_to(p, &p->tags[s->tag], s->box))) return INFINITY;
-    }
     return 30 * leader_ink(p->page, rest) + (tag->clear > 0 ? 4 : 8);
 }
 
@@ -176,15 +169,23 @@ static int others_near(plot_page *page, plot_point at)
     return ends > 2 ? ends - 2 : 0;
 }
 
-/* Whether the labels that have a place leave the box free, and their leaders. */
-static bool clear_of_labels(const placing *p, plot_box box)
+static plot_box widened(plot_box box)
 {
+    return (plot_box){box.left - 2, box.bottom - 1, box.right + 2, box.top + 1};
+}
+
+/* Whether the labels that have a place leave a place free, and their leaders, and whether its own leader meets none. */
+static bool clear_of_labels(const placing *p, const stand *place)
+{
+    const plot_box box = widened(place->box);
+    const leader_line rest = beyond_own(place->line, 2);
     for (int i = 0; i < p->n_label; i++) {
         const stand *s = &p->stands[i];
         if (s->cost == INFINITY) continue;
         if (box.left < s->box.right && s->box.left < box.right && box.bottom < s->box.top && s->box.bottom < box.top)
             return false;
-        if (has_leader(s) && crosses_box(leader_to(p, &p->tags[s->tag], s->box), box)) return false;
+        if (s->led && crosses_box(s->line, box)) return false;
+        if (place->led && (crosses_box(rest, s->box) || (s->led && lines_cross(place->line, s->line)))) return false;
     }
     return true;
 }
@@ -202,15 +203,14 @@ static bool other_between(const placing *p, const plot_tag *tag, plot_point to)
     return found;
 }
 
-/* Cost of a box for the tag: infinite where it cannot stand. */
+/* Cost of a box for the tag beside what is drawn: infinite where it cannot stand. */
 static double box_cost(const placing *p, const plot_tag *tag, plot_box box, double gap)
 {
-    const plot_box wide = {box.left - 2, box.bottom - 1, box.right + 2, box.top + 1};
+    const plot_box wide = widened(box);
     if (wide.left < p->bounds.left || wide.right > p->bounds.right || wide.bottom < p->bounds.bottom ||
         wide.top > p->bounds.top)
         return INFINITY;
-    if (plot_page_ink(p->page, wide) > 0 || !plot_page_free_box(p->page, wide) || !clear_of_labels(p, wide))
-        return INFINITY;
+    if (plot_page_ink(p->page, wide) > 0 || !plot_page_free_box(p->page, wide)) return INFINITY;
     const double distance = gap + 10 * crowding(p->page, wide);
     const int others = tag->curve ? others_near(p->page, tag->at) : 0;
     const leader_line line = leader_to(p, tag, box);
@@ -231,20 +231,21 @@ static plot_box box_around(plot_point centre, double width, double height)
  * less than `best`, `extra` included. */
 static void find_place(const placing *p, int i, double extra, stand *best)
 {
-    static const double distances[] = {2, 5, 8, 13, 20, 29, 40, 53, 68, 86, 106, 130};
     const plot_tag *tag = &p->tags[i];
     const plot_box size = plot_text_box((plot_point){0, 0}, PLOT_LEFT, p->size, false, tag->text);
     const double width = size.right - size.left, height = size.top - size.bottom;
     if (tag->curve && !plot_page_free_box(p->page, box_around(tag->at, 20, 20))) return;
-    for (size_t d = 0; d < sizeof distances / sizeof *distances && distances[d] + extra < best->cost; d++)
-        for (int k = 0; k < 16; k++) {
-            const double angle = acos(-1) / 8 * k, reach = tag->clear + distances[d];
-            const plot_point centre = {tag->at.x + cos(angle) * (reach + width / 2),
-                                       tag->at.y + sin(angle) * (reach + height / 2)};
-            const plot_box box = box_around(centre, width, height);
-            const double cost = box_cost(p, tag, box, distances[d]) + 0.6 * (1 - cos(angle - 0.6)) + extra;
-            if (cost < best->cost) *best = (stand){cost, box, distances[d], i};
-        }
+    for (int k = 0; k < PLACES && distances[k / WAYS] + extra < best->cost; k++) {
+        const double gap = distances[k / WAYS], angle = 2 * acos(-1) / WAYS * (k % WAYS), reach = tag->clear + gap;
+        const plot_point centre = {tag->at.x + cos(angle) * (reach + width / 2),
+                                   tag->at.y + sin(angle) * (reach + height / 2)};
+        const plot_box box = box_around(centre, width, height);
+        double *alone = &p->alone[(size_t)i * PLACES + (size_t)k];
+        if (isnan(*alone)) *alone = box_cost(p, tag, box, gap) + 0.6 * (1 - cos(angle - 0.6));
+        if (!(*alone + extra < best->cost)) continue;
+        const stand place = {*alone + extra, box, leader_to(p, tag, box), gap >= near_by, i};
+        if (clear_of_labels(p, &place)) *best = place;
+    }
 }
 
 /* The best place of a label by any of its alternatives, which come after the first; one to spare has a good one or
@@ -333,7 +334,9 @@ int plot_place_tags(plot_page *page, plot_box bounds, int n, plot_tag *tags, dou
     int missing = n;
     p.first = malloc(((size_t)n + 1) * sizeof *p.first);
     p.stands = malloc(((size_t)n + 1) * sizeof *p.stands);
-    if (!p.first || !p.stands) goto out;
+    p.alone = malloc(((size_t)n * PLACES + 1) * sizeof *p.alone);
+    if (!p.first || !p.stands || !p.alone) goto out;
+    for (size_t i = 0; i < (size_t)n * PLACES; i++) p.alone[i] = NAN;
     if (n > 0) qsort(tags, (size_t)n, sizeof *tags, heavier);
     find_labels(&p);
     for (int i = 0; i < p.n_label; i++) p.stands[i].cost = INFINITY;
@@ -346,12 +349,13 @@ int plot_place_tags(plot_page *page, plot_box bounds, int n, plot_tag *tags, dou
         else missing += !tags[p.first[i]].spare;
     }
     for (int i = 0; i < p.n_label; i++) {
-        if (!has_leader(&p.stands[i])) continue;
-        const leader_line line = leader_to(&p, &tags[p.stands[i].tag], p.stands[i].box);
-        plot_page_line(page, PLOT_LEADER, 2, (plot_point[]){line.from, line.to});
+        const stand *s = &p.stands[i];
+        if (s->cost < INFINITY && s->led)
+            plot_page_line(page, PLOT_LEADER, 2, (plot_point[]){s->line.from, s->line.to});
     }
 out:
     free(p.first);
     free(p.stands);
+    free(p.alone);
     return missing;
 }
