@@ -55,12 +55,18 @@ static bool is_least(const ric_impact_map *s, int N, const int *word)
     return true;
 }
 
+/* Half of a word, followed by the images of its letters. */
+static void complete(const ric_impact_map *s, int N, int *word)
+{
+    for (int k = 0; k < N; k++) word[N + k] = s->face[word[k]].mirror;
+}
+
 /* Word `code` of N letters, followed by their images if it is half of one; whether it is the least of its images. */
 static bool spell(const search *g, int N, bool half, int code, int *word)
 {
     const ric_impact_map *s = g->hunt->section;
     for (int k = N - 1; k >= 0; k--, code /= g->n_face) word[k] = g->face[code % g->n_face];
-    for (int k = 0; half && k < N; k++) word[N + k] = s->face[word[k]].mirror;
+    if (half) complete(s, N, word);
     return is_least(s, half ? 2 * N : N, word);
 }
 
@@ -167,7 +173,7 @@ static ric_status try_words(search *g, int N, bool half)
             if (!least || ric_hunt_uniform(&draw) * count > WORDS) continue;
         } else {
             for (int k = 0; k < N; k++) word[k] = g->face[(int)(ric_hunt_uniform(&draw) * g->n_face)];
-            for (int k = 0; half && k < N; k++) word[N + k] = g->hunt->section->face[word[k]].mirror;
+            if (half) complete(g->hunt->section, N, word);
         }
         status = try_word(g, N, half, code, word);
     }

@@ -160,22 +160,27 @@ static void test_refusals(void **state)
 
 /* ------------------------------------------------------------------- orbits */
 
-/* By motions. */
-static ric_hunt *hunt(const ric_model *model, double energy, int impacts, double period, int rows, int random)
+static ric_hunt *hunted(const ric_model *model, double energy, int impacts, double period, ric_hunt_options o)
 {
     ric_hunt *h = NULL;
-    ric_hunt_options o;
-    ric_hunt_options_init(&o);
     o.energy = energy;
     o.impacts = impacts;
     o.period[1] = period;
+    if (ric_hunt_create(model, &o, &h) || ric_hunt_run(h)) fail_msg("%s", ric_detail());
+    return h;
+}
+
+/* By motions. */
+static ric_hunt *hunt(const ric_model *model, double energy, int impacts, double period, int rows, int random)
+{
+    ric_hunt_options o;
+    ric_hunt_options_init(&o);
     o.lines = 4000;
     o.rows = rows;
     o.row = 300;
     o.random = random;
     o.starts = 0;
-    if (ric_hunt_create(model, &o, &h) || ric_hunt_run(h)) fail_msg("%s", ric_detail());
-    return h;
+    return hunted(model, energy, impacts, period, o);
 }
 
 /* Theory, section 11: E of S2[01] from the period, and of A1[0]. */
@@ -239,17 +244,12 @@ static void test_two_ways(void **state)
 /* By guesses of all impact times alone. */
 static ric_hunt *hunt_words(const ric_model *model, double energy, int impacts, double period, int starts)
 {
-    ric_hunt *h = NULL;
     ric_hunt_options o;
     ric_hunt_options_init(&o);
-    o.energy = energy;
-    o.impacts = impacts;
-    o.period[1] = period;
     o.lines = 2;
     o.rows = o.random = 0;
     o.starts = starts;
-    if (ric_hunt_create(model, &o, &h) || ric_hunt_run(h)) fail_msg("%s", ric_detail());
-    return h;
+    return hunted(model, energy, impacts, period, o);
 }
 
 static const ric_prey *prey_of(const ric_hunt *h, int N, double period)
