@@ -291,8 +291,8 @@ static void test_words(void **state)
         ric_study *study = parse(texts[i]);
         const ric_model *model = ric_study_model(study);
         ric_hunt *flown = hunt(model, energies[i], 4, 20, 40, 20000),
-                 *words = hunt_words(model, energies[i], 4, 20, 100),
-                 *again = hunt_words(model, energies[i], 4, 20, 100);
+                 *words = hunt_words(model, energies[i], 4, 20, 300),
+                 *again = hunt_words(model, energies[i], 4, 20, 300);
         print_message("structure %d: %d by motions, %d by words\n", i + 1, flown->n, words->n);
         for (int k = 0; k < flown->n; k++)
             assert_true(ric_hunt_find(words, flown->prey[k].N, flown->prey[k].hits, 1e-8) >= 0);
