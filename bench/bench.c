@@ -1,13 +1,15 @@
-/* Points per second, nanoseconds per impact, cost against the number of impacts, time of the demo, bytes per point.
+/* Points per second, nanoseconds per impact, cost against the number of impacts, time of the demo,
+ * bytes per point.
  *
  *     ricochet-bench [-o FILE] [-t SECONDS] [STUDY]
  *
- * Branches are followed by ric_continuation_advance, as `ricochet run` does, with every test watched; only the step is
- * held: before each call the next step is set to ARC, and the largest step, which is relative to 1 + |w|, to ARC / (1 +
- * |w|). A step that the trace itself makes shorter (an event, a refusal) stays short and is counted. A row follows its
- * piece of branch again and again until SECONDS are used up; the fastest of BLOCKS equal parts counts, in processor
- * time, so that other load on the machine disturbs least. Starting a trace is not timed. Shown on the terminal and
- * written to FILE (build/bench.txt). */
+ * Branches are followed by ric_continuation_advance, as `ricochet run` does, with every test
+ * watched; only the step is held: before each call the next step is set to ARC, and the largest
+ * step, which is relative to 1 + |w|, to ARC / (1 + |w|). A step that the trace itself makes
+ * shorter (an event, a refusal) stays short and is counted. A row follows its piece of branch again
+ * and again until SECONDS are used up; the fastest of BLOCKS equal parts counts, in processor time,
+ * so that other load on the machine disturbs least. Starting a trace is not timed. Shown on the
+ * terminal and written to FILE (build/bench.txt). */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,8 +33,8 @@
 typedef enum { OWN, REVERSIBLE, GENERAL } form; /* own: the form that the symmetries allow */
 static const char *const form_text[] = {"own", "reversible", "general"};
 
-/* A piece of a branch: S2-[01] k times over, original frequency `from` to `to` rad/s; or, with `edge`, a trace from its
- * second stored point to its end. */
+/* A piece of a branch: S2-[01] k times over, original frequency `from` to `to` rad/s; or, with
+ * `edge`, a trace from its second stored point to its end. */
 typedef struct {
     const char *name;
     const ric_model *model;
@@ -90,13 +92,15 @@ static ric_model *article(void)
                            .sides = RIC_SIDES_BOTH,
                            .law = RIC_LAW_RIGID};
     ric_model *model;
-    need(!ric_model_create(2, mass, stiffness, 1, &contact, 1, &model), "the article's model is refused");
+    need(!ric_model_create(2, mass, stiffness, 1, &contact, 1, &model),
+         "the article's model is refused");
     return model;
 }
 
 /* ------------------------------------------------------------------- orbits */
 
-/* S2-[01] in closed form (docs/theory.md section 11), k times over: at every impact all speed lies along the normal. */
+/* S2-[01] in closed form (docs/theory.md section 11), k times over: at every impact all speed lies
+ * along the normal. */
 static ric_periodic *s2_cycle(const ric_model *m, double omega, int k)
 {
     int n = m->n;
@@ -104,7 +108,8 @@ static ric_periodic *s2_cycle(const ric_model *m, double omega, int k)
     double tau = 0.5 * TWO_PI / omega * m->omega_ref, sum = 0;
     ric_periodic *c = ric_periodic_create(n, 2 * k);
     need(c, "no memory");
-    for (int i = 0; i < n; i++) sum += face->c[i] * face->c[i] * tan(m->omega[i] * tau / 2) / m->omega[i];
+    for (int i = 0; i < n; i++)
+        sum += face->c[i] * face->c[i] * tan(m->omega[i] * tau / 2) / m->omega[i];
     for (int i = 0; i < n; i++) {
         c->w[i] = face->gap / sum * face->c[i] * tan(m->omega[i] * tau / 2);
         c->w[n + i] = -face->gap / sum * face->c[i];
@@ -118,7 +123,8 @@ static ric_periodic *s2_cycle(const ric_model *m, double omega, int k)
     return c;
 }
 
-/* The chain of a course at x (frequency, or index of a stored point) in the form asked for, and its unknowns. */
+/* The chain of a course at x (frequency, or index of a stored point) in the form asked for, and its
+ * unknowns. */
 static double *chain_at(const course *q, double x, ric_shooting **chain)
 {
     const ric_continuation *e = q->edge;
@@ -141,14 +147,16 @@ static ric_continuation *start(const course *q, double x, ric_limits *limits)
 {
     ric_shooting *chain, *other;
     ric_continuation *tr;
-    double dx = q->edge ? 1 : 1e-7 * x, *u = chain_at(q, x, &chain), *t = chain_at(q, x + dx, &other);
+    double dx = q->edge ? 1 : 1e-7 * x, *u = chain_at(q, x, &chain),
+           *t = chain_at(q, x + dx, &other);
     double period = TWO_PI * q->model->omega_ref * q->k;
     for (int i = 0; i < chain->n_unknown; i++) t[i] -= u[i];
     *limits = (ric_limits){.energy = {0, ENERGY / q->model->energy_unit},
                            .period = {period / HIGHEST, period / LOWEST},
                            .max_step = ARC,
                            .max_points = 1 << 28};
-    need(!ric_continuation_create(chain, u, t, 0, limits, &tr), "the start of a branch does not converge");
+    need(!ric_continuation_create(chain, u, t, 0, limits, &tr),
+         "the start of a branch does not converge");
     ric_shooting_free(other);
     free(u);
     free(t);
@@ -167,7 +175,8 @@ static bool hopped(const course *q, const ric_continuation *tr)
 
 /* ------------------------------------------------------------------ measuring */
 
-/* Along the course from *x to its end, or for `seconds`; *x is then where to go on. Returns the time used. */
+/* Along the course from *x to its end, or for `seconds`; *x is then where to go on. Returns the
+ * time used. */
 static double follow(const course *q, double seconds, double *x, figures *out)
 {
     ric_limits limits;
@@ -222,16 +231,18 @@ static void show(const course *q, const figures *f)
     char goal[32] = "", text[96];
     if (q->edge) snprintf(text, sizeof text, "%s", q->name);
     else snprintf(text, sizeof text, "%s on %g..%g", q->name, q->from, q->to);
-    if (aim(f->N) > 0 && ric_model_detached(q->model)) snprintf(goal, sizeof goal, "%.0f", aim(f->N));
-    say("%-22s %-10s %5d %10.0f %8s %8.2f %8.2f %8.2f%% %9.1e%s\n", text, form_text[q->form], f->N, f->rate, goal,
-        1e6 / f->rate, (double)f->evaluations / (double)f->points, 100 * (double)f->short_steps / (double)f->points,
-        f->residual, f->residual <= RESIDUAL ? "" : " ABOVE THE LIMIT");
+    if (aim(f->N) > 0 && ric_model_detached(q->model))
+        snprintf(goal, sizeof goal, "%.0f", aim(f->N));
+    say("%-22s %-10s %5d %10.0f %8s %8.2f %8.2f %8.2f%% %9.1e%s\n", text, form_text[q->form], f->N,
+        f->rate, goal, 1e6 / f->rate, (double)f->evaluations / (double)f->points,
+        100 * (double)f->short_steps / (double)f->points, f->residual,
+        f->residual <= RESIDUAL ? "" : " ABOVE THE LIMIT");
 }
 
 static void show_head(void)
 {
-    say("%-22s %-10s %5s %10s %8s %8s %8s %9s %9s\n", "branch", "form", "N", "points/s", "aim", "us/point", "eval/pt",
-        "shortened", "residual");
+    say("%-22s %-10s %5s %10s %8s %8s %8s %9s %9s\n", "branch", "form", "N", "points/s", "aim",
+        "us/point", "eval/pt", "shortened", "residual");
 }
 
 /* Slope of log time against log N from `first` on. */
@@ -266,7 +277,8 @@ static void repeated(const ric_model *m, double seconds)
         }
         slope[g == GENERAL] = exponent(COUNT, k, rate, 48);
     }
-    say("exponent of the time per point in N, fitted on 48..1024: general %.3f, reversible %.3f (aim at most 1.1)\n",
+    say("exponent of the time per point in N, fitted on 48..1024: general %.3f, reversible %.3f "
+        "(aim at most 1.1)\n",
         slope[1], slope[0]);
 }
 
@@ -276,8 +288,8 @@ static volatile double sink;
 
 enum { ROTATION, EVALUATION, ITERATION };
 
-/* Seconds for `times` rotations of all modes, evaluations of a chain, or Newton iterations as the corrector does
- * them. */
+/* Seconds for `times` rotations of all modes, evaluations of a chain, or Newton iterations as the
+ * corrector does them. */
 static double run(int what, int times, ric_shooting *c, const double *u, double *du)
 {
     const ric_model *m = c->model;
@@ -308,8 +320,8 @@ static void nanoseconds(const ric_model *m)
 {
     const int k = 24;
     double rotation = 0;
-    say("\nnanoseconds per impact, N = %d\n%-12s %12s %20s %20s\n", 2 * k, "form", "evaluation", "Newton iteration",
-        "of a rotation");
+    say("\nnanoseconds per impact, N = %d\n%-12s %12s %20s %20s\n", 2 * k, "form", "evaluation",
+        "Newton iteration", "of a rotation");
     for (form g = GENERAL; g >= REVERSIBLE; g--) {
         course q = {"", m, k, g, 2.2, 2.7, NULL};
         ric_shooting *c;
@@ -338,20 +350,23 @@ static const ric_continuation *find_s6(const ric_graph *g)
         ric_shooting_fly(tr->chain, tr->now.u);
         ric_periodic *c = ric_periodic_from_chain(tr->chain, tr->now.u);
         bool found = c && c->N == 6;
-        for (int k = 0; found && k < 6; k++) found = c->face[k] == c->face[k % 2] && c->face[0] != c->face[1];
+        for (int k = 0; found && k < 6; k++)
+            found = c->face[k] == c->face[k % 2] && c->face[0] != c->face[1];
         ric_periodic_free(c);
         if (found) return tr;
     }
     return NULL;
 }
 
-/* The S2 orbits with the most points: from the centre to an impact, or through the closing of a spring to rest. */
+/* The S2 orbits with the most points: from the centre to an impact, or through the closing of a
+ * spring to rest. */
 static const ric_continuation *find_backbone(const ric_graph *g, int n_flight)
 {
     const ric_continuation *best = NULL;
     for (int i = 0; i < g->n_edge; i++) {
         const ric_continuation *tr = g->edges[i].trace;
-        if (tr->chain->multiple == 4 && tr->chain->n_flight == n_flight && (!best || tr->n_point > best->n_point))
+        if (tr->chain->multiple == 4 && tr->chain->n_flight == n_flight &&
+            (!best || tr->n_point > best->n_point))
             best = tr;
     }
     return best;
@@ -372,8 +387,8 @@ static void show_demo(const ric_graph *g, const char *path, double seconds)
         points += g->edges[i].trace->n_point;
         evaluations += g->edges[i].trace->evaluations;
     }
-    say("\n%s: %d branches, %d junctions, %ld points, %ld evaluations in %.3f s (aim 2 s)\n", path, g->n_edge,
-        g->n_node, points, evaluations, seconds);
+    say("\n%s: %d branches, %d junctions, %ld points, %ld evaluations in %.3f s (aim 2 s)\n", path,
+        g->n_edge, g->n_node, points, evaluations, seconds);
 }
 
 /* ---------------------------------------------------------- power-law contacts */
@@ -392,11 +407,12 @@ static void smooth_paths(double seconds)
         ric_study *study;
         ric_graph *graph;
         double spent;
-        snprintf(text, sizeof text,
-                 "title: power\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]],\n"
-                 "  contacts: [{normal: [-1, 1], law: power, exponent: %d, length: 1, reference: 1}]}\n"
-                 "explore: {start: [1], energy: [0, %d], frequency: [0.2, 10], multiply: 1, depth: 1}\n",
-                 rows[i].exponent, ENERGY);
+        snprintf(
+            text, sizeof text,
+            "title: power\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]],\n"
+            "  contacts: [{normal: [-1, 1], law: power, exponent: %d, length: 1, reference: 1}]}\n"
+            "explore: {start: [1], energy: [0, %d], frequency: [0.2, 10], multiply: 1, depth: 1}\n",
+            rows[i].exponent, ENERGY);
         need(!ric_study_parse(text, "bench", ".", &study), ric_detail());
         explore(study, &graph, &spent);
         const ric_continuation *path = graph->edges[0].trace;
@@ -423,16 +439,19 @@ static void show_machine(void)
     say("ricochet %s, %s, ", ric_version(), day);
     FILE *info = fopen("/proc/cpuinfo", "r");
     bool found = false;
-    while (info && !found && fgets(line, sizeof line, info)) found = !strncmp(line, "model name", 10);
+    while (info && !found && fgets(line, sizeof line, info))
+        found = !strncmp(line, "model name", 10);
     if (info) fclose(info);
     say("%s", found && strchr(line, ':') ? strchr(line, ':') + 2 : "processor unknown\n");
-    say("one core, step %g in the norm of the unknowns, residual at most %.0e, all events watched\n\n", ARC, RESIDUAL);
+    say("one core, step %g in the norm of the unknowns, residual at most %.0e, all events "
+        "watched\n\n",
+        ARC, RESIDUAL);
 }
 
 static void show_memory(int n, const figures *own, const figures *general)
 {
-    say("\nbytes of a stored point, N = %d: %zu (own form), %zu (general form); aim at most %d\n", own->N, own->bytes,
-        general->bytes, 8 * (2 * n + own->N) + 64);
+    say("\nbytes of a stored point, N = %d: %zu (own form), %zu (general form); aim at most %d\n",
+        own->N, own->bytes, general->bytes, 8 * (2 * n + own->N) + 64);
 }
 
 int main(int argc, char **argv)

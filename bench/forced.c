@@ -1,12 +1,15 @@
-/* Forced orbits per second, against a shooting code on a time integrator with root finding (CVODE), on the same orbits.
+/* Forced orbits per second, against a shooting code on a time integrator with root finding (CVODE),
+ * on the same orbits.
  *
  *     ricochet-bench-forced [-o FILE]
  *
- * Two masses between stops (the article's), damping 0.01, force 0.2 on the first mass: ORBITS orbits of the curve with
- * two impacts, a small step of the frequency apart, each from the one before by Newton's method, with its multipliers
- * and with the check that no other stop is met. The shooting code has the state at phase 0 for its unknowns, integrates
- * one period from impact to impact, takes its derivatives from differences, and stops at a residual of 1e-9, a
- * thousand times the tolerance of the integrator. Processor time; printed and written to FILE (build/bench-forced.txt).
+ * Two masses between stops (the article's), damping 0.01, force 0.2 on the first mass: ORBITS
+ * orbits of the curve with two impacts, a small step of the frequency apart, each from the one
+ * before by Newton's method, with its multipliers and with the check that no other stop is met. The
+ * shooting code has the state at phase 0 for its unknowns, integrates one period from impact to
+ * impact, takes its derivatives from differences, and stops at a residual of 1e-9, a thousand times
+ * the tolerance of the integrator. Processor time; printed and written to FILE
+ * (build/bench-forced.txt).
  */
 #include <math.h>
 #include <stdio.h>
@@ -27,11 +30,13 @@
 enum { ORBITS = 60, SIZE = 4 };
 #define ENOUGH 0.5 /* s of processor time */
 
-static const double two_pi = 6.283185307179586477, level = 0.2, zeta = 0.01, first = 1.0, step = 0.002;
+static const double two_pi = 6.283185307179586477, level = 0.2, zeta = 0.01, first = 1.0,
+                    step = 0.002;
 
-static const char *const study = "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
-                                 "  contacts:\n    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                                 "explore: {energy: [0, 12], frequency: [0.5, 3], impacts: 2, multiply: 1, depth: 1}\n";
+static const char *const study =
+    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
+    "  contacts:\n    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+    "explore: {energy: [0, 12], frequency: [0.5, 3], impacts: 2, multiply: 1, depth: 1}\n";
 
 static double now(void)
 {
@@ -140,7 +145,8 @@ static void damp(const ric_model *model, double *C)
 
 /* ---------------------------------------------------------------------- ours */
 
-static ric_force_orbit *start_of(ric_force_medium *m, const ric_atlas *atlas, const ric_force *force)
+static ric_force_orbit *start_of(ric_force_medium *m, const ric_atlas *atlas,
+                                 const ric_force *force)
 {
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b;
@@ -149,9 +155,12 @@ static ric_force_orbit *start_of(ric_force_medium *m, const ric_atlas *atlas, co
         ric_force_orbit *o = NULL;
         int n = 0;
         if (ric_atlas_branch(atlas, id, &b) || strcmp(b.label, "S2+[01]") != 0) continue;
-        if (ric_orbit_find(atlas, id, RIC_AT_FREQUENCY, first + ORBITS * step, &n, &orbits) || n == 0) stop("start");
+        if (ric_orbit_find(atlas, id, RIC_AT_FREQUENCY, first + ORBITS * step, &n, &orbits) ||
+            n == 0)
+            stop("start");
         ric_force_predict(force, id, orbits[0], 1, level, &p);
-        if (!p.n_phase || ric_force_start_from(m, orbits[0], 1, level, p.phases[0], &o) || !ric_force_start_settle(o))
+        if (!p.n_phase || ric_force_start_from(m, orbits[0], 1, level, p.phases[0], &o) ||
+            !ric_force_start_settle(o))
             stop("start");
         return o;
     }
@@ -164,15 +173,20 @@ static bool next(ric_force_orbit *o, double omega)
 {
     double margin, mu[2 * SIZE], rounding;
     o->drive.omega = omega;
-    return ric_force_orbit_solve(o, RIC_ALONG_LEVEL, 1, NULL, 0, NULL) && !ric_response_trace_margin(o, &margin) &&
-           margin > 0 && !ric_force_motion_multipliers(o, mu, &rounding, NULL);
+    return ric_force_orbit_solve(o, RIC_ALONG_LEVEL, 1, NULL, 0, NULL) &&
+           !ric_response_trace_margin(o, &margin) && margin > 0 &&
+           !ric_force_motion_multipliers(o, mu, &rounding, NULL);
 }
 
 int main(int argc, char **argv)
 {
     const char *path = argc == 3 && !strcmp(argv[1], "-o") ? argv[2] : "build/bench-forced.txt";
     const double f[] = {1, 0};
-    const ric_shaking shaking = {.n_force = 2, .force = f, .n_ratio = 1, .ratios = &zeta, .restitution = 1};
+    const ric_shaking shaking = {.n_force = 2,
+                                 .force = f,
+                                 .n_ratio = 1,
+                                 .ratios = &zeta,
+                                 .restitution = 1};
     ric_study *read = NULL;
     ric_atlas *atlas = NULL;
     ric_force *force = NULL;
@@ -180,8 +194,9 @@ int main(int argc, char **argv)
     char name[] = "/tmp/ricochet-bench-XXXXXX";
     const int made = mkstemp(name);
     const ric_run_options run = {0};
-    if (made < 0 || remove(name) || ric_study_parse(study, "bench", NULL, &read) || ric_explore(read, name, &run) ||
-        ric_atlas_read(name, &atlas) || ric_force_create(atlas, &shaking, &force) || ric_force_medium_create(force, &m))
+    if (made < 0 || remove(name) || ric_study_parse(study, "bench", NULL, &read) ||
+        ric_explore(read, name, &run) || ric_atlas_read(name, &atlas) ||
+        ric_force_create(atlas, &shaking, &force) || ric_force_medium_create(force, &m))
         stop("set-up");
     remove(name);
     ric_force_orbit *o = start_of(m, atlas, force), *kept = ric_force_orbit_copy(o);

@@ -1,5 +1,5 @@
-/* Proofs per second: ricochet-bench-prove ATLAS.. prints for each atlas what its orbits and curves take, in processor
- * time of one thread, and how the time for an orbit grows with its impacts. */
+/* Proofs per second: ricochet-bench-prove ATLAS.. prints for each atlas what its orbits and curves
+ * take, in processor time of one thread, and how the time for an orbit grows with its impacts. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -70,11 +70,12 @@ static void show_orbits(const figure *of)
         if (!of[N].orbits) continue;
         long_ones += N >= LONG;
         const double one = of[N].seconds / of[N].orbits;
-        printf("  N = %-5d %8.0f orbits/s %8.2f ms per orbit %8.3f ms per impact\n", N, 1 / one, 1e3 * one,
-               1e3 * one / N);
+        printf("  N = %-5d %8.0f orbits/s %8.2f ms per orbit %8.3f ms per impact\n", N, 1 / one,
+               1e3 * one, 1e3 * one / N);
     }
     if (long_ones > 2)
-        printf("  exponent of the time for an orbit over N, from N = %d on: %.2f\n", LONG, slope(of, LONG));
+        printf("  exponent of the time for an orbit over N, from N = %d on: %.2f\n", LONG,
+               slope(of, LONG));
 }
 
 static void show_curves(const ric_atlas *atlas, ric_prover *prover)

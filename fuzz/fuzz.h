@@ -1,5 +1,5 @@
-/* What the harnesses share. Each is a libFuzzer program: it gets bytes that coverage led to, and may neither crash,
- * leak, overrun nor hang. `make fuzz` builds them, tools/fuzz.sh runs them. */
+/* What the harnesses share. Each is a libFuzzer program: it gets bytes that coverage led to, and
+ * may neither crash, leak, overrun nor hang. `make fuzz` builds them, tools/fuzz.sh runs them. */
 #ifndef FUZZ_H
 #define FUZZ_H
 
@@ -14,9 +14,10 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerInitialize(int *argc, char ***argv);
 
-#define FUZZ_STUDY                                                                                                     \
-    "title: fuzz\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"                    \
-    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"                                                 \
+#define FUZZ_STUDY                                                                                 \
+    "title: fuzz\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  "           \
+    "contacts:\n"                                                                                  \
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"                             \
     "explore: {energy: [0, 3], frequency: [0.5, 10], impacts: 2, multiply: 1, depth: 1}\n"
 
 /* A failure of the harness itself. */
@@ -27,10 +28,12 @@ static inline void fuzz_need(int good, const char *what)
     _exit(1);
 }
 
-/* Working in a folder of its own, in that of the run (tools/fuzz.sh), or in memory where there is room for it. */
+/* Working in a folder of its own, in that of the run (tools/fuzz.sh), or in memory where there is
+ * room for it. */
 static inline void fuzz_enter_folder(void)
 {
-    char own[4096], shared[] = "/dev/shm/ricochet-fuzz-XXXXXX", other[] = "/tmp/ricochet-fuzz-XXXXXX";
+    char own[4096], shared[] = "/dev/shm/ricochet-fuzz-XXXXXX",
+                    other[] = "/tmp/ricochet-fuzz-XXXXXX";
     const char *room = getenv("FUZZ_ROOM"), *folder = NULL;
     int length = room ? snprintf(own, sizeof own, "%s/ricochet-fuzz-XXXXXX", room) : 0;
     if (length > 0 && length < (int)sizeof own) folder = mkdtemp(own);

@@ -1,6 +1,6 @@
-/* The atlas reader on files whose bytes were changed: edits of a good atlas, as pairs of a place (4 bytes) and a value,
- * or, with a first byte below 16, a file of the bytes themselves. Nearly all are refused; none may be anything
- * worse. */
+/* The atlas reader on files whose bytes were changed: edits of a good atlas, as pairs of a place (4
+ * bytes) and a value, or, with a first byte below 16, a file of the bytes themselves. Nearly all
+ * are refused; none may be anything worse. */
 #include "fuzz.h"
 
 static uint8_t *good;

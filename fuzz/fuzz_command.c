@@ -1,5 +1,6 @@
-/* The command line: lines of the input are the arguments. In a folder with a study and its atlas; nothing outside it
- * can be named. Where an option asks for much work the answer may take long, so those are left out here. */
+/* The command line: lines of the input are the arguments. In a folder with a study and its atlas;
+ * nothing outside it can be named. Where an option asks for much work the answer may take long, so
+ * those are left out here. */
 #include "common/cli.h"
 #include "fuzz.h"
 

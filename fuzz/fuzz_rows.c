@@ -1,6 +1,7 @@
-/* The atlas reader on files that are in order, digest and all, but hold other values than any run would write: what a
- * program that knows the format could make. Every edit is four bytes, a table, a column, a row and a kind, and for most
- * kinds eight of a value. What is accepted is asked for everything that the listings ask for. */
+/* The atlas reader on files that are in order, digest and all, but hold other values than any run
+ * would write: what a program that knows the format could make. Every edit is four bytes, a table,
+ * a column, a row and a kind, and for most kinds eight of a value. What is accepted is asked for
+ * everything that the listings ask for. */
 #include <fcntl.h>
 #include <math.h>
 
@@ -12,8 +13,9 @@ static uint8_t *good;
 static size_t good_size;
 static sqlite3 *db;
 
-static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction, &ric_table_point,
-                                          &ric_table_junction, &ric_table_junction_branch};
+static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction,
+                                          &ric_table_point, &ric_table_junction,
+                                          &ric_table_junction_branch};
 
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
@@ -62,7 +64,8 @@ static void edit(const uint8_t *op, const uint8_t *value)
                                      : "key",
                *key = table ? table->key : "key";
     sqlite3_stmt *s = NULL;
-    snprintf(where, sizeof where, "(%s) = (SELECT %s FROM %s LIMIT 1 OFFSET %d)", key, key, name, row);
+    snprintf(where, sizeof where, "(%s) = (SELECT %s FROM %s LIMIT 1 OFFSET %d)", key, key, name,
+             row);
     if (op[3] >= 250) snprintf(sql, sizeof sql, "DELETE FROM %s WHERE %s", name, where);
     else snprintf(sql, sizeof sql, "UPDATE OR IGNORE %s SET %s = ? WHERE %s", name, column, where);
     fuzz_need(sqlite3_prepare_v2(db, sql, -1, &s, NULL) == SQLITE_OK, sql);
@@ -80,12 +83,14 @@ static void ask(const ric_atlas *atlas)
         ric_orbit **orbits = NULL;
         int found = 0;
         if (ric_atlas_branch(atlas, id, &b)) abort();
-        double *state = calloc(2 * (size_t)n, sizeof *state), *flights = calloc((size_t)b.impacts + 1, sizeof *flights);
+        double *state = calloc(2 * (size_t)n, sizeof *state),
+               *flights = calloc((size_t)b.impacts + 1, sizeof *flights);
         for (int i = 0; i < b.n_point; i++) ric_atlas_point(atlas, id, i, NULL, state, flights);
         ric_segment *segments = calloc((size_t)b.n_junction + 1, sizeof *segments);
         int count;
         ric_branch_segments(atlas, id, &count, segments);
-        if (b.n_point > 0 && !ric_orbit_find(atlas, id, RIC_AT_POINT, b.n_point / 2, &found, &orbits))
+        if (b.n_point > 0 &&
+            !ric_orbit_find(atlas, id, RIC_AT_POINT, b.n_point / 2, &found, &orbits))
             ric_orbits_free(found, orbits);
         ric_check check;
         if (b.n_point > 0) ric_verify_point(atlas, id, 0, &check);
@@ -111,9 +116,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     char *text = malloc(size + 1);
     fuzz_write("fuzz.ricochet", good, good_size);
     fuzz_need(sqlite3_open("fuzz.ricochet", &db) == SQLITE_OK &&
-                  !sqlite3_exec(db, "PRAGMA synchronous = OFF; PRAGMA journal_mode = MEMORY; BEGIN", NULL, NULL, NULL),
+                  !sqlite3_exec(db, "PRAGMA synchronous = OFF; PRAGMA journal_mode = MEMORY; BEGIN",
+                                NULL, NULL, NULL),
               "the database");
-    for (size_t i = 0; i + 4 <= size; i += 12) edit(data + i, i + 12 <= size ? data + i + 4 : nothing);
+    for (size_t i = 0; i + 4 <= size; i += 12)
+        edit(data + i, i + 12 <= size ? data + i + 4 : nothing);
     ric_status status = ric_store_put_digest((ric_database){db, "fuzz.ricochet"});
     sqlite3_exec(db, "COMMIT", NULL, NULL, NULL);
     sqlite3_close(db);

@@ -1,5 +1,5 @@
-/* The study reader. What it accepts has to come back from its own text as the same study, and every answer about it can
- * be asked for. */
+/* The study reader. What it accepts has to come back from its own text as the same study, and every
+ * answer about it can be asked for. */
 #include "fuzz.h"
 
 static void ask(const ric_study *study)
@@ -43,12 +43,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!status) {
         ask(study);
         if (ric_study_parse(ric_study_text(study), "again", ".", &again)) {
-            fprintf(stderr, "its own text is refused: %s\n%s\n", ric_detail(), ric_study_text(study));
+            fprintf(stderr, "its own text is refused: %s\n%s\n", ric_detail(),
+                    ric_study_text(study));
             abort();
         }
         if (strcmp(ric_study_text(study), ric_study_text(again))) abort();
         ric_study_free(again);
-    } else if (study || !ric_detail()[0] || strchr(ric_detail(), '\n')) abort(); /* one line that says what is wrong */
+    } else if (study || !ric_detail()[0] || strchr(ric_detail(), '\n'))
+        abort(); /* one line that says what is wrong */
     ric_study_free(study);
     free(text);
     return 0;

@@ -1,5 +1,6 @@
-/* In place of libFuzzer's own main: runs a harness once over every file of the folders given. So the suite builds the
- * harnesses with any compiler, and what once broke one stays mended. One line of TAP for each folder. */
+/* In place of libFuzzer's own main: runs a harness once over every file of the folders given. So
+ * the suite builds the harnesses with any compiler, and what once broke one stays mended. One line
+ * of TAP for each folder. */
 #include <dirent.h>
 #include <limits.h>
 

@@ -1,6 +1,6 @@
-/* ricochet-mpi: the program with hands on other machines (docs/cluster.md). Rank 0 is the program itself and owns the
- * atlas; its departures go to the other ranks, which answer with all that they found on the way. One thread of rank 0
- * does the talking. */
+/* ricochet-mpi: the program with hands on other machines (docs/cluster.md). Rank 0 is the program
+ * itself and owns the atlas; its departures go to the other ranks, which answer with all that they
+ * found on the way. One thread of rank 0 does the talking. */
 #include <mpi.h>
 #include <pthread.h>
 #include <signal.h>
@@ -43,7 +43,8 @@ static void append(message *m, const void *bytes, size_t size)
     m->size += size;
 }
 
-static void append_entry(const void *key, size_t key_size, const void *value, size_t size, void *user)
+static void append_entry(const void *key, size_t key_size, const void *value, size_t size,
+                         void *user)
 {
     uint64_t sizes[2] = {key_size, size};
     append(user, sizes, sizeof sizes);
@@ -67,7 +68,8 @@ static void receive(MPI_Status *envelope, message *m)
         m->capacity = 2 * (size_t)size;
         need((m->data = realloc(m->data, m->capacity)) != NULL, "no memory for a message");
     }
-    MPI_Recv(m->data, size, MPI_BYTE, envelope->MPI_SOURCE, envelope->MPI_TAG, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    MPI_Recv(m->data, size, MPI_BYTE, envelope->MPI_SOURCE, envelope->MPI_TAG, MPI_COMM_WORLD,
+             MPI_STATUS_IGNORE);
     m->size = (size_t)size;
 }
 
@@ -78,7 +80,8 @@ typedef struct {
 
 /* -------------------------------------------------------------- rank 0: crew */
 
-/* A job on its way. Nothing is posted that waits for its receiver: that one may be waiting to post an answer. */
+/* A job on its way. Nothing is posted that waits for its receiver: that one may be waiting to post
+ * an answer. */
 typedef struct {
     MPI_Request request;
     message job;
@@ -217,7 +220,8 @@ static int own(int argc, char **argv, int n_rank)
     int code = cli_main(argc, argv);
     if (!c.joined) send_study("");
     for (int i = 0; i < AHEAD * n_rank; i++) {
-        if (c.letters[i].request != MPI_REQUEST_NULL) MPI_Wait(&c.letters[i].request, MPI_STATUS_IGNORE);
+        if (c.letters[i].request != MPI_REQUEST_NULL)
+            MPI_Wait(&c.letters[i].request, MPI_STATUS_IGNORE);
         free(c.letters[i].job.data);
     }
     free(c.letters);
@@ -234,7 +238,8 @@ static void prepare(ric_explore_worker *hand, const message *job)
     message answer = {0};
     need(job->size >= sizeof head, "an empty job");
     memcpy(&head, job->data, sizeof head);
-    need(!ric_node_unpack(ric_explore_worker_model(hand), job->data + sizeof head, job->size - sizeof head, &node),
+    need(!ric_node_unpack(ric_explore_worker_model(hand), job->data + sizeof head,
+                          job->size - sizeof head, &node),
          "a damaged job");
     append(&answer, &head.number, sizeof head.number);
     ric_cache_drain(ric_explore_worker_prepare(hand, node, head.choice), append_entry, &answer);
@@ -254,7 +259,8 @@ static int serve(void)
     char *text = calloc((size_t)length + 1, 1);
     need(text != NULL, "no memory for the study");
     MPI_Bcast(text, (int)length, MPI_BYTE, 0, MPI_COMM_WORLD);
-    need(!ric_study_parse(text, "study", ".", &study) && !ric_explore_worker_create(study, &hand), ric_detail());
+    need(!ric_study_parse(text, "study", ".", &study) && !ric_explore_worker_create(study, &hand),
+         ric_detail());
     for (;;) {
         MPI_Status envelope;
         MPI_Probe(0, MPI_ANY_TAG, MPI_COMM_WORLD, &envelope);

@@ -37,7 +37,8 @@ static json_t *duplicates(const ric_atlas *atlas, const ric_base *base)
         if (ric_atlas_branch(atlas, base->duplicates[2 * i], &branch)) continue;
         json_object_set_new(one, "branch", json_integer(branch.id));
         json_object_set_new(one, "k", json_integer(base->duplicates[2 * i + 1]));
-        json_object_set_new(one, "label", cli_duplicate_label(&branch, base->duplicates[2 * i + 1]));
+        json_object_set_new(one, "label",
+                            cli_duplicate_label(&branch, base->duplicates[2 * i + 1]));
     }
     return array;
 }
@@ -65,12 +66,15 @@ static void report_left(const ric_atlas *atlas, const ric_bases *bases)
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_base base;
         bool found = false;
-        for (int i = 0; !found && !ric_bases_get(bases, i, &base); i++) found = has_branch(&base, id);
+        for (int i = 0; !found && !ric_bases_get(bases, i, &base); i++)
+            found = has_branch(&base, id);
         left += !found;
     }
     if (left)
-        cli_say("ricochet: %d branch%s in no base: no path to a backbone with duplicates up to %d; a larger "
-                "--duplicates may find one, unless it is the family of a loose mass, which has no linear mode to start "
+        cli_say("ricochet: %d branch%s in no base: no path to a backbone with duplicates up to %d; "
+                "a larger "
+                "--duplicates may find one, unless it is the family of a loose mass, which has no "
+                "linear mode to start "
                 "from\n",
                 left, left == 1 ? " is" : "es are", ric_bases_largest(bases));
 }
@@ -84,7 +88,8 @@ static ric_status add_rows(const ric_atlas *atlas, double d, const void *user, j
     if (!status) status = ric_bases_find(atlas, (int)w->largest, &bases);
     for (int i = 0; !status && i < ric_bases_n(bases); i++) {
         ric_base base;
-        if (!(status = ric_bases_get(bases, i, &base)) && (!w->branch || has_branch(&base, w->branch)))
+        if (!(status = ric_bases_get(bases, i, &base)) &&
+            (!w->branch || has_branch(&base, w->branch)))
             json_array_append_new(rows, cli_base_row(atlas, &base, d));
     }
     if (!status && (!w->branch || !json_array_size(rows))) report_left(atlas, bases);
@@ -94,24 +99,33 @@ static ric_status add_rows(const ric_atlas *atlas, double d, const void *user, j
 
 static int run(int argc, char **argv)
 {
-    static const char all[] =
-        "base mode j number branches labels duplicates energy_min energy_max frequency_min frequency_max";
-    static const char few[] = "base mode j number energy_min energy_max frequency_min frequency_max branches";
+    static const char all[] = "base mode j number branches labels duplicates energy_min energy_max "
+                              "frequency_min frequency_max";
+    static const char few[] =
+        "base mode j number energy_min energy_max frequency_min frequency_max branches";
     const char *largest, *branch;
     wanted w = {0};
-    if (!cli_take_value(&argc, argv, "--duplicates", &largest) || !cli_take_value(&argc, argv, "--branch", &branch))
+    if (!cli_take_value(&argc, argv, "--duplicates", &largest) ||
+        !cli_take_value(&argc, argv, "--branch", &branch))
         return CLI_WRONG;
     if ((largest && !cli_parse_integer(largest, "--duplicates", 1, 64, &w.largest)) ||
         (branch && !cli_parse_integer(branch, "--branch", 1, INT_MAX, &w.branch)))
         return CLI_WRONG;
-    const cli_listing listing = {.command = &cli_bases, .rows = add_rows, .user = &w, .all = all, .few = few};
+    const cli_listing listing = {.command = &cli_bases,
+                                 .rows = add_rows,
+                                 .user = &w,
+                                 .all = all,
+                                 .few = few};
     return cli_list(&listing, argc, argv);
 }
 
 static const cli_item items[] = {
-    {.text = "One row per fractal base Fj_i (the article's F_i^j): the j-duplicate of the backbone of linear mode "
-             "i and all branches that join it, through junctions and on any duplicate, without passing a backbone "
-             "or one of its duplicates. A base of a higher mode leaves out what is in one of a lower mode. What is "
+    {.text = "One row per fractal base Fj_i (the article's F_i^j): the j-duplicate of the backbone "
+             "of linear mode "
+             "i and all branches that join it, through junctions and on any duplicate, without "
+             "passing a backbone "
+             "or one of its duplicates. A base of a higher mode leaves out what is in one of a "
+             "lower mode. What is "
              "known of a base depends on the budgets of the atlas."},
     {.name = "number, branches",
      .text = "of the original branches in it, by id; labels are their labels (--json and --csv)"},
@@ -121,9 +135,11 @@ static const cli_item items[] = {
     CLI_ITEM_AT,
     {.name = "--duplicates",
      .value = "K",
-     .text = "follow duplicates up to K, at most 64; otherwise up to the least number that gives every branch a "
+     .text = "follow duplicates up to K, at most 64; otherwise up to the least number that gives "
+             "every branch a "
              "base"},
-    {.name = "--physical", .text = "energies in the units of the study, not scaled by the clearance"},
+    {.name = "--physical",
+     .text = "energies in the units of the study, not scaled by the clearance"},
     CLI_ITEM_SORT,
     CLI_ITEM_HZ,
     CLI_ITEM_JSON,

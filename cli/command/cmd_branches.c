@@ -1,4 +1,5 @@
-/* ricochet branches ATLAS: one row per branch, or per segment; all or those of the elementary structure. */
+/* ricochet branches ATLAS: one row per branch, or per segment; all or those of the elementary
+ * structure. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +10,8 @@ bool cli_point_at_junction(const ric_branch *branch, int i, const ric_point *poi
 {
     if ((i == 0 && branch->from) || (i == branch->n_point - 1 && branch->to)) return true;
     for (int k = 0; k < branch->n_junction; k++)
-        if (fabs(branch->junction_at[k] - point->arclength) <= 1e-9 * (1 + point->arclength)) return true;
+        if (fabs(branch->junction_at[k] - point->arclength) <= 1e-9 * (1 + point->arclength))
+            return true;
     return false;
 }
 
@@ -43,7 +45,8 @@ static void add_crossed(int n, const ric_tongue *tongues, double unit, json_t **
     char one[CLI_TONGUE], all[CLI_TONGUE + 64];
     for (int i = 0; i < n; i++) {
         crossed += tongues[i].crossed;
-        if (tongues[i].crossed && (widest < 0 || width(&tongues[i]) > width(&tongues[widest]))) widest = i;
+        if (tongues[i].crossed && (widest < 0 || width(&tongues[i]) > width(&tongues[widest])))
+            widest = i;
     }
     for (int i = 0; crossed <= FEW && i < n; i++) {
         if (!tongues[i].crossed) continue;
@@ -136,7 +139,8 @@ static ric_status tongue_rows(const ric_atlas *atlas, int id, double d, json_t *
     ric_tongue *tongues = NULL;
     ric_status status = ric_atlas_branch(atlas, id, &branch);
     if (!status) status = ric_branch_tongues(atlas, id, &n, &tongues);
-    for (int i = 0; !status && i < n; i++) json_array_append_new(rows, tongue_row(&branch, &tongues[i], d));
+    for (int i = 0; !status && i < n; i++)
+        json_array_append_new(rows, tongue_row(&branch, &tongues[i], d));
     ric_tongues_free(tongues);
     return status;
 }
@@ -155,10 +159,14 @@ static json_t *stability(const ric_segment *segment)
 {
     const double fraction = segment->stable_fraction;
     if (!segment->points) return json_null();
-    return json_string(isnan(fraction) ? "undecided" : fraction == 1 ? "yes" : fraction == 0 ? "no" : "partly");
+    return json_string(isnan(fraction) ? "undecided"
+                       : fraction == 1 ? "yes"
+                       : fraction == 0 ? "no"
+                                       : "partly");
 }
 
-static json_t *segment_row(const ric_atlas *atlas, const ric_branch *branch, const ric_segment *segment, double d)
+static json_t *segment_row(const ric_atlas *atlas, const ric_branch *branch,
+                           const ric_segment *segment, double d)
 {
     json_t *row = json_object();
     const char *from = end_text(atlas, segment->from, "start"),
@@ -183,7 +191,8 @@ static ric_status segment_rows(const ric_atlas *atlas, int id, double d, json_t 
     ric_status status = ric_atlas_branch(atlas, id, &branch);
     ric_segment *segments = status ? NULL : calloc((size_t)branch.n_junction + 1, sizeof *segments);
     if (!status) status = segments ? ric_branch_segments(atlas, id, &n, segments) : RIC_E_NOMEM;
-    for (int i = 0; !status && i < n; i++) json_array_append_new(rows, segment_row(atlas, &branch, &segments[i], d));
+    for (int i = 0; !status && i < n; i++)
+        json_array_append_new(rows, segment_row(atlas, &branch, &segments[i], d));
     free(segments);
     return status;
 }
@@ -218,15 +227,16 @@ static ric_status chosen_rows(const ric_atlas *atlas, double d, const void *user
 
 static int run(int argc, char **argv)
 {
-    static const char parts[] =
-        "segment branch from to energy_min energy_max frequency_min frequency_max stable stable_fraction";
-    static const char places[] =
-        "branch label turns per of_mode crossed others energy_from energy_to frequency_from frequency_to "
-        "first_point last_point";
+    static const char parts[] = "segment branch from to energy_min energy_max frequency_min "
+                                "frequency_max stable stable_fraction";
+    static const char places[] = "branch label turns per of_mode crossed others energy_from "
+                                 "energy_to frequency_from frequency_to "
+                                 "first_point last_point";
     const choice c = {.segments = cli_take_flag(&argc, argv, "--segments"),
                       .tongues = cli_take_flag(&argc, argv, "--tongues"),
                       .elementary = cli_take_flag(&argc, argv, "--elementary")};
-    if (c.segments && c.tongues) return cli_wrong("--segments and --tongues are two lists; ask for one of them");
+    if (c.segments && c.tongues)
+        return cli_wrong("--segments and --tongues are two lists; ask for one of them");
     const char *columns = c.tongues ? places : parts;
     const cli_listing listing = {.command = &cli_branches,
                                  .rows = chosen_rows,
@@ -238,46 +248,61 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "One row per branch; a branch and its mirror images (x -> -x, time reversal, rotation of the word) "
-             "are one row, and the linear normal modes are rows too. The table leaves out what does not fit on a "
+    {.text = "One row per branch; a branch and its mirror images (x -> -x, time reversal, rotation "
+             "of the word) "
+             "are one row, and the linear normal modes are rows too. The table leaves out what "
+             "does not fit on a "
              "line; --csv and --json show everything."},
     {.name = "key", .text = "stays the same whatever the budgets, unlike id and label"},
     {.name = "from, to", .text = "junctions at the ends, by id"},
     {.name = "stop, why",
-     .text = "why the far end is where it is: junction, corner, window, budget, closed or failed, and a sentence "
+     .text = "why the far end is where it is: junction, corner, window, budget, closed or failed, "
+             "and a sentence "
              "on it, or on events that make no junction"},
     {.name = "junctions",
-     .text = "ids of the junctions that the branch passes through, in order; junction_arclengths says where"},
+     .text = "ids of the junctions that the branch passes through, in order; junction_arclengths "
+             "says where"},
     {.name = "tongues",
-     .text =
-         "internal resonances that the branch follows or steps over: \"follows 129 : 1 with mode 4 from E .. to "
-         "E ..\" says that between these energies the linear mode turns 129 times while the motion goes round once"},
+     .text = "internal resonances that the branch follows or steps over: \"follows 129 : 1 with "
+             "mode 4 from E .. to "
+             "E ..\" says that between these energies the linear mode turns 129 times while the "
+             "motion goes round once"},
     {.name = "resonances",
-     .text = "the same in --json, as a list of m, n, mode, energy_from, energy_to, crossed: the mode turns m times "
+     .text = "the same in --json, as a list of m, n, mode, energy_from, energy_to, crossed: the "
+             "mode turns m times "
              "while the motion goes round n times"},
     {.name = "depth", .text = "least number of departures from the start"},
     {.name = "linked",
-     .text = "whether a chain of junctions leads to a linear mode; what has none is an island (--csv and --json)"},
+     .text = "whether a chain of junctions leads to a linear mode; what has none is an island "
+             "(--csv and --json)"},
     {.name = "proved, curve_proved",
-     .text =
-         "how many of its points are proved, and whether it is proved to be one arc from end to end, by proofs that "
-         "`ricochet prove` has kept (--csv and --json)"},
+     .text = "how many of its points are proved, and whether it is proved to be one arc from end "
+             "to end, by proofs that "
+             "`ricochet prove` has kept (--csv and --json)"},
     {.name = "relative_energy_",
-     .text = "energies as multiples of the onset of the lowest mode, where contacts begin to matter to it; numbers "
+     .text = "energies as multiples of the onset of the lowest mode, where contacts begin to "
+             "matter to it; numbers "
              "without a unit (min and max, in --csv and --json)"},
     {.name = "stable_fraction", .text = "share of the arclength on which the orbits are stable"},
-    {.name = "--physical", .text = "energies in the units of the study, not scaled by the clearance"},
+    {.name = "--physical",
+     .text = "energies in the units of the study, not scaled by the clearance"},
     {.name = "--elementary",
-     .text = "only the elementary structure: the linear modes and backbones, what joins the backbone of the first "
-             "mode, and what joins the 1- and 2-duplicates of the others; F_1^1, F_i^1 and F_i^2 of `ricochet "
+     .text = "only the elementary structure: the linear modes and backbones, what joins the "
+             "backbone of the first "
+             "mode, and what joins the 1- and 2-duplicates of the others; F_1^1, F_i^1 and F_i^2 "
+             "of `ricochet "
              "bases`"},
     {.name = "--segments",
-     .text = "one row per segment A_N[R]|P1 P2 instead, the part of a branch between consecutive junctions P1 and "
-             "P2; `stable` says yes, no, undecided or partly of the stored points in between, nothing if there are "
+     .text = "one row per segment A_N[R]|P1 P2 instead, the part of a branch between consecutive "
+             "junctions P1 and "
+             "P2; `stable` says yes, no, undecided or partly of the stored points in between, "
+             "nothing if there are "
              "none"},
     {.name = "--tongues",
-     .text = "one row per internal resonance that a branch follows, or has stepped over (`crossed`, with `others` that "
-             "are narrower), instead: `turns` of the linear mode `of_mode` while the motion goes round `per` times, "
+     .text = "one row per internal resonance that a branch follows, or has stepped over "
+             "(`crossed`, with `others` that "
+             "are narrower), instead: `turns` of the linear mode `of_mode` while the motion goes "
+             "round `per` times, "
              "with energies, frequencies and points where that begins and ends"},
     CLI_ITEMS_WORD,
     CLI_ITEM_STABLE,
@@ -292,10 +317,11 @@ static const cli_item items[] = {
 const cli_command cli_branches = {
     .name = "branches",
     .summary = "list the branches of an atlas",
-    .usage = "ricochet branches ATLAS [--segments | --tongues] [--elementary] [--physical]\n"
-             "           [--hz] [--json | --csv | --wide]\n"
-             "           [--word WORD] [--impacts N] [--stable S] [--energy A,B] [--frequency A,B]\n"
-             "           [--sort COLUMN] [--limit N]\n",
+    .usage =
+        "ricochet branches ATLAS [--segments | --tongues] [--elementary] [--physical]\n"
+        "           [--hz] [--json | --csv | --wide]\n"
+        "           [--word WORD] [--impacts N] [--stable S] [--energy A,B] [--frequency A,B]\n"
+        "           [--sort COLUMN] [--limit N]\n",
     .items = items,
     .example = "ricochet branches study.ricochet\n"
                "ricochet branches study.ricochet --elementary --segments\n"

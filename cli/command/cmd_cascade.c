@@ -1,5 +1,5 @@
-/* ricochet cascade ATLAS: paths of successive multiplications, those that the atlas holds or one that is followed from
- * a branch of it. */
+/* ricochet cascade ATLAS: paths of successive multiplications, those that the atlas holds or one
+ * that is followed from a branch of it. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -31,7 +31,8 @@ static bool parse_list(const char *text, cli_cascade_request *out)
             cli_wrong("--multiply: at most %d multiplications", CLI_MAX_CASCADE);
             return false;
         }
-        if (!cli_parse_integer(slash ? slash + 1 : part, "--multiply: the multiplicity", 2, 64, &q) ||
+        if (!cli_parse_integer(slash ? slash + 1 : part, "--multiply: the multiplicity", 2, 64,
+                               &q) ||
             (slash && !cli_parse_integer(part, "--multiply: p of p/q", 1, q - 1, &p)))
             return false;
         out->multiple[out->n] = (int)q;
@@ -46,7 +47,8 @@ bool cli_take_cascade(int *argc, char **argv, cli_cascade_request *out)
     const char *branch, *list, *doublings;
     long number;
     *out = (cli_cascade_request){0};
-    if (!cli_take_value(argc, argv, "--branch", &branch) || !cli_take_value(argc, argv, "--multiply", &list) ||
+    if (!cli_take_value(argc, argv, "--branch", &branch) ||
+        !cli_take_value(argc, argv, "--multiply", &list) ||
         !cli_take_value(argc, argv, "--doublings", &doublings))
         return false;
     if (list && doublings) {
@@ -58,7 +60,8 @@ bool cli_take_cascade(int *argc, char **argv, cli_cascade_request *out)
     out->given = list || doublings;
     out->to_end = list != NULL;
     if (list) return parse_list(list, out);
-    if (doublings && !cli_parse_integer(doublings, "--doublings", 1, CLI_MAX_CASCADE, &number)) return false;
+    if (doublings && !cli_parse_integer(doublings, "--doublings", 1, CLI_MAX_CASCADE, &number))
+        return false;
     for (int i = 0; doublings && i < number; i++) out->multiple[out->n++] = 2;
     return true;
 }
@@ -71,7 +74,8 @@ static bool show_progress(int step, int impacts, int points, void *user)
     return cli_stopped();
 }
 
-int cli_follow_cascade(const ric_atlas *atlas, const cli_cascade_request *request, ric_cascade **out)
+int cli_follow_cascade(const ric_atlas *atlas, const cli_cascade_request *request,
+                       ric_cascade **out)
 {
     bool terminal = isatty(STDERR_FILENO);
     const ric_cascade_options options = {.n = request->n,
@@ -130,18 +134,20 @@ typedef struct {
 static int print(json_t *rows, const look *l, const char *all, const char *few)
 {
     if (l->choice.hertz) cli_in_hertz(rows);
-    const int code = cli_choose(rows, &l->choice) ? cli_print_rows(rows, l->format == CLI_TEXT ? few : all, l->format)
-                                                  : CLI_WRONG;
+    const int code = cli_choose(rows, &l->choice)
+                         ? cli_print_rows(rows, l->format == CLI_TEXT ? few : all, l->format)
+                         : CLI_WRONG;
     json_decref(rows);
     return code;
 }
 
 static int print_followed(const ric_atlas *atlas, const cli_cascade_request *request, const look *l)
 {
-    static const char all[] =
-        "step multiple p/q impacts grazings symmetric energy frequency ratio residual return_error stop "
-        "points word";
-    static const char few[] = "step p/q impacts grazings form energy frequency ratio residual return_error";
+    static const char all[] = "step multiple p/q impacts grazings symmetric energy frequency ratio "
+                              "residual return_error stop "
+                              "points word";
+    static const char few[] =
+        "step p/q impacts grazings form energy frequency ratio residual return_error";
     ric_cascade *cascade = NULL;
     int code = cli_follow_cascade(atlas, request, &cascade);
     if (code != CLI_DONE) return code;
@@ -160,7 +166,8 @@ static int print_followed(const ric_atlas *atlas, const cli_cascade_request *req
         json_object_set_new(row, "ratio", cli_number(s.ratio));
         json_object_set_new(row, "residual", cli_number(s.residual));
         json_object_set_new(row, "return_error", cli_number(s.return_error));
-        json_object_set_new(row, "stop", s.multiple > 1 ? json_null() : json_string(ric_stop_text(s.stop)));
+        json_object_set_new(row, "stop",
+                            s.multiple > 1 ? json_null() : json_string(ric_stop_text(s.stop)));
         json_object_set_new(row, "points", json_integer(s.n_point));
         set_word(row, ric_atlas_model(atlas), s.letters, s.word);
         json_array_append_new(rows, row);
@@ -182,7 +189,8 @@ typedef struct {
     } step[CLI_MAX_CASCADE];
 } finder;
 
-/* Whether a branch that meets a multiplication is a family that leaves it; those of odd order pass through it. */
+/* Whether a branch that meets a multiplication is a family that leaves it; those of odd order pass
+ * through it. */
 static bool leaves(const ric_branch *b, const ric_junction *j)
 {
     return j->kind == RIC_KIND_MULTIPLICATION && ric_junction_level(j, b) == 1;
@@ -221,7 +229,8 @@ static double ratio_at(const finder *f, int i)
         ric_junction j;
         ric_branch b;
         if (i < 2 || ric_atlas_junction(f->atlas, f->step[i - 2 + k].junction, &j) ||
-            ric_atlas_branch(f->atlas, f->step[i - 2 + k].branch, &b) || j.multiple != 2 || b.symmetric)
+            ric_atlas_branch(f->atlas, f->step[i - 2 + k].branch, &b) || j.multiple != 2 ||
+            b.symmetric)
             return NAN;
         energy[k] = j.energy;
     }
@@ -256,7 +265,8 @@ static void add_path(finder *f, const ric_branch *last)
     ric_junction j;
     f->n_path++;
     for (int i = 0; i < f->n; i++)
-        if (!ric_atlas_junction(f->atlas, f->step[i].junction, &j)) add_row(f, i, f->step[i].branch, &j, false);
+        if (!ric_atlas_junction(f->atlas, f->step[i].junction, &j))
+            add_row(f, i, f->step[i].branch, &j, false);
     const int home = f->step[f->n - 1].junction, far = last->from == home ? last->to : last->from;
     const bool there = far && !ric_atlas_junction(f->atlas, far, &j);
     add_row(f, f->n, last->id, there ? &j : NULL, true);
@@ -268,10 +278,12 @@ static void walk(finder *f, const ric_branch *b)
     bool longer = false;
     for (int i = 0; i < b->n_junction; i++) {
         ric_junction j;
-        if (ric_atlas_junction(f->atlas, b->junctions[i], &j) || leaves(b, &j) || !asked_for(f, &j)) continue;
+        if (ric_atlas_junction(f->atlas, b->junctions[i], &j) || leaves(b, &j) || !asked_for(f, &j))
+            continue;
         for (int k = 0; k < j.n_branch; k++) {
             ric_branch family;
-            if (ric_atlas_branch(f->atlas, j.branches[k], &family) || family.id == b->id || !leaves(&family, &j))
+            if (ric_atlas_branch(f->atlas, j.branches[k], &family) || family.id == b->id ||
+                !leaves(&family, &j))
                 continue;
             f->step[f->n].branch = b->id;
             f->step[f->n++].junction = j.id;
@@ -284,12 +296,15 @@ static void walk(finder *f, const ric_branch *b)
     if (!longer && f->n >= wanted) add_path(f, b);
 }
 
-int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request, double d, json_t *rows)
+int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request, double d,
+                     json_t *rows)
 {
     finder f = {.atlas = atlas, .request = request, .d = d, .rows = rows};
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b;
-        if (ric_atlas_branch(atlas, id, &b) || (request->branch ? request->branch != id : is_family(&f, &b))) continue;
+        if (ric_atlas_branch(atlas, id, &b) ||
+            (request->branch ? request->branch != id : is_family(&f, &b)))
+            continue;
         walk(&f, &b);
     }
     return f.n_path;
@@ -297,15 +312,19 @@ int cli_cascade_rows(const ric_atlas *atlas, const cli_cascade_request *request,
 
 static int print_stored(const ric_atlas *atlas, const cli_cascade_request *request, const look *l)
 {
-    static const char all[] =
-        "path step branch junction label multiple p/q impacts grazings symmetric energy frequency ratio "
-        "stop word";
-    static const char few[] = "path step branch junction label p/q impacts grazings form energy frequency ratio";
+    static const char all[] = "path step branch junction label multiple p/q impacts grazings "
+                              "symmetric energy frequency ratio "
+                              "stop word";
+    static const char few[] =
+        "path step branch junction label p/q impacts grazings form energy frequency ratio";
     json_t *rows = json_array();
-    const int n_path = cli_cascade_rows(atlas, request, l->d, rows), code = print(rows, l, all, few);
+    const int n_path = cli_cascade_rows(atlas, request, l->d, rows),
+              code = print(rows, l, all, few);
     if (n_path == 0)
-        fputs("ricochet: the atlas holds no such path; explore.multiply, explore.cascade and explore.depth of the "
-              "study decide what it holds, and --branch ID with --multiply or --doublings follows one beyond it\n",
+        fputs("ricochet: the atlas holds no such path; explore.multiply, explore.cascade and "
+              "explore.depth of the "
+              "study decide what it holds, and --branch ID with --multiply or --doublings follows "
+              "one beyond it\n",
               stderr);
     return code;
 }
@@ -317,12 +336,14 @@ static int run(int argc, char **argv)
     cli_cascade_request request;
     look l;
     ric_atlas *atlas = NULL;
-    const bool physical = cli_take_flag(&argc, argv, "--physical"), hertz = cli_take_flag(&argc, argv, "--hz");
+    const bool physical = cli_take_flag(&argc, argv, "--physical"),
+               hertz = cli_take_flag(&argc, argv, "--hz");
     if (!cli_take_cascade(&argc, argv, &request) || !cli_take_format(&argc, argv, &l.format) ||
         !cli_take_sort(&argc, argv, &l.choice) || !cli_operands(&cli_cascade, argc, argv, 1))
         return CLI_WRONG;
     if (!request.to_end && request.given && !request.branch)
-        return cli_wrong("cascade: --doublings needs --branch ID, the branch whose doubling comes first; `ricochet "
+        return cli_wrong("cascade: --doublings needs --branch ID, the branch whose doubling comes "
+                         "first; `ricochet "
                          "branches %s` lists them",
                          argv[1]);
     ric_status status = ric_atlas_read(argv[1], &atlas);
@@ -336,15 +357,21 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "Without --branch: the paths that the atlas holds, from a branch through a multiplication to the "
-             "family that leaves there, through a multiplication of it, and so on; those of two or more, or those "
-             "with the given multiplicities. With --branch and a list: the first cascade from that branch is "
-             "followed, as deep as asked, whatever the atlas holds; nothing is written to it. The ratio of "
-             "successive differences of energies of doublings tends to 8.7210972. return_error: a simulator runs "
+    {.text = "Without --branch: the paths that the atlas holds, from a branch through a "
+             "multiplication to the "
+             "family that leaves there, through a multiplication of it, and so on; those of two or "
+             "more, or those "
+             "with the given multiplicities. With --branch and a list: the first cascade from that "
+             "branch is "
+             "followed, as deep as asked, whatever the atlas holds; nothing is written to it. The "
+             "ratio of "
+             "successive differences of energies of doublings tends to 8.7210972. return_error: a "
+             "simulator runs "
              "one period and comes back to within this."},
     {.name = "--multiply",
      .value = "LIST",
-     .text = "multiplicities q, or p/q for one rotation number only; the last family is followed to its end"},
+     .text = "multiplicities q, or p/q for one rotation number only; the last family is followed "
+             "to its end"},
     {.name = "--doublings", .value = "N", .text = "N doublings"},
     {.name = "--branch", .value = "ID", .text = "the branch with the first multiplication"},
     CLI_ITEM_AT,
@@ -359,10 +386,11 @@ static const cli_item items[] = {
 const cli_command cli_cascade = {
     .name = "cascade",
     .summary = "paths of successive period multiplications",
-    .usage = "ricochet cascade ATLAS [--multiply LIST] [--branch ID | --at E,OMEGA] [--physical]\n"
-             "           [--sort COLUMN] [--hz] [--json | --csv]\n"
-             "ricochet cascade ATLAS (--branch ID | --at E,OMEGA) (--multiply LIST | --doublings N)\n"
-             "           [--physical] [--sort COLUMN] [--hz] [--json | --csv]\n",
+    .usage =
+        "ricochet cascade ATLAS [--multiply LIST] [--branch ID | --at E,OMEGA] [--physical]\n"
+        "           [--sort COLUMN] [--hz] [--json | --csv]\n"
+        "ricochet cascade ATLAS (--branch ID | --at E,OMEGA) (--multiply LIST | --doublings N)\n"
+        "           [--physical] [--sort COLUMN] [--hz] [--json | --csv]\n",
     .items = items,
     .example = "ricochet cascade two-masses.ricochet --branch 10 --doublings 7\n",
     .run = run,

@@ -48,7 +48,8 @@ static bool facts_allocate(facts *f, const ric_model *model)
     f->compliance = malloc(m * n * sizeof *f->compliance);
     f->locked = malloc(m * n * sizeof *f->locked);
     f->face = malloc(m * sizeof *f->face);
-    return f->frequency && f->energy && f->seen && f->contact && f->normal && f->compliance && f->locked && f->face;
+    return f->frequency && f->energy && f->seen && f->contact && f->normal && f->compliance &&
+           f->locked && f->face;
 }
 
 /* A frequency in the unit that is asked for. */
@@ -72,7 +73,8 @@ static ric_status facts_ask(facts *f)
     for (int i = 0; i < f->m && !status; i++) {
         status = ric_model_compliance(f->model, i, f->compliance + (size_t)i * (size_t)f->n);
         if (!status && f->n > 1)
-            status = ric_model_locked_frequencies(f->model, i, f->locked + (size_t)i * (size_t)(f->n - 1));
+            status = ric_model_locked_frequencies(f->model, i,
+                                                  f->locked + (size_t)i * (size_t)(f->n - 1));
     }
     for (int i = 0; i < f->n && is_smooth(f); i++) {
         f->energy[i] = NAN;
@@ -85,8 +87,8 @@ static ric_status facts_ask(facts *f)
     return status;
 }
 
-/* Share of c.c that the upper half of the modes brings. A truncated continuum keeps growing; its impact orbits do not
- * converge. */
+/* Share of c.c that the upper half of the modes brings. A truncated continuum keeps growing; its
+ * impact orbits do not converge. */
 static double late_growth(const facts *f, int contact)
 {
     const double *cumulative = f->compliance + (size_t)contact * (size_t)f->n;
@@ -94,8 +96,9 @@ static double late_growth(const facts *f, int contact)
     return all > 0 ? (all - cumulative[f->n / 2 - 1]) / all : 0;
 }
 
-enum { FEW_MODES = 6 };    /* below, the structure is taken for what it is */
-#define STRONG_GROWTH 0.25 /* a mass of its own at the contact leaves less than this to the upper half */
+enum { FEW_MODES = 6 }; /* below, the structure is taken for what it is */
+/* STRONG_GROWTH: a mass of its own at the contact leaves less than this to the upper half */
+#define STRONG_GROWTH 0.25
 
 static bool grows(const facts *f, int contact)
 {
@@ -119,12 +122,14 @@ static json_t *mode_row(const facts *f, int i)
     json_object_set_new(row, "seen", json_boolean(f->seen[i]));
     json_object_set_new(row, "rigid", json_boolean(f->frequency[i] == 0));
     json_object_set_new(row, "grazing_energy", cli_number(f->unit * f->energy[i]));
-    json_object_set_new(row, "grazing_contact", f->contact[i] < 0 ? json_null() : json_integer(f->contact[i] + 1));
+    json_object_set_new(row, "grazing_contact",
+                        f->contact[i] < 0 ? json_null() : json_integer(f->contact[i] + 1));
     for (int j = 0; j < f->m; j++) {
         set_numbered(row, "normal", j + 1, f->normal[(size_t)j * (size_t)f->n + (size_t)i]);
         set_numbered(row, "compliance", j + 1, f->compliance[(size_t)j * (size_t)f->n + (size_t)i]);
         set_numbered(row, "locked", j + 1,
-                     i + 1 < f->n ? shown(f, f->locked[(size_t)j * (size_t)(f->n - 1) + (size_t)i]) : NAN);
+                     i + 1 < f->n ? shown(f, f->locked[(size_t)j * (size_t)(f->n - 1) + (size_t)i])
+                                  : NAN);
     }
     json_object_set_new(row, "parts", json_integer(ric_model_n_part(f->model)));
     json_object_set_new(row, "symmetric", json_boolean(ric_model_symmetric(f->model)));
@@ -139,8 +144,8 @@ static int print_rows(const facts *f, const ric_study *study, cli_format format)
     for (int i = 0; i < f->n && f->hertz; i++) {
         size_t k;
         json_t *end;
-        json_array_foreach(json_object_get(json_array_get(rows, (size_t)i), "window_frequency"), k, end)
-            json_real_set(end, shown(f, json_real_value(end)));
+        json_array_foreach(json_object_get(json_array_get(rows, (size_t)i), "window_frequency"), k,
+                           end) json_real_set(end, shown(f, json_real_value(end)));
     }
     for (int i = 0; i < f->n && f->physical; i++) {
         json_t *row = json_array_get(rows, (size_t)i), *end, *onset = json_object_get(row, "onset");
@@ -185,27 +190,32 @@ static void print_head(const facts *f, const ric_study *study)
     if (is_smooth(f)) {
         ric_contact first;
         bool own = !ric_model_contact(model, 0, &first) && first.length > 0;
-        printf("%d degree%s of freedom, %d of them seen by the springs; %d power-law contact%s\n", f->n, plural(f->n),
-               ric_model_n_mode(model), f->m, plural(f->m));
-        printf("scale: lengths by %g, %s; scaled energies times %g are physical ones\n", ric_model_length(model),
+        printf("%d degree%s of freedom, %d of them seen by the springs; %d power-law contact%s\n",
+               f->n, plural(f->n), ric_model_n_mode(model), f->m, plural(f->m));
+        printf("scale: lengths by %g, %s; scaled energies times %g are physical ones\n",
+               ric_model_length(model),
                own ? "the length of contact 1" : "as contact 1 is given by its stiffness",
                ric_model_length(model) * ric_model_length(model));
         puts("symmetry: x -> -x maps the structure to itself");
         if (parts > 1)
-            printf("parts: %d groups of modes that no contact joins; they move independently, each with its own "
+            printf("parts: %d groups of modes that no contact joins; they move independently, each "
+                   "with its own "
                    "families\n",
                    parts);
         return;
     }
-    printf("%d degree%s of freedom, %d of them seen by the stops; %d contact%s, %d face%s; restitution %g\n", f->n,
-           plural(f->n), ric_model_n_mode(model), f->m, plural(f->m), ric_model_n_face(model),
+    printf("%d degree%s of freedom, %d of them seen by the stops; %d contact%s, %d face%s; "
+           "restitution %g\n",
+           f->n, plural(f->n), ric_model_n_mode(model), f->m, plural(f->m), ric_model_n_face(model),
            plural(ric_model_n_face(model)), restitution_of(study));
-    printf("scale: lengths by %g, the clearance of contact 1; energies by its square\n", ric_model_length(model));
-    puts(ric_model_symmetric(model)
-             ? "symmetry: x -> -x maps the structure to itself"
-             : "symmetry: none under x -> -x, some contact has one side only; mirror images are separate rows");
+    printf("scale: lengths by %g, the clearance of contact 1; energies by its square\n",
+           ric_model_length(model));
+    puts(ric_model_symmetric(model) ? "symmetry: x -> -x maps the structure to itself"
+                                    : "symmetry: none under x -> -x, some contact has one side "
+                                      "only; mirror images are separate rows");
     if (parts > 1)
-        printf("parts: %d groups of modes that no contact joins; they move independently, each with its own families\n",
+        printf("parts: %d groups of modes that no contact joins; they move independently, each "
+               "with its own families\n",
                parts);
 }
 
@@ -213,8 +223,9 @@ static void print_head(const facts *f, const ric_study *study)
 static void touch_title(const facts *f, size_t size, char *out)
 {
     const bool named = f->physical && *f->names->length;
-    snprintf(out, size, "first touch at %s%s%s%s%s", f->physical ? "energy" : "scaled energy", named ? ", " : "",
-             named ? f->names->force : "", named ? " " : "", named ? f->names->length : "");
+    snprintf(out, size, "first touch at %s%s%s%s%s", f->physical ? "energy" : "scaled energy",
+             named ? ", " : "", named ? f->names->force : "", named ? " " : "",
+             named ? f->names->length : "");
 }
 
 /* With the unit of mass that follows from the others, by which mistakes in units show. */
@@ -223,27 +234,31 @@ static void print_units(const facts *f)
     char mass[32];
     if (!*f->names->length) return;
     ric_study_units_mass(f->names, sizeof mass, mass);
-    printf(
-        "units: lengths in %s, forces in %s, time in %s; so masses in %s %s^2/%s%s%s, stiffness in %s/%s, energies in "
-        "%s %s\n",
-        f->names->length, f->names->force, f->names->time, f->names->force, f->names->time, f->names->length,
-        *mass ? ", which is " : "", mass, f->names->force, f->names->length, f->names->force, f->names->length);
+    printf("units: lengths in %s, forces in %s, time in %s; so masses in %s %s^2/%s%s%s, stiffness "
+           "in %s/%s, energies in "
+           "%s %s\n",
+           f->names->length, f->names->force, f->names->time, f->names->force, f->names->time,
+           f->names->length, *mass ? ", which is " : "", mass, f->names->force, f->names->length,
+           f->names->force, f->names->length);
 }
 
 static void print_modes(const facts *f)
 {
     char title[100];
     touch_title(f, sizeof title, title);
-    printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", f->hertz ? "frequency Hz" : "omega rad/s", "period s", "seen",
-           is_smooth(f) ? "" : title);
+    printf("\n%5s  %14s  %14s  %-6s %s\n", "mode", f->hertz ? "frequency Hz" : "omega rad/s",
+           "period s", "seen", is_smooth(f) ? "" : title);
     for (int i = 0; i < f->n; i++) {
         printf("%5d  %#14.10g  ", i + 1, shown(f, f->frequency[i]));
         if (f->frequency[i] > 0) printf("%#14.8g  ", 2 * acos(-1) / f->frequency[i]);
         else printf("%14s  ", "-");
         printf("%-6s ", f->seen[i] ? "yes" : "no");
         if (is_smooth(f))
-            puts(f->frequency[i] == 0 ? "rigid motion" : f->seen[i] ? "starts a branch at energy 0" : "stays linear");
-        else if (f->contact[i] >= 0) printf("%16.10g, contact %d\n", f->unit * f->energy[i], f->contact[i] + 1);
+            puts(f->frequency[i] == 0 ? "rigid motion"
+                 : f->seen[i]         ? "starts a branch at energy 0"
+                                      : "stays linear");
+        else if (f->contact[i] >= 0)
+            printf("%16.10g, contact %d\n", f->unit * f->energy[i], f->contact[i] + 1);
         else printf("%16s%s\n", "never", f->frequency[i] == 0 ? ", rigid motion" : "");
     }
 }
@@ -264,8 +279,8 @@ static void print_contact(const facts *f, int contact)
         print_quoted(" '", about.name, "'");
         printf(": ");
         if (about.length > 0)
-            printf("force -%g %g (s / %g)^%d along its normal\n", about.reference, about.length, about.length,
-                   about.exponent);
+            printf("force -%g %g (s / %g)^%d along its normal\n", about.reference, about.length,
+                   about.length, about.exponent);
         else printf("force -%g s^%d along its normal\n", about.stiffness, about.exponent);
         printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", if_locked);
     } else if (mirror < 0) snprintf(faces, sizeof faces, "face %d", f->face[contact]);
@@ -274,30 +289,36 @@ static void print_contact(const facts *f, int contact)
         printf("\ncontact %d", contact + 1);
         print_quoted(" '", about.name, "'");
         const bool named = *f->names->length;
-        printf(": %s, clearance %g%s%s, %s", sides[about.sides], about.clearance, named ? " " : "", f->names->length,
-               faces);
+        printf(": %s, clearance %g%s%s, %s", sides[about.sides], about.clearance, named ? " " : "",
+               f->names->length, faces);
         if (about.law == RIC_LAW_BILINEAR)
-            printf(", a spring of stiffness %g%s%s%s%s beyond\n", about.stiffness, named ? " " : "", f->names->force,
-                   named ? "/" : "", f->names->length);
+            printf(", a spring of stiffness %g%s%s%s%s beyond\n", about.stiffness, named ? " " : "",
+                   f->names->force, named ? "/" : "", f->names->length);
         else printf("\n");
     }
-    if (!is_smooth(f)) printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", if_locked);
+    if (!is_smooth(f))
+        printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", if_locked);
     for (int i = 0; i < f->n; i++) {
-        printf("%5d  %#16.9g  %#16.9g  ", i + 1, f->normal[k * n + (size_t)i], f->compliance[k * n + (size_t)i]);
+        printf("%5d  %#16.9g  %#16.9g  ", i + 1, f->normal[k * n + (size_t)i],
+               f->compliance[k * n + (size_t)i]);
         if (i + 1 < f->n) printf("%#16.10g\n", shown(f, f->locked[k * (n - 1) + (size_t)i]));
         else printf("%16s\n", "-");
     }
     if (about.law == RIC_LAW_RIGID && grows(f, contact))
-        printf("warning: the upper half of the modes brings %.0f %% of c.c, which still grows. If the structure is a\n"
-               "truncated continuum, its impact orbits do not converge with the number of modes; the cures are a mass\n"
-               "of its own at the contact point, or a spring (law: bilinear) in place of the stop.\n",
-               100 * late_growth(f, contact));
+        printf(
+            "warning: the upper half of the modes brings %.0f %% of c.c, which still grows. If the "
+            "structure is a\n"
+            "truncated continuum, its impact orbits do not converge with the number of modes; the "
+            "cures are a mass\n"
+            "of its own at the contact point, or a spring (law: bilinear) in place of the stop.\n",
+            100 * late_growth(f, contact));
 }
 
 static bool two_sided(const facts *f)
 {
     ric_contact first;
-    return !is_smooth(f) && !ric_model_contact(f->model, 0, &first) && first.sides == RIC_SIDES_BOTH;
+    return !is_smooth(f) && !ric_model_contact(f->model, 0, &first) &&
+           first.sides == RIC_SIDES_BOTH;
 }
 
 static void print_remarks(const facts *f)
@@ -310,16 +331,20 @@ static void print_remarks(const facts *f)
     }
     if (unseen || seen_rigid) putchar('\n');
     if (unseen)
-        printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact orbits\n", unseen,
-               plural(unseen), unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
+        printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact "
+               "orbits\n",
+               unseen, plural(unseen), unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
     if (unseen_rigid)
-        puts("a rigid motion that no stop sees is taken out together with its momentum: orbits are given in the frame "
+        puts("a rigid motion that no stop sees is taken out together with its momentum: orbits are "
+             "given in the frame "
              "that moves along");
     if (seen_rigid)
-        printf("%d rigid motion%s a stop sees: it has no linear touch; %s\n", seen_rigid, plural(seen_rigid),
+        printf("%d rigid motion%s a stop sees: it has no linear touch; %s\n", seen_rigid,
+               plural(seen_rigid),
                f->m == 1 && two_sided(f)
                    ? "its family starts at the lower edge of the energy window"
-                   : "no family starts from it, which takes a single contact, rigid and with both sides");
+                   : "no family starts from it, which takes a single contact, rigid and with both "
+                     "sides");
     if (seen_rigid && !(f->m == 1 && two_sided(f))) puts(CLI_LOOSE);
 }
 
@@ -343,10 +368,13 @@ static int run(int argc, char **argv)
     ric_study *study = NULL;
     facts f = {0};
     int code;
-    const bool hertz = cli_take_flag(&argc, argv, "--hz"), physical = cli_take_flag(&argc, argv, "--physical");
-    if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_check, argc, argv, 1)) return CLI_WRONG;
+    const bool hertz = cli_take_flag(&argc, argv, "--hz"),
+               physical = cli_take_flag(&argc, argv, "--physical");
+    if (!cli_take_format(&argc, argv, &format) || !cli_operands(&cli_check, argc, argv, 1))
+        return CLI_WRONG;
     if ((code = cli_read_study(argv[1], &study))) return code;
-    const ric_status status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f) : RIC_E_NOMEM;
+    const ric_status status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f)
+                                                                         : RIC_E_NOMEM;
     code = cli_report(status);
     f.hertz = hertz;
     f.physical = physical;
@@ -360,18 +388,26 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "Reads a study and shows its model: natural frequencies, which modes the stops see, the scaled energy "
-             "at which each linear mode first touches a stop, modal normals, frequencies with a contact locked, "
-             "and c.c (the inverse of the mass that a stop feels) with its growth from mode to mode. Then the "
-             "windows, those of the study or chosen for the model, and the modes that they leave out, and the "
-             "reason if `run` would refuse the study. --json and --csv give one row per mode; contact J's values "
-             "are normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are window_energy and "
+    {.text = "Reads a study and shows its model: natural frequencies, which modes the stops see, "
+             "the scaled energy "
+             "at which each linear mode first touches a stop, modal normals, frequencies with a "
+             "contact locked, "
+             "and c.c (the inverse of the mass that a stop feels) with its growth from mode to "
+             "mode. Then the "
+             "windows, those of the study or chosen for the model, and the modes that they leave "
+             "out, and the "
+             "reason if `run` would refuse the study. --json and --csv give one row per mode; "
+             "contact J's values "
+             "are normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are "
+             "window_energy and "
              "window_frequency."},
     {.name = "STUDY",
-     .text = "a file, or - for standard input; files that it names are then looked for from the folder of the call"},
+     .text = "a file, or - for standard input; files that it names are then looked for from the "
+             "folder of the call"},
     {.name = "--hz", .text = "frequencies in Hz; the sentences on windows keep rad/s"},
     {.name = "--physical",
-     .text = "energies of first touch, and in --json the windows, in the units of the study; the sentences on windows "
+     .text = "energies of first touch, and in --json the windows, in the units of the study; the "
+             "sentences on windows "
              "keep scaled ones"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,

@@ -1,4 +1,5 @@
-/* ricochet export ATLAS: what it says of itself. The work is done by the module export, which brings HDF5 and matio. */
+/* ricochet export ATLAS: what it says of itself. The work is done by the module export, which
+ * brings HDF5 and matio. */
 #include "common/cli.h"
 #include "common/module.h"
 
@@ -8,25 +9,32 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text =
-         "Writes all of an atlas for other programs: HDF5 (h5py, Julia, Matlab), a MAT file of version 5 (Octave, "
-         "Matlab, SciPy) or comma-separated columns. Numbers are those of the atlas to the last bit, lengths scaled "
-         "by the clearance, and so are the names of the columns, which are those of --json."},
-    {.name = "about", .text = "one row: program, n_dof, length (the clearance), finished (0 if the run was stopped)"},
+    {.text = "Writes all of an atlas for other programs: HDF5 (h5py, Julia, Matlab), a MAT file of "
+             "version 5 (Octave, "
+             "Matlab, SciPy) or comma-separated columns. Numbers are those of the atlas to the "
+             "last bit, lengths scaled "
+             "by the clearance, and so are the names of the columns, which are those of --json."},
+    {.name = "about",
+     .text =
+         "one row: program, n_dof, length (the clearance), finished (0 if the run was stopped)"},
     {.name = "branches", .text = "one row per branch, as `ricochet branches` has them"},
     {.name = "points",
-     .text = "all stored points in the order of branches: branch, point (from 0), arclength, energy, "
-             "frequency, period, trace, log_trace, rotation, stable (0 no, 1 yes, 2 undecided), reach, "
-             "approach, residual, state (x then v), flights"},
+     .text =
+         "all stored points in the order of branches: branch, point (from 0), arclength, energy, "
+         "frequency, period, trace, log_trace, rotation, stable (0 no, 1 yes, 2 undecided), reach, "
+         "approach, residual, state (x then v), flights"},
     {.name = "junctions", .text = "one row per junction, as `ricochet junctions` has them"},
     {.name = "graph",
-     .text = "one row for every junction on every branch: branch, junction, arclength and place (from, "
-             "inner or to)"},
-    {.text =
-         "A table is a group in HDF5, a structure in a MAT file, and in CSV a part of the file after a line '# NAME'. "
-         "Rows of different lengths (flights, word lists) follow each other in one column, and NAME_n says how many "
-         "each has; in CSV they are one cell with blanks between. What is not there is NaN or empty, 0 of an id or "
-         "a number, and -1 of what is yes (1) or no (0)."},
+     .text =
+         "one row for every junction on every branch: branch, junction, arclength and place (from, "
+         "inner or to)"},
+    {.text = "A table is a group in HDF5, a structure in a MAT file, and in CSV a part of the file "
+             "after a line '# NAME'. "
+             "Rows of different lengths (flights, word lists) follow each other in one column, and "
+             "NAME_n says how many "
+             "each has; in CSV they are one cell with blanks between. What is not there is NaN or "
+             "empty, 0 of an id or "
+             "a number, and -1 of what is yes (1) or no (0)."},
     {.name = "-o",
      .value = "FILE",
      .text = "the file to write, its ending .h5, .mat or .csv; it takes the place of one "

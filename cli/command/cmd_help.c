@@ -17,39 +17,49 @@ typedef struct {
 /* In alphabetical order. docs/glossary.md is this list, which the tests make sure of. */
 static const entry glossary[] = {
     {"approach", "smallest speed at which a face is met: 0 at a grazing"},
-    {"atlas", "what a run writes, one file: branches of periodic orbits and the junctions where they meet"},
+    {"atlas",
+     "what a run writes, one file: branches of periodic orbits and the junctions where they meet"},
     {"backbone", "the branch that a linear mode turns into where it first touches a contact"},
-    {"base", "the branches that departures from one branch lead to, ordered by multiplicity (`ricochet bases`)"},
-    {"branch",
-     "a curve of periodic orbits that have their impacts in the same order; energy and frequency change along "
-     "it. A branch and its mirror images are one"},
-    {"branch point", "a junction where branches of lower symmetry, or of another kind, cross a branch"},
-    {"corner", "a junction where two margins are lost at once, such as a touch in the moment of an impact"},
-    {"departure",
-     "a branch that may leave from a junction; each is tried once, and what became of it is counted: taken, "
-     "known, inadmissible, over budget or refused"},
-    {"depth", "how many departures lie between a branch and the linear modes, along the shortest way"},
+    {"base", "the branches that departures from one branch lead to, ordered by multiplicity "
+             "(`ricochet bases`)"},
+    {"branch", "a curve of periodic orbits that have their impacts in the same order; energy and "
+               "frequency change along "
+               "it. A branch and its mirror images are one"},
+    {"branch point",
+     "a junction where branches of lower symmetry, or of another kind, cross a branch"},
+    {"corner",
+     "a junction where two margins are lost at once, such as a touch in the moment of an impact"},
+    {"departure", "a branch that may leave from a junction; each is tried once, and what became of "
+                  "it is counted: taken, "
+                  "known, inadmissible, over budget or refused"},
+    {"depth",
+     "how many departures lie between a branch and the linear modes, along the shortest way"},
     {"duplicate", "a branch gone through k times: the same motions, at frequency / k"},
-    {"face", "one side of a contact. Faces are counted contact by contact, upper before lower, 0 to 9 and a to z"},
-    {"ghost", "what the equations of a branch give beyond a grazing, where the orbit is no motion any more"},
+    {"face", "one side of a contact. Faces are counted contact by contact, upper before lower, 0 "
+             "to 9 and a to z"},
+    {"ghost",
+     "what the equations of a branch give beyond a grazing, where the orbit is no motion any more"},
     {"grazing", "a touch of a face with speed zero; there a branch ends or another one leaves"},
     {"inadmissible", "of a departure: only ghosts leave there, no motions"},
     {"junction", "an orbit where branches begin, end, meet or turn"},
     {"known", "of a departure: the branch was found another way"},
-    {"multiplication", "a junction where a branch of q times the period leaves, q-tupling; 2 is a period doubling"},
-    {"onset", "of a mode: the energy at which it first touches a contact; under a power law, where the force matters"},
+    {"multiplication",
+     "a junction where a branch of q times the period leaves, q-tupling; 2 is a period doubling"},
+    {"onset", "of a mode: the energy at which it first touches a contact; under a power law, where "
+              "the force matters"},
     {"reach", "largest gap over clearance in flight: 1 at a touch"},
-    {"scaled",
-     "with lengths divided by the clearance d of the first contact, energies by d squared; --physical undoes it"},
+    {"scaled", "with lengths divided by the clearance d of the first contact, energies by d "
+               "squared; --physical undoes it"},
     {"segment", "the part of a branch between two junctions that follow each other"},
     {"state", "displacements, then velocities, right after the first impact of the word"},
-    {"study",
-     "the YAML text that says what the structure is and where to look; `ricochet new` writes one with comments, "
-     "`ricochet help study --schema` the JSON schema of it for editors"},
-    {"tongue",
-     "an internal resonance: where a linear mode turns m times while the motion goes round n times, a branch climbs "
-     "along that mode, at a frequency that all but stays; behind a narrow one a branch may be continued "
-     "(`explore.tongues`)"},
+    {"study", "the YAML text that says what the structure is and where to look; `ricochet new` "
+              "writes one with comments, "
+              "`ricochet help study --schema` the JSON schema of it for editors"},
+    {"tongue", "an internal resonance: where a linear mode turns m times while the motion goes "
+               "round n times, a branch climbs "
+               "along that mode, at a frequency that all but stays; behind a narrow one a branch "
+               "may be continued "
+               "(`explore.tongues`)"},
     {"word", "the faces that an orbit meets in one period, in order, such as 01"},
 };
 
@@ -86,8 +96,10 @@ static int explain(const char *word)
         put_entry(e);
         return CLI_DONE;
     }
-    for (size_t i = 0; i < sizeof glossary / sizeof *glossary; i++) cli_nearest(&guess, glossary[i].word);
-    return cli_wrong("help: '%s' is no command and not in the glossary%s%s%s; `ricochet help` lists the commands, "
+    for (size_t i = 0; i < sizeof glossary / sizeof *glossary; i++)
+        cli_nearest(&guess, glossary[i].word);
+    return cli_wrong("help: '%s' is no command and not in the glossary%s%s%s; `ricochet help` "
+                     "lists the commands, "
                      "`ricochet help glossary` the words",
                      word, guess.known ? "; did you mean '" : "", guess.known ? guess.known : "",
                      guess.known ? "'" : "");
@@ -102,7 +114,8 @@ static int explain_picture(int argc, char **argv)
     if (!command) return cli_operands(&cli_help, argc, argv, 1) ? CLI_DONE : CLI_WRONG;
     const char *picture = cli_find_picture(command, 2, argv + 1);
     if (!picture)
-        return cli_wrong("help: %s has no picture '%s'; `ricochet help %s` lists them", argv[1], argv[2], argv[1]);
+        return cli_wrong("help: %s has no picture '%s'; `ricochet help %s` lists them", argv[1],
+                         argv[2], argv[1]);
     cli_print_picture_help(command, picture);
     return CLI_DONE;
 }
@@ -128,10 +141,12 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "Without anything behind it the commands; behind a command what that does, its options and an example; "
+    {.text = "Without anything behind it the commands; behind a command what that does, its "
+             "options and an example; "
              "behind a word of the glossary what it means."},
     {.name = "PICTURE", .text = "behind `plot`: what belongs to that picture"},
-    {.name = "--schema", .text = "behind `study`: the JSON schema of a study, by which editors complete and check it"},
+    {.name = "--schema",
+     .text = "behind `study`: the JSON schema of a study, by which editors complete and check it"},
     {.name = "glossary", .text = "all words that lists, pictures and messages use"},
     {0},
 };

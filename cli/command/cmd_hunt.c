@@ -1,5 +1,5 @@
-/* ricochet hunt STUDY: periodic orbits of one energy, or of a window of them, by brute force, and what an atlas lacks.
- */
+/* ricochet hunt STUDY: periodic orbits of one energy, or of a window of them, by brute force, and
+ * what an atlas lacks. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +13,8 @@ static const double two_pi = 6.283185307179586;
 
 enum {
     POINTS_MAX = 100000000,
-    LEVELS = 6,       /* of a ladder of energies: each lies in the middle of two of the level before; 65 in all */
+    LEVELS = 6, /* of a ladder of energies: each lies in the middle of two of the level before; 65
+                   in all */
     LEVELS_LEAST = 3, /* that are gone through, even if one finds nothing new: 9 energies */
 };
 
@@ -23,7 +24,8 @@ typedef struct {
     const char *atlas_path;
     bool add, physical;
     cli_choice choice; /* order, and Hz */
-    double d;          /* the length that states are multiplied by, energies by its square: 1 unless physical */
+    double
+        d; /* the length that states are multiplied by, energies by its square: 1 unless physical */
     cli_format format;
 } request;
 
@@ -51,7 +53,8 @@ static bool take_count(int *argc, char **argv, const char *name, int min, int *o
 {
     const char *text;
     long value = *out;
-    if (!cli_take_value(argc, argv, name, &text) || (text && !cli_parse_integer(text, name, min, POINTS_MAX, &value)))
+    if (!cli_take_value(argc, argv, name, &text) ||
+        (text && !cli_parse_integer(text, name, min, POINTS_MAX, &value)))
         return false;
     *out = (int)value;
     return true;
@@ -76,7 +79,8 @@ static bool take_energies(int *argc, char **argv, double energy[2])
     char first[64];
     if (!cli_take_value(argc, argv, "--energy", &text)) return false;
     if (!text) {
-        cli_wrong("hunt: --energy is missing; give the scaled energy at which to look, for example --energy 2.5, or a "
+        cli_wrong("hunt: --energy is missing; give the scaled energy at which to look, for example "
+                  "--energy 2.5, or a "
                   "window, --energy 0.7,40");
         return false;
     }
@@ -86,7 +90,8 @@ static bool take_energies(int *argc, char **argv, double energy[2])
     energy[1] = energy[0];
     if (comma && !cli_parse_number(comma + 1, "--energy", &energy[1])) return false;
     if (!(energy[0] > 0)) cli_wrong("hunt: --energy '%s' is not positive", text);
-    else if (energy[1] < energy[0]) cli_wrong("hunt: --energy '%s': the window ends before it begins", text);
+    else if (energy[1] < energy[0])
+        cli_wrong("hunt: --energy '%s': the window ends before it begins", text);
     return energy[0] > 0 && energy[1] >= energy[0];
 }
 
@@ -100,11 +105,15 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
     r->physical = cli_take_flag(argc, argv, "--physical");
     const bool hertz = cli_take_flag(argc, argv, "--hz");
     if (!cli_take_sort(argc, argv, &r->choice) || !cli_take_format(argc, argv, &r->format) ||
-        !cli_take_value(argc, argv, "--atlas", &r->atlas_path) || !take_energies(argc, argv, r->energy) ||
+        !cli_take_value(argc, argv, "--atlas", &r->atlas_path) ||
+        !take_energies(argc, argv, r->energy) ||
         !take_positive(argc, argv, "--period", bounded, &o->period[1]) ||
-        !take_count(argc, argv, "--lines", 2, &o->lines) || !take_count(argc, argv, "--rows", 0, &o->rows) ||
-        !take_count(argc, argv, "--row", 2, &o->row) || !take_count(argc, argv, "--random", 0, &o->random) ||
-        !take_count(argc, argv, "--starts", 0, &o->starts) || !cli_take_value(argc, argv, "--impacts", &text) ||
+        !take_count(argc, argv, "--lines", 2, &o->lines) ||
+        !take_count(argc, argv, "--rows", 0, &o->rows) ||
+        !take_count(argc, argv, "--row", 2, &o->row) ||
+        !take_count(argc, argv, "--random", 0, &o->random) ||
+        !take_count(argc, argv, "--starts", 0, &o->starts) ||
+        !cli_take_value(argc, argv, "--impacts", &text) ||
         (text && !cli_parse_integer(text, "--impacts", 1, RIC_HUNT_IMPACTS, &value)))
         return false;
     if (text) o->impacts = (int)value;
@@ -142,7 +151,8 @@ static void add_finding(json_t *row, const ric_finding *f)
 }
 
 /* d: the unit of lengths */
-static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, double d, int i, const ric_comparison *c)
+static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, double d, int i,
+                        const ric_comparison *c)
 {
     ric_found p;
     ric_finding finding;
@@ -166,15 +176,17 @@ static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, do
     return row;
 }
 
-static void add_rows(const ric_hunt *h, const ric_model *m, double energy, double d, const ric_comparison *c,
-                     json_t *rows)
+static void add_rows(const ric_hunt *h, const ric_model *m, double energy, double d,
+                     const ric_comparison *c, json_t *rows)
 {
-    for (int i = 0; i < ric_hunt_n_found(h); i++) json_array_append_new(rows, make_row(h, m, energy, d, i, c));
+    for (int i = 0; i < ric_hunt_n_found(h); i++)
+        json_array_append_new(rows, make_row(h, m, energy, d, i, c));
 }
 
 static int print(json_t *rows, bool compared, cli_format format)
 {
-    static const char columns[] = "orbit energy word period frequency symmetric reversible trace atlas branch reason";
+    static const char columns[] =
+        "orbit energy word period frequency symmetric reversible trace atlas branch reason";
     static const char alone[] = "orbit energy word period frequency symmetric reversible trace";
     return cli_print_rows(rows, compared ? columns : alone, format);
 }
@@ -184,32 +196,34 @@ static void tell_missed(const ric_comparison *c, int n_missed)
     for (int i = 0; i < n_missed; i++) {
         ric_missed m;
         if (ric_comparison_missed(c, i, &m)) continue;
-        cli_say("not found again: %d impacts on branch %d, period %.10g, trace %.6g, slowest impact %.3g\n", m.impacts,
-                m.branch, m.period, m.trace, m.approach);
+        cli_say("not found again: %d impacts on branch %d, period %.10g, trace %.6g, slowest "
+                "impact %.3g\n",
+                m.impacts, m.branch, m.period, m.trace, m.approach);
     }
 }
 
 /* One line on stderr; exit code 1 if something is not explained. */
-static int summarise(const ric_hunt *h, const ric_hunt_options *options, double unit, const ric_comparison *c,
-                     int added)
+static int summarise(const ric_hunt *h, const ric_hunt_options *options, double unit,
+                     const ric_comparison *c, int added)
 {
     int counts[4] = {0}, n = ric_hunt_n_found(h), n_atlas, n_again, n_missed;
-    cli_say("%d orbits of up to %d impacts and period up to %g s at energy %g\n", n, options->impacts,
-            options->period[1], unit * options->energy);
+    cli_say("%d orbits of up to %d impacts and period up to %g s at energy %g\n", n,
+            options->impacts, options->period[1], unit * options->energy);
     if (!c) return CLI_DONE;
     for (int i = 0; i < n; i++) {
         ric_finding finding;
         if (!ric_comparison_finding(c, i, &finding)) counts[finding.state]++;
     }
     ric_comparison_count(c, &n_atlas, &n_again, &n_missed);
-    cli_say("of the atlas's %d orbits there, %d were found again; it lacks %d: %d beyond its budgets, %d isolated, %d "
+    cli_say("of the atlas's %d orbits there, %d were found again; it lacks %d: %d beyond its "
+            "budgets, %d isolated, %d "
             "unexplained\n",
-            n_atlas, n_again, n - counts[RIC_FOUND_KNOWN], counts[RIC_FOUND_BUDGET], counts[RIC_FOUND_ISOLATED],
-            counts[RIC_FOUND_UNEXPLAINED]);
+            n_atlas, n_again, n - counts[RIC_FOUND_KNOWN], counts[RIC_FOUND_BUDGET],
+            counts[RIC_FOUND_ISOLATED], counts[RIC_FOUND_UNEXPLAINED]);
     tell_missed(c, n_missed);
     if (added)
-        cli_say("%d start%s added; the next `ricochet run` follows %s\n", added, added == 1 ? "" : "s",
-                added == 1 ? "it" : "them");
+        cli_say("%d start%s added; the next `ricochet run` follows %s\n", added,
+                added == 1 ? "" : "s", added == 1 ? "it" : "them");
     return counts[RIC_FOUND_UNEXPLAINED] ? CLI_FAILED : CLI_DONE;
 }
 
@@ -256,7 +270,8 @@ static void count_isolated(quest *q, const ric_hunt *h, const ric_comparison *c)
         if (ric_comparison_finding(c, i, &finding) || finding.state != RIC_FOUND_ISOLATED) continue;
         ric_hunt_found(h, i, &found, word, NULL, NULL);
         json_t *text = cli_word(ric_study_model(q->study), found.impacts, word);
-        json_t *key = json_sprintf("%s %d %d", json_string_value(text), found.symmetric, found.reversible);
+        json_t *key = json_sprintf("%s %d %d", json_string_value(text), found.symmetric,
+                                   found.reversible);
         q->fresh += key && !json_object_get(q->isolated, json_string_value(key));
         if (key) json_object_set_new(q->isolated, json_string_value(key), json_true());
         json_decref(key);
@@ -278,7 +293,8 @@ static ric_status hunt_at(quest *q, double energy)
     if (!status) status = ric_hunt_run(h);
     if (status == RIC_E_INTERRUPTED) add_rows(h, model, energy, q->request->d, NULL, q->rows);
     if (!status && q->atlas) status = ric_hunt_compare(h, q->atlas, &c);
-    if (!status && q->request->add) status = ric_hunt_add(h, c, q->atlas, q->request->atlas_path, &added);
+    if (!status && q->request->add)
+        status = ric_hunt_add(h, c, q->atlas, q->request->atlas_path, &added);
     if (q->display.terminal) fputs("\r\033[K", stderr);
     if (!status) {
         q->added += added;
@@ -314,7 +330,8 @@ static ric_status follow_added(quest *q, int before)
     return status;
 }
 
-/* Energies of one level, geometrically between the ends: the ends and the middle first, then the middles between. */
+/* Energies of one level, geometrically between the ends: the ends and the middle first, then the
+ * middles between. */
 static ric_status hunt_level(quest *q, int level)
 {
     const double *window = q->request->energy;
@@ -322,7 +339,8 @@ static ric_status hunt_level(quest *q, int level)
     ric_status status = RIC_OK;
     q->fresh = 0;
     for (int i = 0; i <= parts && !status; i++)
-        if (level == 1 || i % 2) status = hunt_at(q, window[0] * pow(window[1] / window[0], (double)i / parts));
+        if (level == 1 || i % 2)
+            status = hunt_at(q, window[0] * pow(window[1] / window[0], (double)i / parts));
     return status ? status : follow_added(q, before);
 }
 
@@ -336,15 +354,17 @@ static ric_status hunt_window(quest *q)
         if (level >= LEVELS_LEAST && q->fresh == 0) break;
     }
     if (!status)
-        cli_say("%d energies from %g to %g were looked at; %s; %d kinds of isolated orbits in all\n", q->n_energy,
-                unit * q->request->energy[0], unit * q->request->energy[1],
-                level <= LEVELS ? "the last ones, between those before, found nothing new"
-                                : "the last ones still found something new, and there may be more",
-                (int)json_object_size(q->isolated));
+        cli_say(
+            "%d energies from %g to %g were looked at; %s; %d kinds of isolated orbits in all\n",
+            q->n_energy, unit * q->request->energy[0], unit * q->request->energy[1],
+            level <= LEVELS ? "the last ones, between those before, found nothing new"
+                            : "the last ones still found something new, and there may be more",
+            (int)json_object_size(q->isolated));
     return status;
 }
 
-/* Prints what was found, all of it or until it was stopped; the exit code, `code` where it is not 0. */
+/* Prints what was found, all of it or until it was stopped; the exit code, `code` where it is not
+ * 0. */
 static int answer(const quest *q, const request *r, int code)
 {
     if (r->choice.hertz) cli_in_hertz(q->rows);
@@ -387,7 +407,8 @@ static ric_status read_files(request *r, const char *path, ric_study **study, ri
             ric_atlas_free(*atlas);
             *atlas = NULL;
         }
-    } else if (status == RIC_E_INPUT) status = ric_study_read(path, study); /* its own message again */
+    } else if (status == RIC_E_INPUT)
+        status = ric_study_read(path, study); /* its own message again */
     if (!status && r->atlas_path && !*atlas) status = ric_atlas_read(r->atlas_path, atlas);
     return status;
 }
@@ -399,13 +420,15 @@ static int run(int argc, char **argv)
     ric_study *study = NULL;
     ric_atlas *atlas = NULL;
     int code;
-    if (!take_request(&argc, argv, &r, &bounded) || !cli_operands(&cli_hunt, argc, argv, 1)) return CLI_WRONG;
+    if (!take_request(&argc, argv, &r, &bounded) || !cli_operands(&cli_hunt, argc, argv, 1))
+        return CLI_WRONG;
     ric_status status = read_files(&r, argv[1], &study, &atlas);
     r.d = status ? 1 : cli_unit_of_lengths(ric_study_model(study), r.physical);
     for (int i = 0; i < 2; i++) r.energy[i] /= r.d * r.d;
     r.options.energy = r.energy[0];
     if (status) code = cli_report(status);
-    else if (r.add && !atlas) code = cli_wrong("hunt: --add needs --atlas FILE, the atlas to add to");
+    else if (r.add && !atlas)
+        code = cli_wrong("hunt: --add needs --atlas FILE, the atlas to add to");
     else if (atlas && !same_model(ric_study_model(study), ric_atlas_model(atlas))) {
         cli_wrong("hunt: %s is the atlas of another model than that of %s", r.atlas_path, argv[1]);
         code = CLI_FAILED;
@@ -423,36 +446,51 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "Looks for all periodic orbits of one scaled energy with up to N impacts per period, without "
-             "following any branch: symmetry lines are scanned, rows and random starts are flown from impact to "
-             "impact, and the times of all impacts of a word are guessed at once. For rigid stops that see two modes. "
-             "Every orbit is checked with the simulator. "
-             "An empty result is no proof; what a known atlas has is the measure of what is found."},
+    {.text =
+         "Looks for all periodic orbits of one scaled energy with up to N impacts per period, "
+         "without "
+         "following any branch: symmetry lines are scanned, rows and random starts are flown from "
+         "impact to "
+         "impact, and the times of all impacts of a word are guessed at once. For rigid stops that "
+         "see two modes. "
+         "Every orbit is checked with the simulator. "
+         "An empty result is no proof; what a known atlas has is the measure of what is found."},
     {.name = "--energy",
      .value = "E[,E]",
-     .text = "scaled energy; or a window, in which energies are looked at, and those between them, until the last ones "
-             "find no other kind of isolated orbit (9 at least, 65 at most); with --add what is found is followed in "
+     .text = "scaled energy; or a window, in which energies are looked at, and those between them, "
+             "until the last ones "
+             "find no other kind of isolated orbit (9 at least, 65 at most); with --add what is "
+             "found is followed in "
              "between"},
     {.name = "--impacts", .value = "N", .text = "words of up to N letters, 6 unless given"},
     {.name = "--period",
      .value = "T",
-     .text = "periods up to T seconds; unless given 2 pi over the lower end of the study's frequency window"},
+     .text = "periods up to T seconds; unless given 2 pi over the lower end of the study's "
+             "frequency window"},
     {.name = "--atlas",
      .value = "FILE",
-     .text = "tells which of the orbits this atlas has (known), and why it lacks others: they are beyond a "
-             "departure that it has not taken (budget), or their family meets none of its junctions (isolated); "
+     .text = "tells which of the orbits this atlas has (known), and why it lacks others: they are "
+             "beyond a "
+             "departure that it has not taken (budget), or their family meets none of its "
+             "junctions (isolated); "
              "exit code 1 if one is unexplained"},
-    {.name = "--add", .text = "puts the isolated ones into the atlas as starts; the next `ricochet run` follows them"},
-    {.name = "--lines", .value = "N", .text = "points on each symmetry line before it is refined, 20000 unless given"},
+    {.name = "--add",
+     .text =
+         "puts the isolated ones into the atlas as starts; the next `ricochet run` follows them"},
+    {.name = "--lines",
+     .value = "N",
+     .text = "points on each symmetry line before it is refined, 20000 unless given"},
     {.name = "--rows", .value = "N", .text = "rows on the section of each face, 60 unless given"},
     {.name = "--row", .value = "N", .text = "points on each row, 1000 unless given"},
     {.name = "--random", .value = "N", .text = "random starts on each face, 250000 unless given"},
     {.name = "--starts",
      .value = "N",
-     .text = "guesses of all impact times for each letter of each word, in every round, 60 unless given"},
+     .text = "guesses of all impact times for each letter of each word, in every round, 60 unless "
+             "given"},
     {.name = "--seed", .value = "S", .text = "of the random starts and guesses, 1 unless given"},
     {.name = "--physical",
-     .text = "energies, those of --energy too, and states in the units of the study, not scaled by the clearance"},
+     .text = "energies, those of --energy too, and states in the units of the study, not scaled by "
+             "the clearance"},
     CLI_ITEM_SORT,
     CLI_ITEM_HZ,
     CLI_ITEM_JSON,
@@ -464,7 +502,8 @@ static const cli_item items[] = {
 const cli_command cli_hunt = {
     .name = "hunt",
     .summary = "periodic orbits of one energy by brute force; what an atlas lacks",
-    .usage = "ricochet hunt STUDY|ATLAS --energy E[,E] [--impacts N] [--period T] [--atlas FILE [--add]]\n"
+    .usage = "ricochet hunt STUDY|ATLAS --energy E[,E] [--impacts N] [--period T] [--atlas FILE "
+             "[--add]]\n"
              "           [--lines N] [--rows N] [--row N] [--random N] [--starts N] [--seed S]\n"
              "           [--physical] [--hz] [--sort COLUMN] [--json | --csv | --wide]\n",
     .items = items,

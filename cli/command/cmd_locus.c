@@ -11,9 +11,11 @@ static json_t *numbers(int n, const double *values, double unit)
     return list;
 }
 
-static json_t *point_row(const cli_locus *x, const ric_junction *j, const ric_locus_point *p, bool physical)
+static json_t *point_row(const cli_locus *x, const ric_junction *j, const ric_locus_point *p,
+                         bool physical)
 {
-    const int n = ric_model_n_dof(ric_atlas_model(x->atlas)), flights = j->letters > 0 ? j->letters : 1;
+    const int n = ric_model_n_dof(ric_atlas_model(x->atlas)),
+              flights = j->letters > 0 ? j->letters : 1;
     const double d = physical ? p->length : 1;
     json_t *row = json_object();
     json_object_set_new(row, "parameter", json_string(x->vary.name));
@@ -37,7 +39,9 @@ static void summarise(const cli_locus *x)
     ric_locus_point p, ends[2];
     for (int i = 0; i < n; i++)
         if (!ric_locus_point_at(x->locus, i, &p)) folds += p.mark == RIC_LOCUS_FOLD;
-    if (!n || ric_locus_point_at(x->locus, 0, &ends[0]) || ric_locus_point_at(x->locus, n - 1, &ends[1])) return;
+    if (!n || ric_locus_point_at(x->locus, 0, &ends[0]) ||
+        ric_locus_point_at(x->locus, n - 1, &ends[1]))
+        return;
     cli_say("%d points, %d folds; from %s = %.9g", n, folds, x->vary.name, ends[0].value);
     cli_say(" (%s) to %.9g", ends[0].what, ends[1].value);
     cli_say(" (%s)\n", ends[1].what);
@@ -50,7 +54,8 @@ static int run(int argc, char **argv)
     cli_locus_request request;
     cli_locus x = {.atlas = NULL};
     ric_junction j;
-    const bool physical = cli_take_flag(&argc, argv, "--physical"), hertz = cli_take_flag(&argc, argv, "--hz");
+    const bool physical = cli_take_flag(&argc, argv, "--physical"),
+               hertz = cli_take_flag(&argc, argv, "--hz");
     if (!cli_take_format(&argc, argv, &format) || !cli_locus_take(&argc, argv, "locus", &request) ||
         !cli_operands(&cli_locus_command, argc, argv, 1))
         return CLI_WRONG;
@@ -59,7 +64,8 @@ static int run(int argc, char **argv)
         json_t *rows = json_array();
         ric_locus_point p;
         for (int i = 0; i < ric_locus_n_point(x.locus); i++)
-            if (!ric_locus_point_at(x.locus, i, &p)) json_array_append_new(rows, point_row(&x, &j, &p, physical));
+            if (!ric_locus_point_at(x.locus, i, &p))
+                json_array_append_new(rows, point_row(&x, &j, &p, physical));
         if (hertz) cli_in_hertz(rows);
         const int printed = cli_print_rows(rows, columns, format);
         summarise(&x);
@@ -71,14 +77,19 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "Follows a junction while the parameter of section vary changes the structure: a curve in the plane of "
-             "the parameter and the energy or the frequency, through its own folds, where two junctions annihilate "
-             "each other, to the border of the range or to a place of codimension two. Rigid stops, bilinear springs "
+    {.text = "Follows a junction while the parameter of section vary changes the structure: a "
+             "curve in the plane of "
+             "the parameter and the energy or the frequency, through its own folds, where two "
+             "junctions annihilate "
+             "each other, to the border of the range or to a place of codimension two. Rigid "
+             "stops, bilinear springs "
              "and power laws; docs/loci.md."},
     {.name = "value, energy, frequency",
-     .text = "of the parameter; of the orbit, scaled by the clearance that the first contact has there, and in rad/s"},
+     .text = "of the parameter; of the orbit, scaled by the clearance that the first contact has "
+             "there, and in rad/s"},
     {.name = "mark, what",
-     .text = "start: the junction of the atlas; asked; fold; meets: it is another kind of junction, too; end, and why"},
+     .text = "start: the junction of the atlas; asked; fold; meets: it is another kind of "
+             "junction, too; end, and why"},
     CLI_ITEMS_LOCUS,
     {.name = "--physical", .text = "energies and states in the study's own units of length"},
     CLI_ITEM_HZ,

@@ -1,4 +1,5 @@
-/* ricochet orbit ATLAS --branch ID ...: the orbits of a branch at a point, an energy or a frequency. */
+/* ricochet orbit ATLAS --branch ID ...: the orbits of a branch at a point, an energy or a
+ * frequency. */
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -38,7 +39,11 @@ static void subject_free(subject *s)
 static bool subject_init(subject *s, const ric_orbit *orbit, const ric_model *model, double d)
 {
     size_t n = (size_t)ric_model_n_dof(model), n_letter = (size_t)ric_orbit_letters(orbit);
-    *s = (subject){.orbit = orbit, .model = model, .n_dof = (int)n, .n_letter = (int)n_letter, .d = d};
+    *s = (subject){.orbit = orbit,
+                   .model = model,
+                   .n_dof = (int)n,
+                   .n_letter = (int)n_letter,
+                   .d = d};
     s->state = calloc(2 * n, sizeof *s->state);
     s->flights = calloc(n_letter + 1, sizeof *s->flights);
     s->word = calloc(n_letter + 1, sizeof *s->word);
@@ -57,7 +62,8 @@ static ric_status add_impacts(subject *s, json_t *speeds, json_t *impulses)
 {
     double *numbers = calloc(2 * (size_t)s->n_letter + 1, sizeof *numbers);
     int n = 0;
-    ric_status status = numbers ? ric_orbit_exchanges(s->orbit, &n, numbers, numbers + s->n_letter) : RIC_E_NOMEM;
+    ric_status status = numbers ? ric_orbit_exchanges(s->orbit, &n, numbers, numbers + s->n_letter)
+                                : RIC_E_NOMEM;
     for (int k = 0; k < n; k++) {
         json_array_append_new(speeds, cli_number(s->d * numbers[k]));
         json_array_append_new(impulses, cli_number(s->d * numbers[s->n_letter + k]));
@@ -105,7 +111,8 @@ static ric_status add_orbit(json_t *rows, subject *s)
                         json_string(stable == RIC_STABLE_YES  ? "yes"
                                     : stable == RIC_STABLE_NO ? "no"
                                                               : "undecided"));
-    json_object_set_new(row, "amplitudes", status ? json_null() : numbers(s->n_dof, amplitudes, s->d));
+    json_object_set_new(row, "amplitudes",
+                        status ? json_null() : numbers(s->n_dof, amplitudes, s->d));
     if (!status) status = add_impacts(s, speeds, impulses);
     json_object_set_new(row, "impact_speeds", speeds);
     json_object_set_new(row, "impulses", impulses);
@@ -161,11 +168,14 @@ typedef struct {
 static double unit_of(const request *ask, const ric_model *model)
 {
     const double d = ask->physical ? ric_model_length(model) : 1;
-    return ask->at == RIC_AT_ENERGY ? d * d : ask->at == RIC_AT_FREQUENCY && ask->hertz ? 1 / two_pi : 1;
+    return ask->at == RIC_AT_ENERGY                    ? d * d
+           : ask->at == RIC_AT_FREQUENCY && ask->hertz ? 1 / two_pi
+                                                       : 1;
 }
 
 /* *found: number of orbits. *too_long: a history would have too many rows, and there are none. */
-static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *atlas, int *found, bool *too_long)
+static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *atlas, int *found,
+                           bool *too_long)
 {
     const ric_model *model = ric_atlas_model(atlas);
     const double d = cli_unit_of_lengths(model, ask->physical);
@@ -187,8 +197,10 @@ static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *at
     return status;
 }
 
-/* The tongue that was stepped over where the orbit would be, " (..)"; "" if it is another reason. */
-static void find_gap(const request *ask, const ric_atlas *atlas, double unit, size_t size, char *out)
+/* The tongue that was stepped over where the orbit would be, " (..)"; "" if it is another reason.
+ */
+static void find_gap(const request *ask, const ric_atlas *atlas, double unit, size_t size,
+                     char *out)
 {
     int n = 0;
     char text[CLI_TONGUE];
@@ -214,8 +226,9 @@ static int report_none(const request *ask, const ric_atlas *atlas)
     const double unit = unit_of(ask, ric_atlas_model(atlas));
     char gap[CLI_TONGUE + 8];
     find_gap(ask, atlas, unit, sizeof gap, gap);
-    cli_say("ricochet: branch %d has no orbit of %s %.12g; it runs from %.12g to %.12g%s\n", ask->branch,
-            energy ? "energy" : "frequency", ask->value, unit * (energy ? branch.energy_min : branch.frequency_min),
+    cli_say("ricochet: branch %d has no orbit of %s %.12g; it runs from %.12g to %.12g%s\n",
+            ask->branch, energy ? "energy" : "frequency", ask->value,
+            unit * (energy ? branch.energy_min : branch.frequency_min),
             unit * (energy ? branch.energy_max : branch.frequency_max), gap);
     return CLI_FAILED;
 }
@@ -255,9 +268,12 @@ static int answer(const request *ask)
     if (!status) status = add_rows(rows, ask, atlas, &found, &too_long);
     if (!status && !found) code = report_none(ask, atlas);
     else if (!status && too_long)
-        code = cli_wrong("orbit: --history %g gives more than %d rows; choose a larger step", ask->step, STEPS_MAX);
+        code = cli_wrong("orbit: --history %g gives more than %d rows; choose a larger step",
+                         ask->step, STEPS_MAX);
     else if (status) code = cli_report(status);
-    else code = ask->step > 0 ? cli_print_rows(rows, NULL, ask->format) : print_orbits(rows, ask->format);
+    else
+        code = ask->step > 0 ? cli_print_rows(rows, NULL, ask->format)
+                             : print_orbits(rows, ask->format);
     json_decref(rows);
     ric_atlas_free(atlas);
     return code;
@@ -276,7 +292,8 @@ static bool parse_place(const char *const texts[3], request *ask)
             which = i;
         }
     if (n != 1) {
-        cli_wrong("orbit: give one of --point I, --energy E and --frequency F%s", n ? ", not several" : "");
+        cli_wrong("orbit: give one of --point I, --energy E and --frequency F%s",
+                  n ? ", not several" : "");
         return false;
     }
     ask->at = kinds[which];
@@ -290,7 +307,8 @@ static bool parse_step(const char *text, double *step)
 {
     if (text && (!cli_parse_number(text, "--history", step))) return false;
     if (text && !(*step > 0)) {
-        cli_wrong("--history '%s' is not a step of time; give seconds above 0, for example 0.01", text);
+        cli_wrong("--history '%s' is not a step of time; give seconds above 0, for example 0.01",
+                  text);
         return false;
     }
     return true;
@@ -300,13 +318,19 @@ static int run(int argc, char **argv)
 {
     const char *branch = NULL, *places[3] = {NULL, NULL, NULL}, *step = NULL;
     long id = 0;
-    request ask = {.physical = cli_take_flag(&argc, argv, "--physical"), .hertz = cli_take_flag(&argc, argv, "--hz")};
-    if (!cli_take_format(&argc, argv, &ask.format) || !cli_take_value(&argc, argv, "--branch", &branch) ||
-        !cli_take_value(&argc, argv, "--point", &places[0]) || !cli_take_value(&argc, argv, "--energy", &places[1]) ||
-        !cli_take_value(&argc, argv, "--frequency", &places[2]) || !cli_take_value(&argc, argv, "--history", &step) ||
+    request ask = {.physical = cli_take_flag(&argc, argv, "--physical"),
+                   .hertz = cli_take_flag(&argc, argv, "--hz")};
+    if (!cli_take_format(&argc, argv, &ask.format) ||
+        !cli_take_value(&argc, argv, "--branch", &branch) ||
+        !cli_take_value(&argc, argv, "--point", &places[0]) ||
+        !cli_take_value(&argc, argv, "--energy", &places[1]) ||
+        !cli_take_value(&argc, argv, "--frequency", &places[2]) ||
+        !cli_take_value(&argc, argv, "--history", &step) ||
         !cli_operands(&cli_orbit, argc, argv, 1))
         return CLI_WRONG;
-    if (!branch) return cli_wrong("orbit: --branch ID is missing; `ricochet branches %s` lists the ids", argv[1]);
+    if (!branch)
+        return cli_wrong("orbit: --branch ID is missing; `ricochet branches %s` lists the ids",
+                         argv[1]);
     if (!cli_parse_integer(branch, "--branch", 1, INT_MAX, &id) || !parse_place(places, &ask) ||
         !parse_step(step, &ask.step))
         return CLI_WRONG;
@@ -316,25 +340,32 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "Solves every orbit of the branch that fits, to rounding: one row each for --csv and --json, one line "
+    {.text = "Solves every orbit of the branch that fits, to rounding: one row each for --csv and "
+             "--json, one line "
              "per quantity otherwise."},
     {.name = "--branch", .value = "ID", .text = "the branch, by its number in `ricochet branches`"},
     CLI_ITEM_AT,
-    {.name = "--point", .value = "I", .text = "stored point I, from 0, as `ricochet points` lists them"},
+    {.name = "--point",
+     .value = "I",
+     .text = "stored point I, from 0, as `ricochet points` lists them"},
     {.name = "--energy", .value = "E", .text = "all orbits of energy E"},
     {.name = "--frequency", .value = "F", .text = "all orbits of frequency F, rad/s"},
     {.name = "--history",
      .value = "DT",
-     .text = "one period in steps of DT seconds instead, columns t x1.. v1..; a last column `orbit` if there are "
+     .text = "one period in steps of DT seconds instead, columns t x1.. v1..; a last column "
+             "`orbit` if there are "
              "several"},
     {.name = "--physical",
-     .text = "lengths, speeds and energies (also E) in the units of the study, not scaled by the clearance"},
+     .text = "lengths, speeds and energies (also E) in the units of the study, not scaled by the "
+             "clearance"},
     {.name = "state", .text = "x then v right after the first impact of the word"},
     {.name = "flights", .text = "times from impact to impact, or the period if there is no impact"},
     {.name = "multipliers",
-     .text = "beside the trivial ones, as pairs of real and imaginary part; null where they are lost in rounding"},
+     .text = "beside the trivial ones, as pairs of real and imaginary part; null where they are "
+             "lost in rounding"},
     {.name = "amplitudes", .text = "largest |x| of every degree of freedom over the period"},
-    {.name = "impact_speeds", .text = "speed of approach of each impact of the word; impulses: the momentum exchanged"},
+    {.name = "impact_speeds",
+     .text = "speed of approach of each impact of the word; impulses: the momentum exchanged"},
     CLI_ITEM_HZ,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
@@ -345,7 +376,8 @@ static const cli_item items[] = {
 const cli_command cli_orbit = {
     .name = "orbit",
     .summary = "solve the orbits of a branch at a point, an energy or a frequency",
-    .usage = "ricochet orbit ATLAS (--branch ID | --at E,OMEGA) (--point I | --energy E | --frequency F)\n"
+    .usage = "ricochet orbit ATLAS (--branch ID | --at E,OMEGA) (--point I | --energy E | "
+             "--frequency F)\n"
              "           [--history DT] [--physical] [--hz] [--json | --csv | --wide]\n",
     .items = items,
     .example = "ricochet orbit study.ricochet --branch 3 --energy 1.5\n",

@@ -9,7 +9,9 @@
 
 static json_t *stability(int stable)
 {
-    return json_string(stable == RIC_STABLE_YES ? "yes" : stable == RIC_STABLE_NO ? "no" : "undecided");
+    return json_string(stable == RIC_STABLE_YES  ? "yes"
+                       : stable == RIC_STABLE_NO ? "no"
+                                                 : "undecided");
 }
 
 /* The trace; beyond the range of a double, sign and logarithm as a text. */
@@ -18,7 +20,8 @@ static json_t *trace_of(const ric_point *point)
     char text[48];
     double trace = ric_point_trace(point);
     if (!isinf(trace) || isinf(point->trace)) return cli_number(trace);
-    snprintf(text, sizeof text, "%sexp(%.17g)", point->trace < 0 ? "-" : "", ric_point_log_trace(point));
+    snprintf(text, sizeof text, "%sexp(%.17g)", point->trace < 0 ? "-" : "",
+             ric_point_log_trace(point));
     return json_string(text);
 }
 
@@ -71,9 +74,10 @@ static ric_status add_points(const listing *l)
         if (l->n_multiplier) {
             int n = 0;
             ric_orbit **orbits = NULL;
-            bool good = !ric_orbit_find(l->atlas, l->branch.id, RIC_AT_POINT, i, &n, &orbits) && n > 0 &&
-                        !ric_orbit_multipliers(orbits[0], l->multipliers);
-            json_object_set_new(row, "multipliers", pairs(l->n_multiplier, good ? l->multipliers : NULL));
+            bool good = !ric_orbit_find(l->atlas, l->branch.id, RIC_AT_POINT, i, &n, &orbits) &&
+                        n > 0 && !ric_orbit_multipliers(orbits[0], l->multipliers);
+            json_object_set_new(row, "multipliers",
+                                pairs(l->n_multiplier, good ? l->multipliers : NULL));
             ric_orbits_free(n, orbits);
         }
         json_array_append_new(l->rows, row);
@@ -98,13 +102,16 @@ static ric_status add_ghost(const listing *l, const ric_ghost *ghost)
         json_object_set_new(row, "admissible", json_boolean(ric_point_admissible(&point)));
         if (l->n_multiplier) {
             bool good = !ric_ghost_multipliers(ghost, i, l->multipliers);
-            json_object_set_new(row, "multipliers", pairs(l->n_multiplier, good ? l->multipliers : NULL));
+            json_object_set_new(row, "multipliers",
+                                pairs(l->n_multiplier, good ? l->multipliers : NULL));
         }
         json_array_append_new(l->rows, row);
     }
-    cli_say("ricochet: ghost beyond '%s': %d points; stopped: %s%s%s\n", end, data.n_point, ric_stop_text(data.stop),
-            *data.why ? ", " : "", data.why);
-    if (data.again >= 0) cli_say("ricochet: ghost beyond '%s': admissible again from point %d on\n", end, data.again);
+    cli_say("ricochet: ghost beyond '%s': %d points; stopped: %s%s%s\n", end, data.n_point,
+            ric_stop_text(data.stop), *data.why ? ", " : "", data.why);
+    if (data.again >= 0)
+        cli_say("ricochet: ghost beyond '%s': admissible again from point %d on\n", end,
+                data.again);
     return status;
 }
 
@@ -121,15 +128,19 @@ static int no_ghost(const listing *l, const char *path)
 {
     char from[120], to[120];
     if (l->branch.impacts == 0) {
-        cli_say("ricochet: branch %d has no ghost: a linear mode has no impacts and stays the same at any amplitude. "
-                "The ghosts of the branches that leave it can be listed; `ricochet branches %s` shows them\n",
+        cli_say("ricochet: branch %d has no ghost: a linear mode has no impacts and stays the same "
+                "at any amplitude. "
+                "The ghosts of the branches that leave it can be listed; `ricochet branches %s` "
+                "shows them\n",
                 l->branch.id, path);
         return CLI_FAILED;
     }
     name_end(l, l->branch.from, sizeof from, from);
     name_end(l, l->branch.to, sizeof to, to);
-    cli_say("ricochet: branch %d has no ghost: a ghost goes on where a grazing or a corner ends a branch, and the ends "
-            "of this one are: %s; %s. `ricochet branches %s` lists `from` and `to`, `ricochet junctions %s` their "
+    cli_say("ricochet: branch %d has no ghost: a ghost goes on where a grazing or a corner ends a "
+            "branch, and the ends "
+            "of this one are: %s; %s. `ricochet branches %s` lists `from` and `to`, `ricochet "
+            "junctions %s` their "
             "kinds\n",
             l->branch.id, from, to, path, path);
     return CLI_FAILED;
@@ -152,8 +163,9 @@ static int add_ghosts(const listing *l, const char *path)
 static int print(const listing *l, bool ghost, bool multipliers_too, cli_format format)
 {
     char *names = cli_table_names(&ric_table_point, format), *columns = NULL;
-    if (names && asprintf(&columns, "%s%s%s%s", ghost ? "end " : "", names, ghost ? " admissible" : "",
-                          multipliers_too && format != CLI_TEXT ? " multipliers" : "") < 0)
+    if (names &&
+        asprintf(&columns, "%s%s%s%s", ghost ? "end " : "", names, ghost ? " admissible" : "",
+                 multipliers_too && format != CLI_TEXT ? " multipliers" : "") < 0)
         columns = NULL;
     const int code = columns ? cli_print_rows(l->rows, columns, format) : cli_report(RIC_E_NOMEM);
     free(names);
@@ -161,7 +173,8 @@ static int print(const listing *l, bool ghost, bool multipliers_too, cli_format 
     return code;
 }
 
-static int list(const char *path, int id, bool physical, bool ghost, cli_format format, const cli_choice *choice)
+static int list(const char *path, int id, bool physical, bool ghost, cli_format format,
+                const cli_choice *choice)
 {
     ric_atlas *atlas = NULL;
     listing l = {.rows = json_array()};
@@ -174,7 +187,9 @@ static int list(const char *path, int id, bool physical, bool ghost, cli_format 
     l.d = cli_unit_of_lengths(ric_atlas_model(atlas), physical);
     l.n_multiplier = format != CLI_TEXT && n_mode > 2 ? 2 * (n_mode - 1) : 0;
     l.multipliers = calloc(2 * (size_t)l.n_multiplier + 1, sizeof *l.multipliers);
-    code = !l.multipliers ? cli_report(RIC_E_NOMEM) : ghost ? add_ghosts(&l, path) : cli_report(add_points(&l));
+    code = !l.multipliers ? cli_report(RIC_E_NOMEM)
+           : ghost        ? add_ghosts(&l, path)
+                          : cli_report(add_points(&l));
     if (code == CLI_DONE && choice->hertz) cli_in_hertz(l.rows);
     if (code == CLI_DONE && !cli_choose(l.rows, choice)) code = CLI_WRONG;
     if (code == CLI_DONE) code = print(&l, ghost, n_mode > 2, format);
@@ -191,23 +206,30 @@ static int run(int argc, char **argv)
     const char *id_text;
     cli_choice choice;
     long id = 0;
-    const bool physical = cli_take_flag(&argc, argv, "--physical"), ghost = cli_take_flag(&argc, argv, "--ghost"),
+    const bool physical = cli_take_flag(&argc, argv, "--physical"),
+               ghost = cli_take_flag(&argc, argv, "--ghost"),
                hertz = cli_take_flag(&argc, argv, "--hz");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_choice(&argc, argv, &choice) ||
-        !cli_take_value(&argc, argv, "--branch", &id_text) || !cli_operands(&cli_points, argc, argv, 1))
+        !cli_take_value(&argc, argv, "--branch", &id_text) ||
+        !cli_operands(&cli_points, argc, argv, 1))
         return CLI_WRONG;
     choice.hertz = hertz;
-    if (!id_text) return cli_wrong("points: --branch ID is missing; `ricochet branches %s` lists the ids", argv[1]);
+    if (!id_text)
+        return cli_wrong("points: --branch ID is missing; `ricochet branches %s` lists the ids",
+                         argv[1]);
     if (!cli_parse_integer(id_text, "--branch", 1, INT_MAX, &id)) return CLI_WRONG;
     return list(argv[1], (int)id, physical, ghost, format, &choice);
 }
 
 static const cli_item items[] = {
-    {.text = "The stored points of a branch in order; `ricochet orbit` gives the orbit at any of them, or between "
+    {.text = "The stored points of a branch in order; `ricochet orbit` gives the orbit at any of "
+             "them, or between "
              "them."},
     {.name = "trace",
-     .text = "of the monodromy without its trivial part, for two modes; sign and exp(logarithm) beyond the range "
-             "of a double. log_trace is the logarithm of its modulus. For more modes both are empty and --json and "
+     .text = "of the monodromy without its trivial part, for two modes; sign and exp(logarithm) "
+             "beyond the range "
+             "of a double. log_trace is the logarithm of its modulus. For more modes both are "
+             "empty and --json and "
              "--csv give the multipliers instead, as pairs of real and imaginary part"},
     {.name = "rotation", .text = "gamma in [0, 1): the multipliers are exp(+-2 pi i gamma)"},
     {.name = "stable", .text = "yes, no or undecided"},
@@ -217,14 +239,19 @@ static const cli_item items[] = {
     {.name = "--branch", .value = "ID", .text = "the branch, by its number in `ricochet branches`"},
     CLI_ITEM_AT,
     {.name = "--ghost",
-     .text = "the ghosts of the branch instead: what its equations have beyond each end at a grazing or a corner, "
-             "to the border of the study's windows. They are no motions: a gap is penetrated (reach above 1), or "
-             "an impact comes from the wrong side (approach below 0). Nothing of them is in the atlas. The columns "
+     .text = "the ghosts of the branch instead: what its equations have beyond each end at a "
+             "grazing or a corner, "
+             "to the border of the study's windows. They are no motions: a gap is penetrated "
+             "(reach above 1), or "
+             "an impact comes from the wrong side (approach below 0). Nothing of them is in the "
+             "atlas. The columns "
              "end and admissible come with it"},
     {.name = "end",
-     .text = "of ghosts: from or to, the end of the branch that is extended, outwards; point 0 is the end itself"},
+     .text = "of ghosts: from or to, the end of the branch that is extended, outwards; point 0 is "
+             "the end itself"},
     {.name = "admissible", .text = "of ghosts: whether all margins are positive again"},
-    {.name = "--physical", .text = "speeds and energies in the units of the study, not scaled by the clearance"},
+    {.name = "--physical",
+     .text = "speeds and energies in the units of the study, not scaled by the clearance"},
     CLI_ITEM_STABLE,
     CLI_ITEMS_PLACE,
     CLI_ITEM_HZ,

@@ -1,5 +1,5 @@
-/* ricochet report ATLAS: what a run did, what it left out and why, and how good what it found is; all of it from the
- * file. */
+/* ricochet report ATLAS: what a run did, what it left out and why, and how good what it found is;
+ * all of it from the file. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +8,9 @@
 #include "common/shaking.h"
 
 enum { SAMPLE = 64 }; /* branches whose middle point is replayed, as long as that takes no time: */
-#define QUICK 32      /* degrees of freedom; a replay begins with the simulator's own modes, which grow with the cube */
+/* QUICK: degrees of freedom; a replay begins with the simulator's own modes, which grow with the
+ * cube */
+#define QUICK 32
 
 static void add(json_t *rows, const char *item, json_t *value, const char *detail)
 {
@@ -50,7 +52,8 @@ static ric_status add_branches(json_t *rows, const ric_atlas *atlas)
         if (stops[i]) add_count(rows, "branches that stop", stops[i], ric_stop_text((ric_stop)i));
     add_count(rows, "points", points, "");
     add(rows, "largest residual", cli_number(residual), "relative to 1 + |state|");
-    snprintf(detail, sizeof detail, "which rounding leaves at more than the `tolerance` %g", tolerance);
+    snprintf(detail, sizeof detail, "which rounding leaves at more than the `tolerance` %g",
+             tolerance);
     if (open) add_count(rows, "points that miss the accuracy asked for", open, detail);
     return RIC_OK;
 }
@@ -70,7 +73,8 @@ static void add_proofs(json_t *rows, const ric_atlas *atlas)
                   {"curves proved", p.curves_proved, p.curves},
                   {"junctions proved", p.junctions_proved, p.junctions}};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
-        snprintf(detail, sizeof detail, "of %d%s%s", counts[i].all, *p.why ? "; left out: " : "", p.why);
+        snprintf(detail, sizeof detail, "of %d%s%s", counts[i].all, *p.why ? "; left out: " : "",
+                 p.why);
         add_count(rows, counts[i].item, counts[i].proved, detail);
     }
 }
@@ -78,16 +82,19 @@ static void add_proofs(json_t *rows, const ric_atlas *atlas)
 /* ---------------------------------------------------------------------- gaps */
 
 /* One end of a branch: its junction if there is one, and where it is. */
-static void name_end(const ric_atlas *atlas, int junction, const ric_point *point, size_t size, char *text)
+static void name_end(const ric_atlas *atlas, int junction, const ric_point *point, size_t size,
+                     char *text)
 {
     ric_junction at;
     if (junction && !ric_atlas_junction(atlas, junction, &at))
-        snprintf(text, size, "%.100s (junction %d, E %.9g omega %.9g)", at.label, junction, at.energy, at.frequency);
+        snprintf(text, size, "%.100s (junction %d, E %.9g omega %.9g)", at.label, junction,
+                 at.energy, at.frequency);
     else snprintf(text, size, "E %.9g omega %.9g", point->energy, point->frequency);
 }
 
-/* A branch that could not be followed further: what lies beyond its last point is missing. One that has a junction at
- * its far end was followed to it, but from there it comes to somewhere else: either end may be the wrong one. */
+/* A branch that could not be followed further: what lies beyond its last point is missing. One that
+ * has a junction at its far end was followed to it, but from there it comes to somewhere else:
+ * either end may be the wrong one. */
 static void add_stopped(json_t *rows, const ric_atlas *atlas, const ric_branch *branch)
 {
     ric_point first, last;
@@ -98,10 +105,12 @@ static void add_stopped(json_t *rows, const ric_atlas *atlas, const ric_branch *
         return;
     name_end(atlas, branch->from, &first, sizeof from, from);
     name_end(atlas, branch->to, &last, sizeof to, to);
-    json_t *detail = branch->to ? json_sprintf("%s from %s to %s: %s", branch->label, from, to, branch->why)
-                                : json_sprintf("%s beyond %s, from %s: %s", branch->label, to, from, branch->why);
-    add(rows, branch->to ? "ends disagree of branch" : "rest missing of branch", json_integer(branch->id),
-        detail ? json_string_value(detail) : branch->why);
+    json_t *detail = branch->to ? json_sprintf("%s from %s to %s: %s", branch->label, from, to,
+                                               branch->why)
+                                : json_sprintf("%s beyond %s, from %s: %s", branch->label, to, from,
+                                               branch->why);
+    add(rows, branch->to ? "ends disagree of branch" : "rest missing of branch",
+        json_integer(branch->id), detail ? json_string_value(detail) : branch->why);
     json_decref(detail);
 }
 
@@ -114,9 +123,10 @@ static ric_status add_gaps(json_t *rows, const ric_atlas *atlas)
         if (status) return status;
         const char *gaps = ric_branch_gaps(&branch);
         if (*gaps) {
-            json_t *detail = json_sprintf("%s, E %.9g to %.9g: %s", branch.label, branch.energy_min, branch.energy_max,
-                                          gaps);
-            add(rows, "events may be missing on branch", json_integer(id), detail ? json_string_value(detail) : gaps);
+            json_t *detail = json_sprintf("%s, E %.9g to %.9g: %s", branch.label, branch.energy_min,
+                                          branch.energy_max, gaps);
+            add(rows, "events may be missing on branch", json_integer(id),
+                detail ? json_string_value(detail) : gaps);
             json_decref(detail);
         }
         add_stopped(rows, atlas, &branch);
@@ -126,7 +136,8 @@ static ric_status add_gaps(json_t *rows, const ric_atlas *atlas)
 
 /* ------------------------------------------------------------------- tongues */
 
-/* Where a branch is no longer what its name says: it climbs along a mode at an all but constant frequency. */
+/* Where a branch is no longer what its name says: it climbs along a mode at an all but constant
+ * frequency. */
 static ric_status add_tongues(json_t *rows, const ric_atlas *atlas)
 {
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
@@ -137,7 +148,8 @@ static ric_status add_tongues(json_t *rows, const ric_atlas *atlas)
         if (status) return status;
         if (*json_string_value(text)) {
             json_t *detail = json_sprintf("%s %s", branch.label, json_string_value(text));
-            add(rows, CLI_RESONANCE, json_integer(id), detail ? json_string_value(detail) : json_string_value(text));
+            add(rows, CLI_RESONANCE, json_integer(id),
+                detail ? json_string_value(detail) : json_string_value(text));
             json_decref(detail);
         }
         json_decref(text);
@@ -166,13 +178,15 @@ static ric_status add_islands(json_t *rows, const ric_atlas *atlas)
             energy[0] = fmin(energy[0], other.energy_min);
             energy[1] = fmax(energy[1], other.energy_max);
         }
-        json_t *detail = json_sprintf("%d branch%s from %s on, E %.9g to %.9g", members, members == 1 ? "" : "es",
-                                      branch.label, energy[0], energy[1]);
-        add(rows, "island of branch", json_integer(first), detail ? json_string_value(detail) : branch.label);
+        json_t *detail = json_sprintf("%d branch%s from %s on, E %.9g to %.9g", members,
+                                      members == 1 ? "" : "es", branch.label, energy[0], energy[1]);
+        add(rows, "island of branch", json_integer(first),
+            detail ? json_string_value(detail) : branch.label);
         json_decref(detail);
         islands++;
     }
-    add(rows, "families linked to no mode", json_integer(islands), islands ? "under the budgets of the study" : "");
+    add(rows, "families linked to no mode", json_integer(islands),
+        islands ? "under the budgets of the study" : "");
     return RIC_OK;
 }
 
@@ -184,8 +198,8 @@ static ric_status add_refused(json_t *rows, const ric_atlas *atlas)
         ric_status status = ric_atlas_junction(atlas, id, &j);
         if (status) return status;
         if (j.departures.refused <= 0) continue;
-        json_t *detail = json_sprintf("%s, E %.9g omega %.9g: %d refused: %s", j.label, j.energy, j.frequency,
-                                      j.departures.refused, j.refusal);
+        json_t *detail = json_sprintf("%s, E %.9g omega %.9g: %d refused: %s", j.label, j.energy,
+                                      j.frequency, j.departures.refused, j.refusal);
         add(rows, "branches may be missing at junction", json_integer(id),
             detail ? json_string_value(detail) : j.refusal);
         json_decref(detail);
@@ -205,13 +219,15 @@ static size_t without_residual(const char *why, size_t n)
     return n;
 }
 
-/* The reasons of a junction without their residuals, each once: numbers that differ make no other reason. */
+/* The reasons of a junction without their residuals, each once: numbers that differ make no other
+ * reason. */
 static char *kinds_of_refusal(const char *refusal)
 {
     char *out = calloc(1, strlen(refusal) + 1);
     for (const char *why = refusal; out && *why;) {
         const char *end = strstr(why, "; ");
-        const size_t n = end ? (size_t)(end - why) : strlen(why), kept = without_residual(why, n), used = strlen(out);
+        const size_t n = end ? (size_t)(end - why) : strlen(why), kept = without_residual(why, n),
+                     used = strlen(out);
         bool known = false;
         for (const char *c = out; c && *c && !known; c = strstr(c, "; "), c = c ? c + 2 : NULL)
             known = !strncmp(c, why, kept) && (!c[kept] || !strncmp(c + kept, "; ", 2));
@@ -236,7 +252,8 @@ static void add_refusals(json_t *rows, const ric_atlas *atlas)
         json_object_set_new(reasons, key, json_integer(before + junction.departures.refused));
         free(kinds);
     }
-    json_object_foreach(reasons, why, count) add(rows, "departures refused", json_incref(count), why);
+    json_object_foreach(reasons, why, count)
+        add(rows, "departures refused", json_incref(count), why);
     json_decref(reasons);
 }
 
@@ -247,8 +264,8 @@ static void add_regions(json_t *rows, const ric_atlas *atlas)
     char detail[200];
     for (int i = 0; i < o->n_region; i++) {
         const ric_region *r = &o->region[i];
-        snprintf(detail, sizeof detail, "energy %.6g to %.6g, frequency %.6g to %.6g", r->energy[0], r->energy[1],
-                 r->frequency[0], r->frequency[1]);
+        snprintf(detail, sizeof detail, "energy %.6g to %.6g, frequency %.6g to %.6g", r->energy[0],
+                 r->energy[1], r->frequency[0], r->frequency[1]);
         add_count(rows, "region with larger budgets", i + 1, detail);
     }
 }
@@ -290,9 +307,10 @@ static bool is_undecided(const ric_atlas *atlas, int id, const ric_junction *j, 
     (void)atlas;
     if (j->a == 0 || j->decided) return false;
     if (text)
-        *text = json_sprintf("lost in rounding, a and b are those of the kind; first %s, junction %d, E %.9g "
-                             "omega %.9g",
-                             j->label, id, j->energy, j->frequency);
+        *text = json_sprintf(
+            "lost in rounding, a and b are those of the kind; first %s, junction %d, E %.9g "
+            "omega %.9g",
+            j->label, id, j->energy, j->frequency);
     return true;
 }
 
@@ -311,8 +329,9 @@ static bool is_ambiguous(const ric_atlas *atlas, int id, const ric_junction *j, 
 {
     const int other = *j->name ? labelled_like(atlas, id, j->name) : 0;
     if (other && text)
-        *text = json_sprintf("%s is junction %d by name, and the label of junction %d; a name comes first", j->name, id,
-                             other);
+        *text = json_sprintf(
+            "%s is junction %d by name, and the label of junction %d; a name comes first", j->name,
+            id, other);
     return other > 0;
 }
 
@@ -327,12 +346,13 @@ static long count_points(const ric_atlas *atlas)
 
 static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
 {
-    const char *over[RIC_N_BUDGET] = {[RIC_BUDGET_WINDOW] = "outside the windows",
-                                      [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
-                                      [RIC_BUDGET_IMPACTS] = "more than `impacts`",
-                                      [RIC_BUDGET_SYMMETRIC] = "not symmetric",
-                                      [RIC_BUDGET_TOUCHES] = "more touches at once than are enumerated",
-                                      [RIC_BUDGET_DEPTH] = "beyond `depth`"};
+    const char *over[RIC_N_BUDGET] =
+        {[RIC_BUDGET_WINDOW] = "outside the windows",
+         [RIC_BUDGET_MULTIPLY] = "beyond `multiply`",
+         [RIC_BUDGET_IMPACTS] = "more than `impacts`",
+         [RIC_BUDGET_SYMMETRIC] = "not symmetric",
+         [RIC_BUDGET_TOUCHES] = "more touches at once than are enumerated",
+         [RIC_BUDGET_DEPTH] = "beyond `depth`"};
     /* of a file that may say any int */
     struct {
         json_int_t taken, known, inadmissible, over[RIC_N_BUDGET];
@@ -347,13 +367,16 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
         for (int i = 0; i < RIC_N_BUDGET; i++) sum.over[i] += junction.departures.over[i];
     }
     const int limit = ric_study_options(ric_atlas_study(atlas))->points;
-    if (limit && count_points(atlas) >= limit) over[RIC_BUDGET_DEPTH] = "beyond `depth` or `points`";
+    if (limit && count_points(atlas) >= limit)
+        over[RIC_BUDGET_DEPTH] = "beyond `depth` or `points`";
     add_count(rows, "junctions", ric_atlas_n_junction(atlas), "");
     if (cli_unmeasured(atlas))
         add_count(rows, "junctions without a label", cli_unmeasured(atlas),
                   "not measured yet; the run goes on with them");
     ric_status status = add_remarked(rows, atlas, "labels that are not decided", is_undecided);
-    if (!status) status = add_remarked(rows, atlas, "names that are labels of other junctions", is_ambiguous);
+    if (!status)
+        status = add_remarked(rows, atlas, "names that are labels of other junctions",
+                              is_ambiguous);
     if (status) return status;
     if (ric_atlas_n_unplaced(atlas))
         add_count(rows, "events that are no junctions", ric_atlas_n_unplaced(atlas),
@@ -383,8 +406,8 @@ static int sample_size(const ric_atlas *atlas)
 
 static ric_status add_replay(json_t *rows, const ric_atlas *atlas)
 {
-    int size = sample_size(atlas), n = size ? ric_atlas_n_branch(atlas) : 0, step = n / (size + !size) + 1,
-        replayed = 0, failed = 0;
+    int size = sample_size(atlas), n = size ? ric_atlas_n_branch(atlas) : 0,
+        step = n / (size + !size) + 1, replayed = 0, failed = 0;
     double flight = 0, back = 0, energy = 0;
     for (int id = 1; id <= n; id += step) {
         ric_branch branch;
@@ -396,7 +419,9 @@ static ric_status add_replay(json_t *rows, const ric_atlas *atlas)
         replayed++;
         failed += !check.passed;
         flight = fmax(flight, check.flight_error);
-        back = fmax(back, isnan(check.return_error) ? 0 : check.return_error / fmax(1, 1e-7 * check.condition));
+        back = fmax(back, isnan(check.return_error)
+                              ? 0
+                              : check.return_error / fmax(1, 1e-7 * check.condition));
         energy = fmax(energy, check.energy_error);
     }
     if (size == 0) {
@@ -404,10 +429,12 @@ static ric_status add_replay(json_t *rows, const ric_atlas *atlas)
             "the structure is too large to do so in passing; `ricochet verify` does it");
         return RIC_OK;
     }
-    add_count(rows, "orbits replayed", replayed, "the middle of a sample of branches; `ricochet verify` does more");
+    add_count(rows, "orbits replayed", replayed,
+              "the middle of a sample of branches; `ricochet verify` does more");
     add_count(rows, "of them wrong", failed, "");
     add(rows, "largest flight error", cli_number(flight), "time and state at the next impact");
-    add(rows, "largest return error", cli_number(back), "after one period, over max(1, 1e-7 largest multiplier)");
+    add(rows, "largest return error", cli_number(back),
+        "after one period, over max(1, 1e-7 largest multiplier)");
     add(rows, "largest energy drift", cli_number(energy), "");
     return RIC_OK;
 }
@@ -420,7 +447,9 @@ static void add_onset(json_t *rows, const ric_atlas *atlas)
     const ric_model *model = ric_atlas_model(atlas);
     const double onset = ric_model_onset(model, &mode);
     snprintf(detail, sizeof detail, "scaled, %s mode %d; relative energies are multiples of it",
-             ric_model_n_face(model) ? "the first touch of" : "where springs are as stiff as the structure to", mode);
+             ric_model_n_face(model) ? "the first touch of"
+                                     : "where springs are as stiff as the structure to",
+             mode);
     if (mode) add(rows, "onset", cli_number(onset), detail);
 }
 
@@ -447,19 +476,29 @@ static ric_status rows_of(const ric_atlas *atlas, double d, const void *user, js
 static int run(int argc, char **argv)
 {
     static const char columns[] = "item value detail";
-    static const cli_listing listing = {.command = &cli_report_atlas, .rows = rows_of, .all = columns, .few = columns};
+    static const cli_listing listing = {.command = &cli_report_atlas,
+                                        .rows = rows_of,
+                                        .all = columns,
+                                        .few = columns};
     return cli_list(&listing, argc, argv);
 }
 
 static const cli_item items[] = {
-    {.text = "Counts the branches and how they end, and what became of the departures from every junction: taken, "
-             "known, inadmissible, refused and why, not tried and for which budget. Names every branch that follows an "
-             "internal resonance, with the mode and the energies between which it does so; every branch on which "
-             "events may be missing, with what kind of event, where, and why; every branch that could not be "
-             "followed, with both its ends; and every junction with departures that could not be followed, with its "
-             "place and the reasons. The largest residual is that of all points; the errors of replay are those of the "
+    {.text = "Counts the branches and how they end, and what became of the departures from every "
+             "junction: taken, "
+             "known, inadmissible, refused and why, not tried and for which budget. Names every "
+             "branch that follows an "
+             "internal resonance, with the mode and the energies between which it does so; every "
+             "branch on which "
+             "events may be missing, with what kind of event, where, and why; every branch that "
+             "could not be "
+             "followed, with both its ends; and every junction with departures that could not be "
+             "followed, with its "
+             "place and the reasons. The largest residual is that of all points; the errors of "
+             "replay are those of the "
              "middle points of at most 64 branches (fewer beyond 32 "
-             "degrees of freedom), which the simulator of `ricochet verify` flies again. All of it comes from the "
+             "degrees of freedom), which the simulator of `ricochet verify` flies again. All of it "
+             "comes from the "
              "file."},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,

@@ -1,4 +1,5 @@
-/* ricochet response ATLAS: curves of exact forced orbits; ricochet response FILE lists what such a file has. */
+/* ricochet response ATLAS: curves of exact forced orbits; ricochet response FILE lists what such a
+ * file has. */
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -37,13 +38,16 @@ static json_t *numbers(int n, const double *values)
 
 static const char *stability(ric_stability s)
 {
-    return s == RIC_STABLE_YES ? stable_text[0] : s == RIC_STABLE_NO ? stable_text[1] : stable_text[2];
+    return s == RIC_STABLE_YES  ? stable_text[0]
+           : s == RIC_STABLE_NO ? stable_text[1]
+                                : stable_text[2];
 }
 
 static void add_orbit(json_t *row, int n, int letters, const ric_response_point *p)
 {
     json_t *pairs = json_array();
-    for (int i = 0; i < 2 * n; i++) json_array_append_new(pairs, numbers(2, p->multipliers + 2 * i));
+    for (int i = 0; i < 2 * n; i++)
+        json_array_append_new(pairs, numbers(2, p->multipliers + 2 * i));
     json_object_set_new(row, "arclength", cli_number(p->arclength));
     json_object_set_new(row, "omega", cli_number(p->omega));
     json_object_set_new(row, "level", cli_number(p->level));
@@ -63,7 +67,8 @@ static void add_orbit(json_t *row, int n, int letters, const ric_response_point 
 }
 
 /* What varies, at the ends of a curve. */
-static void window_of(const ric_response *r, const ric_response_curve *c, double out[2], double *stable)
+static void window_of(const ric_response *r, const ric_response_curve *c, double out[2],
+                      double *stable)
 {
     ric_response_point p;
     int count = 0;
@@ -140,7 +145,8 @@ static ric_status add_events(const ric_response *r, long curve, json_t *rows)
 static int list(const request *ask, const ric_response *r)
 {
     static const char *const columns[] =
-        {"id word impacts periods level points lowest highest stable_points branch from to begins ends",
+        {"id word impacts periods level points lowest highest stable_points branch from to begins "
+         "ends",
          "curve point omega level restitution period phase peak rms stable largest reach approach",
          "id kind curve omega level restitution period peak stable largest"};
     json_t *rows = json_array();
@@ -153,7 +159,8 @@ static int list(const request *ask, const ric_response *r)
         else if (!status) status = add_points(r, &c, rows);
     }
     if (ask->what == LIST_EVENTS) status = add_events(r, ask->curve, rows);
-    const int code = status ? cli_report(status) : cli_print_rows(rows, columns[ask->what], ask->format);
+    const int code = status ? cli_report(status)
+                            : cli_print_rows(rows, columns[ask->what], ask->format);
     json_decref(rows);
     return code;
 }
@@ -171,7 +178,8 @@ static int list_file(const request *ask, const char *path)
     ric_status status = ric_response_read(path, &r);
     int code = status ? cli_report(status) : CLI_DONE;
     if (!code && ask->curve > ric_response_n_curve(r))
-        code = cli_wrong("response: no curve %ld; %s has %d", ask->curve, path, ric_response_n_curve(r));
+        code = cli_wrong("response: no curve %ld; %s has %d", ask->curve, path,
+                         ric_response_n_curve(r));
     if (!code) code = list(ask, r);
     if (!code) say_skipped(r);
     if (!code && !ric_response_finished(r))
@@ -191,9 +199,9 @@ static bool asked_to_stop(void *user)
 static int none(const request *ask, const ric_response *r)
 {
     say_skipped(r);
-    cli_say(
-        "ricochet: no forced orbit was found in the window; `ricochet force %s` lists the thresholds of all orbits\n",
-        ask->path);
+    cli_say("ricochet: no forced orbit was found in the window; `ricochet force %s` lists the "
+            "thresholds of all orbits\n",
+            ask->path);
     return CLI_FAILED;
 }
 
@@ -223,9 +231,13 @@ static bool is_window(int n, const double *values, const char *option)
 {
     if (n == 2 && values[0] > 0 && values[1] > values[0]) return true;
     if (!strcmp(option, "--restitution"))
-        cli_wrong("response: --restitution gives what varies: two numbers above 0, at which bodies would stay together "
+        cli_wrong("response: --restitution gives what varies: two numbers above 0, at which bodies "
+                  "would stay together "
                   "after an impact, and at most 1, the smaller one first, such as 0.5,1");
-    else cli_wrong("response: %s gives what varies: two numbers above 0, the smaller one first, such as 0.5,2", option);
+    else
+        cli_wrong("response: %s gives what varies: two numbers above 0, the smaller one first, "
+                  "such as 0.5,2",
+                  option);
     return false;
 }
 
@@ -234,9 +246,12 @@ static bool place_windows(request *ask)
 {
     ric_response_options *o = &ask->options;
     const bool by_omega = o->along == RIC_RESPONSE_OMEGA, by_level = o->along == RIC_RESPONSE_LEVEL;
-    const double *window = by_omega ? ask->omega : by_level ? ask->levels : ask->shaking.restitutions;
+    const double *window = by_omega   ? ask->omega
+                           : by_level ? ask->levels
+                                      : ask->shaking.restitutions;
     const int n = by_omega ? ask->n_omega : by_level ? ask->n_level : ask->shaking.n_restitution;
-    if (!is_window(n, window, by_omega ? "--omega" : by_level ? "--level" : "--restitution")) return false;
+    if (!is_window(n, window, by_omega ? "--omega" : by_level ? "--level" : "--restitution"))
+        return false;
     memcpy(o->window, window, sizeof o->window);
     if (!by_omega && ask->n_omega != 1) {
         cli_wrong("response: --omega W gives the one frequency of the force, rad/s");
@@ -267,11 +282,13 @@ static int run_response(request *ask, const ric_atlas *atlas)
     ask->options.harmonics = ask->shaking.harmonics;
     ask->options.n_level = ask->n_level;
     ask->options.levels = ask->levels;
-    if ((status = ric_response_run(atlas, &ask->options, ask->out, asked_to_stop, NULL))) return cli_report(status);
+    if ((status = ric_response_run(atlas, &ask->options, ask->out, asked_to_stop, NULL)))
+        return cli_report(status);
     if ((status = ric_response_read(ask->out, &r))) return cli_report(status);
     const int code = ric_response_n_curve(r) ? list(ask, r) : none(ask, r);
     if (ric_response_n_curve(r)) say_skipped(r);
-    else if (is_new && ric_response_finished(r)) unlink(ask->out); /* it would refuse the next call */
+    else if (is_new && ric_response_finished(r))
+        unlink(ask->out); /* it would refuse the next call */
     ric_response_free(r);
     return code;
 }
@@ -291,9 +308,9 @@ static int complete(request *ask, const ric_atlas *atlas)
         ask->n_omega = h->frequency[1] > h->frequency[0] ? 2 : 1;
     }
     if (!h->n_force)
-        return cli_wrong(
-            "response: --force is missing; give the vector f of the force, one number per displacement, for "
-            "example --force 1,0, or section forcing of the study");
+        return cli_wrong("response: --force is missing; give the vector f of the force, one number "
+                         "per displacement, for "
+                         "example --force 1,0, or section forcing of the study");
     return place_windows(ask) ? CLI_DONE : CLI_WRONG;
 }
 
@@ -309,28 +326,41 @@ static int compute(request *ask)
 
 static int take_request(int *argc, char **argv, request *ask)
 {
-    const char *omega, *level, *along, *branch, *impacts, *periods, *points, *curves, *step, *curve, *once;
+    const char *omega, *level, *along, *branch, *impacts, *periods, *points, *curves, *step, *curve,
+        *once;
     int code = CLI_WRONG;
     long number = 0;
     if (cli_take_flag(argc, argv, "--points")) ask->what = LIST_POINTS;
     if (cli_take_flag(argc, argv, "--events")) ask->what = LIST_EVENTS;
-    if (!cli_take_format(argc, argv, &ask->format) || !cli_take_shaking(argc, argv, &ask->shaking, &code) ||
-        !cli_take_value(argc, argv, "--omega", &omega) || !cli_take_value(argc, argv, "--level", &level) ||
-        !cli_take_value(argc, argv, "--along", &along) || !cli_take_value(argc, argv, "--branch", &branch) ||
-        !cli_take_value(argc, argv, "--impacts", &impacts) || !cli_take_value(argc, argv, "--periods", &periods) ||
-        !cli_take_value(argc, argv, "--once-in", &once) || !cli_take_value(argc, argv, "--most-points", &points) ||
-        !cli_take_value(argc, argv, "--most-curves", &curves) || !cli_take_value(argc, argv, "--step", &step) ||
-        !cli_take_value(argc, argv, "--curve", &curve) || !cli_take_value(argc, argv, "--study", &ask->study) ||
-        !cli_take_value(argc, argv, "-o", &ask->out) || !cli_operands(&cli_response, *argc, argv, 1))
+    if (!cli_take_format(argc, argv, &ask->format) ||
+        !cli_take_shaking(argc, argv, &ask->shaking, &code) ||
+        !cli_take_value(argc, argv, "--omega", &omega) ||
+        !cli_take_value(argc, argv, "--level", &level) ||
+        !cli_take_value(argc, argv, "--along", &along) ||
+        !cli_take_value(argc, argv, "--branch", &branch) ||
+        !cli_take_value(argc, argv, "--impacts", &impacts) ||
+        !cli_take_value(argc, argv, "--periods", &periods) ||
+        !cli_take_value(argc, argv, "--once-in", &once) ||
+        !cli_take_value(argc, argv, "--most-points", &points) ||
+        !cli_take_value(argc, argv, "--most-curves", &curves) ||
+        !cli_take_value(argc, argv, "--step", &step) ||
+        !cli_take_value(argc, argv, "--curve", &curve) ||
+        !cli_take_value(argc, argv, "--study", &ask->study) ||
+        !cli_take_value(argc, argv, "-o", &ask->out) ||
+        !cli_operands(&cli_response, *argc, argv, 1))
         return code;
     ask->path = argv[1];
     ric_response_options *o = &ask->options;
-    if ((curve && !cli_parse_integer(curve, "--curve", 1, INT_MAX, &number)) || !parse_along(along, &o->along) ||
+    if ((curve && !cli_parse_integer(curve, "--curve", 1, INT_MAX, &number)) ||
+        !parse_along(along, &o->along) ||
         (omega && !cli_parse_list(omega, "--omega", 2, &ask->n_omega, ask->omega)) ||
         (level && !cli_parse_list(level, "--level", LEVELS_MOST, &ask->n_level, ask->levels)) ||
-        !parse_whole(branch, "--branch", &o->branch) || !parse_whole(impacts, "--impacts", &o->impacts) ||
-        !parse_whole(periods, "--periods", &o->periods) || !parse_whole(once, "--once-in", &o->once_in) ||
-        !parse_whole(points, "--most-points", &o->points) || !parse_whole(curves, "--most-curves", &o->curves) ||
+        !parse_whole(branch, "--branch", &o->branch) ||
+        !parse_whole(impacts, "--impacts", &o->impacts) ||
+        !parse_whole(periods, "--periods", &o->periods) ||
+        !parse_whole(once, "--once-in", &o->once_in) ||
+        !parse_whole(points, "--most-points", &o->points) ||
+        !parse_whole(curves, "--most-curves", &o->curves) ||
         (step && !cli_parse_number(step, "--step", &o->step)))
         return CLI_WRONG;
     ask->curve = number;
@@ -345,44 +375,63 @@ static int run(int argc, char **argv)
     if (!ask) return cli_report(RIC_E_NOMEM);
     ric_response_defaults(&ask->options);
     int code = take_request(&argc, argv, ask);
-    if (code == CLI_DONE) code = ric_response_is(ask->path) ? list_file(ask, ask->path) : compute(ask);
+    if (code == CLI_DONE)
+        code = ric_response_is(ask->path) ? list_file(ask, ask->path) : compute(ask);
     cli_shaking_free(&ask->shaking);
     free(ask);
     return code;
 }
 
 static const cli_item items[] = {
-    {.text =
-         "Curves of periodic motions of the damped and shaken structure, solved to rounding: from the predictions of "
-         "first order beside the orbits of the atlas and from the linear motion, followed along the frequency of the "
-         "force, its level, or the restitution. At grazings other impacts are tried, at branch points and doublings "
-         "the "
-         "curves that leave are followed. They are kept in a file of their own; a run that was stopped goes on when "
-         "the same call is given once more. Given such a file, lists what it has."},
+    {.text = "Curves of periodic motions of the damped and shaken structure, solved to rounding: "
+             "from the predictions of "
+             "first order beside the orbits of the atlas and from the linear motion, followed "
+             "along the frequency of the "
+             "force, its level, or the restitution. At grazings other impacts are tried, at branch "
+             "points and doublings "
+             "the "
+             "curves that leave are followed. They are kept in a file of their own; a run that was "
+             "stopped goes on when "
+             "the same call is given once more. Given such a file, lists what it has."},
     CLI_ITEMS_SHAKING,
     CLI_ITEM_SHAKING_STUDY,
-    {.name = "--along", .value = "WHAT", .words = "omega level restitution", .text = "what varies; omega unless given"},
+    {.name = "--along",
+     .value = "WHAT",
+     .words = "omega level restitution",
+     .text = "what varies; omega unless given"},
     {.name = "--omega",
      .value = "A,B",
      .text = "window of the frequency of the force, rad/s; one number if it does not vary"},
-    {.name = "--level", .value = "L,..", .text = "amplitudes of the force, curves for each; its window if it varies"},
+    {.name = "--level",
+     .value = "L,..",
+     .text = "amplitudes of the force, curves for each; its window if it varies"},
     {.name = "-o", .value = "FILE", .text = "the file of the response"},
-    {.name = "--branch", .value = "ID", .text = "only beside this branch of the atlas, and without the linear motion"},
-    {.name = "--impacts", .value = "N", .text = "largest number of impacts in a period of the motion: 12 unless given"},
+    {.name = "--branch",
+     .value = "ID",
+     .text = "only beside this branch of the atlas, and without the linear motion"},
+    {.name = "--impacts",
+     .value = "N",
+     .text = "largest number of impacts in a period of the motion: 12 unless given"},
     {.name = "--periods",
      .value = "N",
      .text = "largest number of periods of the force in one of the motion: 4 unless given"},
     {.name = "--once-in",
      .value = "N",
-     .text = "at a grazing also motions that impact there once in up to N of its periods: 1, in each, unless given"},
+     .text = "at a grazing also motions that impact there once in up to N of its periods: 1, in "
+             "each, unless given"},
     {.name = "--most-points", .value = "N", .text = "most orbits of a curve: 2000 unless given"},
     {.name = "--most-curves", .value = "N", .text = "most curves: 200 unless given"},
-    {.name = "--step", .value = "H", .text = "longest step, relative to the motion: 0.05 unless given"},
-    {.name = "--points", .text = "list the orbits of the curves instead: peak and rms of every displacement, scaled"},
-    {.name = "--events", .text = "list the events: fold, branch-point, doubling, neimark-sacker, grazing"},
+    {.name = "--step",
+     .value = "H",
+     .text = "longest step, relative to the motion: 0.05 unless given"},
+    {.name = "--points",
+     .text = "list the orbits of the curves instead: peak and rms of every displacement, scaled"},
+    {.name = "--events",
+     .text = "list the events: fold, branch-point, doubling, neimark-sacker, grazing"},
     {.name = "--curve", .value = "ID", .text = "only of this curve"},
     {.name = "begins",
-     .text = "grazing, window, budget, closed, failed, or event: at one of another curve, `from`; ends: likewise"},
+     .text = "grazing, window, budget, closed, failed, or event: at one of another curve, `from`; "
+             "ends: likewise"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -397,6 +446,7 @@ const cli_command cli_response = {
              "           [--most-points N] [--most-curves N] [--step H] -o FILE [--json | --csv]\n"
              "ricochet response FILE [--points | --events] [--curve ID] [--json | --csv]\n",
     .items = items,
-    .example = "ricochet response s.ricochet --force 1,0 --damping 0.01 --level 0.2 --omega 1,3 -o r\n",
+    .example =
+        "ricochet response s.ricochet --force 1,0 --damping 0.01 --level 0.2 --omega 1,3 -o r\n",
     .run = run,
 };

@@ -16,11 +16,14 @@
 #include "common/shaking.h"
 
 #define MANY_MODES 200
-/* SHARE: a run lasts at least so many times as long as it takes to come to something new: one that was stopped again
- * and again on the way there would never end */
+/* SHARE: a run lasts at least so many times as long as it takes to come to something new: one that
+ * was stopped again and again on the way there would never end */
 #define SHARE 1.25
-#define FIRST_LINE 3.0  /* seconds until a run that nobody watches on a terminal says how far it is, into its log */
-#define LATER_LINE 60.0 /* and at most between such lines: each comes when as much time has passed again */
+/* FIRST_LINE: seconds until a run that nobody watches on a terminal says how far it is, into its
+ * log */
+#define FIRST_LINE 3.0
+/* LATER_LINE: and at most between such lines: each comes when as much time has passed again */
+#define LATER_LINE 60.0
 
 const ric_remote *cli_run_remote = NULL;
 
@@ -29,7 +32,8 @@ const ric_remote *cli_run_remote = NULL;
 typedef struct {
     bool terminal, over; /* over: the time given has passed */
     double seconds;      /* given for the run; HUGE_VAL: any */
-    double news;         /* seconds until the run came to something that an earlier one had not done; 0: not yet */
+    double news; /* seconds until the run came to something that an earlier one had not done; 0: not
+                    yet */
     struct timespec start, shown;
     double logged; /* seconds at the last line of a log */
     int most;      /* departures of the round at work; `open` of them are left */
@@ -41,8 +45,8 @@ typedef struct {
     bool same, kept;         /* it is of the same study; its tables were left as they are */
 } display;
 
-/* How far the run is. Departures make new ones, so that their share is that of the round at work: those that were open
- * when it began, all of one depth. */
+/* How far the run is. Departures make new ones, so that their share is that of the round at work:
+ * those that were open when it began, all of one depth. */
 static void say_progress(const display *d, double passed)
 {
     const ric_progress *now = &d->last;
@@ -70,7 +74,8 @@ static bool show_progress(const ric_progress *now, void *user)
         fputs("\r\033[K", stderr);
         say_progress(d, passed);
         clock_gettime(CLOCK_MONOTONIC, &d->shown);
-    } else if (!d->terminal && !d->quiet && passed > d->logged + fmin(fmax(d->logged, FIRST_LINE), LATER_LINE)) {
+    } else if (!d->terminal && !d->quiet &&
+               passed > d->logged + fmin(fmax(d->logged, FIRST_LINE), LATER_LINE)) {
         fputs("ricochet: ", stderr);
         say_progress(d, passed);
         fputc('\n', stderr);
@@ -81,8 +86,8 @@ static bool show_progress(const ric_progress *now, void *user)
     return d->over || cli_stopped();
 }
 
-/* An unfinished atlas takes the place of what was in the file, unless it is of the same study and has not come as far
- * yet. */
+/* An unfinished atlas takes the place of what was in the file, unless it is of the same study and
+ * has not come as far yet. */
 static bool worth(void *user, const ric_atlas *unfinished)
 {
     display *d = user;
@@ -97,11 +102,13 @@ static void clear_progress(const display *d)
 
 /* ----------------------------------------------------------------- summary */
 
-/* Whether a row names one branch or junction. There may be hundreds of these: `ricochet report` lists them. */
+/* Whether a row names one branch or junction. There may be hundreds of these: `ricochet report`
+ * lists them. */
 static bool names_one(const char *item)
 {
     static const char *const items[] = {"events may be missing on branch", "rest missing of branch",
-                                        "ends disagree of branch", "branches may be missing at junction"};
+                                        "ends disagree of branch",
+                                        "branches may be missing at junction"};
     for (size_t i = 0; item && i < sizeof items / sizeof *items; i++)
         if (!strcmp(item, items[i])) return true;
     return false;
@@ -109,13 +116,15 @@ static bool names_one(const char *item)
 
 enum { TONGUES = 5 }; /* branches whose internal resonances are told here */
 
-/* Rows of one item in one line: "departures not tried: 4 (beyond `depth`), 2 (more than `impacts`)". What there is none
- * of is left out, and rows of single branches and junctions are counted. */
+/* Rows of one item in one line: "departures not tried: 4 (beyond `depth`), 2 (more than
+ * `impacts`)". What there is none of is left out, and rows of single branches and junctions are
+ * counted. */
 static void print_report(const json_t *rows, const ric_explore_options *options)
 {
     const char *last = "";
     size_t i, incomplete = 0, tongues = 0;
-    bool climbs = false, first = false; /* some branch leaves its backbone along a tongue; a first look has ended */
+    bool climbs = false,
+         first = false; /* some branch leaves its backbone along a tongue; a first look has ended */
     json_t *row;
     json_array_foreach(rows, i, row)
     {
@@ -125,40 +134,49 @@ static void print_report(const json_t *rows, const ric_explore_options *options)
             incomplete++;
             continue;
         }
-        climbs = climbs || (item && detail && !strcmp(item, CLI_RESONANCE) && strstr(detail, " follows "));
+        climbs = climbs ||
+                 (item && detail && !strcmp(item, CLI_RESONANCE) && strstr(detail, " follows "));
         if (item && !strcmp(item, CLI_RESONANCE) && ++tongues > TONGUES) continue;
         const json_t *value = json_object_get(row, "value");
-        first = first || (item && detail && json_integer_value(value) && strstr(detail, "`points`"));
-        if (!item || !detail || json_is_null(value) || (json_is_integer(value) && json_integer_value(value) == 0))
+        first = first ||
+                (item && detail && json_integer_value(value) && strstr(detail, "`points`"));
+        if (!item || !detail || json_is_null(value) ||
+            (json_is_integer(value) && json_integer_value(value) == 0))
             continue;
         cli_tell(stdout, strcmp(item, last) ? "%s%s: " : ", ", *last ? "\n" : "", item);
         last = item;
         if (json_is_string(value)) cli_tell(stdout, "%s", json_string_value(value));
-        else if (json_is_integer(value)) cli_tell(stdout, "%lld", (long long)json_integer_value(value));
+        else if (json_is_integer(value))
+            cli_tell(stdout, "%lld", (long long)json_integer_value(value));
         else cli_tell(stdout, "%.1e", json_real_value(value));
         if (*detail) cli_tell(stdout, " (%s)", detail);
     }
     putchar('\n');
     if (tongues > TONGUES)
-        cli_tell(stdout, "internal resonances on %zu more branches (`ricochet branches --tongues` names them)\n",
-                 tongues - TONGUES);
-    if (climbs && !options->cross_tongues)
-        cli_tell(stdout,
-                 "where a branch follows a resonance it leaves its backbone: `explore: {tongues: cross}` goes on "
-                 "behind, and with `depth: 1` and few `impacts` shows the backbones alone\n");
-    if (first)
         cli_tell(
             stdout,
-            "a first look: from %d points on nothing more was departed to; `points: 0` under `explore` goes on with "
-            "what is left, and `--seconds S` with that ends it\n",
-            options->points);
+            "internal resonances on %zu more branches (`ricochet branches --tongues` names them)\n",
+            tongues - TONGUES);
+    if (climbs && !options->cross_tongues)
+        cli_tell(stdout,
+                 "where a branch follows a resonance it leaves its backbone: `explore: {tongues: "
+                 "cross}` goes on "
+                 "behind, and with `depth: 1` and few `impacts` shows the backbones alone\n");
+    if (first)
+        cli_tell(stdout,
+                 "a first look: from %d points on nothing more was departed to; `points: 0` under "
+                 "`explore` goes on with "
+                 "what is left, and `--seconds S` with that ends it\n",
+                 options->points);
     if (incomplete)
-        cli_tell(stdout, "something may be missing on branches and at junctions: %zu (`ricochet report` names them)\n",
+        cli_tell(stdout,
+                 "something may be missing on branches and at junctions: %zu (`ricochet report` "
+                 "names them)\n",
                  incomplete);
 }
 
-/* What `ricochet report` says of the file, from what was written there. An atlas that is not finished is no reason to
- * say why it lacks something. */
+/* What `ricochet report` says of the file, from what was written there. An atlas that is not
+ * finished is no reason to say why it lacks something. */
 static int print_summary(const char *path, const ric_atlas *atlas, const display *d, bool stopped)
 {
     if (d->quiet && !d->json) return CLI_DONE;
@@ -192,7 +210,8 @@ static char *default_path(const char *study)
     if (!path) return NULL;
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
         size_t ending = strlen(endings[i]);
-        if (length > ending && !strcmp(study + length - ending, endings[i]) && study[length - ending - 1] != '/') {
+        if (length > ending && !strcmp(study + length - ending, endings[i]) &&
+            study[length - ending - 1] != '/') {
             length -= ending;
             break;
         }
@@ -204,19 +223,22 @@ static char *default_path(const char *study)
 /* ------------------------------------------------------------------- budgets */
 
 /* What a study asks for less of than the atlas already has: "depth, impacts, regions". */
-static void list_smaller(const ric_explore_options *old, const ric_explore_options *now, size_t size, char *out)
+static void list_smaller(const ric_explore_options *old, const ric_explore_options *now,
+                         size_t size, char *out)
 {
     bool kept = true;
     for (int i = 0; i < old->n_region && kept; i++) {
         kept = false;
-        for (int k = 0; k < now->n_region && !kept; k++) kept = ric_region_covers(&now->region[k], &old->region[i]);
+        for (int k = 0; k < now->n_region && !kept; k++)
+            kept = ric_region_covers(&now->region[k], &old->region[i]);
     }
     const struct {
         const char *name;
         bool smaller;
     } all[] = {
         {"energy", now->energy[0] > old->energy[0] || now->energy[1] < old->energy[1]},
-        {"frequency", now->frequency[0] > old->frequency[0] || now->frequency[1] < old->frequency[1]},
+        {"frequency",
+         now->frequency[0] > old->frequency[0] || now->frequency[1] < old->frequency[1]},
         {"impacts", now->impacts < old->impacts},
         {"multiply", now->multiply < old->multiply},
         {"depth", now->depth && (!old->depth || now->depth < old->depth)},
@@ -225,13 +247,15 @@ static void list_smaller(const ric_explore_options *old, const ric_explore_optio
     };
     out[0] = '\0';
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        if (all[i].smaller) snprintf(out + strlen(out), size - strlen(out), "%s%s", *out ? ", " : "", all[i].name);
+        if (all[i].smaller)
+            snprintf(out + strlen(out), size - strlen(out), "%s%s", *out ? ", " : "", all[i].name);
 }
 
 /* The regions of a study as they stand in its text, to be copied into another. */
 static void print_regions(const ric_study *study)
 {
-    const char *text = strstr(ric_study_text(study), "\nregions:\n"), *line = text ? text + 1 : NULL;
+    const char *text = strstr(ric_study_text(study), "\nregions:\n"),
+               *line = text ? text + 1 : NULL;
     for (bool first = true; line && *line && (first || *line == ' '); first = false) {
         const int n = (int)strcspn(line, "\n");
         cli_say("%.*s\n", n, line);
@@ -239,13 +263,15 @@ static void print_regions(const ric_study *study)
     }
 }
 
-/* An atlas that was extended, by `ricochet view` or by a larger study, is made smaller by this one: that is said. */
+/* An atlas that was extended, by `ricochet view` or by a larger study, is made smaller by this one:
+ * that is said. */
 static void tell_smaller(const char *path, const ric_study *old, const ric_study *now)
 {
     char what[100];
     list_smaller(ric_study_options(old), ric_study_options(now), sizeof what, what);
     if (*what)
-        cli_say("ricochet: %s was made with larger budgets than this study has (%s); what was found with them is not "
+        cli_say("ricochet: %s was made with larger budgets than this study has (%s); what was "
+                "found with them is not "
                 "listed any more, the work is kept\n",
                 path, what);
     if (strstr(what, "regions")) {
@@ -255,23 +281,29 @@ static void tell_smaller(const char *path, const ric_study *old, const ric_study
 }
 
 /* The report of what was found so far, what is left, and how to go on. */
-static int tell_stopped(const char *path, const char *study, const ric_atlas *atlas, const display *d)
+static int tell_stopped(const char *path, const char *study, const ric_atlas *atlas,
+                        const display *d)
 {
     const int report = d->kept ? CLI_DONE : print_summary(path, atlas, d, true);
     if (report) return report;
     fflush(stdout);
     if (d->over) cli_say("ricochet: the %g s given are over\n", d->seconds);
-    if (d->kept) cli_say("ricochet: stopped before it came as far as an earlier run, whose tables stay in %s;", path);
+    if (d->kept)
+        cli_say(
+            "ricochet: stopped before it came as far as an earlier run, whose tables stay in %s;",
+            path);
     else
-        cli_say("ricochet: stopped; what was found so far is in %s: %d branches, %d junctions;", path,
-                ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas));
+        cli_say("ricochet: stopped; what was found so far is in %s: %d branches, %d junctions;",
+                path, ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas));
     if (d->last.open > 0)
-        cli_say(" %d departures of depth %d are left, and what follows from them", d->last.open, d->last.depth);
+        cli_say(" %d departures of depth %d are left, and what follows from them", d->last.open,
+                d->last.depth);
     else fputs(" all departures are done", stderr);
     const int unmeasured = cli_unmeasured(atlas);
     if (unmeasured) cli_say(", %d labels are not measured yet", unmeasured);
     /* a branch under way is in no table, and may be all that the time went into */
-    if (d->last.fresh > 0) cli_say("; %d steps of this run are kept, those of unfinished branches too", d->last.fresh);
+    if (d->last.fresh > 0)
+        cli_say("; %d steps of this run are kept, those of unfinished branches too", d->last.fresh);
     cli_say("\nricochet: the same command continues there: ricochet run %s -o %s\n", study, path);
     return d->over ? CLI_LIMIT : CLI_INTERRUPTED;
 }
@@ -281,7 +313,9 @@ static int explore(const ric_study *study, const char *name, const char *path, d
     d.terminal = isatty(STDERR_FILENO) && !d.quiet;
     d.depth = ric_study_options(study)->depth;
     clock_gettime(CLOCK_MONOTONIC, &d.start);
-    const ric_run_options options = {.workers = d.workers ? (int)d.workers : 1, .progress = show_progress, .user = &d};
+    const ric_run_options options = {.workers = d.workers ? (int)d.workers : 1,
+                                     .progress = show_progress,
+                                     .user = &d};
     const ric_explore_more more = {.crew = cli_run_remote, .worth = worth, .user = &d};
     ric_atlas *before = NULL, *atlas = NULL;
     if (!access(path, F_OK) && ric_atlas_read(path, &before))
@@ -301,12 +335,13 @@ static int explore(const ric_study *study, const char *name, const char *path, d
                      : status                    ? cli_report(status)
                                                  : print_summary(path, atlas, &d, false);
     ric_atlas_free(atlas);
-    if (!d.workers && !d.quiet && !cli_run_remote) cli_tell_idle("run", cli_seconds_since(&d.start));
+    if (!d.workers && !d.quiet && !cli_run_remote)
+        cli_tell_idle("run", cli_seconds_since(&d.start));
     return code;
 }
 
-/* The work for one orbit grows with the cube of the modes that take part. Where a single branch may take minutes,
- * nobody shall wait unawares. */
+/* The work for one orbit grows with the cube of the modes that take part. Where a single branch may
+ * take minutes, nobody shall wait unawares. */
 static bool too_large(const ric_study *study, double seconds)
 {
     return ric_model_n_mode(ric_study_model(study)) > MANY_MODES && seconds == HUGE_VAL;
@@ -332,45 +367,65 @@ static int run(int argc, char **argv)
     const bool prove = cli_take_flag(&argc, argv, "--prove");
     ric_study *study = NULL;
     int code;
-    if (!cli_take_value(&argc, argv, "-o", &given) || !cli_take_workers(&argc, argv, 1024, &d.workers) ||
-        !cli_take_value(&argc, argv, "--max-step", &step) || !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
+    if (!cli_take_value(&argc, argv, "-o", &given) ||
+        !cli_take_workers(&argc, argv, 1024, &d.workers) ||
+        !cli_take_value(&argc, argv, "--max-step", &step) ||
+        !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
         !cli_operands(&cli_run, argc, argv, 1) ||
         (seconds_text && !cli_parse_number(seconds_text, "--seconds", &d.seconds)))
         return CLI_WRONG;
-    if (!(d.seconds > 0)) return cli_wrong("run: --seconds: %s is no time; give a number above 0", seconds_text);
+    if (!(d.seconds > 0))
+        return cli_wrong("run: --seconds: %s is no time; give a number above 0", seconds_text);
     ric_status status = read_study(argv[1], d.quiet, &study);
     if (!status && step) status = ric_study_override(study, "explore", "step", step, "--max-step");
     if (!status && !(path = given ? strdup(given) : default_path(argv[1]))) status = RIC_E_NOMEM;
     if (status) code = cli_report(status);
     else if (!strcmp(path, argv[1]))
-        code = cli_wrong("run: the atlas %s would overwrite the study; choose another name with -o", path);
+        code = cli_wrong("run: the atlas %s would overwrite the study; choose another name with -o",
+                         path);
     else if (ric_model_restitution(ric_study_model(study)) < 1 && ric_explore_check(study))
         code = cli_wrong("%s:%zu: %s", argv[1], ric_study_restitution_line(study), ric_detail());
     else if (too_large(study, d.seconds))
-        code = cli_wrong("%s: %d modes take part in the motion, and a branch of such orbits may take minutes or hours; "
-                         "give --seconds S to try for so long, or reduce the structure to the modes that matter",
-                         argv[1], ric_model_n_mode(ric_study_model(study)));
+        code = cli_wrong(
+            "%s: %d modes take part in the motion, and a branch of such orbits may take minutes or "
+            "hours; "
+            "give --seconds S to try for so long, or reduce the structure to the modes that matter",
+            argv[1], ric_model_n_mode(ric_study_model(study)));
     else code = explore(study, argv[1], path, d);
     if (prove && code == CLI_DONE)
-        code = cli_prove_atlas(path, d.workers ? (int)d.workers : 1, d.quiet ? NULL : d.json ? stderr : stdout);
+        code = cli_prove_atlas(path, d.workers ? (int)d.workers : 1,
+                               d.quiet  ? NULL
+                               : d.json ? stderr
+                                        : stdout);
     free(path);
     ric_study_free(study);
     return code;
 }
 
 static const cli_item items[] = {
-    {.text = "Explores from the linear modes within the budgets of the study and writes the atlas, one file. "
-             "Stopped with Ctrl-C, or killed, the same command continues; with larger budgets in the study it "
+    {.text = "Explores from the linear modes within the budgets of the study and writes the atlas, "
+             "one file. "
+             "Stopped with Ctrl-C, or killed, the same command continues; with larger budgets in "
+             "the study it "
              "extends the atlas. The result does not depend on WORKERS."},
-    {.name = "-o", .value = "ATLAS", .text = "the file to write; study.ricochet for study.yaml unless given"},
-    {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given; 0: one for each core"},
+    {.name = "-o",
+     .value = "ATLAS",
+     .text = "the file to write; study.ricochet for study.yaml unless given"},
+    {.name = "-j",
+     .value = "WORKERS",
+     .text = "how many at a time, 1 unless given; 0: one for each core"},
     {.name = "--jobs", .value = "WORKERS", .text = "the same"},
-    {.name = "--max-step", .value = "H", .text = "largest arclength step, instead of the study's explore.step"},
+    {.name = "--max-step",
+     .value = "H",
+     .text = "largest arclength step, instead of the study's explore.step"},
     {.name = "--seconds",
      .value = "S",
-     .text = "stop after that time, with exit code 3 if there is more to do; the same command goes on from there. "
+     .text = "stop after that time, with exit code 3 if there is more to do; the same command goes "
+             "on from there. "
              "Needed where more than 200 modes take part"},
-    {.name = "--prove", .text = "when it is finished, prove its orbits, curves and junctions as `ricochet prove` does"},
+    {.name = "--prove",
+     .text =
+         "when it is finished, prove its orbits, curves and junctions as `ricochet prove` does"},
     {.name = "--quiet", .text = "no report and no progress; warnings and what stops it are said"},
     {.name = "--json", .text = "the report as `ricochet report --json` gives it"},
     {0},

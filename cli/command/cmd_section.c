@@ -1,4 +1,5 @@
-/* ricochet section STUDY|ATLAS: motions of one energy, impact by impact, with their exponents and rotation numbers. */
+/* ricochet section STUDY|ATLAS: motions of one energy, impact by impact, with their exponents and
+ * rotation numbers. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -31,15 +32,18 @@ static void print_integer(printer *p, const char *name, long value)
     printf(p->format == CLI_TEXT ? "%8ld" : "%ld", value);
 }
 
-/* Seventeen digits read back bit for bit; a whole number keeps its point, so that it is read as a number of its kind.
- */
+/* Seventeen digits read back bit for bit; a whole number keeps its point, so that it is read as a
+ * number of its kind. */
 static void print_number(printer *p, const char *name, double value)
 {
     char text[40];
     begin_cell(p, name);
     snprintf(text, sizeof text, p->format == CLI_TEXT ? "%.12g" : "%.17g", value);
     if (!isfinite(value))
-        snprintf(text, sizeof text, "%s", p->format == CLI_JSON ? "null" : p->format == CLI_CSV ? "" : "-");
+        snprintf(text, sizeof text, "%s",
+                 p->format == CLI_JSON  ? "null"
+                 : p->format == CLI_CSV ? ""
+                                        : "-");
     else if (p->format == CLI_JSON && !strpbrk(text, ".e")) strcat(text, ".0");
     printf(p->format == CLI_TEXT ? "%18s" : "%s", text);
 }
@@ -52,18 +56,25 @@ static const char *state_name(const printer *p, int i, char name[16])
 
 static void print_heading(const printer *p)
 {
-    static const char *const first[] = {"start", "impact", "time", "face"}, *const last[] = {"rotation", "lyapunov",
-                                                                                             "lyapunov_error"};
+    static const char *const first[] = {"start", "impact", "time", "face"},
+                             *const last[] = {"rotation", "lyapunov", "lyapunov_error"};
     const bool text = p->format == CLI_TEXT;
     char name[16];
     for (int i = 0; i < 4; i++)
-        printf(!text ? "%s%s" : i == 2 ? "%s%18s" : "%s%8s", i == 0 ? "" : text ? "  " : ",", first[i]);
+        printf(!text    ? "%s%s"
+               : i == 2 ? "%s%18s"
+                        : "%s%8s",
+               i == 0 ? ""
+               : text ? "  "
+                      : ",",
+               first[i]);
     for (int i = 0; i < 2 * p->n; i++) printf(text ? "  %18s" : ",%s", state_name(p, i, name));
     for (int i = 0; i < 3; i++) printf(text ? "  %18s" : ",%s", last[i]);
     putchar('\n');
 }
 
-static void print_impact(printer *p, const ric_section *section, const ric_section_track *track, int start, long k)
+static void print_impact(printer *p, const ric_section *section, const ric_section_track *track,
+                         int start, long k)
 {
     double state[2 * p->n], time;
     char name[16];
@@ -96,7 +107,8 @@ static int print_impacts(const cli_section *s, double d, cli_format format)
     if (format == CLI_JSON) puts(p.first ? "[]" : "\n]");
     errno = 0;
     if (!fflush(stdout) && !ferror(stdout)) return CLI_DONE;
-    cli_say("ricochet: the output cannot be written: %s\n", errno ? strerror(errno) : "write error");
+    cli_say("ricochet: the output cannot be written: %s\n",
+            errno ? strerror(errno) : "write error");
     return CLI_FAILED;
 }
 
@@ -122,12 +134,14 @@ static json_t *start_row(const cli_section *s, int i, const ric_section_track *t
 
 static int print_starts(const cli_section *s, cli_format format)
 {
-    static const char columns[] = "start branch face impacts time rotation rotation_error lyapunov lyapunov_error "
-                                  "energy_error why";
+    static const char columns[] =
+        "start branch face impacts time rotation rotation_error lyapunov lyapunov_error "
+        "energy_error why";
     json_t *rows = json_array();
     for (int i = 0; i < ric_section_n_start(s->section); i++) {
         ric_section_track track;
-        if (!ric_section_track_at(s->section, i, &track)) json_array_append_new(rows, start_row(s, i, &track));
+        if (!ric_section_track_at(s->section, i, &track))
+            json_array_append_new(rows, start_row(s, i, &track));
     }
     const int code = rows ? cli_print_rows(rows, columns, format) : cli_report(RIC_E_NOMEM);
     json_decref(rows);
@@ -151,9 +165,9 @@ static void summarise(const cli_section *s, const cli_section_request *r, int co
             cli_say("start %d ends after %ld impacts: %s\n", i + 1, t.impacts, t.why);
     }
     if (ended > MOST_TOLD) cli_say("and %d more starts end before their time\n", ended - MOST_TOLD);
-    cli_say(
-        "%d starts, %ld impacts at energy %.12g; neighbours part exponentially in %d; the energy stayed within %.1e\n",
-        n, impacts, r->energy, grow, worst);
+    cli_say("%d starts, %ld impacts at energy %.12g; neighbours part exponentially in %d; the "
+            "energy stayed within %.1e\n",
+            n, impacts, r->energy, grow, worst);
     if (code)
         cli_say("ricochet: stopped %s: %.3g %% of the impacts were not reached\n",
                 code == CLI_LIMIT ? "when the time given was over" : "on request",
@@ -167,7 +181,8 @@ static int run(int argc, char **argv)
     cli_format format;
     cli_section_request request;
     cli_section s = {0};
-    const bool physical = cli_take_flag(&argc, argv, "--physical"), starts = cli_take_flag(&argc, argv, "--exponents");
+    const bool physical = cli_take_flag(&argc, argv, "--physical"),
+               starts = cli_take_flag(&argc, argv, "--exponents");
     if (!cli_take_format(&argc, argv, &format) ||
         !cli_section_take(&argc, argv, "section", CLI_SECTION_STARTS, &request) ||
         !cli_operands(&cli_section_command, argc, argv, 1))
@@ -186,26 +201,34 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "Follows motions of one energy from impact to impact and tells regular ones from chaotic ones. A row is a "
-             "state right after an impact; between bilinear springs, where a spring closes; under a power law, where a "
-             "spring passes s = 0. No impact is missed: every flight is searched with bounds on its derivatives. The "
+    {.text = "Follows motions of one energy from impact to impact and tells regular ones from "
+             "chaotic ones. A row is a "
+             "state right after an impact; between bilinear springs, where a spring closes; under "
+             "a power law, where a "
+             "spring passes s = 0. No impact is missed: every flight is searched with bounds on "
+             "its derivatives. The "
              "same bits whatever the number of workers."},
     {.name = "start, impact, time, face, x1.., v1..",
      .text =
-         "which motion, its impact from 1, seconds since the first one, the face that is hit (under a power law 2 f "
+         "which motion, its impact from 1, seconds since the first one, the face that is hit "
+         "(under a power law 2 f "
          "where the gap of contact f rises, 2 f + 1 where it falls), displacements and velocities"},
     {.name = "rotation",
-     .text = "mean turns of neighbouring motions per impact, between 0 and 1; on an orbit with N impacts whose "
-             "multipliers are exp(+-2 pi i gamma), N times it is +-gamma but for whole turns. Only where two modes are "
+     .text = "mean turns of neighbouring motions per impact, between 0 and 1; on an orbit with N "
+             "impacts whose "
+             "multipliers are exp(+-2 pi i gamma), N times it is +-gamma but for whole turns. Only "
+             "where two modes are "
              "seen and the exponent is zero to twice its error"},
     {.name = "lyapunov, lyapunov_error",
-     .text =
-         "finite-time Lyapunov exponent, per second, and its error: that of the mean of 16 parts of the motion, and "
-         "ln N / t, which a motion of N impacts without an exponent shows"},
+     .text = "finite-time Lyapunov exponent, per second, and its error: that of the mean of 16 "
+             "parts of the motion, and "
+             "ln N / t, which a motion of N impacts without an exponent shows"},
     CLI_ITEMS_SECTION,
     CLI_ITEM_AT,
-    {.name = "--exponents", .text = "one row for each start instead, and no impacts are kept: for long motions"},
-    {.name = "--physical", .text = "energy, displacements and velocities in the study's own units of length"},
+    {.name = "--exponents",
+     .text = "one row for each start instead, and no impacts are kept: for long motions"},
+    {.name = "--physical",
+     .text = "energy, displacements and velocities in the study's own units of length"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},
@@ -215,10 +238,12 @@ const cli_command cli_section_command = {
     .name = "section",
     .summary = "motions of one energy from impact to impact, and their exponents",
     .usage = "ricochet section STUDY|ATLAS --energy E [--starts N] [--impacts M]\n"
-             "           [(--branch ID | --at E,OMEGA | --orbits) [--radius R]] [--exponents] [--physical]\n"
+             "           [(--branch ID | --at E,OMEGA | --orbits) [--radius R]] [--exponents] "
+             "[--physical]\n"
              "           [-j WORKERS | --jobs WORKERS] [--seconds S] [--json | --csv]\n",
     .items = items,
-    .example = "ricochet section examples/elementary/study.yaml --energy 5 --starts 40 --exponents\n"
-               "ricochet section study.ricochet --energy 5 --branch 3 --radius 0.1\n",
+    .example =
+        "ricochet section examples/elementary/study.yaml --energy 5 --starts 40 --exponents\n"
+        "ricochet section study.ricochet --energy 5 --branch 3 --radius 0.1\n",
     .run = run,
 };

@@ -81,7 +81,8 @@ static void add_state(simulation *s, double t)
     if (t > 0) /* the first row is the state as it was given */
         state_of(s);
     json_object_set_new(row, "t", cli_number(t));
-    for (int i = 0; i < 2 * s->n; i++) json_object_set_new(row, s->column[i + 1], cli_number(s->state[i] * s->length));
+    for (int i = 0; i < 2 * s->n; i++)
+        json_object_set_new(row, s->column[i + 1], cli_number(s->state[i] * s->length));
     json_array_append_new(s->rows, row);
 }
 
@@ -104,7 +105,8 @@ static ric_status advance(simulation *s, double t)
         ric_status status = advance_to(s, t, &hit, &impact);
         if (status) return status;
         if (hit && ++s->struck > IMPACTS_MAX) {
-            cli_wrong("simulate: more than %d impacts up to time %.9g; give a shorter --time, or less speed",
+            cli_wrong("simulate: more than %d impacts up to time %.9g; give a shorter --time, or "
+                      "less speed",
                       IMPACTS_MAX, impact.time);
             s->told = true;
             return RIC_E_RANGE;
@@ -163,9 +165,10 @@ static int run(int argc, char **argv)
     bool physical = cli_take_flag(&argc, argv, "--physical");
     s.impacts = cli_take_flag(&argc, argv, "--impacts");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--time", &end) ||
-        !cli_take_value(&argc, argv, "--steps", &steps) || !cli_take_drive(&argc, argv, &s.drive, &code) ||
-        !cli_take_state(&argc, argv, "simulate", &count, texts) || !cli_operands(&cli_simulate, argc, argv, 1) ||
-        !parse_times(&s, end, steps))
+        !cli_take_value(&argc, argv, "--steps", &steps) ||
+        !cli_take_drive(&argc, argv, &s.drive, &code) ||
+        !cli_take_state(&argc, argv, "simulate", &count, texts) ||
+        !cli_operands(&cli_simulate, argc, argv, 1) || !parse_times(&s, end, steps))
         goto out;
     ric_status status = ric_study_read(argv[1], &s.study);
     if (status) {
@@ -176,8 +179,9 @@ static int run(int argc, char **argv)
     if (physical) s.length = cli_unit_of_lengths(ric_study_model(s.study), true);
     if (!make_columns(&s)) code = cli_report(RIC_E_NOMEM);
     else if ((code = cli_drive_complete(&s.drive, "simulate", s.study)) == CLI_DONE)
-        code = cli_parse_state("simulate", s.n, count, texts, s.length, s.state) ? simulate_and_print(&s, format)
-                                                                                 : CLI_WRONG;
+        code = cli_parse_state("simulate", s.n, count, texts, s.length, s.state)
+                   ? simulate_and_print(&s, format)
+                   : CLI_WRONG;
 out:
     free(texts);
     simulation_free(&s);
@@ -185,9 +189,12 @@ out:
 }
 
 static const cli_item items[] = {
-    {.text = "Places the structure of the study at displacements X (one per degree of freedom) with velocities V "
-             "at time 0 and follows it to time T in seconds. Every impact is found. Damping, restitution and force are "
-             "those of the study where no option gives them. Lists the columns t x1.. v1.. at N + 1 equal times, or "
+    {.text = "Places the structure of the study at displacements X (one per degree of freedom) "
+             "with velocities V "
+             "at time 0 and follows it to time T in seconds. Every impact is found. Damping, "
+             "restitution and force are "
+             "those of the study where no option gives them. Lists the columns t x1.. v1.. at N + "
+             "1 equal times, or "
              "the impacts. Lengths are in "
              "clearances of the first contact."},
     {.name = "--state",
@@ -196,21 +203,28 @@ static const cli_item items[] = {
     {.name = "--time", .value = "T", .text = "where to stop"},
     {.name = "--steps", .value = "N", .text = "number of steps of the history: 200 unless given"},
     {.name = "--impacts",
-     .text = "list the impacts instead: t, face, approach (speed of the gap coordinate), impulse, opens; a contact "
-             "of law bilinear has two rows: it closes (impulse 0), and opens (approach < 0) with the impulse of "
+     .text = "list the impacts instead: t, face, approach (speed of the gap coordinate), impulse, "
+             "opens; a contact "
+             "of law bilinear has two rows: it closes (impulse 0), and opens (approach < 0) with "
+             "the impulse of "
              "the whole contact"},
     {.name = "--physical", .text = "state, history and impacts in the study's own units of length"},
     {.name = "--force",
      .value = "F1,F2,..",
-     .text = "shaken by L f cos(W t + P) from time 0 on, physical: f, with --omega W (rad/s), --level L, 1 unless the "
+     .text = "shaken by L f cos(W t + P) from time 0 on, physical: f, with --omega W (rad/s), "
+             "--level L, 1 unless the "
              "study has one, 0 for no force, and --phase P, rad"},
     {.name = "--omega", .value = "W", .text = "frequency of the force, rad/s"},
     {.name = "--level", .value = "L", .text = "amplitude of the force"},
     {.name = "--phase", .value = "P", .text = "phase of the force at time 0"},
-    {.name = "--damping", .value = "ZETA|FILE", .text = "as of `force`: modal ratios, or a file with the matrix"},
+    {.name = "--damping",
+     .value = "ZETA|FILE",
+     .text = "as of `force`: modal ratios, or a file with the matrix"},
     {.name = "--restitution", .value = "E", .text = "instead of the study's"},
-    {.text = "Where the impact law gives no motion (two stops met together whose impacts disturb each other, "
-             "chatter that ends in a lasting contact), the list ends there, a message says why, and the exit code "
+    {.text = "Where the impact law gives no motion (two stops met together whose impacts disturb "
+             "each other, "
+             "chatter that ends in a lasting contact), the list ends there, a message says why, "
+             "and the exit code "
              "is 1; so it does after a million impacts."},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
@@ -220,10 +234,12 @@ static const cli_item items[] = {
 const cli_command cli_simulate = {
     .name = "simulate",
     .summary = "follow the motion from a state, impact by impact",
-    .usage = "ricochet simulate STUDY --state X.. V.. --time T [--steps N] [--impacts] [--physical]\n"
-             "           [--force F1,F2,.. --omega W [--level L] [--phase P]] [--damping ZETA|FILE]\n"
-             "           [--restitution E] [--json | --csv]\n",
+    .usage =
+        "ricochet simulate STUDY --state X.. V.. --time T [--steps N] [--impacts] [--physical]\n"
+        "           [--force F1,F2,.. --omega W [--level L] [--phase P]] [--damping ZETA|FILE]\n"
+        "           [--restitution E] [--json | --csv]\n",
     .items = items,
-    .example = "ricochet simulate examples/elementary/study.yaml --state 0.1 -0.2 0 2.5 --time 20 --impacts\n",
+    .example = "ricochet simulate examples/elementary/study.yaml --state 0.1 -0.2 0 2.5 --time 20 "
+               "--impacts\n",
     .run = run,
 };

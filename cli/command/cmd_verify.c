@@ -1,5 +1,5 @@
-/* ricochet verify ATLAS: replays stored orbits with the simulator, which knows nothing of how they were found, and
- * computes anew what is stored with them. */
+/* ricochet verify ATLAS: replays stored orbits with the simulator, which knows nothing of how they
+ * were found, and computes anew what is stored with them. */
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -83,10 +83,12 @@ static void work(void *user)
     for (int i; (i = cli_workers_take(&a->workers)) >= 0;) {
         result *r = &a->results[i];
         int branch = r->check.branch, point = r->check.point;
-        ric_status status = r->of == OF_BRANCH     ? ric_verify_branch(a->atlas, branch, &r->claims)
-                            : r->of == OF_JUNCTION ? ric_verify_junction(a->atlas, point, &r->claims)
-                                                   : ric_verify_point(a->atlas, branch, point, &r->check);
-        if (!status && r->of == OF_POINT) status = ric_verify_claims(a->atlas, branch, point, &r->claims);
+        ric_status status = r->of == OF_BRANCH ? ric_verify_branch(a->atlas, branch, &r->claims)
+                            : r->of == OF_JUNCTION
+                                ? ric_verify_junction(a->atlas, point, &r->claims)
+                                : ric_verify_point(a->atlas, branch, point, &r->check);
+        if (!status && r->of == OF_POINT)
+            status = ric_verify_claims(a->atlas, branch, point, &r->claims);
         if (ric_halted()) break; /* what was found since is no answer */
         if (status) {
             cli_workers_fail(&a->workers, status);
@@ -117,8 +119,8 @@ static const char *agreement(ric_agreement a)
 
 static bool passes(const result *r)
 {
-    return r->check.passed && r->claims.multipliers != RIC_AGREES_NO && r->claims.stable != RIC_AGREES_NO &&
-           r->claims.numbers != RIC_AGREES_NO;
+    return r->check.passed && r->claims.multipliers != RIC_AGREES_NO &&
+           r->claims.stable != RIC_AGREES_NO && r->claims.numbers != RIC_AGREES_NO;
 }
 
 static void add_row(json_t *rows, const result *r)
@@ -127,9 +129,11 @@ static void add_row(json_t *rows, const result *r)
     const ric_claims *claims = &r->claims;
     json_t *row = json_object();
     json_object_set_new(row, "kind", json_string(subject_text[r->of]));
-    json_object_set_new(row, "branch", r->of == OF_JUNCTION ? json_null() : json_integer(check->branch));
+    json_object_set_new(row, "branch",
+                        r->of == OF_JUNCTION ? json_null() : json_integer(check->branch));
     json_object_set_new(row, "point", r->of == OF_POINT ? json_integer(check->point) : json_null());
-    json_object_set_new(row, "junction", r->of == OF_JUNCTION ? json_integer(check->point) : json_null());
+    json_object_set_new(row, "junction",
+                        r->of == OF_JUNCTION ? json_integer(check->point) : json_null());
     json_object_set_new(row, "flight_error", cli_number(check->flight_error));
     json_object_set_new(row, "return_error", cli_number(check->return_error));
     json_object_set_new(row, "condition", cli_number(check->condition));
@@ -152,7 +156,8 @@ static void tell_failure(const audit *a, const result *r)
     ric_branch branch;
     ric_junction junction;
     if (r->of == OF_JUNCTION) {
-        const char *name = ric_atlas_junction(a->atlas, r->check.point, &junction) ? "" : junction.label;
+        const char *name = ric_atlas_junction(a->atlas, r->check.point, &junction) ? ""
+                                                                                   : junction.label;
         cli_say("ricochet: junction %d %s: %s\n", r->check.point, name, r->claims.finding);
         return;
     }
@@ -162,13 +167,15 @@ static void tell_failure(const audit *a, const result *r)
         return;
     }
     cli_say("ricochet: branch %d %s, point %d: %s\n", r->check.branch, label, r->check.point,
-            !r->check.passed ? "the motion is not what the simulator makes of it" : r->claims.finding);
+            !r->check.passed ? "the motion is not what the simulator makes of it"
+                             : r->claims.finding);
 }
 
 static int tell_all(const audit *a, FILE *out)
 {
     enum { TOLD = 10 };
-    int points = 0, done = 0, failed = 0, open = 0, flags = 0, margins = 0, rows[3] = {0}, wrong[3] = {0};
+    int points = 0, done = 0, failed = 0, open = 0, flags = 0, margins = 0, rows[3] = {0},
+        wrong[3] = {0};
     for (int i = 0; i < a->n; i++) {
         const result *r = &a->results[i];
         points += r->of == OF_POINT;
@@ -185,15 +192,16 @@ static int tell_all(const audit *a, FILE *out)
                      r->claims.unchecked);
     }
     if (failed > TOLD) cli_say("ricochet: and %d more\n", failed - TOLD);
-    cli_tell(out, "%d of %d points on %d branch%s agree with the simulator\n", done - wrong[OF_POINT], done,
-             a->branches, a->branches == 1 ? "" : "es");
+    cli_tell(out, "%d of %d points on %d branch%s agree with the simulator\n",
+             done - wrong[OF_POINT], done, a->branches, a->branches == 1 ? "" : "es");
     for (subject of = OF_BRANCH; of <= OF_JUNCTION; of++)
         if (wrong[of])
             cli_tell(out, "%d of %d rows of %s do not\n", wrong[of], rows[of],
                      of == OF_BRANCH ? "branches" : "junctions");
     if (open)
         cli_tell(out,
-                 "multipliers not checked at %d point%s: rounding of the stored digits leaves less than three "
+                 "multipliers not checked at %d point%s: rounding of the stored digits leaves less "
+                 "than three "
                  "of theirs\n",
                  open, open == 1 ? "" : "s");
     if (flags)
@@ -201,31 +209,41 @@ static int tell_all(const audit *a, FILE *out)
                  flags == 1 ? "" : "s");
     if (margins)
         cli_tell(out,
-                 "%d point%s of which some numbers could not be checked to a part in a million: rounding of the stored "
+                 "%d point%s of which some numbers could not be checked to a part in a million: "
+                 "rounding of the stored "
                  "digits is multiplied beyond it\n",
                  margins, margins == 1 ? "" : "s");
     bool whole = done + rows[OF_BRANCH] + rows[OF_JUNCTION] == a->n;
     if (!whole)
         cli_say("ricochet: stopped %s: %d of %d points were not looked at\n",
-                cli_stopped() ? "on request" : "when the time given was over", points - done, points);
+                cli_stopped() ? "on request" : "when the time given was over", points - done,
+                points);
     return failed ? CLI_FAILED : whole ? CLI_DONE : cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
 }
 
-/* In words the verdict is the answer; rows, where they are asked for, are, and the verdict is a remark on them. */
-static int print_audit(const audit *a, cli_format format, const cli_choice *choice, bool verbose, bool quiet)
+/* In words the verdict is the answer; rows, where they are asked for, are, and the verdict is a
+ * remark on them. */
+static int print_audit(const audit *a, cli_format format, const cli_choice *choice, bool verbose,
+                       bool quiet)
 {
     static const char columns[] =
         "kind branch point junction flight_error return_error condition energy_error faces_agree "
-        "multiplier_error multiplier_bound multipliers_agree stable_agrees numbers_agree unchecked passed";
+        "multiplier_error multiplier_bound multipliers_agree stable_agrees numbers_agree unchecked "
+        "passed";
     json_t *rows = json_array();
     if (!rows) return cli_report(RIC_E_NOMEM);
     for (int i = 0; i < a->n; i++)
         if (a->results[i].done) add_row(rows, &a->results[i]);
     const bool listed = format != CLI_TEXT || verbose;
-    const int code = !cli_choose(rows, choice) ? CLI_WRONG : listed ? cli_print_rows(rows, columns, format) : CLI_DONE;
+    const int code = !cli_choose(rows, choice) ? CLI_WRONG
+                     : listed                  ? cli_print_rows(rows, columns, format)
+                                               : CLI_DONE;
     json_decref(rows);
     FILE *none = quiet ? fopen("/dev/null", "w") : NULL;
-    const int verdict = code ? code : tell_all(a, none ? none : format == CLI_TEXT ? stdout : stderr);
+    const int verdict = code ? code
+                             : tell_all(a, none                 ? none
+                                           : format == CLI_TEXT ? stdout
+                                                                : stderr);
     if (none) fclose(none);
     return verdict;
 }
@@ -238,24 +256,29 @@ static int run(int argc, char **argv)
     ric_atlas *atlas = NULL;
     audit a = {.workers = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER}};
     a.all = cli_take_flag(&argc, argv, "--all");
-    const bool verbose = cli_take_flag(&argc, argv, "--verbose"), quiet = cli_take_flag(&argc, argv, "--quiet");
+    const bool verbose = cli_take_flag(&argc, argv, "--verbose"),
+               quiet = cli_take_flag(&argc, argv, "--quiet");
     cli_choice choice;
     if (!cli_take_format(&argc, argv, &format) || !cli_take_sort(&argc, argv, &choice) ||
-        !cli_take_value(&argc, argv, "--branch", &text) || !cli_take_value(&argc, argv, "--point", &point_text) ||
+        !cli_take_value(&argc, argv, "--branch", &text) ||
+        !cli_take_value(&argc, argv, "--point", &point_text) ||
         !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
-        !cli_take_workers(&argc, argv, CLI_WORKERS_MOST, &workers) || !cli_operands(&cli_verify, argc, argv, 1) ||
+        !cli_take_workers(&argc, argv, CLI_WORKERS_MOST, &workers) ||
+        !cli_operands(&cli_verify, argc, argv, 1) ||
         (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
         (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
         (seconds_text && !cli_parse_number(seconds_text, "--seconds", &a.workers.seconds)))
         return CLI_WRONG;
     if (!(a.workers.seconds > 0))
         return cli_wrong("verify: --seconds: %s is no time; give a number above 0", seconds_text);
-    if (point_text && !text) return cli_wrong("verify: --point needs --branch ID, whose points it counts");
+    if (point_text && !text)
+        return cli_wrong("verify: --point needs --branch ID, whose points it counts");
     if (ric_response_is(argv[1])) return cli_verify_response(argv[1], a.all, quiet, format);
     ric_status status = ric_atlas_read(argv[1], &atlas);
     a.atlas = atlas;
     if (!status && branch) status = add_branch(&a, (int)branch, point);
-    for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(atlas); id++) status = add_branch(&a, id, -1);
+    for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(atlas); id++)
+        status = add_branch(&a, id, -1);
     for (int id = 1; !status && !branch && id <= ric_atlas_n_junction(atlas); id++)
         status = add(&a, OF_JUNCTION, -1, id);
     if (!status && (status = work_all(&a, workers ? (int)workers : 1)) && *a.workers.detail) {
@@ -272,40 +295,56 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "Replays the first, the middle and the last point of every branch and five more with a simulator that "
-             "knows only the masses, the stiffnesses, the stops and the stored state, and finds every impact "
-             "itself. What is stored with the orbit is computed anew. Rows of branches and junctions are compared "
-             "with their points and orbits: one row for each, kind branch or junction. Given a file of `ricochet "
-             "response`, replays orbits of its curves under damping and force, and their largest multiplier from "
+    {.text = "Replays the first, the middle and the last point of every branch and five more with "
+             "a simulator that "
+             "knows only the masses, the stiffnesses, the stops and the stored state, and finds "
+             "every impact "
+             "itself. What is stored with the orbit is computed anew. Rows of branches and "
+             "junctions are compared "
+             "with their points and orbits: one row for each, kind branch or junction. Given a "
+             "file of `ricochet "
+             "response`, replays orbits of its curves under damping and force, and their largest "
+             "multiplier from "
              "differences."},
-    {.name = "flight_error", .text = "largest relative error of the time and the end of a flight; at most 1e-11"},
+    {.name = "flight_error",
+     .text = "largest relative error of the time and the end of a flight; at most 1e-11"},
     {.name = "return_error",
-     .text = "relative distance from the start after one period; at most 1e-9 max(1, 1e-7 condition); none at a "
+     .text = "relative distance from the start after one period; at most 1e-9 max(1, 1e-7 "
+             "condition); none at a "
              "corner"},
     {.name = "condition",
-     .text = "largest modulus of a multiplier: what one period makes of a small error; more where slow impacts "
+     .text = "largest modulus of a multiplier: what one period makes of a small error; more where "
+             "slow impacts "
              "amplify the simulator's own rounding on the way beyond that"},
     {.name = "energy_error", .text = "relative error of the energy; at most 1e-11"},
-    {.name = "faces_agree", .text = "whether the faces of the word are met in their order, and no other"},
+    {.name = "faces_agree",
+     .text = "whether the faces of the word are met in their order, and no other"},
     {.name = "multiplier_error, multiplier_bound",
-     .text = "of the trace, over sqrt(trace^2 + 4), and what rounding leaves of it, measured; for more modes of "
+     .text = "of the trace, over sqrt(trace^2 + 4), and what rounding leaves of it, measured; for "
+             "more modes of "
              "the multipliers that `points` and `orbit` give"},
     {.name = "multipliers_agree, stable_agrees, numbers_agree",
-     .text = "yes, no or unchecked: trace and rotation; the flag; the state, energy, frequency, reach and "
+     .text = "yes, no or unchecked: trace and rotation; the flag; the state, energy, frequency, "
+             "reach and "
              "approach"},
     {.name = "unchecked",
-     .text = "numbers that could be off by a part in a million, of the largest of their kind, without being found: "
+     .text = "numbers that could be off by a part in a million, of the largest of their kind, "
+             "without being found: "
              "x1, v2, reach, approach"},
     {.name = "--branch", .value = "ID", .text = "only this branch"},
     CLI_ITEM_AT,
     {.name = "--point", .value = "I", .text = "with --branch: only this point, from 0"},
     {.name = "--all", .text = "every stored point"},
-    {.name = "-j", .value = "WORKERS", .text = "how many at a time, 1 unless given; 0: one for each core"},
+    {.name = "-j",
+     .value = "WORKERS",
+     .text = "how many at a time, 1 unless given; 0: one for each core"},
     {.name = "--jobs", .value = "WORKERS", .text = "the same"},
     {.name = "--seconds", .value = "S", .text = "stop after that time and show what was done"},
-    {.name = "--verbose", .text = "a row for every point as well; without it the verdict, and what does not pass"},
+    {.name = "--verbose",
+     .text = "a row for every point as well; without it the verdict, and what does not pass"},
     {.name = "--quiet", .text = "only what does not pass, and the exit code"},
-    {.text = "The exit code is 1 if a point does not pass, 3 if the time was over, 130 after Ctrl-C."},
+    {.text =
+         "The exit code is 1 if a point does not pass, 3 if the time was over, 130 after Ctrl-C."},
     CLI_ITEM_SORT,
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
@@ -315,9 +354,10 @@ static const cli_item items[] = {
 const cli_command cli_verify = {
     .name = "verify",
     .summary = "replay the orbits of an atlas with an independent simulator",
-    .usage = "ricochet verify ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [--all]\n"
-             "                       [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose | --quiet]\n"
-             "                       [--sort COLUMN] [--json | --csv]\n",
+    .usage =
+        "ricochet verify ATLAS [(--branch ID | --at E,OMEGA) [--point I]] [--all]\n"
+        "                       [-j WORKERS | --jobs WORKERS] [--seconds S] [--verbose | --quiet]\n"
+        "                       [--sort COLUMN] [--json | --csv]\n",
     .items = items,
     .example = "ricochet verify study.ricochet --branch 3 --all\n",
     .run = run,

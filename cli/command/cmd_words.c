@@ -35,8 +35,9 @@ static void lister_free(lister *l)
     free(l->text);
 }
 
-/* Smallest r > 0 such that moving the word on by r letters gives the word, or its image under x -> -x; 0 if there is
- * none. All shifts that give one of the two are multiples of the smallest, which divides n. */
+/* Smallest r > 0 such that moving the word on by r letters gives the word, or its image under x ->
+ * -x; 0 if there is none. All shifts that give one of the two are multiples of the smallest, which
+ * divides n. */
 static int shift_that_fits(const lister *l, bool flip)
 {
     for (int r = 1; r <= l->n; r++) {
@@ -52,7 +53,8 @@ static int shift_that_fits(const lister *l, bool flip)
     return 0;
 }
 
-/* z(t+T/2) = -z(t) is possible: half the word on is the flipped word, so that n / 2 is an odd multiple of the shift. */
+/* z(t+T/2) = -z(t) is possible: half the word on is the flipped word, so that n / 2 is an odd
+ * multiple of the shift. */
 static bool may_be_symmetric(const lister *l)
 {
     int shift = l->model && !ric_model_symmetric(l->model) ? 0 : shift_that_fits(l, true);
@@ -69,7 +71,8 @@ static json_t *word_row(lister *l, int number)
     json_object_set_new(row, "symmetric", json_boolean(may_be_symmetric(l)));
     for (int i = 0; i < l->n; i++) l->other[i] = l->word[l->n - 1 - i];
     ric_word_canonical(l->model, l->n, l->other, false, l->other);
-    json_object_set_new(row, "reversible", json_boolean(!memcmp(l->other, l->word, (size_t)l->n * sizeof *l->word)));
+    json_object_set_new(row, "reversible",
+                        json_boolean(!memcmp(l->other, l->word, (size_t)l->n * sizeof *l->word)));
     ric_word_format(l->model, l->n, l->other, l->size, l->text);
     json_object_set_new(row, "reversed", json_string(l->text));
     return row;
@@ -95,7 +98,8 @@ static ric_status list_words(lister *l, long limit, json_t *rows, bool *complete
 static void format_count(const lister *l, bool reversal, size_t size, char *out)
 {
     uint64_t count;
-    if (ric_word_count(l->model, l->n, reversal, &count) == RIC_OK) snprintf(out, size, "%" PRIu64, count);
+    if (ric_word_count(l->model, l->n, reversal, &count) == RIC_OK)
+        snprintf(out, size, "%" PRIu64, count);
     else snprintf(out, size, "more than %" PRIu64, UINT64_MAX);
 }
 
@@ -108,11 +112,12 @@ static int print_words(lister *l, const json_t *rows, cli_format format, bool co
     int code = cli_print_rows(rows, columns, format);
     /* the numbers belong to the text; a reader of rows gets them beside the rows */
     FILE *out = format == CLI_TEXT ? stdout : stderr;
-    fprintf(out, "%s%d impact%s: %s independent forms, %s if a form and its time reversal count once\n",
+    fprintf(out,
+            "%s%d impact%s: %s independent forms, %s if a form and its time reversal count once\n",
             out == stdout ? "\n" : "", l->n, l->n == 1 ? "" : "s", without, with);
     if (!complete)
-        fprintf(out, "only the first %zu forms are listed; --limit L lists up to %d\n", json_array_size(rows),
-                LIST_MAX);
+        fprintf(out, "only the first %zu forms are listed; --limit L lists up to %d\n",
+                json_array_size(rows), LIST_MAX);
     return code;
 }
 
@@ -126,13 +131,16 @@ static int run(int argc, char **argv)
     lister l = {0};
     bool complete;
     ric_status status = RIC_OK;
-    if (!cli_take_format(&argc, argv, &format) || !cli_take_value(&argc, argv, "--limit", &limit_text) ||
-        !cli_operands(&cli_words, argc, argv, argc == 3 ? 2 : 1) || !cli_parse_integer(argv[1], "N", 1, N_MAX, &n) ||
+    if (!cli_take_format(&argc, argv, &format) ||
+        !cli_take_value(&argc, argv, "--limit", &limit_text) ||
+        !cli_operands(&cli_words, argc, argv, argc == 3 ? 2 : 1) ||
+        !cli_parse_integer(argv[1], "N", 1, N_MAX, &n) ||
         (limit_text && !cli_parse_integer(limit_text, "--limit", 0, LIST_MAX, &limit)))
         return CLI_WRONG;
     if (!limit_text && format != CLI_TEXT) limit = LIST_MAX;
     if (argc == 3) status = ric_study_read(argv[2], &study);
-    if (!status && (!(rows = json_array()) || !lister_init(&l, study ? ric_study_model(study) : NULL, (int)n)))
+    if (!status &&
+        (!(rows = json_array()) || !lister_init(&l, study ? ric_study_model(study) : NULL, (int)n)))
         status = RIC_E_NOMEM;
     if (!status) status = list_words(&l, limit, rows, &complete);
     int code = status ? cli_report(status) : print_words(&l, rows, format, complete);
@@ -143,14 +151,20 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "Lists the forms (cyclic words of the faces that are hit) of N impacts per period, one of each set "
-             "that differs by where the period starts or by x -> -x, in ascending order, and says how many there "
-             "are without and with time reversal. Faces are those of the study, or 0 and 1, the two faces of one "
+    {.text = "Lists the forms (cyclic words of the faces that are hit) of N impacts per period, "
+             "one of each set "
+             "that differs by where the period starts or by x -> -x, in ascending order, and says "
+             "how many there "
+             "are without and with time reversal. Faces are those of the study, or 0 and 1, the "
+             "two faces of one "
              "stop."},
     {.name = "repeats", .text = "how often a shorter word is repeated: 1 for a word of its own"},
     {.name = "symmetric", .text = "whether a motion with z(t + T/2) = -z(t) can have the word"},
-    {.name = "reversible", .text = "whether the word read backwards is the same form; `reversed` is that form"},
-    {.name = "--limit", .value = "L", .text = "list at most L forms: 200 unless given, for --json and --csv 10000"},
+    {.name = "reversible",
+     .text = "whether the word read backwards is the same form; `reversed` is that form"},
+    {.name = "--limit",
+     .value = "L",
+     .text = "list at most L forms: 200 unless given, for --json and --csv 10000"},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},

@@ -29,7 +29,8 @@ ric_status prove_curves_keep(const prove_list *w, const char *path);
 ric_status prove_junctions_keep(const prove_list *w, const char *path);
 /* Of a list that was stopped: says so, and is the exit code; CLI_DONE if it was not. */
 int prove_tell_rest(const prove_list *w, int done, const char *what);
-/* Branches that are proved as curves, into the list; and what came of them, the counts to `out` unless it is NULL. */
+/* Branches that are proved as curves, into the list; and what came of them, the counts to `out`
+ * unless it is NULL. */
 ric_status prove_curves_add(prove_list *w, int branch);
 int prove_curves_print(const prove_list *w, cli_format format, bool verbose, FILE *out);
 /* Junctions, the same. */

@@ -1,5 +1,5 @@
-/* ricochet prove --complete STUDY: all periodic orbits of one energy with few impacts, as a theorem, and the same
- * looked for by brute force. */
+/* ricochet prove --complete STUDY: all periodic orbits of one energy with few impacts, as a
+ * theorem, and the same looked for by brute force. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,12 +64,14 @@ static bool take_request(int *argc, char **argv, request *r)
     if (!cli_take_sort(argc, argv, &r->choice) || !cli_take_format(argc, argv, &r->format) ||
         !take_positive(argc, argv, "--energy", &energy, &o->energy) ||
         !take_positive(argc, argv, "--period", &r->bounded, &o->period[1]) ||
-        !take_positive(argc, argv, "--seconds", NULL, &o->seconds) || !cli_take_value(argc, argv, "--impacts", &text) ||
+        !take_positive(argc, argv, "--seconds", NULL, &o->seconds) ||
+        !cli_take_value(argc, argv, "--impacts", &text) ||
         (text && !cli_parse_integer(text, "--impacts", 1, RIC_CENSUS_LONGEST, &impacts)) ||
         !cli_take_workers(argc, argv, MOST_WORKERS, &workers))
         return false;
     if (!energy) {
-        cli_wrong("prove --complete: --energy is missing; give the scaled energy at which to look, for example "
+        cli_wrong("prove --complete: --energy is missing; give the scaled energy at which to look, "
+                  "for example "
                   "--energy 5");
         return false;
     }
@@ -118,12 +120,15 @@ static json_t *make_row(const request *r, const ric_census *census, int i)
 
 static int print(const request *r, const ric_census *census)
 {
-    static const char columns[] = "orbit energy word period frequency symmetric reversible stable trace approach";
+    static const char columns[] =
+        "orbit energy word period frequency symmetric reversible stable trace approach";
     json_t *rows = json_array();
     if (!rows) return cli_report(RIC_E_NOMEM);
-    for (int i = 0; i < ric_census_n_orbit(census); i++) json_array_append_new(rows, make_row(r, census, i));
+    for (int i = 0; i < ric_census_n_orbit(census); i++)
+        json_array_append_new(rows, make_row(r, census, i));
     if (r->choice.hertz) cli_in_hertz(rows);
-    const int code = cli_choose(rows, &r->choice) ? cli_print_rows(rows, columns, r->format) : CLI_WRONG;
+    const int code = cli_choose(rows, &r->choice) ? cli_print_rows(rows, columns, r->format)
+                                                  : CLI_WRONG;
     json_decref(rows);
     return code;
 }
@@ -133,10 +138,12 @@ static int print(const request *r, const ric_census *census)
 static void tell_periods(const ric_census_account *a, FILE *out)
 {
     if (!(a->flight > 0)) cli_tell(out, "which reaches no stop\n");
-    else if (!a->all_periods) cli_tell(out, "of periods from %.4g to %.4g s\n", a->period[0], a->period[1]);
+    else if (!a->all_periods)
+        cli_tell(out, "of periods from %.4g to %.4g s\n", a->period[0], a->period[1]);
     else
-        cli_tell(out, "of any period: none is shorter than %.4g s, no flight is longer than %.4g s\n", a->period[0],
-                 a->flight);
+        cli_tell(out,
+                 "of any period: none is shorter than %.4g s, no flight is longer than %.4g s\n",
+                 a->period[0], a->flight);
 }
 
 static void tell_open(const request *r, const ric_census *census, int n)
@@ -147,26 +154,30 @@ static void tell_open(const request *r, const ric_census *census, int n)
         if (ric_census_open_at(census, i, &impacts, word, flights)) continue;
         json_t *text = cli_word(r->model, impacts, word), *times = numbers(impacts, flights, 1);
         char *shown = json_dumps(times, JSON_REAL_PRECISION(8));
-        cli_say("ricochet: not proved to be a motion, nor to be none: word %s, flights %s\n", json_string_value(text),
-                shown ? shown : "");
+        cli_say("ricochet: not proved to be a motion, nor to be none: word %s, flights %s\n",
+                json_string_value(text), shown ? shown : "");
         free(shown);
         json_decref(times);
         json_decref(text);
     }
 }
 
-static void tell_account(const request *r, const ric_census *census, const ric_census_account *a, FILE *out)
+static void tell_account(const request *r, const ric_census *census, const ric_census_account *a,
+                         FILE *out)
 {
     const bool complete = !a->undecided && !a->open;
     const double energy = r->length * r->length * r->options.energy;
-    cli_tell(out, "%s: %d orbits of up to %d impacts at energy %g, ", complete ? "complete" : "not complete",
-             ric_census_n_orbit(census), r->options.impacts, energy);
+    cli_tell(out, "%s: %d orbits of up to %d impacts at energy %g, ",
+             complete ? "complete" : "not complete", ric_census_n_orbit(census), r->options.impacts,
+             energy);
     tell_periods(a, out);
-    cli_tell(out, "%ld boxes of flight times in %d words; %d solutions are no motions\n", a->boxes, a->words,
-             a->ghosts);
+    cli_tell(out, "%ld boxes of flight times in %d words; %d solutions are no motions\n", a->boxes,
+             a->words, a->ghosts);
     if (a->undecided)
-        cli_tell(out, "%ld boxes are undecided, %.3g of all flight times and states\n", a->undecided, a->measure);
-    if (a->open) cli_tell(out, "of %d solutions it is not proved whether they are motions\n", a->open);
+        cli_tell(out, "%ld boxes are undecided, %.3g of all flight times and states\n",
+                 a->undecided, a->measure);
+    if (a->open)
+        cli_tell(out, "of %d solutions it is not proved whether they are motions\n", a->open);
     tell_open(r, census, a->open);
 }
 
@@ -176,7 +187,8 @@ static bool is_counted(const ric_census *census, const ric_found *found)
     for (int i = 0; i < ric_census_n_orbit(census); i++) {
         ric_census_orbit z;
         ric_census_orbit_at(census, i, &z, NULL, NULL, NULL);
-        const double period = (z.period[0] + z.period[1]) / 2, trace = (z.trace[0] + z.trace[1]) / 2;
+        const double period = (z.period[0] + z.period[1]) / 2,
+                     trace = (z.trace[0] + z.trace[1]) / 2;
         if (z.impacts == found->impacts && fabs(period - found->period) <= SAME_PERIOD * period &&
             fabs(trace - found->trace) <= SAME_TRACE * (1 + fabs(trace)))
             return true;
@@ -194,7 +206,8 @@ static bool stop_is_asked(const char *what, double part, int found, void *user)
 }
 
 /* The same by the search that knows nothing of boxes: what it finds has to be there. */
-static int check_by_hunt(const request *r, const ric_census *census, const ric_census_account *a, FILE *out)
+static int check_by_hunt(const request *r, const ric_census *census, const ric_census_account *a,
+                         FILE *out)
 {
     ric_hunt *hunt = NULL;
     ric_hunt_options o;
@@ -211,11 +224,13 @@ static int check_by_hunt(const request *r, const ric_census *census, const ric_c
         ric_hunt_found(hunt, i, &found, NULL, NULL, NULL);
         if (is_counted(census, &found)) continue;
         missing++;
-        cli_say("ricochet: an orbit of %d impacts and period %.12g that the hunt finds is not there\n", found.impacts,
-                found.period);
+        cli_say(
+            "ricochet: an orbit of %d impacts and period %.12g that the hunt finds is not there\n",
+            found.impacts, found.period);
     }
     if (!status)
-        cli_tell(out, "a hunt finds %d orbits there, of which %d are missing here\n", ric_hunt_n_found(hunt), missing);
+        cli_tell(out, "a hunt finds %d orbits there, of which %d are missing here\n",
+                 ric_hunt_n_found(hunt), missing);
     ric_hunt_free(hunt);
     return status ? cli_report(status) : missing ? CLI_FAILED : CLI_DONE;
 }
@@ -262,7 +277,8 @@ int prove_complete(int argc, char **argv)
     request r = {.length = 1};
     ric_study *study = NULL;
     ric_hunt_options window;
-    if (!take_request(&argc, argv, &r) || !cli_operands(&cli_prove, argc, argv, 1)) return CLI_WRONG;
+    if (!take_request(&argc, argv, &r) || !cli_operands(&cli_prove, argc, argv, 1))
+        return CLI_WRONG;
     ric_status status = ric_study_read(argv[1], &study);
     if (status) return cli_report(status);
     cli_forcing_warn(study, argv[1], "the census");

@@ -16,7 +16,8 @@ ric_status prove_curves_add(prove_list *w, int branch)
     for (int id = first; id <= last; id++) {
         prove_result *r = &w->results[w->n++];
         r->curve.branch = id;
-        r->done = r->kept = !w->certified && ric_prover_available() && ric_curve_proof_kept(w->atlas, id, &r->curve);
+        r->done = r->kept = !w->certified && ric_prover_available() &&
+                            ric_curve_proof_kept(w->atlas, id, &r->curve);
         w->workers.finished += r->done;
     }
     ric_branch row;
@@ -29,7 +30,9 @@ ric_status prove_curves_keep(const prove_list *w, const char *path)
     int n = 0;
     for (int i = 0; proofs && i < w->n; i++)
         if (w->results[i].done && !w->results[i].kept) proofs[n++] = w->results[i].curve;
-    const ric_status status = !proofs ? RIC_E_NOMEM : n ? ric_curve_proof_keep(path, w->atlas, n, proofs) : RIC_OK;
+    const ric_status status = !proofs ? RIC_E_NOMEM
+                              : n     ? ric_curve_proof_keep(path, w->atlas, n, proofs)
+                                      : RIC_OK;
     free(proofs);
     return status;
 }
@@ -67,12 +70,15 @@ int prove_curves_print(const prove_list *w, cli_format format, bool verbose, FIL
         whole += p->state == RIC_PROOF_DONE && p->from && p->to;
         add_row(rows, p, row.label);
         if (p->state == RIC_PROOF_NONE && format == CLI_TEXT && !verbose)
-            cli_say("ricochet: branch %d %s is not proved to be one curve: %s\n", p->branch, row.label, p->why);
+            cli_say("ricochet: branch %d %s is not proved to be one curve: %s\n", p->branch,
+                    row.label, p->why);
     }
     int code = format != CLI_TEXT || verbose ? cli_print_rows(rows, columns, format) : CLI_DONE;
     json_decref(rows);
     if (out)
-        cli_tell(out, "%d of %d curves proved, %d of them from end to end, by %d tubes; %d branches left out\n",
+        cli_tell(out,
+                 "%d of %d curves proved, %d of them from end to end, by %d tubes; %d branches "
+                 "left out\n",
                  count[RIC_PROOF_DONE], count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], whole, tubes,
                  count[RIC_PROOF_LEFT_OUT]);
     if (!code) code = prove_tell_rest(w, done, "branches");

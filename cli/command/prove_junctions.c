@@ -29,7 +29,9 @@ ric_status prove_junctions_keep(const prove_list *w, const char *path)
     int n = 0;
     for (int i = 0; proofs && i < w->n; i++)
         if (w->results[i].done && !w->results[i].kept) proofs[n++] = w->results[i].junction;
-    const ric_status status = !proofs ? RIC_E_NOMEM : n ? ric_junction_proof_keep(path, w->atlas, n, proofs) : RIC_OK;
+    const ric_status status = !proofs ? RIC_E_NOMEM
+                              : n     ? ric_junction_proof_keep(path, w->atlas, n, proofs)
+                                      : RIC_OK;
     free(proofs);
     return status;
 }
@@ -64,7 +66,8 @@ static void add_row(json_t *rows, const ric_junction_proof *p, const ric_junctio
 
 int prove_junctions_print(const prove_list *w, cli_format format, bool verbose, FILE *out)
 {
-    static const char columns[] = "junction label kind verdict branch how distance exists unique why";
+    static const char columns[] =
+        "junction label kind verdict branch how distance exists unique why";
     int count[3] = {0}, done = 0;
     json_t *rows = json_array();
     if (!rows) return cli_report(RIC_E_NOMEM);

@@ -25,9 +25,10 @@ static void keep_model(prove_list *w, const ric_prover *prover)
 
 static ric_status prove_one(prove_list *w, ric_prover *prover, prove_result *r)
 {
-    ric_status status = w->curves      ? ric_prover_curve(prover, r->curve.branch, &r->curve)
-                        : w->junctions ? ric_prover_junction(prover, r->junction.junction, &r->junction)
-                                       : ric_prover_point(prover, r->proof.branch, r->proof.point, &r->proof);
+    ric_status status = w->curves ? ric_prover_curve(prover, r->curve.branch, &r->curve)
+                        : w->junctions
+                            ? ric_prover_junction(prover, r->junction.junction, &r->junction)
+                            : ric_prover_point(prover, r->proof.branch, r->proof.point, &r->proof);
     if (status || ric_halted()) return status; /* what was stopped in its midst says nothing */
     const char *text = ric_prover_certificate(prover);
     if (*text && !(r->certificate = strdup(text))) return RIC_E_NOMEM;
@@ -58,7 +59,8 @@ static ric_status add_points(prove_list *w, int id, long point)
     ric_status status = ric_atlas_branch(w->atlas, id, &branch);
     if (status) return status;
     int first = point >= 0 ? (int)point : 0, last = point >= 0 ? (int)point : branch.n_point - 1;
-    if (point >= branch.n_point) return ric_atlas_point(w->atlas, id, (int)point, &(ric_point){0}, NULL, NULL);
+    if (point >= branch.n_point)
+        return ric_atlas_point(w->atlas, id, (int)point, &(ric_point){0}, NULL, NULL);
     prove_result *more = realloc(w->results, (size_t)(w->n + last - first + 1) * sizeof *more);
     if (!more && last >= first) return RIC_E_NOMEM;
     w->results = more;
@@ -66,7 +68,8 @@ static ric_status add_points(prove_list *w, int id, long point)
         prove_result *r = &w->results[w->n++];
         const char *certificate = NULL;
         *r = (prove_result){.proof = {.branch = id, .point = i}};
-        if (!ric_prover_available() || !ric_proof_kept(w->atlas, id, i, &r->proof, &certificate)) continue;
+        if (!ric_prover_available() || !ric_proof_kept(w->atlas, id, i, &r->proof, &certificate))
+            continue;
         r->done = r->kept = true;
         w->workers.finished++;
         if (!(r->certificate = strdup(certificate))) return RIC_E_NOMEM;
@@ -74,8 +77,8 @@ static ric_status add_points(prove_list *w, int id, long point)
     return RIC_OK;
 }
 
-/* In the file of the atlas what was proved now, so that it need not be proved again: no failure of the proofs if the
- * file is one that cannot be written, or that a run has open. */
+/* In the file of the atlas what was proved now, so that it need not be proved again: no failure of
+ * the proofs if the file is one that cannot be written, or that a run has open. */
 static ric_status keep_points(const prove_list *w, const char *path)
 {
     ric_proof *proofs = calloc((size_t)w->n + 1, sizeof *proofs);
@@ -136,18 +139,21 @@ static void add_row(json_t *rows, const ric_proof *p)
     json_array_append_new(rows, row);
 }
 
-/* Orbits at the ends of branches are junctions, where the equations of the branch are not those that prove. */
+/* Orbits at the ends of branches are junctions, where the equations of the branch are not those
+ * that prove. */
 static bool is_end(const prove_list *w, const ric_proof *p)
 {
     ric_branch branch;
-    return !ric_atlas_branch(w->atlas, p->branch, &branch) && (p->point == 0 || p->point == branch.n_point - 1);
+    return !ric_atlas_branch(w->atlas, p->branch, &branch) &&
+           (p->point == 0 || p->point == branch.n_point - 1);
 }
 
 static void tell_failure(const prove_list *w, const ric_proof *p)
 {
     ric_branch branch;
     const char *label = ric_atlas_branch(w->atlas, p->branch, &branch) ? "" : branch.label;
-    cli_say("ricochet: branch %d %s, point %d is not proved: %s\n", p->branch, label, p->point, p->why);
+    cli_say("ricochet: branch %d %s, point %d is not proved: %s\n", p->branch, label, p->point,
+            p->why);
 }
 
 /* The counts of each verdict; of those that are not proved `ends` are ends of branches. */
@@ -155,9 +161,10 @@ static void tell_counts(const prove_list *w, FILE *out, const int count[3], int 
 {
     int junctions = 0;
     for (int i = 0; i < w->n; i++)
-        junctions += w->results[i].done && w->results[i].proof.state == RIC_PROOF_DONE && *w->results[i].proof.why;
-    cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n", count[RIC_PROOF_DONE],
-             count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], undecided);
+        junctions += w->results[i].done && w->results[i].proof.state == RIC_PROOF_DONE &&
+                     *w->results[i].proof.why;
+    cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n",
+             count[RIC_PROOF_DONE], count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], undecided);
     if (junctions) cli_tell(out, "%d of them as the junctions that they are\n", junctions);
     if (ends) cli_tell(out, "%d of those that are not are ends of branches\n", ends);
     if (count[RIC_PROOF_LEFT_OUT]) cli_tell(out, "%d points left out\n", count[RIC_PROOF_LEFT_OUT]);
@@ -205,7 +212,8 @@ static int write_certificates(const prove_list *w, const char *path)
     }
     fprintf(f, "%s\n", w->model ? w->model : "");
     for (int i = 0; i < w->n; i++)
-        if (w->results[i].certificate && *w->results[i].certificate) fprintf(f, "%s\n", w->results[i].certificate);
+        if (w->results[i].certificate && *w->results[i].certificate)
+            fprintf(f, "%s\n", w->results[i].certificate);
     const bool lost = ferror(f) || fflush(f);
     if (!fclose(f) && !lost) return CLI_DONE;
     cli_say("ricochet: %s cannot be written\n", path);
@@ -220,7 +228,8 @@ static int print_all(const prove_list *w, cli_format format, bool verbose)
     if (!rows) return cli_report(RIC_E_NOMEM);
     for (int i = 0; i < w->n; i++)
         if (w->results[i].done) add_row(rows, &w->results[i].proof);
-    const int code = format != CLI_TEXT || verbose ? cli_print_rows(rows, columns, format) : CLI_DONE;
+    const int code = format != CLI_TEXT || verbose ? cli_print_rows(rows, columns, format)
+                                                   : CLI_DONE;
     json_decref(rows);
     return code ? code : tell_all(w, format == CLI_TEXT ? stdout : stderr, verbose);
 }
@@ -249,7 +258,8 @@ static ric_status prove_all(prove_list *w, const char *path, int workers)
 static ric_status list_points(prove_list *w, int branch, long point)
 {
     ric_status status = branch ? add_points(w, branch, point) : RIC_OK;
-    for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(w->atlas); id++) status = add_points(w, id, -1);
+    for (int id = 1; !status && !branch && id <= ric_atlas_n_branch(w->atlas); id++)
+        status = add_points(w, id, -1);
     return status;
 }
 
@@ -302,8 +312,10 @@ static bool fits(const prove_list *w, const char *branch, const char *point)
 {
     if (w->curves && point) cli_wrong("prove: --curves is about branches: it takes no --point");
     else if (w->junctions && (w->curves || branch || point))
-        cli_wrong("prove: --junctions is about all junctions of an atlas: it takes no --curves, --branch or --point");
-    else if (point && !branch) cli_wrong("prove: --point needs --branch ID, whose points it counts");
+        cli_wrong("prove: --junctions is about all junctions of an atlas: it takes no --curves, "
+                  "--branch or --point");
+    else if (point && !branch)
+        cli_wrong("prove: --point needs --branch ID, whose points it counts");
     else return true;
     return false;
 }
@@ -320,9 +332,12 @@ int prove_command(int argc, char **argv)
     w.curves = cli_take_flag(&argc, argv, "--curves");
     w.junctions = cli_take_flag(&argc, argv, "--junctions");
     if (!prove_complete_only(&argc, argv) || !cli_take_format(&argc, argv, &format) ||
-        !cli_take_value(&argc, argv, "--branch", &text) || !cli_take_value(&argc, argv, "--point", &point_text) ||
-        !cli_take_value(&argc, argv, "-o", &path) || !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
-        !cli_take_workers(&argc, argv, CLI_WORKERS_MOST, &workers) || !cli_operands(&cli_prove, argc, argv, 1) ||
+        !cli_take_value(&argc, argv, "--branch", &text) ||
+        !cli_take_value(&argc, argv, "--point", &point_text) ||
+        !cli_take_value(&argc, argv, "-o", &path) ||
+        !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
+        !cli_take_workers(&argc, argv, CLI_WORKERS_MOST, &workers) ||
+        !cli_operands(&cli_prove, argc, argv, 1) ||
         (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
         (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
         (seconds_text && !cli_parse_number(seconds_text, "--seconds", &w.workers.seconds)))
@@ -334,7 +349,9 @@ int prove_command(int argc, char **argv)
     w.atlas = atlas;
     w.certified = path;
     if (!status) status = list_all(&w, (int)branch, point);
-    int code = status ? cli_report(status) : prove_all(&w, argv[1], (int)workers) ? CLI_FAILED : CLI_DONE;
+    int code = status                                 ? cli_report(status)
+               : prove_all(&w, argv[1], (int)workers) ? CLI_FAILED
+                                                      : CLI_DONE;
     if (code == CLI_DONE && path) code = write_certificates(&w, path);
     if (code == CLI_DONE) code = print(&w, format, verbose);
     release(&w);

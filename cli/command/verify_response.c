@@ -42,7 +42,8 @@ static ric_status replay_curve(const ric_response *r, int id, bool all, audit *a
 
 int cli_verify_response(const char *path, bool all, bool quiet, cli_format format)
 {
-    static const char columns[] = "curve point flight_error return_error multiplier_error faces_agree passed";
+    static const char columns[] =
+        "curve point flight_error return_error multiplier_error faces_agree passed";
     ric_response *r = NULL;
     audit a = {.rows = json_array()};
     ric_status status = ric_response_read(path, &r);
@@ -51,7 +52,8 @@ int cli_verify_response(const char *path, bool all, bool quiet, cli_format forma
     int code = status ? cli_report(status) : CLI_DONE;
     if (!code && !(quiet && format == CLI_TEXT)) code = cli_print_rows(a.rows, columns, format);
     if (!code && a.failed) {
-        cli_say("ricochet: %d of %d orbits of %d curves are not confirmed\n", a.failed, a.n, curves);
+        cli_say("ricochet: %d of %d orbits of %d curves are not confirmed\n", a.failed, a.n,
+                curves);
         code = CLI_FAILED;
     } else if (!code) cli_say("ricochet: %d orbits of %d curves are confirmed\n", a.n, curves);
     json_decref(a.rows);

@@ -1,5 +1,5 @@
-/* Of the rows of a list those that are asked for: by kind, word, impacts, stability, energy and frequency, and in
- * which order. */
+/* Of the rows of a list those that are asked for: by kind, word, impacts, stability, energy and
+ * frequency, and in which order. */
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,11 +13,13 @@ static bool parse_range(const char *text, const char *what, double *out)
     char first[64];
     const size_t n = strcspn(text, ",");
     if (text[n] != ',' || n >= sizeof first) {
-        cli_wrong("%s '%s' is no range; give two numbers with a comma between, for example 0.5,2", what, text);
+        cli_wrong("%s '%s' is no range; give two numbers with a comma between, for example 0.5,2",
+                  what, text);
         return false;
     }
     snprintf(first, sizeof first, "%.*s", (int)n, text);
-    if (!cli_parse_number(first, what, &out[0]) || !cli_parse_number(text + n + 1, what, &out[1])) return false;
+    if (!cli_parse_number(first, what, &out[0]) || !cli_parse_number(text + n + 1, what, &out[1]))
+        return false;
     if (out[0] <= out[1]) return true;
     cli_wrong("%s '%s' is empty: the first number is the lower end", what, text);
     return false;
@@ -33,9 +35,12 @@ bool cli_take_choice(int *argc, char **argv, cli_choice *out)
 {
     const char *impacts, *energy, *frequency, *limit;
     if (!cli_take_sort(argc, argv, out) || !cli_take_value(argc, argv, "--kind", &out->kind) ||
-        !cli_take_value(argc, argv, "--word", &out->word) || !cli_take_value(argc, argv, "--stable", &out->stable) ||
-        !cli_take_value(argc, argv, "--impacts", &impacts) || !cli_take_value(argc, argv, "--energy", &energy) ||
-        !cli_take_value(argc, argv, "--frequency", &frequency) || !cli_take_value(argc, argv, "--limit", &limit))
+        !cli_take_value(argc, argv, "--word", &out->word) ||
+        !cli_take_value(argc, argv, "--stable", &out->stable) ||
+        !cli_take_value(argc, argv, "--impacts", &impacts) ||
+        !cli_take_value(argc, argv, "--energy", &energy) ||
+        !cli_take_value(argc, argv, "--frequency", &frequency) ||
+        !cli_take_value(argc, argv, "--limit", &limit))
         return false;
     if (out->stable && strcmp(out->stable, "yes") != 0 && strcmp(out->stable, "no") != 0 &&
         strcmp(out->stable, "partly") != 0 && strcmp(out->stable, "undecided") != 0) {
@@ -55,7 +60,8 @@ bool cli_take_choice(int *argc, char **argv, cli_choice *out)
 /* What a list says of stability: of a point or a segment in a word, of a branch as a share. */
 static const char *stability(const json_t *row)
 {
-    const json_t *share = json_object_get(row, "stable_fraction"), *word = json_object_get(row, "stable");
+    const json_t *share = json_object_get(row, "stable_fraction"),
+                 *word = json_object_get(row, "stable");
     if (json_is_string(word)) return json_string_value(word);
     if (!json_is_number(share)) return "undecided";
     return json_number_value(share) == 1 ? "yes" : json_number_value(share) == 0 ? "no" : "partly";
@@ -106,7 +112,8 @@ void cli_in_hertz(json_t *rows)
     size_t i;
     json_array_foreach(rows, i, row)
     {
-        json_object_foreach(row, name, value) if (!strncmp(name, "frequency", 9) && json_is_real(value))
+        json_object_foreach(row, name,
+                            value) if (!strncmp(name, "frequency", 9) && json_is_real(value))
             json_real_set(value, json_real_value(value) / two_pi);
     }
 }
@@ -121,7 +128,8 @@ typedef struct {
     bool falling;
 } sorted;
 
-/* Numbers by size, texts by their letters, no before yes; NULL for what is none of these, such as a list. */
+/* Numbers by size, texts by their letters, no before yes; NULL for what is none of these, such as a
+ * list. */
 static bool has_order(const json_t *value)
 {
     return json_is_number(value) || json_is_string(value) || json_is_boolean(value);
@@ -137,16 +145,20 @@ static int compare_rows(const void *left, const void *right)
     const sorted *a = left, *b = right;
     const bool known_a = has_order(a->value), known_b = has_order(b->value);
     int order = 0;
-    if (!known_a || !known_b) order = known_b - known_a; /* what has no value comes last, both ways */
+    if (!known_a || !known_b)
+        order = known_b - known_a; /* what has no value comes last, both ways */
     else if (json_is_string(a->value) || json_is_string(b->value)) {
         const char *x = json_string_value(a->value), *y = json_string_value(b->value);
-        order = x && y ? strcmp(x, y) : (x != NULL) - (y != NULL); /* a trace beyond all doubles is a text */
-    } else order = (size_of(a->value) > size_of(b->value)) - (size_of(a->value) < size_of(b->value));
+        order = x && y ? strcmp(x, y)
+                       : (x != NULL) - (y != NULL); /* a trace beyond all doubles is a text */
+    } else
+        order = (size_of(a->value) > size_of(b->value)) - (size_of(a->value) < size_of(b->value));
     if (known_a && known_b && a->falling) order = -order;
     return order ? order : (a->place > b->place) - (a->place < b->place);
 }
 
-/* Whether the rows of a list have such a column, of one value each; else a message that names those that have. */
+/* Whether the rows of a list have such a column, of one value each; else a message that names those
+ * that have. */
 static bool can_sort(const json_t *rows, const char *column)
 {
     char known[600] = "";
@@ -162,7 +174,8 @@ static bool can_sort(const json_t *rows, const char *column)
         }
     }
     if (json_object_get(json_array_get(rows, 0), column)) return true;
-    json_object_foreach(json_array_get(rows, 0), name, value) if (!json_is_array(value) && !json_is_object(value))
+    json_object_foreach(json_array_get(rows, 0), name,
+                        value) if (!json_is_array(value) && !json_is_object(value))
         snprintf(known + strlen(known), sizeof known - strlen(known), " %s", name);
     cli_wrong("--sort %s: the rows of this list have no such column; they have%s", column, known);
     return false;
@@ -181,7 +194,10 @@ static bool sort_rows(json_t *rows, const char *by)
     }
     for (size_t i = 0; i < n; i++) {
         json_t *row = json_incref(json_array_get(rows, i));
-        all[i] = (sorted){.row = row, .value = json_object_get(row, by + falling), .place = i, .falling = falling};
+        all[i] = (sorted){.row = row,
+                          .value = json_object_get(row, by + falling),
+                          .place = i,
+                          .falling = falling};
     }
     qsort(all, n, sizeof *all, compare_rows);
     json_array_clear(rows);
@@ -194,7 +210,8 @@ bool cli_choose(json_t *rows, const cli_choice *c)
 {
     if (c->sort && !sort_rows(rows, c->sort)) return false;
     const json_t *first = json_array_get(rows, 0);
-    if (lacks(first, "kind", c->kind) || lacks(first, "word", c->word) || lacks(first, "impacts", c->impacts >= 0))
+    if (lacks(first, "kind", c->kind) || lacks(first, "word", c->word) ||
+        lacks(first, "impacts", c->impacts >= 0))
         return false;
     json_t *kept = json_array();
     const size_t all = json_array_size(rows);

@@ -50,8 +50,8 @@ double cli_seconds_since(const struct timespec *then)
 
 /* ---------------------------------------------------------------- messages */
 
-/* Bytes of a character that steers: a control of ASCII, one of Latin-1 (U+0080 to U+009F), or one that turns the
- * direction of writing (U+202A to U+202E, U+2066 to U+2069); else 0. */
+/* Bytes of a character that steers: a control of ASCII, one of Latin-1 (U+0080 to U+009F), or one
+ * that turns the direction of writing (U+202A to U+202E, U+2066 to U+2069); else 0. */
 static int steering(const unsigned char *c)
 {
     if (*c < ' ' || *c == 0x7f) return 1;
@@ -90,8 +90,9 @@ int cli_report(ric_status status)
 {
     if (status == RIC_OK) return CLI_DONE;
     const char *detail = ric_detail();
-    if (status == RIC_E_NOMEM && !strstr(detail, "memory")) /* the command itself had none; the detail is that of
-                                                             * something before */
+    if (status == RIC_E_NOMEM &&
+        !strstr(detail,
+                "memory")) /* the command itself had none; the detail is that of something before */
         detail = "";
     fputs("ricochet: ", stderr);
     put_visible(stderr, detail[0] ? detail : ric_status_text(status), true);
@@ -111,7 +112,8 @@ bool cli_left_unsaid(void)
     return unsaid;
 }
 
-static void put_formatted(FILE *out, const char *format, va_list arguments) __attribute__((format(printf, 2, 0)));
+static void put_formatted(FILE *out, const char *format, va_list arguments)
+    __attribute__((format(printf, 2, 0)));
 
 static void put_formatted(FILE *out, const char *format, va_list arguments)
 {
@@ -174,7 +176,8 @@ bool cli_take_flag(int *argc, char **argv, const char *name)
 
 bool cli_take_format(int *argc, char **argv, cli_format *format)
 {
-    const bool json = cli_take_flag(argc, argv, "--json"), wide = cli_take_flag(argc, argv, "--wide"),
+    const bool json = cli_take_flag(argc, argv, "--json"),
+               wide = cli_take_flag(argc, argv, "--wide"),
                csv = cli_take_flag(argc, argv, "--csv") || wide;
     if (json && csv) {
         cli_wrong("--json and --csv are both given; choose one");
@@ -197,7 +200,8 @@ static bool is_option(const char *text)
     return text[0] == '-' && text[1] && !is_number(text);
 }
 
-/* `--sort -energy`: a column with a minus before it, no option; those of one dash have one letter. */
+/* `--sort -energy`: a column with a minus before it, no option; those of one dash have one letter.
+ */
 static bool may_be_minus(const char *option, const char *text)
 {
     return !strcmp(option, "--sort") && text[0] == '-' && text[1] && text[1] != '-' && text[2];
@@ -226,7 +230,8 @@ bool cli_take_value(int *argc, char **argv, const char *name, const char **value
     return true;
 }
 
-static const cli_item *find_option(const cli_command *command, const char *picture, const char *word)
+static const cli_item *find_option(const cli_command *command, const char *picture,
+                                   const char *word)
 {
     const size_t length = strcspn(word, "=");
     for (const cli_item *item = NULL; (item = cli_next_option(command, picture, item));)
@@ -250,10 +255,14 @@ static void say_unknown(const cli_command *command, const char *picture, const c
     for (const cli_item *item = NULL; (item = cli_next_option(command, picture, item));)
         cli_nearest(&guess, item->name);
     if (guess.known && strlen(guess.known) > 2)
-        cli_wrong("%s: option '%s' is unknown; did you mean '%s'?", command->name, word, guess.known);
+        cli_wrong("%s: option '%s' is unknown; did you mean '%s'?", command->name, word,
+                  guess.known);
     else if (picture)
-        cli_wrong("%s: option '%s' is unknown to plot %s; see ricochet plot --help", command->name, word, picture);
-    else cli_wrong("%s: option '%s' is unknown; see ricochet %s --help", command->name, word, command->name);
+        cli_wrong("%s: option '%s' is unknown to plot %s; see ricochet plot --help", command->name,
+                  word, picture);
+    else
+        cli_wrong("%s: option '%s' is unknown; see ricochet %s --help", command->name, word,
+                  command->name);
 }
 
 bool cli_know_options(const cli_command *command, int argc, char **argv)
@@ -293,7 +302,8 @@ static bool names_study(const cli_command *command, int argc, char **argv)
     for (int i = 1; i < argc && !takes_studies; i++) {
         if (!is_study(argv[i])) continue;
         const int stem = (int)(strrchr(argv[i], '.') - argv[i]);
-        cli_wrong("%s: %s is a study, and this wants its atlas: `ricochet run %s` makes it, %.*s.ricochet",
+        cli_wrong("%s: %s is a study, and this wants its atlas: `ricochet run %s` makes it, "
+                  "%.*s.ricochet",
                   command->name, argv[i], argv[i], stem, argv[i]);
         return true;
     }
@@ -304,12 +314,16 @@ static bool names_study(const cli_command *command, int argc, char **argv)
 static bool wrong_operands(const cli_command *command, int argc, char **argv, int n)
 {
     for (int i = 1; i < argc; i++)
-        if (is_option(argv[i])) return cli_wrong("%s: option '%s' is given twice", command->name, argv[i]);
+        if (is_option(argv[i]))
+            return cli_wrong("%s: option '%s' is given twice", command->name, argv[i]);
     for (int i = 1; i < argc; i++)
-        if (!argv[i][0]) return cli_wrong("%s: argument %d is empty; it must name something", command->name, i);
+        if (!argv[i][0])
+            return cli_wrong("%s: argument %d is empty; it must name something", command->name, i);
     if (argc - 1 == n) return false;
-    if (argc - 1 > n) return cli_wrong("%s: '%s' is one argument too many", command->name, argv[n + 1]);
-    return cli_wrong("%s: %d argument%s missing", command->name, n - argc + 1, n - argc + 1 == 1 ? " is" : "s are");
+    if (argc - 1 > n)
+        return cli_wrong("%s: '%s' is one argument too many", command->name, argv[n + 1]);
+    return cli_wrong("%s: %d argument%s missing", command->name, n - argc + 1,
+                     n - argc + 1 == 1 ? " is" : "s are");
 }
 
 bool cli_operands(const cli_command *command, int argc, char **argv, int n)
@@ -326,10 +340,12 @@ bool cli_parse_number(const char *text, const char *what, double *out)
 {
     char *end = NULL;
     /* strtod skips blanks and reads hexadecimal and nan; none of them is a number here */
-    bool starts = isdigit((unsigned char)text[0]) || ((text[0] == '-' || text[0] == '+' || text[0] == '.') && text[1]);
+    bool starts = isdigit((unsigned char)text[0]) ||
+                  ((text[0] == '-' || text[0] == '+' || text[0] == '.') && text[1]);
     double value = starts ? strtod(text, &end) : 0;
     if (!starts || end == text || *end || !isfinite(value) || strpbrk(text, "xX")) {
-        cli_wrong("%s '%s' is not a finite number; write it in decimal, for example 0.5 or 2.5e-3", what, text);
+        cli_wrong("%s '%s' is not a finite number; write it in decimal, for example 0.5 or 2.5e-3",
+                  what, text);
         return false;
     }
     *out = value;
@@ -341,7 +357,8 @@ bool cli_parse_list(const char *text, const char *what, int most, int *n, double
     char item[64];
     for (*n = 0; *n < most; text++) {
         const size_t length = strcspn(text, ",");
-        snprintf(item, sizeof item, "%.*s", length < sizeof item ? (int)length : (int)sizeof item - 1, text);
+        snprintf(item, sizeof item, "%.*s",
+                 length < sizeof item ? (int)length : (int)sizeof item - 1, text);
         if (!cli_parse_number(item, what, &out[*n])) return false;
         ++*n;
         text += length;
@@ -370,7 +387,8 @@ bool cli_parse_integer(const char *text, const char *what, long min, long max, l
 
 enum { INPUT_MAX = 64 << 20 }; /* bytes; a study may have no more */
 
-/* All of standard input with a 0 behind it, to be freed; NULL: no memory, or more than a study may have. */
+/* All of standard input with a 0 behind it, to be freed; NULL: no memory, or more than a study may
+ * have. */
 static char *read_input(size_t *size)
 {
     size_t room = 1 << 16;
@@ -395,10 +413,12 @@ int cli_read_study(const char *path, ric_study **out)
     if (strcmp(path, "-") != 0) return cli_report(ric_study_read(path, out));
     char *text = read_input(&size);
     int code = CLI_DONE;
-    if (!text) code = cli_wrong("standard input: no memory for it, or more than %d MB", INPUT_MAX >> 20);
+    if (!text)
+        code = cli_wrong("standard input: no memory for it, or more than %d MB", INPUT_MAX >> 20);
     else if (ferror(stdin)) code = cli_wrong("standard input cannot be read: %s", strerror(errno));
     else if (size == 0) code = cli_wrong("standard input is empty; a study was expected there");
-    else if (strlen(text) < size) code = cli_wrong("standard input: a zero byte is in it; a study is a text");
+    else if (strlen(text) < size)
+        code = cli_wrong("standard input: a zero byte is in it; a study is a text");
     else code = cli_report(ric_study_parse(text, "standard input", ".", out));
     free(text);
     return code;
@@ -410,20 +430,23 @@ void cli_tell_idle(const char *command, double seconds)
 {
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     if (seconds > LONG_ENOUGH && cores > 1)
-        cli_say("ricochet: one of %ld cores was used; `%s -j 0` takes all of them, with the same result\n", cores,
-                command);
+        cli_say("ricochet: one of %ld cores was used; `%s -j 0` takes all of them, with the same "
+                "result\n",
+                cores, command);
 }
 
 bool cli_take_workers(int *argc, char **argv, long most, long *workers)
 {
     const char *text, *alias;
-    if (!cli_take_value(argc, argv, "-j", &text) || !cli_take_value(argc, argv, "--jobs", &alias)) return false;
+    if (!cli_take_value(argc, argv, "-j", &text) || !cli_take_value(argc, argv, "--jobs", &alias))
+        return false;
     if (text && alias) {
         cli_wrong("-j and --jobs are both given; they mean the same");
         return false;
     }
     if (!text && !alias) return true;
-    if (!cli_parse_integer(text ? text : alias, text ? "-j" : "--jobs", 0, most, workers)) return false;
+    if (!cli_parse_integer(text ? text : alias, text ? "-j" : "--jobs", 0, most, workers))
+        return false;
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     if (*workers == 0) *workers = cores < 1 ? 1 : cores > most ? most : cores;
     return true;

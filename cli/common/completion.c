@@ -32,7 +32,8 @@ static void print_pictures(const cli_command *command)
         if (cli_is_picture(item)) printf(" %s", item->name);
 }
 
-/* A text inside single quotes; `special` characters are kept from the shell's own function by a backslash. */
+/* A text inside single quotes; `special` characters are kept from the shell's own function by a
+ * backslash. */
 static void print_quoted(int n, const char *text, const char *quote, const char *special)
 {
     for (int i = 0; i < n; i++) {
@@ -51,7 +52,8 @@ static int short_text(const char *text)
 
 static void bash_options(scope s)
 {
-    printf("    '%s%s%s') options='", s.command->name, s.picture ? " " : "", s.picture ? s.picture->name : "");
+    printf("    '%s%s%s') options='", s.command->name, s.picture ? " " : "",
+           s.picture ? s.picture->name : "");
     for (const cli_item *item = NULL; (item = next(s, item));) printf("%s ", item->name);
     fputs("--help' ;;\n", stdout);
 }
@@ -60,8 +62,8 @@ static void bash_values(scope s)
 {
     for (const cli_item *item = NULL; (item = next(s, item));) {
         if (!item->value) continue;
-        printf("    '%s%s%s %s') ", s.command->name, s.picture ? " " : "", s.picture ? s.picture->name : "",
-               item->name);
+        printf("    '%s%s%s %s') ", s.command->name, s.picture ? " " : "",
+               s.picture ? s.picture->name : "", item->name);
         if (item->words) printf("kind=words words='%s' ;;\n", item->words);
         else printf("kind=%s ;;\n", cli_takes_file(item) ? "files" : "text");
     }
@@ -81,7 +83,8 @@ static void print_bash(void)
 {
     fputs("# bash completion for ricochet, written by `ricochet --completion bash`\n"
           "_ricochet() {\n"
-          "    local word=${COMP_WORDS[COMP_CWORD]} last=${COMP_WORDS[COMP_CWORD-1]} scope=${COMP_WORDS[1]}\n"
+          "    local word=${COMP_WORDS[COMP_CWORD]} last=${COMP_WORDS[COMP_CWORD-1]} "
+          "scope=${COMP_WORDS[1]}\n"
           "    local commands='",
           stdout);
     for (const cli_command *const *c = cli_commands; *c; c++) printf("%s ", (*c)->name);
@@ -92,7 +95,8 @@ static void print_bash(void)
           "        COMPREPLY=($(compgen -W \"$commands\" -- \"$word\"))\n"
           "        return\n"
           "    fi\n"
-          "    if [ \"$word\" = = ]; then word=''; elif [ \"$last\" = = ]; then last=${COMP_WORDS[COMP_CWORD-2]}; fi\n"
+          "    if [ \"$word\" = = ]; then word=''; elif [ \"$last\" = = ]; then "
+          "last=${COMP_WORDS[COMP_CWORD-2]}; fi\n"
           "    case $scope in\n",
           stdout);
     bash_pictures();
@@ -139,7 +143,8 @@ static void print_bash(void)
 
 static void zsh_option(const cli_item *item)
 {
-    printf(" \\\n        '*%s%s[", item->name, item->value ? (item->name[1] == '-' ? "=" : "+") : "");
+    printf(" \\\n        '*%s%s[", item->name,
+           item->value ? (item->name[1] == '-' ? "=" : "+") : "");
     print_quoted(short_text(item->text), item->text, ZSH_QUOTE, ZSH_SPECIAL);
     putchar(']');
     if (item->value) {
@@ -161,7 +166,8 @@ static void zsh_scope(scope s)
 
 static void zsh_pictures(const cli_command *command)
 {
-    printf("    %s)\n        if (( CURRENT == 3 )); then\n            local -a pictures=(", command->name);
+    printf("    %s)\n        if (( CURRENT == 3 )); then\n            local -a pictures=(",
+           command->name);
     for (const cli_item *item = command->items; item->text; item++)
         if (cli_is_picture(item)) {
             printf("\n                '%s:", item->name);
@@ -197,12 +203,13 @@ static void print_zsh(void)
         if (item->words) printf("    %s) compadd %s; return ;;\n", item->name, item->words);
     for (const cli_command *const *c = cli_commands; *c; c++)
         if (cli_has_pictures(*c)) zsh_pictures(*c);
-    fputs("    esac\n    shift $depth words\n    (( CURRENT -= depth ))\n    case $scope in\n", stdout);
+    fputs("    esac\n    shift $depth words\n    (( CURRENT -= depth ))\n    case $scope in\n",
+          stdout);
     visit(zsh_scope);
-    fputs(
-        "    esac\n}\n"
-        "if [[ $zsh_eval_context[-1] == loadautofunc ]]; then _ricochet \"$@\"; else compdef _ricochet ricochet; fi\n",
-        stdout);
+    fputs("    esac\n}\n"
+          "if [[ $zsh_eval_context[-1] == loadautofunc ]]; then _ricochet \"$@\"; else compdef "
+          "_ricochet ricochet; fi\n",
+          stdout);
 }
 
 /* -------------------------------------------------------------------- fish */
@@ -219,7 +226,8 @@ static void fish_words(const char *condition, const char *name, const char *text
 static void fish_option(const char *condition, const cli_item *item)
 {
     const bool brief = item->name[1] != '-';
-    printf("complete -c ricochet -n '%s' -%c %s", condition, brief ? 's' : 'l', item->name + (brief ? 1 : 2));
+    printf("complete -c ricochet -n '%s' -%c %s", condition, brief ? 's' : 'l',
+           item->name + (brief ? 1 : 2));
     if (item->value) fputs(cli_takes_file(item) ? " -r -F" : " -x", stdout);
     if (item->words) printf(" -a '%s'", item->words);
     fputs(" -d '", stdout);
@@ -231,7 +239,8 @@ static void fish_scope(scope s)
 {
     char condition[96];
     static const cli_item help = {.name = "--help", .text = "show the help"};
-    snprintf(condition, sizeof condition, "__ricochet_in %s %s", s.command->name, s.picture ? s.picture->name : "");
+    snprintf(condition, sizeof condition, "__ricochet_in %s %s", s.command->name,
+             s.picture ? s.picture->name : "");
     for (const cli_item *item = NULL; (item = next(s, item));) fish_option(condition, item);
     fish_option(condition, &help);
 }
@@ -252,7 +261,8 @@ static void print_fish(void)
           "    test \"$before\" = \"$argv\"\n"
           "end\n",
           stdout);
-    for (const cli_item *item = cli_program_items; item->text; item++) fish_option("__ricochet_at", item);
+    for (const cli_item *item = cli_program_items; item->text; item++)
+        fish_option("__ricochet_at", item);
     for (const cli_command *const *c = cli_commands; *c; c++) {
         fish_words("__ricochet_at", (*c)->name, (*c)->summary);
         for (const cli_item *item = (*c)->items; item->text; item++)

@@ -1,5 +1,6 @@
-/* What a branch or a junction goes by: its id, its key or the beginning of one, its name, its label, or a place.
- * Commands take ids; here the arguments are gone through once, before the command sees them, so that all take all. */
+/* What a branch or a junction goes by: its id, its key or the beginning of one, its name, its
+ * label, or a place. Commands take ids; here the arguments are gone through once, before the
+ * command sees them, so that all take all. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,8 +15,8 @@ enum {
     MORE = 3        /* arguments that --at may bring: an option, its value, and NULL behind all */
 };
 
-/* Distances in the plane of logarithms, so relative ones: from which on the nearest is far, and by how much the next
- * has to be farther for the nearest to be meant. */
+/* Distances in the plane of logarithms, so relative ones: from which on the nearest is far, and by
+ * how much the next has to be farther for the nearest to be meant. */
 static const double far = 1e-2, told_apart = 1e-3, rounding = 1e-6;
 
 /* ---------------------------------------------------------------------- rows */
@@ -32,14 +33,16 @@ static const char *row_key(const ric_atlas *atlas, bool branch, int id, size_t s
     ric_junction j;
     if (branch ? ric_atlas_branch(atlas, id, &b) : ric_atlas_junction(atlas, id, &j)) return "";
     if (line && branch)
-        snprintf(line, size, "%s (id %d, %s, energy %.6g to %.6g)", b.key, id, b.label, b.energy_min, b.energy_max);
+        snprintf(line, size, "%s (id %d, %s, energy %.6g to %.6g)", b.key, id, b.label,
+                 b.energy_min, b.energy_max);
     else if (line)
-        snprintf(line, size, "%s (id %d, %s, energy %.6g, frequency %.6g)", j.key, id, *j.name ? j.name : j.label,
-                 j.energy, j.frequency);
+        snprintf(line, size, "%s (id %d, %s, energy %.6g, frequency %.6g)", j.key, id,
+                 *j.name ? j.name : j.label, j.energy, j.frequency);
     return branch ? b.key : j.key;
 }
 
-static void add_candidate(const ric_atlas *atlas, bool branch, int id, int n, size_t size, char *list)
+static void add_candidate(const ric_atlas *atlas, bool branch, int id, int n, size_t size,
+                          char *list)
 {
     char line[400];
     size_t used = strlen(list);
@@ -50,7 +53,8 @@ static void add_candidate(const ric_atlas *atlas, bool branch, int id, int n, si
 
 /* ---------------------------------------------------------------------- keys */
 
-static int find_key(const ric_atlas *atlas, bool branch, const char *text, const char *what, int *id)
+static int find_key(const ric_atlas *atlas, bool branch, const char *text, const char *what,
+                    int *id)
 {
     char list[CANDIDATES * 420] = "";
     int found = 0;
@@ -119,23 +123,25 @@ static int compare_distances(const void *p, const void *q)
     return a->distance < b->distance ? -1 : a->distance > b->distance ? 1 : a->id - b->id;
 }
 
-static int choose_nearest(const ric_atlas *atlas, bool branch, const char *text, const char *what, int n,
-                          candidate *all)
+static int choose_nearest(const ric_atlas *atlas, bool branch, const char *text, const char *what,
+                          int n, candidate *all)
 {
     const char *const word = branch ? "branch" : "junction";
     char list[CANDIDATES * 420] = "";
     int alike = 0;
     qsort(all, (size_t)n, sizeof *all, compare_distances);
-    if (n == 0 || !isfinite(all[0].distance)) return cli_wrong("%s %s: the atlas has no %s", what, text, word), -1;
-    for (const double d = all[0].distance; alike < n && all[alike].distance <= d + fmin(d, told_apart) + rounding;)
+    if (n == 0 || !isfinite(all[0].distance))
+        return cli_wrong("%s %s: the atlas has no %s", what, text, word), -1;
+    for (const double d = all[0].distance;
+         alike < n && all[alike].distance <= d + fmin(d, told_apart) + rounding;)
         add_candidate(atlas, branch, all[alike].id, alike, sizeof list, list), alike++;
     if (alike > 1)
-        return cli_wrong("%s %s: %d %s come equally near: %s", what, text, alike, branch ? "branches" : "junctions",
-                         list),
+        return cli_wrong("%s %s: %d %s come equally near: %s", what, text, alike,
+                         branch ? "branches" : "junctions", list),
                -1;
     if (all[0].distance > far)
-        cli_say("ricochet: %s %s: nothing is there; the nearest %s, %s, is %.2g %% away\n", what, text, word, list,
-                100 * all[0].distance);
+        cli_say("ricochet: %s %s: nothing is there; the nearest %s, %s, is %.2g %% away\n", what,
+                text, word, list, 100 * all[0].distance);
     return 1;
 }
 
@@ -146,20 +152,24 @@ static int read_place(const char *text, const char *what, double out[2])
     double e = strtod(text, &end), omega = *end == ',' ? strtod(end + 1, &last) : 0;
     if (end == text || *end != ',' || last == end + 1 || *last) return 0;
     if (!(e > 0 && omega > 0 && isfinite(e) && isfinite(omega)))
-        return cli_wrong("%s %s: energy and frequency of a place are finite and above 0", what, text), -1;
+        return cli_wrong("%s %s: energy and frequency of a place are finite and above 0", what,
+                         text),
+               -1;
     out[0] = log(e);
     out[1] = log(omega);
     return 1;
 }
 
-static int find_place(const ric_atlas *atlas, bool branch, const char *text, const char *what, int *id, int *point)
+static int find_place(const ric_atlas *atlas, bool branch, const char *text, const char *what,
+                      int *id, int *point)
 {
     double at[2];
     const int n = total(atlas, branch), is_place = read_place(text, what, at);
     if (is_place < 1) return is_place;
     candidate *all = calloc((size_t)n + 1, sizeof *all);
     if (!all) return cli_report(RIC_E_NOMEM), -1;
-    for (int i = 0; i < n; i++) all[i] = branch ? near_branch(atlas, i + 1, at) : near_junction(atlas, i + 1, at);
+    for (int i = 0; i < n; i++)
+        all[i] = branch ? near_branch(atlas, i + 1, at) : near_junction(atlas, i + 1, at);
     const int found = choose_nearest(atlas, branch, text, what, n, all);
     *id = all[0].id;
     if (point) *point = all[0].point;
@@ -167,7 +177,8 @@ static int find_place(const ric_atlas *atlas, bool branch, const char *text, con
     return found;
 }
 
-int cli_find_handle(const ric_atlas *atlas, bool branch, const char *text, const char *what, int *id, int *point)
+int cli_find_handle(const ric_atlas *atlas, bool branch, const char *text, const char *what,
+                    int *id, int *point)
 {
     const int found = find_key(atlas, branch, text, what, id);
     return found ? found : find_place(atlas, branch, text, what, id, point);
@@ -205,12 +216,14 @@ static const char *operand(const cli_command *command, int argc, char **argv)
 }
 
 /* The id that a handle stands for, and the point next to a place. */
-static int resolve(const ric_atlas *atlas, bool branch, const char *text, const char *what, int *id, int *point)
+static int resolve(const ric_atlas *atlas, bool branch, const char *text, const char *what, int *id,
+                   int *point)
 {
     plot_segment segment = {0};
     if (!strcmp(what, "--at")) {
         const int found = find_place(atlas, true, text, what, id, point);
-        if (!found) cli_wrong("--at %s: write a scaled energy and a frequency in rad/s, --at 5,1.3", text);
+        if (!found)
+            cli_wrong("--at %s: write a scaled energy and a frequency in rad/s, --at 5,1.3", text);
         return found > 0 ? CLI_DONE : CLI_WRONG;
     }
     if (!branch) return plot_find_junction(atlas, text, what, id) ? CLI_DONE : CLI_WRONG;
@@ -232,7 +245,8 @@ static bool wants_point(const cli_command *command, const cli_handles *h)
 }
 
 /* Argument i names something; n: of the new texts. */
-static int replace(const cli_command *command, const ric_atlas *atlas, cli_handles *h, int *i, int *n)
+static int replace(const cli_command *command, const ric_atlas *atlas, cli_handles *h, int *i,
+                   int *n)
 {
     static const char *const names[] = {"--branch", "--junction", "--at"};
     int k = 0, id = 0, point = -1;
@@ -249,7 +263,8 @@ static int replace(const cli_command *command, const ric_atlas *atlas, cli_handl
         h->argv[h->argc++] = h->texts[(*n)++];
         h->argv[h->argc] = NULL;
     }
-    if (joined) snprintf(h->texts[*n], sizeof *h->texts, "--%s=%d", k == 1 ? "junction" : "branch", id);
+    if (joined)
+        snprintf(h->texts[*n], sizeof *h->texts, "--%s=%d", k == 1 ? "junction" : "branch", id);
     else snprintf(h->texts[*n], sizeof *h->texts, "%d", id);
     static char branch[] = "--branch";
     if (k == 2 && !joined) h->argv[*i] = branch;
@@ -262,9 +277,12 @@ static int replace(const cli_command *command, const ric_atlas *atlas, cli_handl
 static bool has_handles(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++) {
-        const char *equals = strchr(argv[i], '='), *text = equals ? equals + 1 : i + 1 < argc ? argv[i + 1] : "0";
+        const char *equals = strchr(argv[i], '='), *text = equals         ? equals + 1
+                                                           : i + 1 < argc ? argv[i + 1]
+                                                                          : "0";
         if (is_option(argv[i], "--at")) return true;
-        if ((is_option(argv[i], "--branch") || is_option(argv[i], "--junction")) && *text && !is_plain(text))
+        if ((is_option(argv[i], "--branch") || is_option(argv[i], "--junction")) && *text &&
+            !is_plain(text))
             return true;
     }
     return false;
@@ -286,9 +304,12 @@ int cli_resolve_handles(const cli_command *command, cli_handles *h)
     const char *path = operand(command, h->argc, h->argv);
     int code = CLI_DONE, n = 0;
     if (!has_handles(h->argc, h->argv)) return CLI_DONE;
-    if (both_given(h->argc, h->argv)) return cli_wrong("--branch and --at are both given; choose one");
+    if (both_given(h->argc, h->argv))
+        return cli_wrong("--branch and --at are both given; choose one");
     if (!path) {
-        cli_wrong("%s: 1 argument is missing: the atlas that --branch, --junction or --at looks into", command->name);
+        cli_wrong(
+            "%s: 1 argument is missing: the atlas that --branch, --junction or --at looks into",
+            command->name);
         cli_say_usage(command);
         return CLI_WRONG;
     }

@@ -18,8 +18,8 @@ bool cli_is_option_item(const cli_item *item)
 
 bool cli_takes_file(const cli_item *item)
 {
-    return item->value &&
-           (!strcmp(item->value, "FILE") || !strcmp(item->value, "ATLAS") || !strcmp(item->value, "STUDY"));
+    return item->value && (!strcmp(item->value, "FILE") || !strcmp(item->value, "ATLAS") ||
+                           !strcmp(item->value, "STUDY"));
 }
 
 bool cli_is_picture(const cli_item *item)
@@ -43,11 +43,13 @@ static const char *picture_of(const cli_command *command, const cli_item *item)
     return picture;
 }
 
-const cli_item *cli_next_option(const cli_command *command, const char *picture, const cli_item *last)
+const cli_item *cli_next_option(const cli_command *command, const char *picture,
+                                const cli_item *last)
 {
     for (const cli_item *item = last ? last + 1 : command->items; item->text; item++) {
         const char *of = picture_of(command, item);
-        if (cli_is_option_item(item) && (!picture || !strcmp(of, "all") || !strcmp(of, picture))) return item;
+        if (cli_is_option_item(item) && (!picture || !strcmp(of, "all") || !strcmp(of, picture)))
+            return item;
     }
     return NULL;
 }
@@ -89,20 +91,23 @@ static int names_width(const cli_command *command)
 {
     int width = 0;
     for (const cli_item *item = command->items; item->text; item++)
-        if (item->name && name_width(item) > width && name_width(item) <= NAMES_MAX) width = name_width(item);
+        if (item->name && name_width(item) > width && name_width(item) <= NAMES_MAX)
+            width = name_width(item);
     return width;
 }
 
 static void print_item(const cli_item *item, int width)
 {
     const int indent = width + 4, left = item->picture ? 0 : 2, end = left + name_width(item);
-    printf("%*s%s%s%s", left, "", item->name, item->value ? " " : "", item->value ? item->value : "");
+    printf("%*s%s%s%s", left, "", item->name, item->value ? " " : "",
+           item->value ? item->value : "");
     if (end + 2 > indent) printf("\n%*s", indent, "");
     else printf("%*s", indent - end, "");
     cli_print_wrapped(item->text, indent, indent, WIDTH);
 }
 
-/* Whether an item is of use to who draws this picture: its own, or one for all. NULL: the help of all pictures. */
+/* Whether an item is of use to who draws this picture: its own, or one for all. NULL: the help of
+ * all pictures. */
 static bool belongs(const cli_command *command, const cli_item *item, const char *picture)
 {
     const char *of = picture_of(command, item);
@@ -116,7 +121,9 @@ static void print_picture_usage(const cli_command *command, const char *picture)
     const size_t name = strlen("ricochet ") + strlen(command->name) + 1, length = strlen(picture);
     for (const char *line = command->usage; *line; line += strcspn(line, "\n") + 1) {
         const bool calls = !strncmp(line, "ricochet ", 9);
-        if (*line != ' ') shown = !calls || (!strncmp(line + name, picture, length) && line[name + length] == ' ');
+        if (*line != ' ')
+            shown = !calls ||
+                    (!strncmp(line + name, picture, length) && line[name + length] == ' ');
         if (!shown) continue;
         const char *head = calls && !begun ? "usage: " : calls ? "       " : "";
         printf("%s%.*s\n", head, (int)strcspn(line, "\n"), line);
@@ -130,8 +137,10 @@ void cli_print_picture_help(const cli_command *command, const char *picture)
     if (picture) print_picture_usage(command, picture);
     else print_lines(stdout, "usage: ", command->usage);
     for (const cli_item *item = command->items; item->text; item++) {
-        const bool opens = item == command->items || !item->name != !item[-1].name || item->picture ||
-                           (!item[-1].picture && cli_is_option_item(item) != cli_is_option_item(item - 1));
+        const bool opens = item == command->items || !item->name != !item[-1].name ||
+                           item->picture ||
+                           (!item[-1].picture &&
+                            cli_is_option_item(item) != cli_is_option_item(item - 1));
         if (!belongs(command, item, picture)) continue;
         if (opens || !item->name) putchar('\n');
         if (item->name) print_item(item, width);

@@ -13,7 +13,8 @@ static int least(int a, int b)
     return a < b ? a : b;
 }
 
-/* Letters to insert, leave out, replace or swap with a neighbour (Damerau 1964): one for every slip of the finger. */
+/* Letters to insert, leave out, replace or swap with a neighbour (Damerau 1964): one for every slip
+ * of the finger. */
 static int slips(const char *a, const char *b)
 {
     const int n = (int)strlen(a), m = (int)strlen(b);
@@ -39,7 +40,8 @@ void cli_nearest(cli_guess *guess, const char *known)
     const bool begins = typed >= 3 && !strncmp(guess->word, known, typed);
     const int distance = begins ? 1 : slips(guess->word, known);
     /* a third of the letters: what is further away is another word */
-    if (distance > least(3, (int)(typed + 2) / 3) || (guess->known && distance >= guess->distance)) return;
+    if (distance > least(3, (int)(typed + 2) / 3) || (guess->known && distance >= guess->distance))
+        return;
     guess->known = known;
     guess->distance = distance;
 }

@@ -12,8 +12,10 @@ bool cli_locus_take(int *argc, char **argv, const char *what, cli_locus_request 
     const char *junction, *values, *step;
     long id = 0;
     *r = (cli_locus_request){.junction = 0};
-    if (!cli_take_value(argc, argv, "--junction", &junction) || !cli_take_value(argc, argv, "--study", &r->study) ||
-        !cli_take_value(argc, argv, "--values", &values) || !cli_take_value(argc, argv, "--max-step", &step))
+    if (!cli_take_value(argc, argv, "--junction", &junction) ||
+        !cli_take_value(argc, argv, "--study", &r->study) ||
+        !cli_take_value(argc, argv, "--values", &values) ||
+        !cli_take_value(argc, argv, "--max-step", &step))
         return false;
     if (!junction) {
         cli_wrong("%s: --junction is missing; `ricochet junctions ATLAS` lists them", what);
@@ -58,10 +60,11 @@ static int take_vary(const char *path, const cli_locus_request *r, cli_locus *x)
             return cli_wrong("locus: %s is a study of another structure than %s", r->study, path);
     }
     if (ric_study_vary(study, &x->vary)) return CLI_DONE;
-    return cli_wrong("locus: %s has no section vary, which says what the parameter changes; write for example\n"
-                     "  vary: {name: k2, at: 1, from: 0.5, to: 2, stiffness: [[1, -1], [-1, 1]]}\n"
-                     "into a study and name it with --study",
-                     r->study ? r->study : "the study of the atlas");
+    return cli_wrong(
+        "locus: %s has no section vary, which says what the parameter changes; write for example\n"
+        "  vary: {name: k2, at: 1, from: 0.5, to: 2, stiffness: [[1, -1], [-1, 1]]}\n"
+        "into a study and name it with --study",
+        r->study ? r->study : "the study of the atlas");
 }
 
 int cli_locus_open(const char *path, const cli_locus_request *r, cli_locus *x)

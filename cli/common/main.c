@@ -11,16 +11,21 @@
 #include "cli.h"
 
 const cli_command *const cli_commands[] = {
-    &cli_new,           &cli_check,        &cli_run,   &cli_branches,        &cli_junctions, &cli_bases,
-    &cli_points,        &cli_report_atlas, &cli_orbit, &cli_cascade,         &cli_plot,      &cli_view,
-    &cli_verify,        &cli_prove,        &cli_hunt,  &cli_section_command, &cli_force,     &cli_response,
-    &cli_locus_command, &cli_simulate,     &cli_words, &cli_export,          &cli_help,      NULL,
+    &cli_new,       &cli_check,    &cli_run,           &cli_branches,
+    &cli_junctions, &cli_bases,    &cli_points,        &cli_report_atlas,
+    &cli_orbit,     &cli_cascade,  &cli_plot,          &cli_view,
+    &cli_verify,    &cli_prove,    &cli_hunt,          &cli_section_command,
+    &cli_force,     &cli_response, &cli_locus_command, &cli_simulate,
+    &cli_words,     &cli_export,   &cli_help,          NULL,
 };
 
 const cli_item cli_program_items[] = {
-    {.name = "--help", .text = "what the program does; behind a command: what that does, its options and an example"},
+    {.name = "--help",
+     .text = "what the program does; behind a command: what that does, its options and an example"},
     {.name = "--version", .text = "the version"},
-    {.name = "--man", .value = "COMMAND", .text = "the manual page of a command, or of ricochet, for man -l"},
+    {.name = "--man",
+     .value = "COMMAND",
+     .text = "the manual page of a command, or of ricochet, for man -l"},
     {.name = "--completion",
      .value = "SHELL",
      .words = "bash zsh fish",
@@ -31,8 +36,8 @@ const cli_item cli_program_items[] = {
 const cli_exit_code cli_exit_codes[] = {
     {CLI_DONE, "done"},
     {CLI_FAILED, "could not be done, or what was checked does not agree"},
-    {CLI_WRONG,
-     "the call or the study is wrong, or a file that was named is missing, or a study where an atlas belongs"},
+    {CLI_WRONG, "the call or the study is wrong, or a file that was named is missing, or a study "
+                "where an atlas belongs"},
     {CLI_LIMIT, "stopped by a limit that was asked for: there is more to do"},
     {CLI_INTERRUPTED, "interrupted, by Ctrl-C or a signal to end"},
     {0, NULL},
@@ -41,9 +46,11 @@ const cli_exit_code cli_exit_codes[] = {
 void cli_print_program_help(FILE *out)
 {
     fputs("usage: ricochet COMMAND ...\n\n"
-          "Periodic orbits of linear structures with stops, gaps and springs: from a study to an atlas.\n\n",
+          "Periodic orbits of linear structures with stops, gaps and springs: from a study to an "
+          "atlas.\n\n",
           out);
-    for (const cli_command *const *c = cli_commands; *c; c++) fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
     fputs("\n  ricochet COMMAND --help   options and an example\n"
           "  ricochet --version\n"
           "  ricochet --man COMMAND    its manual page; of the program: ricochet --man ricochet\n"
@@ -54,7 +61,8 @@ void cli_print_program_help(FILE *out)
           "  ricochet branches demo/study.ricochet\n\n"
           "Exit codes:\n",
           out);
-    for (const cli_exit_code *e = cli_exit_codes; e->meaning; e++) fprintf(out, "  %3d   %s\n", e->code, e->meaning);
+    for (const cli_exit_code *e = cli_exit_codes; e->meaning; e++)
+        fprintf(out, "  %3d   %s\n", e->code, e->meaning);
 }
 
 static int unknown_command(const char *name)
@@ -62,7 +70,8 @@ static int unknown_command(const char *name)
     cli_guess guess = {.word = name};
     for (const cli_command *const *c = cli_commands; *c; c++) cli_nearest(&guess, (*c)->name);
     if (guess.known)
-        return cli_wrong("unknown command '%s'; did you mean '%s'? `ricochet --help` lists all", name, guess.known);
+        return cli_wrong("unknown command '%s'; did you mean '%s'? `ricochet --help` lists all",
+                         name, guess.known);
     return cli_wrong("unknown command '%s'; `ricochet --help` lists the commands", name);
 }
 
@@ -93,7 +102,9 @@ static int print_manual(const char *name)
 static int print_made(int argc, char **argv)
 {
     const bool manual = !strcmp(argv[1], "--man");
-    if (argc != 3) return cli_wrong("%s needs %s", argv[1], manual ? "one COMMAND, or ricochet" : "bash, zsh or fish");
+    if (argc != 3)
+        return cli_wrong("%s needs %s", argv[1],
+                         manual ? "one COMMAND, or ricochet" : "bash, zsh or fish");
     if (manual) return print_manual(argv[2]);
     if (cli_print_completion(argv[2])) return CLI_DONE;
     return cli_wrong("--completion %s: there are bash, zsh and fish", argv[2]);
@@ -127,19 +138,21 @@ static int dispatch(int argc, char **argv)
         printf("ricochet %s\n", ric_version());
         return CLI_DONE;
     }
-    if (!strcmp(argv[1], "--man") || !strcmp(argv[1], "--completion")) return print_made(argc, argv);
+    if (!strcmp(argv[1], "--man") || !strcmp(argv[1], "--completion"))
+        return print_made(argc, argv);
     const cli_command *command = find_command(argv[1]);
     return command ? run_command(command, argc - 1, argv + 1) : unknown_command(argv[1]);
 }
 
-/* A standard stream that is closed is one that cannot be read or written; without this its number goes to the next
- * file that is opened, and messages into that file. */
+/* A standard stream that is closed is one that cannot be read or written; without this its number
+ * goes to the next file that is opened, and messages into that file. */
 static void hold_streams(void)
 {
     int fd;
     do {
         fd = open("/dev/null", O_WRONLY);
-        if (fd > STDIN_FILENO && fd <= STDERR_FILENO) { /* to be read only, so that writing to it fails */
+        if (fd > STDIN_FILENO &&
+            fd <= STDERR_FILENO) { /* to be read only, so that writing to it fails */
             close(fd);
             fd = open("/dev/null", O_RDONLY);
         }
@@ -152,16 +165,19 @@ int cli_main(int argc, char **argv)
     hold_streams();
     /* The locale stays "C": numbers are written with a decimal point everywhere. */
     cli_watch_memory();
-    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is then an error like a full disk, and has a message */
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is then an error like a full disk, and has
+                                 a message */
     int code = dispatch(argc, argv);
     errno = 0;
     if ((fflush(stdout) || ferror(stdout)) && code == CLI_DONE) {
-        fprintf(stderr, "ricochet: the output cannot be written: %s\n", errno ? strerror(errno) : "write error");
+        fprintf(stderr, "ricochet: the output cannot be written: %s\n",
+                errno ? strerror(errno) : "write error");
         code = CLI_FAILED;
     }
     if (cli_left_unsaid() && code == CLI_DONE) {
         fputs("ricochet: out of memory: not all was told\n", stderr);
         code = CLI_FAILED;
     }
-    return ferror(stderr) && code == CLI_DONE ? CLI_FAILED : code; /* a report or a warning has not arrived */
+    return ferror(stderr) && code == CLI_DONE ? CLI_FAILED
+                                              : code; /* a report or a warning has not arrived */
 }

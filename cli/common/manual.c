@@ -1,4 +1,5 @@
-/* `ricochet --man COMMAND`: pages of section 1 in the macros of man(7), from the same tables as --help. */
+/* `ricochet --man COMMAND`: pages of section 1 in the macros of man(7), from the same tables as
+ * --help. */
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,14 +17,17 @@ static const char *escaped(char c)
                        : NULL;
 }
 
-/* Text without line breaks. The dashes of an option are minus signs, which can be copied to a shell. */
+/* Text without line breaks. The dashes of an option are minus signs, which can be copied to a
+ * shell. */
 static void put_text(int n, const char *text)
 {
     bool option = false;
     if (n && (*text == '.' || *text == '\'')) fputs("\\&", stdout);
     for (int i = 0; i < n; i++) {
         const bool starts = i == 0 || !isalnum((unsigned char)text[i - 1]);
-        option = text[i] == '-' && starts ? true : option && (text[i] == '-' || isalnum((unsigned char)text[i]));
+        option = text[i] == '-' && starts
+                     ? true
+                     : option && (text[i] == '-' || isalnum((unsigned char)text[i]));
         const char *escape = text[i] == '-' && option ? "\\-" : escaped(text[i]);
         if (escape) fputs(escape, stdout);
         else putchar(text[i]);
@@ -79,7 +83,8 @@ static void synopsis(const char *usage)
 {
     section("SYNOPSIS");
     for (const char *line = usage; *line; line += strcspn(line, "\n") + 1) {
-        const int blanks = (int)strspn(line, " "), name = blanks || strncmp(line, "ricochet ", 9) ? 0 : 9;
+        const int blanks = (int)strspn(line, " "),
+                  name = blanks || strncmp(line, "ricochet ", 9) ? 0 : 9;
         if (name) fputs(line == usage ? ".SY ricochet\n" : ".YS\n.SY ricochet\n", stdout);
         else if (!blanks) fputs(".YS\n.PP\n", stdout);
         put_text((int)strcspn(line + blanks + name, "\n"), line + blanks + name);
@@ -103,7 +108,8 @@ static void examples(const char *example)
 static void exit_status(void)
 {
     section("EXIT STATUS");
-    for (const cli_exit_code *e = cli_exit_codes; e->meaning; e++) printf(".TP\n%d\n%s\n", e->code, e->meaning);
+    for (const cli_exit_code *e = cli_exit_codes; e->meaning; e++)
+        printf(".TP\n%d\n%s\n", e->code, e->meaning);
 }
 
 static void see_also(const cli_command *self)
@@ -168,7 +174,8 @@ static void print_program(void)
     section("SYNOPSIS");
     fputs(".SY ricochet\n\\fICOMMAND\\fR ...\n.YS\n", stdout);
     section("DESCRIPTION");
-    put("Computes families of periodic orbits, their junctions and their stability, from a study, a file of YAML, to "
+    put("Computes families of periodic orbits, their junctions and their stability, from a study, "
+        "a file of YAML, to "
         "an "
         "atlas, one file.");
     fputs("\n.SS Commands\n", stdout);
@@ -180,7 +187,8 @@ static void print_program(void)
     section("OPTIONS");
     for (const cli_item *i = cli_program_items; i->text; i++) item(i);
     exit_status();
-    examples("ricochet new demo\nricochet run demo/study.yaml\nricochet branches demo/study.ricochet\n");
+    examples(
+        "ricochet new demo\nricochet run demo/study.yaml\nricochet branches demo/study.ricochet\n");
     see_also(NULL);
 }
 

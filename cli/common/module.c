@@ -1,7 +1,8 @@
-/* Modules: FLINT, HDF5, matio and libmicrohttpd bring some forty other libraries, and to load them takes longer than
- * all else that a short command does. The commands that need them lie in shared objects of their own, beside the
- * program where it is built and in a folder below lib/ where it is installed. They call what the program is made of,
- * so that only those of its own version are taken (docs/decisions/0009-modules.md). */
+/* Modules: FLINT, HDF5, matio and libmicrohttpd bring some forty other libraries, and to load them
+ * takes longer than all else that a short command does. The commands that need them lie in shared
+ * objects of their own, beside the program where it is built and in a folder below lib/ where it is
+ * installed. They call what the program is made of, so that only those of its own version are taken
+ * (docs/decisions/0009-modules.md). */
 #include "module.h"
 
 #include <dlfcn.h>
@@ -20,7 +21,8 @@
 
 enum { PATH_SIZE = 4096, NAME_SIZE = 256 }; /* bytes of a folder, and of what comes behind it */
 
-/* dlsym returns a pointer to data: ISO C cannot convert it to one to a function, and POSIX has the same bytes. */
+/* dlsym returns a pointer to data: ISO C cannot convert it to one to a function, and POSIX has the
+ * same bytes. */
 static cli_module_function *function_of(void *handle, const char *name)
 {
     cli_module_function *out = NULL;
@@ -55,9 +57,9 @@ static bool own_folder(char out[PATH_SIZE])
     return true;
 }
 
-/* Whether another user may have laid a file into the folder: it is not of the user, of root or of whom the program is
- * of, or all may write to it. Where all may write to the program, as on disks that know no owners, that tells
- * nothing. */
+/* Whether another user may have laid a file into the folder: it is not of the user, of root or of
+ * whom the program is of, or all may write to it. Where all may write to the program, as on disks
+ * that know no owners, that tells nothing. */
 static bool is_open_to_others(const char *folder)
 {
     char own[PATH_SIZE];
@@ -77,8 +79,8 @@ static bool find_file(const char *module, char path[PATH_SIZE + NAME_SIZE])
     if (!own_folder(folder)) return false;
     for (size_t i = 0; !found && i < sizeof places / sizeof *places; i++) {
         const bool absolute = places[i][0] == '/';
-        snprintf(path, PATH_SIZE + NAME_SIZE, "%s%s%s/ricochet-%s.so", absolute ? "" : folder, absolute ? "" : "/",
-                 places[i], module);
+        snprintf(path, PATH_SIZE + NAME_SIZE, "%s%s%s/ricochet-%s.so", absolute ? "" : folder,
+                 absolute ? "" : "/", places[i], module);
         found = access(path, R_OK) == 0;
     }
     return found;
@@ -95,9 +97,12 @@ static cli_module_function *load(const char *module, const char *path, const cha
 {
     cli_module_function *out = NULL;
     void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (!handle) cli_say("ricochet: %s: a part of the program cannot be loaded: %s\n", module, dlerror());
-    else if (!fits(handle)) cli_say("ricochet: %s: %s is of another version; install ricochet again\n", module, path);
-    else if (!(out = function_of(handle, function))) cli_say("ricochet: %s: %s has no %s\n", module, path, function);
+    if (!handle)
+        cli_say("ricochet: %s: a part of the program cannot be loaded: %s\n", module, dlerror());
+    else if (!fits(handle))
+        cli_say("ricochet: %s: %s is of another version; install ricochet again\n", module, path);
+    else if (!(out = function_of(handle, function)))
+        cli_say("ricochet: %s: %s has no %s\n", module, path, function);
     return out;
 }
 
@@ -107,7 +112,8 @@ cli_module_function *cli_module_find(const char *module, const char *function)
     char path[PATH_SIZE + NAME_SIZE], file[PATH_SIZE], folder[PATH_SIZE];
     if (out) return out; /* the program was linked with it */
     if (!find_file(module, path) || !realpath(path, file)) {
-        cli_say("ricochet: %s: a part of the program is missing, %s; install ricochet again, or leave the program "
+        cli_say("ricochet: %s: a part of the program is missing, %s; install ricochet again, or "
+                "leave the program "
                 "where it was built, with all that is beside it\n",
                 module, path);
         return NULL;
@@ -115,7 +121,8 @@ cli_module_function *cli_module_find(const char *module, const char *function)
     snprintf(folder, sizeof folder, "%s", file);
     *strrchr(folder, '/') = '\0';
     if (!is_open_to_others(folder)) return load(module, file, function);
-    cli_say("ricochet: %s: %s is not loaded, as another user may have laid it there; move the program, with all that "
+    cli_say("ricochet: %s: %s is not loaded, as another user may have laid it there; move the "
+            "program, with all that "
             "is beside it, into a folder that only you can write to\n",
             module, file);
     return NULL;

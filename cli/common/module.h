@@ -1,4 +1,5 @@
-/* Modules: commands that are loaded when they are called, because of the libraries that they need (module.c). */
+/* Modules: commands that are loaded when they are called, because of the libraries that they need
+ * (module.c). */
 #ifndef MODULE_H
 #define MODULE_H
 
@@ -6,7 +7,8 @@
 
 typedef void cli_module_function(void);
 
-/* A function of a module, to be cast to its type below. NULL: the module cannot be loaded, after a message. */
+/* A function of a module, to be cast to its type below. NULL: the module cannot be loaded, after a
+ * message. */
 cli_module_function *cli_module_find(const char *module, const char *function);
 /* The exit code of a command that is a function of a module. */
 int cli_module_run(const char *module, const char *command, int argc, char **argv);

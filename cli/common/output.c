@@ -10,8 +10,8 @@
 
 #include "cli.h"
 
-/* jansson leaves out what it finds no memory for, and so do the values made here. That is remembered, so that no list
- * is shown with something missing. */
+/* jansson leaves out what it finds no memory for, and so do the values made here. That is
+ * remembered, so that no list is shown with something missing. */
 static _Thread_local bool lost;
 
 static void *allocate(size_t size)
@@ -153,12 +153,14 @@ static char *cell_text(const json_t *row, const char *column, cli_format format)
 /* One row per line. */
 static bool print_json(const json_t *rows)
 {
-    const size_t plain = isatty(STDOUT_FILENO) ? JSON_ENSURE_ASCII : 0; /* some characters steer a terminal */
+    const size_t plain = isatty(STDOUT_FILENO) ? JSON_ENSURE_ASCII
+                                               : 0; /* some characters steer a terminal */
     size_t i, n = json_array_size(rows);
     if (n == 0) return puts("[]") >= 0;
     for (i = 0; i < n; i++) {
         fputs(i ? ",\n " : "[\n ", stdout);
-        if (json_dumpf(json_array_get(rows, i), stdout, JSON_REAL_PRECISION(17) | plain)) return false;
+        if (json_dumpf(json_array_get(rows, i), stdout, JSON_REAL_PRECISION(17) | plain))
+            return false;
     }
     return puts("\n]") >= 0;
 }
@@ -226,7 +228,8 @@ static int width_of(const char *text)
 static void print_padded(const char *text, int width, bool right, bool last)
 {
     int blanks = width - width_of(text);
-    printf("%*s%s%*s", right && blanks > 0 ? blanks : 0, "", text, !right && !last && blanks > 0 ? blanks : 0, "");
+    printf("%*s%s%*s", right && blanks > 0 ? blanks : 0, "", text,
+           !right && !last && blanks > 0 ? blanks : 0, "");
     fputs(last ? "\n" : "  ", stdout);
 }
 
@@ -281,7 +284,8 @@ enum {
     LIST_MOST = 160
 }; /* characters of a list in a table: a state of a dozen numbers; there are lists of thousands */
 
-/* Cuts a list that is too long for a line behind one of its members, and says how many there are. */
+/* Cuts a list that is too long for a line behind one of its members, and says how many there are.
+ */
 static void cut_list(grid *t, const json_t *value, char *text)
 {
     char tail[40];
@@ -332,10 +336,12 @@ static bool hide(grid *t, const char *name)
 /* Leaves out columns until a line fits: first those that are missed least, then from the end. */
 static void hide_columns(grid *t, int room)
 {
-    static const char *const spare[] = {"symmetric", "reversible",      "junctions", "depth",  "name",      "grazings",
-                                        "multiple",  "branches",        "rotation",  "points", "arclength", "residual",
-                                        "approach",  "period",          "reach",     "stop",   "to",        "from",
-                                        "impacts",   "stable_fraction", "key"};
+    static const char *const spare[] = {"symmetric", "reversible", "junctions", "depth",
+                                        "name",      "grazings",   "multiple",  "branches",
+                                        "rotation",  "points",     "arclength", "residual",
+                                        "approach",  "period",     "reach",     "stop",
+                                        "to",        "from",       "impacts",   "stable_fraction",
+                                        "key"};
     for (size_t i = 0; i < sizeof spare / sizeof *spare && !fits(t, room); i++) hide(t, spare[i]);
     for (size_t k = t->n_column; k-- > 1 && !fits(t, room);) t->hidden[k] = true;
 }
@@ -344,14 +350,17 @@ static void hide_columns(grid *t, int room)
 static int room_of_terminal(void)
 {
     struct winsize size;
-    return isatty(STDOUT_FILENO) && !ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) && size.ws_col ? size.ws_col : INT_MAX;
+    return isatty(STDOUT_FILENO) && !ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) && size.ws_col
+               ? size.ws_col
+               : INT_MAX;
 }
 
 static void say_hidden(const grid *t)
 {
     int n = 0;
     for (size_t k = 0; k < t->n_column; k++)
-        if (t->hidden[k]) fprintf(stderr, "%s %s", n++ ? "," : "ricochet: no room for", t->columns[k]);
+        if (t->hidden[k])
+            fprintf(stderr, "%s %s", n++ ? "," : "ricochet: no room for", t->columns[k]);
     if (n) fputs("; a wider terminal, --csv or --json shows them\n", stderr);
 }
 
@@ -362,12 +371,12 @@ static void print_line(const grid *t, size_t i)
     while (last > 0 && t->hidden[last - 1]) last--;
     for (size_t k = 0; k < last; k++)
         if (!t->hidden[k])
-            print_padded(i < t->n_row ? shown(t->cells[i * t->n_column + k]) : t->columns[k], t->width[k],
-                         t->numeric[k], k + 1 == last);
+            print_padded(i < t->n_row ? shown(t->cells[i * t->n_column + k]) : t->columns[k],
+                         t->width[k], t->numeric[k], k + 1 == last);
 }
 
-/* A line that is broken by the terminal cannot be read: there, numbers are shortened first, then texts, and what still
- * has no room is named. */
+/* A line that is broken by the terminal cannot be read: there, numbers are shortened first, then
+ * texts, and what still has no room is named. */
 static bool print_table(const json_t *rows, const char *const *columns)
 {
     enum { LONGEST = 20 }; /* columns of a text where room is shortest */
@@ -378,7 +387,8 @@ static bool print_table(const json_t *rows, const char *const *columns)
     t.width = calloc(t.n_column + 1, sizeof *t.width);
     t.numeric = calloc(t.n_column + 1, sizeof *t.numeric);
     t.hidden = calloc(t.n_column + 1, sizeof *t.hidden);
-    bool done = t.cells && t.width && t.numeric && t.hidden && fill_grid(&t, rows, CLI_TEXT, INT_MAX);
+    bool done = t.cells && t.width && t.numeric && t.hidden &&
+                fill_grid(&t, rows, CLI_TEXT, INT_MAX);
     if (done && !fits(&t, room)) done = fill_grid(&t, rows, CLI_SHORT, INT_MAX);
     for (int most = LIST_MOST / 2; done && most >= LONGEST && !fits(&t, room); most /= 2)
         done = fill_grid(&t, rows, CLI_SHORT, most);
@@ -387,7 +397,8 @@ static bool print_table(const json_t *rows, const char *const *columns)
         print_line(&t, t.n_row);
         for (size_t i = 0; i < t.n_row; i++) print_line(&t, i);
         say_hidden(&t);
-        if (t.cut) fputs("ricochet: long lists are cut; --csv or --json shows all of them\n", stderr);
+        if (t.cut)
+            fputs("ricochet: long lists are cut; --csv or --json shows all of them\n", stderr);
     }
     free_grid(&t);
     return done;
@@ -405,16 +416,19 @@ bool cli_lost_memory(void)
     return was;
 }
 
-/* The names of the columns of CSV and text, NULL behind the last: those of a text that is cut, or of the first row. */
+/* The names of the columns of CSV and text, NULL behind the last: those of a text that is cut, or
+ * of the first row. */
 static const char **split(char *text, const json_t *rows)
 {
     const json_t *first = json_array_get(rows, 0);
-    const char **names = calloc((text ? strlen(text) : json_object_size(first)) + 1, sizeof *names), *key;
+    const char **names = calloc((text ? strlen(text) : json_object_size(first)) + 1, sizeof *names),
+               *key;
     json_t *value;
     size_t n = 0;
     if (!names) return NULL;
     if (text)
-        for (char *rest = NULL, *name = strtok_r(text, " ", &rest); name; name = strtok_r(NULL, " ", &rest))
+        for (char *rest = NULL, *name = strtok_r(text, " ", &rest); name;
+             name = strtok_r(NULL, " ", &rest))
             names[n++] = name;
     else json_object_foreach((json_t *)(uintptr_t)first, key, value) names[n++] = key;
     return names;
@@ -435,7 +449,8 @@ static void add_name(spread *s, const char *name)
 }
 
 /* Number i of n in a column: x2, v1 of a state, else `flights_2`; of a pair, multipliers_1_re. */
-static void name_number(const char *column, size_t i, size_t n, const char *part, size_t size, char *out)
+static void name_number(const char *column, size_t i, size_t n, const char *part, size_t size,
+                        char *out)
 {
     const size_t half = n / 2;
     if (!strcmp(column, "state")) snprintf(out, size, "%c%zu", i < half ? 'x' : 'v', i % half + 1);
@@ -451,7 +466,8 @@ static void spread_list(spread *s, const json_t *rows, const char *column, size_
         add_name(s, name);
         for (size_t r = 0; r < row_count; r++) {
             json_t *value = json_array_get(json_object_get(json_array_get(rows, r), column), i);
-            json_object_set(json_array_get(s->rows, r), name, pairs ? json_array_get(value, k % 2) : value);
+            json_object_set(json_array_get(s->rows, r), name,
+                            pairs ? json_array_get(value, k % 2) : value);
         }
     }
 }
@@ -499,7 +515,8 @@ static void spread_column(spread *s, const json_t *rows, const char *column)
 static bool print_wide(const json_t *rows, const char *const *columns)
 {
     spread s = {.rows = json_array()};
-    for (size_t i = 0, n = json_array_size(rows); i < n; i++) json_array_append_new(s.rows, json_object());
+    for (size_t i = 0, n = json_array_size(rows); i < n; i++)
+        json_array_append_new(s.rows, json_object());
     add_text(&s.names, "");
     for (size_t k = 0; columns[k]; k++) spread_column(&s, rows, columns[k]);
     bool done = !s.names.failed && !cli_lost_memory();
@@ -533,7 +550,8 @@ int cli_print_rows(const json_t *rows, const char *columns, cli_format format)
         return CLI_FAILED;
     }
     if (fflush(stdout) || ferror(stdout)) {
-        fprintf(stderr, "ricochet: the output cannot be written: %s\n", errno ? strerror(errno) : "write error");
+        fprintf(stderr, "ricochet: the output cannot be written: %s\n",
+                errno ? strerror(errno) : "write error");
         return CLI_FAILED;
     }
     return CLI_DONE;
@@ -562,7 +580,8 @@ static json_t *value_of(const ric_column *c, const void *row, const ric_model *m
 {
     const void *at = (const char *)row + c->offset;
     const double number = ric_column_number(c, row), scale = scale_of(c->unit, d);
-    const size_t count = (size_t)ric_column_count(c, row), width = ric_column_width(c, row, ric_model_n_dof(model));
+    const size_t count = (size_t)ric_column_count(c, row),
+                 width = ric_column_width(c, row, ric_model_n_dof(model));
     switch (c->type) {
     case RIC_COLUMN_FLAG: return json_boolean(*(const bool *)at);
     case RIC_COLUMN_MODE:
@@ -571,7 +590,8 @@ static json_t *value_of(const ric_column *c, const void *row, const ric_model *m
     case RIC_COLUMN_MAYBE:
     case RIC_COLUMN_SINGLE:
     case RIC_COLUMN_DERIVED:
-        return cli_number(c->unit == RIC_UNIT_ONSET ? number / ric_model_onset(model, NULL) : scale * number);
+        return cli_number(c->unit == RIC_UNIT_ONSET ? number / ric_model_onset(model, NULL)
+                                                    : scale * number);
     case RIC_COLUMN_TEXT: return json_string(*(const char *const *)at);
     case RIC_COLUMN_WORD: return cli_word(model, (int)count, *(const int *const *)at);
     case RIC_COLUMN_STOP: return json_string(ric_stop_text(*(const ric_stop *)at));
@@ -594,7 +614,8 @@ void cli_table_row(const ric_table *table, const void *row, const ric_model *mod
 {
     const ric_column *c;
     for (int k = 0; (c = ric_column_listed(table, k)); k++)
-        json_object_set_new(out, name_of(c), c->flags & RIC_MADE ? made(c, row) : value_of(c, row, model, d));
+        json_object_set_new(out, name_of(c),
+                            c->flags & RIC_MADE ? made(c, row) : value_of(c, row, model, d));
 }
 
 char *cli_table_names(const ric_table *table, cli_format format)
@@ -615,12 +636,13 @@ double cli_unit_of_lengths(const ric_model *model, bool physical)
 {
     const ric_units *names = ric_model_units(model);
     if (physical && *names->length)
-        cli_say("ricochet: lengths in %s, speeds in %s/%s, energies in %s %s\n", names->length, names->length,
-                names->time, names->force, names->length);
+        cli_say("ricochet: lengths in %s, speeds in %s/%s, energies in %s %s\n", names->length,
+                names->length, names->time, names->force, names->length);
     return physical ? ric_model_length(model) : 1;
 }
 
-static ric_status add_rows(json_t *rows, const cli_listing *listing, const ric_atlas *atlas, bool physical)
+static ric_status add_rows(json_t *rows, const cli_listing *listing, const ric_atlas *atlas,
+                           bool physical)
 {
     const double d = cli_unit_of_lengths(ric_atlas_model(atlas), physical);
     if (listing->rows) return listing->rows(atlas, d, listing->user, rows);
@@ -640,7 +662,8 @@ int cli_list(const cli_listing *listing, int argc, char **argv)
     json_t *rows = json_array();
     int code = CLI_WRONG;
     cli_choice choice;
-    const bool physical = cli_take_flag(&argc, argv, "--physical"), hertz = cli_take_flag(&argc, argv, "--hz");
+    const bool physical = cli_take_flag(&argc, argv, "--physical"),
+               hertz = cli_take_flag(&argc, argv, "--hz");
     if (!cli_take_format(&argc, argv, &format) || !cli_take_choice(&argc, argv, &choice) ||
         !cli_operands(listing->command, argc, argv, 1))
         goto out;
@@ -650,7 +673,9 @@ int cli_list(const cli_listing *listing, int argc, char **argv)
     if (!status && !cli_choose(rows, &choice)) goto out;
     char *names = listing->table ? cli_table_names(listing->table, format) : NULL;
     const char *columns = names ? names : format == CLI_TEXT ? listing->few : listing->all;
-    code = status ? cli_report(status) : columns ? cli_print_rows(rows, columns, format) : cli_report(RIC_E_NOMEM);
+    code = status    ? cli_report(status)
+           : columns ? cli_print_rows(rows, columns, format)
+                     : cli_report(RIC_E_NOMEM);
     free(names);
 out:
     json_decref(rows);

@@ -19,7 +19,8 @@ bool cli_count_proofs(const ric_atlas *atlas, cli_proofs *out)
         for (int i = 0; i < branch.n_point; i++) {
             if (!ric_proof_kept(atlas, id, i, &proof, NULL)) continue;
             out->tried++;
-            if (proof.state == RIC_PROOF_LEFT_OUT) snprintf(out->why, sizeof out->why, "%s", proof.why);
+            if (proof.state == RIC_PROOF_LEFT_OUT)
+                snprintf(out->why, sizeof out->why, "%s", proof.why);
         }
     }
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
@@ -37,6 +38,6 @@ bool cli_count_proofs(const ric_atlas *atlas, cli_proofs *out)
 
 void cli_write_proofs(const cli_proofs *p, char *text, size_t size)
 {
-    snprintf(text, size, "%d of %d points, %d of %d curves, %d of %d junctions", p->points_proved, p->points,
-             p->curves_proved, p->curves, p->junctions_proved, p->junctions);
+    snprintf(text, size, "%d of %d points, %d of %d curves, %d of %d junctions", p->points_proved,
+             p->points, p->curves_proved, p->curves, p->junctions_proved, p->junctions);
 }

@@ -13,12 +13,14 @@ enum { MOST_WORKERS = 256, MOST_STARTS = 10000000, MOST_IMPACTS = 1000000000 };
 
 static const double two_pi = 6.283185307179586;
 
-/* Relative: what an orbit that is solved at an energy may be off by; Newton's method leaves less. */
+/* Relative: what an orbit that is solved at an energy may be off by; Newton's method leaves less.
+ */
 #define ITS_ENERGY 1e-9
 
 /* ------------------------------------------------------------------ orbits */
 
-static ric_status add_orbit(const ric_orbit *orbit, int branch, double energy, cli_section_orbits *out)
+static ric_status add_orbit(const ric_orbit *orbit, int branch, double energy,
+                            cli_section_orbits *out)
 {
     const size_t size = 2 * (size_t)ric_model_n_dof(ric_orbit_model(orbit));
     ric_point point;
@@ -59,14 +61,16 @@ static ric_status add_branch(const ric_atlas *atlas, int id, double energy, cli_
     return status;
 }
 
-ric_status cli_section_find(const ric_atlas *atlas, int branch, double energy, cli_section_orbits *out)
+ric_status cli_section_find(const ric_atlas *atlas, int branch, double energy,
+                            cli_section_orbits *out)
 {
     ric_status status = RIC_OK;
-    for (int id = branch ? branch : 1; id <= (branch ? branch : ric_atlas_n_branch(atlas)) && !status; id++)
+    for (int id = branch ? branch : 1;
+         id <= (branch ? branch : ric_atlas_n_branch(atlas)) && !status; id++)
         status = add_branch(atlas, id, energy, out);
     if (!status && out->off)
-        cli_say("%d orbit%s of the atlas could not be solved at this energy and %s left out\n", out->off,
-                out->off == 1 ? "" : "s", out->off == 1 ? "is" : "are");
+        cli_say("%d orbit%s of the atlas could not be solved at this energy and %s left out\n",
+                out->off, out->off == 1 ? "" : "s", out->off == 1 ? "is" : "are");
     return status;
 }
 
@@ -82,17 +86,20 @@ void cli_section_release(cli_section_orbits *orbits)
 static bool take_integer(int *argc, char **argv, const char *name, long most, long *out)
 {
     const char *text;
-    return cli_take_value(argc, argv, name, &text) && (!text || cli_parse_integer(text, name, 1, most, out));
+    return cli_take_value(argc, argv, name, &text) &&
+           (!text || cli_parse_integer(text, name, 1, most, out));
 }
 
-static bool take_positive(int *argc, char **argv, const char *what, const char *name, double most, double *out)
+static bool take_positive(int *argc, char **argv, const char *what, const char *name, double most,
+                          double *out)
 {
     const char *text;
     if (!cli_take_value(argc, argv, name, &text)) return false;
     if (!text) return true;
     if (!cli_parse_number(text, name, out)) return false;
     if (*out > 0 && *out <= most) return true;
-    if (most < HUGE_VAL) cli_wrong("%s: %s '%s' is not above 0 and at most %g", what, name, text, most);
+    if (most < HUGE_VAL)
+        cli_wrong("%s: %s '%s' is not above 0 and at most %g", what, name, text, most);
     else cli_wrong("%s: %s '%s' is not positive", what, name, text);
     return false;
 }
@@ -115,12 +122,13 @@ bool cli_section_take(int *argc, char **argv, const char *what, long starts, cli
     r->options.starts = (int)starts;
     r->options.impacts = impacts;
     r->options.workers = (int)workers;
-    const char *wrong = isnan(r->energy)         ? "--energy is missing; give the scaled energy of the motions, for "
-                                                   "example --energy 5"
-                        : r->branch && r->orbits ? "--branch and --orbits are both given; choose one"
-                        : r->options.radius > 0 && !r->branch && !r->orbits
-                            ? "--radius is about orbits of an atlas; give --branch ID or --orbits too"
-                            : NULL;
+    const char *wrong =
+        isnan(r->energy) ? "--energy is missing; give the scaled energy of the motions, for "
+                           "example --energy 5"
+        : r->branch && r->orbits ? "--branch and --orbits are both given; choose one"
+        : r->options.radius > 0 && !r->branch && !r->orbits
+            ? "--radius is about orbits of an atlas; give --branch ID or --orbits too"
+            : NULL;
     if (wrong) cli_wrong("%s: %s", what, wrong);
     return !wrong;
 }
@@ -132,8 +140,10 @@ int cli_section_open(const char *path, cli_section *s)
     *s = (cli_section){0};
     ric_status status = ric_study_read(path, &s->study);
     if (status == RIC_E_INPUT && !ric_atlas_read(path, &s->atlas)) status = RIC_OK;
-    else if (status == RIC_E_INPUT) status = ric_study_read(path, &s->study); /* its own message again */
-    if (!status) cli_forcing_warn(s->atlas ? ric_atlas_study(s->atlas) : s->study, path, "the section");
+    else if (status == RIC_E_INPUT)
+        status = ric_study_read(path, &s->study); /* its own message again */
+    if (!status)
+        cli_forcing_warn(s->atlas ? ric_atlas_study(s->atlas) : s->study, path, "the section");
     if (!status) s->model = s->atlas ? ric_atlas_model(s->atlas) : ric_study_model(s->study);
     return cli_report(status);
 }
@@ -160,11 +170,14 @@ static bool show_progress(double part, void *user)
 static int find_given(const cli_section_request *r, cli_section *s)
 {
     if (!r->branch && !r->orbits) return CLI_DONE;
-    if (!s->atlas) return cli_wrong("section: --branch and --orbits are of an atlas, and the file is a study");
+    if (!s->atlas)
+        return cli_wrong("section: --branch and --orbits are of an atlas, and the file is a study");
     ric_status status = cli_section_find(s->atlas, (int)r->branch, r->options.energy, &s->given);
     if (status) return cli_report(status);
     if (s->given.n > 0) return CLI_DONE;
-    if (r->branch) cli_say("ricochet: branch %ld has no orbit of energy %.12g with impacts\n", r->branch, r->energy);
+    if (r->branch)
+        cli_say("ricochet: branch %ld has no orbit of energy %.12g with impacts\n", r->branch,
+                r->energy);
     else cli_say("ricochet: the atlas has no orbit of energy %.12g with impacts\n", r->energy);
     return CLI_FAILED;
 }

@@ -14,10 +14,12 @@ static bool parse_harmonics(const char *text, cli_shaking *ask)
     ask->n_harmonic = ask->harmonics[0] = 1;
     ask->harmonic_given = text;
     if (!text) return true;
-    if (!cli_parse_list(text, "--harmonic", CLI_HARMONICS_MOST, &ask->n_harmonic, values)) return false;
+    if (!cli_parse_list(text, "--harmonic", CLI_HARMONICS_MOST, &ask->n_harmonic, values))
+        return false;
     for (int i = 0; i < ask->n_harmonic; i++) {
         if (!(values[i] >= 1 && values[i] <= 10000 && values[i] == floor(values[i]))) {
-            cli_wrong("--harmonic %s: harmonics of the orbit are whole numbers from 1 to 10000", text);
+            cli_wrong("--harmonic %s: harmonics of the orbit are whole numbers from 1 to 10000",
+                      text);
             return false;
         }
         ask->harmonics[i] = (int)values[i];
@@ -25,7 +27,8 @@ static bool parse_harmonics(const char *text, cli_shaking *ask)
     return true;
 }
 
-/* Ratios, or what else stands there is a file with a matrix. *code: that of a file that cannot be read. */
+/* Ratios, or what else stands there is a file with a matrix. *code: that of a file that cannot be
+ * read. */
 static bool parse_damping(const char *text, cli_shaking *ask, int *code)
 {
     if (!text) return true;
@@ -42,13 +45,17 @@ bool cli_take_shaking(int *argc, char **argv, cli_shaking *out, int *code)
     const char *force, *damping, *restitution, *harmonic;
     *code = CLI_WRONG;
     out->restitution = 1;
-    return cli_take_value(argc, argv, "--force", &force) && cli_take_value(argc, argv, "--damping", &damping) &&
+    return cli_take_value(argc, argv, "--force", &force) &&
+           cli_take_value(argc, argv, "--damping", &damping) &&
            cli_take_value(argc, argv, "--restitution", &restitution) &&
            cli_take_value(argc, argv, "--harmonic", &harmonic) &&
-           (!force || cli_parse_list(force, "--force", CLI_NUMBERS_MOST, &out->n_force, out->force)) &&
+           (!force ||
+            cli_parse_list(force, "--force", CLI_NUMBERS_MOST, &out->n_force, out->force)) &&
            parse_harmonics(harmonic, out) &&
-           (!restitution || cli_parse_list(restitution, "--restitution", 2, &out->n_restitution, out->restitutions)) &&
-           ((out->restitution = out->n_restitution ? out->restitutions[out->n_restitution - 1] : 1), true) &&
+           (!restitution || cli_parse_list(restitution, "--restitution", 2, &out->n_restitution,
+                                           out->restitutions)) &&
+           ((out->restitution = out->n_restitution ? out->restitutions[out->n_restitution - 1] : 1),
+            true) &&
            parse_damping(damping, out, code);
 }
 
@@ -64,11 +71,14 @@ bool cli_shaking_complete(cli_shaking *s, const ric_study *study)
     ric_forcing of;
     if (!ric_study_forcing(study, &of)) return true;
     const ric_shaking *h = &of.shaking;
-    if (!s->n_force) memcpy(s->force, h->force, (size_t)(s->n_force = h->n_force) * sizeof *s->force);
+    if (!s->n_force)
+        memcpy(s->force, h->force, (size_t)(s->n_force = h->n_force) * sizeof *s->force);
     if (!s->n_ratio && !s->n_matrix) {
         memcpy(s->ratios, h->ratios, (size_t)(s->n_ratio = h->n_ratio) * sizeof *s->ratios);
         s->n_matrix = h->n_matrix;
-        if (h->n_matrix && !(s->matrix = copy_of((size_t)h->n_matrix * (size_t)h->n_matrix, h->matrix))) return false;
+        if (h->n_matrix &&
+            !(s->matrix = copy_of((size_t)h->n_matrix * (size_t)h->n_matrix, h->matrix)))
+            return false;
     }
     if (!s->n_restitution) s->restitution = h->restitution;
     for (int i = 0; !s->harmonic_given && i < of.harmonic.n; i++) {
@@ -85,14 +95,16 @@ int cli_shaking_read(cli_shaking *s, const char *command, const char *path, cons
     ric_study *other = NULL;
     int code = path ? cli_read_study(path, &other) : CLI_DONE;
     if (!code && path && !ric_model_same(ric_study_model(other), ric_study_model(own)))
-        code = cli_wrong("%s: --study %s is a study of another structure than that of the atlas", command, path);
+        code = cli_wrong("%s: --study %s is a study of another structure than that of the atlas",
+                         command, path);
     if (!code && !cli_shaking_complete(s, path ? other : own)) code = cli_report(RIC_E_NOMEM);
     ric_study_free(other);
     return code;
 }
 
-#define WITHOUT                                                                                                        \
-    " that of the structure without losses and force; what the study says of them is taken by `ricochet simulate`, "   \
+#define WITHOUT                                                                                    \
+    " that of the structure without losses and force; what the study says of them is taken by "    \
+    "`ricochet simulate`, "                                                                        \
     "`force` and `response`"
 
 const char *cli_forcing_remark(const ric_study *study)
@@ -129,11 +141,14 @@ bool cli_take_drive(int *argc, char **argv, cli_drive *d, int *code)
 {
     const char *omega, *level, *phase;
     d->level = NAN;
-    return cli_take_shaking(argc, argv, &d->shaking, code) && cli_take_value(argc, argv, "--omega", &omega) &&
-           cli_take_value(argc, argv, "--level", &level) && cli_take_value(argc, argv, "--phase", &phase) &&
+    return cli_take_shaking(argc, argv, &d->shaking, code) &&
+           cli_take_value(argc, argv, "--omega", &omega) &&
+           cli_take_value(argc, argv, "--level", &level) &&
+           cli_take_value(argc, argv, "--phase", &phase) &&
            (!omega || cli_parse_number(omega, "--omega", &d->omega)) &&
            (!level || cli_parse_number(level, "--level", &d->level)) &&
-           (!phase || cli_parse_number(phase, "--phase", &d->phase)) && ((d->phased = omega || level || phase), true);
+           (!phase || cli_parse_number(phase, "--phase", &d->phase)) &&
+           ((d->phased = omega || level || phase), true);
 }
 
 /* The one frequency and the one level of the force: of the options, or of the study. */
@@ -142,7 +157,8 @@ static int place_force(cli_drive *d, const char *command)
     const cli_shaking *h = &d->shaking;
     if (d->omega == 0 && h->frequency[0] == h->frequency[1]) d->omega = h->frequency[0];
     if (isnan(d->level) && h->amplitude.n > 1)
-        return cli_wrong("%s: the study has %d amplitudes of the force; --level L says which", command, h->amplitude.n);
+        return cli_wrong("%s: the study has %d amplitudes of the force; --level L says which",
+                         command, h->amplitude.n);
     if (isnan(d->level)) d->level = h->amplitude.n ? h->amplitude.value[0] : 1;
     if (d->omega == 0 && d->level != 0)
         return cli_wrong("%s: %s needs --omega W, the frequency of the force in rad/s%s", command,
@@ -165,9 +181,11 @@ int cli_drive_complete(cli_drive *d, const char *command, const ric_study *study
     return cli_report(ric_force_check(ric_study_model(study), &shaking));
 }
 
-ric_status cli_drive_start(const cli_drive *d, const ric_model *model, const double *state, ric_shaken **out)
+ric_status cli_drive_start(const cli_drive *d, const ric_model *model, const double *state,
+                           ric_shaken **out)
 {
     const ric_shaking shaking = cli_shaking_of(&d->shaking);
     const ric_status status = ric_shaken_create(model, &shaking, d->omega, d->level, out);
-    return status ? status : ric_shaken_start(*out, state, state + ric_model_n_dof(model), d->phase);
+    return status ? status
+                  : ric_shaken_start(*out, state, state + ric_model_n_dof(model), d->phase);
 }

@@ -20,10 +20,12 @@ typedef struct {
 bool cli_take_shaking(int *argc, char **argv, cli_shaking *out, int *code);
 /* What the options do not say, as the study has it. */
 bool cli_shaking_complete(cli_shaking *shaking, const ric_study *study);
-/* The same from the study of a file, which has to be that of this structure, or from `own` where path is NULL; the exit
- * code. */
-int cli_shaking_read(cli_shaking *shaking, const char *command, const char *path, const ric_study *own);
-/* One sentence about the losses and the force of a study, which its atlas has not; "" without them. */
+/* The same from the study of a file, which has to be that of this structure, or from `own` where
+ * path is NULL; the exit code. */
+int cli_shaking_read(cli_shaking *shaking, const char *command, const char *path,
+                     const ric_study *own);
+/* One sentence about the losses and the force of a study, which its atlas has not; "" without them.
+ */
 const char *cli_forcing_remark(const ric_study *study);
 /* The same on standard error, of what else is made of the study in file `name`: "the section". */
 void cli_forcing_warn(const ric_study *study, const char *name, const char *what);
@@ -43,27 +45,33 @@ bool cli_take_drive(int *argc, char **argv, cli_drive *out, int *code);
 /* Options, and the study where they say nothing; `command` for messages. The exit code. */
 int cli_drive_complete(cli_drive *drive, const char *command, const ric_study *study);
 /* The shaken structure at a state [2n] at time 0. */
-ric_status cli_drive_start(const cli_drive *drive, const ric_model *model, const double *state, ric_shaken **out);
+ric_status cli_drive_start(const cli_drive *drive, const ric_model *model, const double *state,
+                           ric_shaken **out);
 
-#define CLI_ITEMS_SHAKING                                                                                              \
-    {.name = "--force", .value = "F1,F2,..", .text = "the vector f, one number per displacement, physical"},           \
-        {.name = "--damping",                                                                                          \
-         .value = "ZETA|FILE",                                                                                         \
-         .text = "modal damping ratios, one for all modes or one for each, Z1,Z2,..; or a Matrix Market file with "    \
-                 "the damping "                                                                                        \
-                 "matrix C, physical"},                                                                                \
-        {.name = "--restitution",                                                                                      \
-         .value = "E",                                                                                                 \
-         .text = "of all rigid stops, above 0; 1, which loses nothing, unless given"},                                 \
-    {                                                                                                                  \
-        .name = "--harmonic", .value = "M", .text = "harmonics m of the orbit, M or M1,M2,..; 1 unless given"          \
+#define CLI_ITEMS_SHAKING                                                                          \
+    {.name = "--force",                                                                            \
+     .value = "F1,F2,..",                                                                          \
+     .text = "the vector f, one number per displacement, physical"},                               \
+        {.name = "--damping",                                                                      \
+         .value = "ZETA|FILE",                                                                     \
+         .text = "modal damping ratios, one for all modes or one for each, Z1,Z2,..; or a Matrix " \
+                 "Market file with "                                                               \
+                 "the damping "                                                                    \
+                 "matrix C, physical"},                                                            \
+        {.name = "--restitution",                                                                  \
+         .value = "E",                                                                             \
+         .text = "of all rigid stops, above 0; 1, which loses nothing, unless given"},             \
+    {                                                                                              \
+        .name = "--harmonic", .value = "M",                                                        \
+        .text = "harmonics m of the orbit, M or M1,M2,..; 1 unless given"                          \
     }
 
-#define CLI_ITEM_SHAKING_STUDY                                                                                         \
-    {                                                                                                                  \
-        .name = "--study", .value = "STUDY",                                                                           \
-        .text = "takes what is not given, as force, damping, restitution, levels and frequencies, from this study "    \
-                "instead of the one in the atlas"                                                                      \
+#define CLI_ITEM_SHAKING_STUDY                                                                     \
+    {                                                                                              \
+        .name = "--study", .value = "STUDY",                                                       \
+        .text = "takes what is not given, as force, damping, restitution, levels and "             \
+                "frequencies, from this study "                                                    \
+                "instead of the one in the atlas"                                                  \
     }
 
 #endif

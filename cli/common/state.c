@@ -1,4 +1,5 @@
-/* A state and a time on the command line: --state X.. V.. and --time T, of `ricochet simulate` and its picture. */
+/* A state and a time on the command line: --state X.. V.. and --time T, of `ricochet simulate` and
+ * its picture. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,19 +18,22 @@ bool cli_take_state(int *argc, char **argv, const char *what, int *count, const 
     *count = 0;
     while (at < *argc && strncmp(argv[at], "--state", 7)) at++;
     if (at < *argc && argv[at][7] == '=') {
-        cli_wrong("%s: %s: the numbers follow after a blank, for example --state 0 0 1 -1", what, argv[at]);
+        cli_wrong("%s: %s: the numbers follow after a blank, for example --state 0 0 1 -1", what,
+                  argv[at]);
         return false;
     }
     if (at == *argc || argv[at][7]) {
-        cli_wrong(
-            "%s: --state is missing; give the displacements and then the velocities, for example --state 0 0 1 -1",
-            what);
+        cli_wrong("%s: --state is missing; give the displacements and then the velocities, for "
+                  "example --state 0 0 1 -1",
+                  what);
         return false;
     }
     int next = at + 1;
     while (next < *argc && is_number(argv[next])) texts[(*count)++] = argv[next++];
-    if (next < *argc && argv[next][0] != '-' && *argc - (next - at) > 2) { /* more than the study is left */
-        cli_wrong("%s: '%s' after --state is not a number; give displacements, then velocities, with blanks between",
+    if (next < *argc && argv[next][0] != '-' &&
+        *argc - (next - at) > 2) { /* more than the study is left */
+        cli_wrong("%s: '%s' after --state is not a number; give displacements, then velocities, "
+                  "with blanks between",
                   what, argv[next]);
         return false;
     }
@@ -38,11 +42,13 @@ bool cli_take_state(int *argc, char **argv, const char *what, int *count, const 
     return true;
 }
 
-bool cli_parse_state(const char *what, int n, int count, const char **texts, double length, double *out)
+bool cli_parse_state(const char *what, int n, int count, const char **texts, double length,
+                     double *out)
 {
     if (count != 2 * n) {
-        cli_wrong("%s: --state has %d number%s; this study needs %d: %d displacement%s, then as many velocities", what,
-                  count, count == 1 ? "" : "s", 2 * n, n, n == 1 ? "" : "s");
+        cli_wrong("%s: --state has %d number%s; this study needs %d: %d displacement%s, then as "
+                  "many velocities",
+                  what, count, count == 1 ? "" : "s", 2 * n, n, n == 1 ? "" : "s");
         return false;
     }
     for (int i = 0; i < count; i++) {
@@ -60,6 +66,7 @@ bool cli_parse_end(const char *what, const char *text, double *out)
     }
     if (!cli_parse_number(text, "--time", out)) return false;
     if (*out > 0) return true;
-    cli_wrong("%s: --time '%s' is not positive; motion is followed forward from time 0", what, text);
+    cli_wrong("%s: --time '%s' is not positive; motion is followed forward from time 0", what,
+              text);
     return false;
 }

@@ -11,8 +11,9 @@
 typedef struct {
     const ric_explore_options *options;
     const ric_model *model;
-    int n, reference;          /* number from 1 of the mode that dimensionless energies are relative to; 0: none */
-    double unit;               /* its onset */
+    int n, reference; /* number from 1 of the mode that dimensionless energies are relative to; 0:
+                         none */
+    double unit;      /* its onset */
     double *frequency, *onset; /* [n] */
     bool *seen;                /* [n] */
     bool smooth;
@@ -50,7 +51,8 @@ static bool is_started(const facts *f, int mode)
     return f->options->n_start == 0;
 }
 
-/* Whether impact orbits of mode i can begin in the windows: its branch leaves the linear one at the onset. */
+/* Whether impact orbits of mode i can begin in the windows: its branch leaves the linear one at the
+ * onset. */
 static bool begins(const facts *f, int i)
 {
     const double *frequency = f->options->frequency;
@@ -85,10 +87,11 @@ static void print_mode_left_out(const facts *f, int i)
     const double *energy = f->options->energy, *frequency = f->options->frequency;
     if (!is_started(f, i) || !isfinite(f->onset[i])) return;
     if (!f->smooth && f->onset[i] > energy[1])
-        printf("  mode %d stays linear: %s energy %.6g, above the window\n", i + 1, touch_text(f), f->onset[i]);
+        printf("  mode %d stays linear: %s energy %.6g, above the window\n", i + 1, touch_text(f),
+               f->onset[i]);
     else if (f->frequency[i] < frequency[0] || f->frequency[i] > frequency[1])
-        printf("  mode %d stays linear: its frequency %.6g rad/s is %s the window\n", i + 1, f->frequency[i],
-               f->frequency[i] < frequency[0] ? "below" : "above");
+        printf("  mode %d stays linear: its frequency %.6g rad/s is %s the window\n", i + 1,
+               f->frequency[i], f->frequency[i] < frequency[0] ? "below" : "above");
 }
 
 enum { FEW = 4 }; /* modes that are named one by one */
@@ -103,12 +106,13 @@ static void print_left_out(const facts *f)
     }
     if (left > FEW) printf("  and so do %d more, see `onset` in --json\n", left - FEW);
     if (not_started)
-        printf("  %d mode%s not in `start`: what belongs to %s is found only on the way from others\n", not_started,
-               not_started == 1 ? " is" : "s are", not_started == 1 ? "it" : "them");
+        printf(
+            "  %d mode%s not in `start`: what belongs to %s is found only on the way from others\n",
+            not_started, not_started == 1 ? " is" : "s are", not_started == 1 ? "it" : "them");
 }
 
-/* Seconds that a branch of n modes takes, roughly, on one core of 2022: a step is the solution of equations of that
- * size, and under a power law the integration of as many sensitivities. */
+/* Seconds that a branch of n modes takes, roughly, on one core of 2022: a step is the solution of
+ * equations of that size, and under a power law the integration of as many sensitivities. */
 #define RIGID_SECONDS 2e-5
 #define SMOOTH_SECONDS 4e-3
 #define LONG 0.4        /* seconds for one branch from which on that is said */
@@ -125,10 +129,14 @@ static double branch_seconds(const facts *f)
 static void write_duration(double seconds, size_t size, char *out)
 {
     const double unit = seconds < 100 ? 1 : seconds < 6000 ? 60 : 3600;
-    snprintf(out, size, "%.0f %s", ceil(seconds / unit), unit == 1 ? "s" : unit == 60 ? "min" : "h");
+    snprintf(out, size, "%.0f %s", ceil(seconds / unit),
+             unit == 1    ? "s"
+             : unit == 60 ? "min"
+                          : "h");
 }
 
-/* Modes far above those that begin in the windows act on them by their static compliance, nearly. */
+/* Modes far above those that begin in the windows act on them by their static compliance, nearly.
+ */
 static int modes_worth(const facts *f)
 {
     double fastest = 0;
@@ -149,12 +157,14 @@ static void write_length(const facts *f, size_t size, char *out)
     write_duration(MANY_BRANCHES * seconds, sizeof most, most);
     if (worth > 0 && worth < f->n)
         snprintf(few, sizeof few,
-                 "`model: {modes: %d}` keeps those up to %d times the highest that begins in the windows", worth,
-                 RIC_WINDOWS_FAR);
+                 "`model: {modes: %d}` keeps those up to %d times the highest that begins in the "
+                 "windows",
+                 worth, RIC_WINDOWS_FAR);
     else snprintf(few, sizeof few, "reduce the structure to those that matter");
     snprintf(out, size,
              "a branch of %d modes takes about %.1g s, and an atlas of %d to %d branches %s to %s; "
-             "--seconds S ends with what is found till then, and `start: [1]` with `depth: 1` asks for little. The "
+             "--seconds S ends with what is found till then, and `start: [1]` with `depth: 1` asks "
+             "for little. The "
              "work grows with the cube of the modes: %s",
              ric_model_n_mode(f->model), seconds, FEW_BRANCHES, MANY_BRANCHES, least, most, few);
 }
@@ -177,7 +187,8 @@ static bool any_begins(const facts *f)
     return is_loose(f);
 }
 
-/* Contacts of a part cannot be met at the energy of that part alone: a run departs from nothing then. */
+/* Contacts of a part cannot be met at the energy of that part alone: a run departs from nothing
+ * then. */
 static bool falls_apart(const facts *f)
 {
     return ric_model_n_part(f->model) > 1;
@@ -204,10 +215,12 @@ static void print_look(const facts *f, const ric_study *study)
     const ric_explore_options *o = f->options;
     if (!ric_study_window_chosen(study, false) || !ric_study_window_chosen(study, true)) return;
     if (o->points)
-        printf("  a first look: from %d points on nothing more is departed to; `points: 0` under `explore` goes on\n",
+        printf("  a first look: from %d points on nothing more is departed to; `points: 0` under "
+               "`explore` goes on\n",
                o->points);
     if (o->cross_tongues)
-        printf("  internal resonances narrower than %g of the frequency are stepped over; `tongues: follow` follows "
+        printf("  internal resonances narrower than %g of the frequency are stepped over; "
+               "`tongues: follow` follows "
                "them\n",
                o->tongue_width);
 }
@@ -216,21 +229,26 @@ static void print_windows(const facts *f, const ric_study *study)
 {
     char length[500], why[600];
     const double *energy = f->options->energy, *frequency = f->options->frequency;
-    printf("\nwindows: scaled energy %.6g to %.6g%s, frequency %.6g to %.6g rad/s%s\n", energy[0], energy[1],
-           by(ric_study_window_chosen(study, false)), frequency[0], frequency[1],
+    printf("\nwindows: scaled energy %.6g to %.6g%s, frequency %.6g to %.6g rad/s%s\n", energy[0],
+           energy[1], by(ric_study_window_chosen(study, false)), frequency[0], frequency[1],
            by(ric_study_window_chosen(study, true)));
     if (f->reference)
-        printf("  an energy of 1 without dimensions is %.10g, %s of mode %d; the window ends at %.4g\n", f->unit,
-               f->smooth ? "where the springs are as stiff as the structure in the motion" : "the first touch",
+        printf("  an energy of 1 without dimensions is %.10g, %s of mode %d; the window ends at "
+               "%.4g\n",
+               f->unit,
+               f->smooth ? "where the springs are as stiff as the structure in the motion"
+                         : "the first touch",
                f->reference, energy[1] / f->unit);
     print_left_out(f);
     print_look(f, study);
     if (refused(study, why, sizeof why)) printf("warning: a run refuses this study: %s\n", why);
     if (!any_begins(f))
-        puts("warning: the windows hold no mode that meets a contact, and a run would find linear motions only; leave "
+        puts("warning: the windows hold no mode that meets a contact, and a run would find linear "
+             "motions only; leave "
              "out\nenergy and frequency, or write auto, for windows that do");
     if (falls_apart(f))
-        puts("warning: the structure falls into parts that no contact joins, and a run departs from nothing in it; "
+        puts("warning: the structure falls into parts that no contact joins, and a run departs "
+             "from nothing in it; "
              "study\neach part alone");
     write_length(f, sizeof length, length);
     if (*length) printf("warning: %s\n", length);
@@ -263,7 +281,8 @@ ric_status cli_windows_rows(const ric_study *study, json_t *rows)
         if (status) break;
         json_object_set_new(row, "onset", cli_number(f.onset[i]));
         json_object_set_new(row, "relative_onset", cli_number(f.onset[i] / f.unit));
-        json_object_set_new(row, "begins", json_boolean(is_started(&f, (int)i) && begins(&f, (int)i)));
+        json_object_set_new(row, "begins",
+                            json_boolean(is_started(&f, (int)i) && begins(&f, (int)i)));
         json_object_set_new(row, "window_energy", pair(f.options->energy));
         json_object_set_new(row, "window_frequency", pair(f.options->frequency));
         json_object_set_new(row, "window_energy_by",
@@ -283,7 +302,8 @@ static bool has_impacts(const ric_atlas *atlas, const facts *f)
 {
     ric_branch branch;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
-        if (!ric_atlas_branch(atlas, id, &branch) && !ric_branch_linear(f->model, &branch)) return true;
+        if (!ric_atlas_branch(atlas, id, &branch) && !ric_branch_linear(f->model, &branch))
+            return true;
     return false;
 }
 
@@ -292,7 +312,8 @@ static const char *refusal(const ric_atlas *atlas)
 {
     ric_junction junction;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++)
-        if (!ric_atlas_junction(atlas, id, &junction) && junction.departures.refused) return junction.refusal;
+        if (!ric_atlas_junction(atlas, id, &junction) && junction.departures.refused)
+            return junction.refusal;
     return "";
 }
 
@@ -301,10 +322,13 @@ static void say_why(const facts *f, const ric_atlas *atlas)
     int lowest = -1;
     const double *energy = f->options->energy, *frequency = f->options->frequency;
     for (int i = 0; i < f->n; i++)
-        if (is_started(f, i) && isfinite(f->onset[i]) && (lowest < 0 || f->onset[i] < f->onset[lowest])) lowest = i;
+        if (is_started(f, i) && isfinite(f->onset[i]) &&
+            (lowest < 0 || f->onset[i] < f->onset[lowest]))
+            lowest = i;
     if (any_begins(f)) {
         const char *why = refusal(atlas);
-        cli_say("ricochet: no orbit that meets a contact was found, although modes meet one inside the windows%s%s; "
+        cli_say("ricochet: no orbit that meets a contact was found, although modes meet one inside "
+                "the windows%s%s; "
                 "`ricochet report` says which departures were refused or not tried\n",
                 *why ? ": " : "", why);
         if (any_loose(f) && !is_loose(f)) cli_say("%s\n", CLI_LOOSE);
@@ -316,12 +340,13 @@ static void say_why(const facts *f, const ric_atlas *atlas)
         return;
     }
     if (f->onset[lowest] > energy[1])
-        cli_say(": mode %d touches first, at scaled energy %.6g, and the window ends at %.6g", lowest + 1,
-                f->onset[lowest], energy[1]);
+        cli_say(": mode %d touches first, at scaled energy %.6g, and the window ends at %.6g",
+                lowest + 1, f->onset[lowest], energy[1]);
     else
-        cli_say(": mode %d meets it at %.6g rad/s, and the window is %.6g to %.6g rad/s", lowest + 1,
-                f->frequency[lowest], frequency[0], frequency[1]);
-    cli_say("; leave out energy and frequency, or write auto, for windows that hold what the model does, and see "
+        cli_say(": mode %d meets it at %.6g rad/s, and the window is %.6g to %.6g rad/s",
+                lowest + 1, f->frequency[lowest], frequency[0], frequency[1]);
+    cli_say("; leave out energy and frequency, or write auto, for windows that hold what the model "
+            "does, and see "
             "`ricochet check`\n");
 }
 

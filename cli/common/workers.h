@@ -1,5 +1,5 @@
-/* Pieces of work that several threads take one after another, while the first one looks at the clock, at signals and at
- * the terminal. */
+/* Pieces of work that several threads take one after another, while the first one looks at the
+ * clock, at signals and at the terminal. */
 #ifndef WORKERS_H
 #define WORKERS_H
 

@@ -1,5 +1,5 @@
-/* ricochet export: an atlas as tables of columns (export_tables.c), and who writes them: export_hdf5.c, export_mat.c,
- * export_csv.c. */
+/* ricochet export: an atlas as tables of columns (export_tables.c), and who writes them:
+ * export_hdf5.c, export_mat.c, export_csv.c. */
 #ifndef EXPORT_H
 #define EXPORT_H
 
@@ -11,8 +11,8 @@
 
 typedef enum { EXPORT_REAL, EXPORT_INTEGER, EXPORT_TEXT } export_kind;
 
-/* One quantity of all rows of a table. Row i has `width` numbers, or, where `counts` is there, counts[i]; they follow
- * each other, `n` in all. Texts have one per row. */
+/* One quantity of all rows of a table. Row i has `width` numbers, or, where `counts` is there,
+ * counts[i]; they follow each other, `n` in all. Texts have one per row. */
 typedef struct {
     char name[64];
     export_kind kind;
@@ -35,7 +35,8 @@ typedef struct {
 ric_status export_tables_make(const ric_atlas *atlas, export_table tables[EXPORT_N_TABLE]);
 void export_tables_free(export_table tables[EXPORT_N_TABLE]);
 
-/* What was not possible, NULL: all was done; the message is constant. The file exists already, is empty and ours. */
+/* What was not possible, NULL: all was done; the message is constant. The file exists already, is
+ * empty and ours. */
 typedef const char *(*export_writer)(const char *path, const export_table *tables, int n);
 const char *export_hdf5(const char *path, const export_table *tables, int n);
 const char *export_mat(const char *path, const export_table *tables, int n);

@@ -1,4 +1,5 @@
-/* The module export: the tables of an atlas as HDF5, as a MAT file or as comma-separated columns. */
+/* The module export: the tables of an atlas as HDF5, as a MAT file or as comma-separated columns.
+ */
 #define _XOPEN_SOURCE 700
 
 #include <errno.h>
@@ -28,7 +29,8 @@ static export_writer writer_of(const char *path)
 static int check_target(const char *path)
 {
     struct stat info;
-    if (!writer_of(path)) return cli_wrong("-o %s: the ending says what to write: .h5, .mat or .csv", path);
+    if (!writer_of(path))
+        return cli_wrong("-o %s: the ending says what to write: .h5, .mat or .csv", path);
     if (lstat(path, &info) == 0 && !S_ISREG(info.st_mode))
         return cli_wrong("-o %s: this is no plain file; give another file name", path);
     return CLI_DONE;
@@ -67,7 +69,8 @@ int export_command(int argc, char **argv)
     const char *out;
     export_table tables[EXPORT_N_TABLE] = {0};
     ric_atlas *atlas = NULL;
-    if (!cli_take_value(&argc, argv, "-o", &out) || !cli_operands(&cli_export, argc, argv, 1)) return CLI_WRONG;
+    if (!cli_take_value(&argc, argv, "-o", &out) || !cli_operands(&cli_export, argc, argv, 1))
+        return CLI_WRONG;
     if (!out) return cli_wrong("export: -o FILE.h5, FILE.mat or FILE.csv is missing");
     if (check_target(out) != CLI_DONE) return CLI_WRONG;
     ric_status status = ric_atlas_read(argv[1], &atlas);

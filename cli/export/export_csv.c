@@ -1,5 +1,5 @@
-/* An export as comma-separated columns: one file holds all tables one after the other, each after a line with its
- * name. */
+/* An export as comma-separated columns: one file holds all tables one after the other, each after a
+ * line with its name. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -25,7 +25,8 @@ static void put_entry(FILE *file, const export_column *c, size_t i)
     else if (!isnan(c->reals[i])) fprintf(file, "%.17g", c->reals[i]);
 }
 
-/* The entries of a row from `at` on; the lists of a cell have blanks between, matrices a column for each number. */
+/* The entries of a row from `at` on; the lists of a cell have blanks between, matrices a column for
+ * each number. */
 static size_t put_cell(FILE *file, const export_column *c, size_t row, size_t at)
 {
     const size_t n = c->counts ? (size_t)c->counts[row] : c->width;
@@ -41,7 +42,8 @@ static void put_names(FILE *file, const export_table *table)
     for (int k = 0; k < table->n; k++) {
         const export_column *c = &table->columns[k];
         if (k) putc(',', file);
-        for (size_t w = 1; c->width > 1 && w <= c->width; w++) fprintf(file, "%s%s_%zu", w > 1 ? "," : "", c->name, w);
+        for (size_t w = 1; c->width > 1 && w <= c->width; w++)
+            fprintf(file, "%s%s_%zu", w > 1 ? "," : "", c->name, w);
         if (c->width == 1) put_text(file, c->name);
     }
     putc('\n', file);

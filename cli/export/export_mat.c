@@ -1,5 +1,5 @@
-/* An export as a MAT file of version 5, for Octave, Matlab and SciPy: a structure for each table, a field for each
- * column. All numbers are doubles, which hold ids and counts exactly. */
+/* An export as a MAT file of version 5, for Octave, Matlab and SciPy: a structure for each table, a
+ * field for each column. All numbers are doubles, which hold ids and counts exactly. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +17,8 @@ static matvar_t *matrix(size_t rows, size_t width, const double *reals, const in
     for (size_t i = 0; turned && i < rows; i++)
         for (size_t k = 0; k < width; k++)
             turned[k * rows + i] = reals ? reals[i * width + k] : (double)integers[i * width + k];
-    matvar_t *out = turned ? Mat_VarCreate(NULL, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, shape, turned, 0) : NULL;
+    matvar_t *out = turned ? Mat_VarCreate(NULL, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, shape, turned, 0)
+                           : NULL;
     free(turned);
     return out;
 }
@@ -53,9 +54,12 @@ static bool set_field(matvar_t *table, const char *name, matvar_t *value)
 static bool put_column(matvar_t *table, const export_column *c, size_t rows)
 {
     char name[80];
-    matvar_t *value = c->kind == EXPORT_TEXT ? texts(c) : matrix(c->n / c->width, c->width, c->reals, c->integers);
+    matvar_t *value = c->kind == EXPORT_TEXT
+                          ? texts(c)
+                          : matrix(c->n / c->width, c->width, c->reals, c->integers);
     snprintf(name, sizeof name, "%s_n", c->name);
-    return set_field(table, c->name, value) && (!c->counts || set_field(table, name, matrix(rows, 1, NULL, c->counts)));
+    return set_field(table, c->name, value) &&
+           (!c->counts || set_field(table, name, matrix(rows, 1, NULL, c->counts)));
 }
 
 static matvar_t *make_table(const export_table *t)
@@ -78,11 +82,14 @@ static bool put_table(mat_t *file, const export_table *t)
 
 static bool same(matvar_t *a, matvar_t *b)
 {
-    if (!a || !b || a->class_type != b->class_type || a->dims[0] != b->dims[0] || a->dims[1] != b->dims[1])
+    if (!a || !b || a->class_type != b->class_type || a->dims[0] != b->dims[0] ||
+        a->dims[1] != b->dims[1])
         return false;
     const bool parts = a->class_type == MAT_C_CELL || a->class_type == MAT_C_STRUCT;
-    const size_t n = a->class_type == MAT_C_STRUCT ? Mat_VarGetNumberOfFields(a) : a->dims[0] * a->dims[1];
-    if (!parts) return a->nbytes == b->nbytes && (!a->nbytes || !memcmp(a->data, b->data, a->nbytes));
+    const size_t n = a->class_type == MAT_C_STRUCT ? Mat_VarGetNumberOfFields(a)
+                                                   : a->dims[0] * a->dims[1];
+    if (!parts)
+        return a->nbytes == b->nbytes && (!a->nbytes || !memcmp(a->data, b->data, a->nbytes));
     for (size_t i = 0; i < n; i++)
         if (!same(((matvar_t *const *)a->data)[i], ((matvar_t *const *)b->data)[i])) return false;
     return true;
@@ -109,7 +116,8 @@ static bool too_long(const export_table *t)
 const char *export_mat(const char *path, const export_table *tables, int n)
 {
     for (int i = 0; i < n; i++)
-        if (too_long(&tables[i])) return "a table has more than the two gigabytes of a MAT file; take .h5";
+        if (too_long(&tables[i]))
+            return "a table has more than the two gigabytes of a MAT file; take .h5";
     mat_t *file = Mat_CreateVer(path, NULL, MAT_FT_MAT5);
     bool done = file;
     for (int i = 0; done && i < n; i++) done = put_table(file, &tables[i]);
@@ -124,6 +132,7 @@ const char *export_mat(const char *path, const export_table *tables, int n)
 const char *export_mat(const char *path, const export_table *tables, int n)
 {
     (void)path, (void)tables, (void)n;
-    return "this program was built without matio; install libmatio-dev (Debian) and build again, or take .h5 or .csv";
+    return "this program was built without matio; install libmatio-dev (Debian) and build again, "
+           "or take .h5 or .csv";
 }
 #endif

@@ -1,5 +1,5 @@
-/* The tables of an export. Branches and junctions are the rows that `ricochet branches --json` and `junctions --json`
- * show; points come column by column, because there are many. */
+/* The tables of an export. Branches and junctions are the rows that `ricochet branches --json` and
+ * `junctions --json` show; points come column by column, because there are many. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,11 +86,14 @@ static survey look_at(const json_t *rows, const char *key)
     return s;
 }
 
-/* What is not there is NaN, an empty text, 0 of a number or an id, and -1 of what is yes (1) or no (0). */
+/* What is not there is NaN, an empty text, 0 of a number or an id, and -1 of what is yes (1) or no
+ * (0). */
 static bool set_entry(export_column *c, size_t i, const json_t *value, const survey *s)
 {
-    if (c->kind == EXPORT_REAL) c->reals[i] = json_is_number(value) ? json_number_value(value) : NAN;
-    else if (c->kind == EXPORT_TEXT) c->texts[i] = strdup(json_is_string(value) ? json_string_value(value) : "");
+    if (c->kind == EXPORT_REAL)
+        c->reals[i] = json_is_number(value) ? json_number_value(value) : NAN;
+    else if (c->kind == EXPORT_TEXT)
+        c->texts[i] = strdup(json_is_string(value) ? json_string_value(value) : "");
     else if (s->boolean) c->integers[i] = json_is_boolean(value) ? json_is_true(value) : -1;
     else c->integers[i] = json_integer_value(value);
     return c->kind != EXPORT_TEXT || c->texts[i];
@@ -134,7 +137,8 @@ static bool add_rows(export_table *table, json_t *rows)
     for (size_t i = 0; i < table->rows; i++) {
         const char *key;
         json_t *value, *row = json_array_get(rows, i);
-        json_object_foreach(row, key, value) if (!json_is_object(value) && !add_key(table, rows, key)) return false;
+        json_object_foreach(row, key, value) if (!json_is_object(value) &&
+                                                 !add_key(table, rows, key)) return false;
     }
     return true;
 }
@@ -157,7 +161,8 @@ static ric_status make_listed(export_table *table, const ric_atlas *atlas, int n
     return status;
 }
 
-static ric_status add_place(json_t *rows, const ric_branch *branch, int junction, double at, const char *place)
+static ric_status add_place(json_t *rows, const ric_branch *branch, int junction, double at,
+                            const char *place)
 {
     json_t *row = json_object();
     json_object_set_new(row, "branch", json_integer(branch->id));
@@ -174,7 +179,8 @@ static ric_status add_edge(const ric_atlas *atlas, int id, json_t *rows)
     ric_status status = ric_atlas_branch(atlas, id, &branch);
     if (!status) status = ric_atlas_point(atlas, id, 0, &first, NULL, NULL);
     if (!status) status = ric_atlas_point(atlas, id, branch.n_point - 1, &last, NULL, NULL);
-    if (!status && branch.from) status = add_place(rows, &branch, branch.from, first.arclength, "from");
+    if (!status && branch.from)
+        status = add_place(rows, &branch, branch.from, first.arclength, "from");
     for (int i = 0; !status && i < branch.n_junction; i++)
         status = add_place(rows, &branch, branch.junctions[i], branch.junction_at[i], "inner");
     if (!status && branch.to) status = add_place(rows, &branch, branch.to, last.arclength, "to");
@@ -186,7 +192,8 @@ static ric_status make_graph(export_table *table, const ric_atlas *atlas)
 {
     json_t *rows = json_array();
     ric_status status = rows ? RIC_OK : RIC_E_NOMEM;
-    for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++) status = add_edge(atlas, id, rows);
+    for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++)
+        status = add_edge(atlas, id, rows);
     if (!status && !add_rows(table, rows)) status = RIC_E_NOMEM;
     json_decref(rows);
     return status;
@@ -221,8 +228,10 @@ static size_t count_points(const ric_atlas *atlas)
     return n;
 }
 
-/* One quantity of all points of all branches; the rows of one may be longer than those of the other (flights). */
-static ric_status add_quantity(export_table *table, const ric_atlas *atlas, const char *name, bool ragged)
+/* One quantity of all points of all branches; the rows of one may be longer than those of the other
+ * (flights). */
+static ric_status add_quantity(export_table *table, const ric_atlas *atlas, const char *name,
+                               bool ragged)
 {
     ric_branch branch;
     ric_status status = RIC_OK;
@@ -275,11 +284,13 @@ static ric_status make_points(export_table *table, const ric_atlas *atlas)
 
 ric_status export_tables_make(const ric_atlas *atlas, export_table tables[EXPORT_N_TABLE])
 {
-    static const char *const names[EXPORT_N_TABLE] = {"about", "branches", "points", "junctions", "graph"};
+    static const char *const names[EXPORT_N_TABLE] = {"about", "branches", "points", "junctions",
+                                                      "graph"};
     for (int i = 0; i < EXPORT_N_TABLE; i++) tables[i].name = names[i];
     ric_status status = make_about(&tables[0], atlas);
     if (!status) status = make_listed(&tables[1], atlas, ric_atlas_n_branch(atlas), cli_branch_row);
     if (!status) status = make_points(&tables[2], atlas);
-    if (!status) status = make_listed(&tables[3], atlas, ric_atlas_n_junction(atlas), cli_junction_row);
+    if (!status)
+        status = make_listed(&tables[3], atlas, ric_atlas_n_junction(atlas), cli_junction_row);
     return status ? status : make_graph(&tables[4], atlas);
 }

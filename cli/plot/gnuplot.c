@@ -1,6 +1,6 @@
-/* Rendering by gnuplot. It sees nothing but numbers, texts and a script on its standard input: it is started
- * without a shell, never learns a file name, and writes to an anonymous file that becomes the target only after it has
- * succeeded. */
+/* Rendering by gnuplot. It sees nothing but numbers, texts and a script on its standard input: it
+ * is started without a shell, never learns a file name, and writes to an anonymous file that
+ * becomes the target only after it has succeeded. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <errno.h>
@@ -47,20 +47,25 @@ int plot_check_target(const plot_options *options)
     const char *path = options->out;
     struct stat info;
     if (format_of(path) == PLOT_FORMAT_NONE)
-        return cli_wrong("-o %s: the ending says what to draw: .svg, .pdf or .png, or .gp for the script of gnuplot",
+        return cli_wrong("-o %s: the ending says what to draw: .svg, .pdf or .png, or .gp for the "
+                         "script of gnuplot",
                          path);
     if (options->dpi > 0 && format_of(path) != PLOT_FORMAT_PNG)
         return cli_wrong("--dpi goes with -o FILE.png: %s has no pixels", path);
     if (stat(path, &info) == 0)
-        return S_ISREG(info.st_mode)   ? CLI_DONE
-               : S_ISDIR(info.st_mode) ? cli_wrong("-o %s: this is a folder; give a file name", path)
-                                       : cli_wrong("-o %s: this is no plain file; give another file name", path);
+        return S_ISREG(info.st_mode) ? CLI_DONE
+               : S_ISDIR(info.st_mode)
+                   ? cli_wrong("-o %s: this is a folder; give a file name", path)
+                   : cli_wrong("-o %s: this is no plain file; give another file name", path);
     if (lstat(path, &info) == 0)
-        return cli_wrong("-o %s: this is a symbolic link to nothing; remove it, or give another file name", path);
+        return cli_wrong(
+            "-o %s: this is a symbolic link to nothing; remove it, or give another file name",
+            path);
     return check_folder(path);
 }
 
-/* Starts gnuplot on the three files. Returns 0 and its exit status, or the errno that kept it from starting. */
+/* Starts gnuplot on the three files. Returns 0 and its exit status, or the errno that kept it from
+ * starting. */
 static int run_gnuplot(FILE *script, FILE *result, FILE *complaint, int *status)
 {
     int trouble[2], failed = 0; /* closed by a successful exec, else it carries errno */
@@ -95,11 +100,14 @@ static int report_complaint(FILE *complaint, int status)
     char line[512], last[512] = "no message";
     rewind(complaint);
     while (fgets(line, sizeof line, complaint))
-        if (strspn(line, " \t\r\n^") != strlen(line)) snprintf(last, sizeof last, "%s", line + strspn(line, " \t"));
+        if (strspn(line, " \t\r\n^") != strlen(line))
+            snprintf(last, sizeof last, "%s", line + strspn(line, " \t"));
     last[strcspn(last, "\n")] = '\0';
-    if (WIFSIGNALED(status)) cli_say("ricochet: gnuplot was ended by signal %d\n", WTERMSIG(status));
+    if (WIFSIGNALED(status))
+        cli_say("ricochet: gnuplot was ended by signal %d\n", WTERMSIG(status));
     else
-        cli_say("ricochet: gnuplot could not draw the picture: %s; version 5.0 or later with cairo is needed (Debian: "
+        cli_say("ricochet: gnuplot could not draw the picture: %s; version 5.0 or later with cairo "
+                "is needed (Debian: "
                 "gnuplot-nox)\n",
                 last);
     return CLI_FAILED;
@@ -129,8 +137,8 @@ static bool copy_file(FILE *from, int to)
     return !ferror(from);
 }
 
-/* Puts the result in place by way of a file beside it, so that a half-written picture is never seen. A link stays, and
- * the file that it leads to is replaced. */
+/* Puts the result in place by way of a file beside it, so that a half-written picture is never
+ * seen. A link stays, and the file that it leads to is replaced. */
 static int deliver(FILE *result, const char *path)
 {
     char *real = realpath(path, NULL);
@@ -186,7 +194,8 @@ int plot_page_write(plot_page *page, const plot_options *options)
     }
     const int failed = run_gnuplot(script, result, complaint, &status);
     if (failed == ENOENT) {
-        cli_say("ricochet: gnuplot is not installed; pictures need it (Debian: apt-get install gnuplot-nox)\n");
+        cli_say("ricochet: gnuplot is not installed; pictures need it (Debian: apt-get install "
+                "gnuplot-nox)\n");
         goto out;
     }
     if (failed) {

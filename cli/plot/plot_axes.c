@@ -22,7 +22,8 @@ static double clamp_pixels(double value)
 static plot_axis piece_of(const plot_axis *a, int i, bool is_cut)
 {
     const double length = a->to - a->from, half = cut_part * length / 2;
-    const plot_cut *below = i > 0 ? &a->cut[i - 1] : NULL, *above = i < a->n_cut ? &a->cut[i] : NULL;
+    const plot_cut *below = i > 0 ? &a->cut[i - 1] : NULL,
+                   *above = i < a->n_cut ? &a->cut[i] : NULL;
     plot_axis piece = {.scale = PLOT_SCALE_LINEAR, .unit = a->unit};
     if (is_cut) {
         const double at = a->from + a->cut[i].at * length;
@@ -65,8 +66,10 @@ double plot_axis_at(const plot_axis *axis, double value)
         return clamp_pixels(axis->from + length * log(value / axis->lo) / log(axis->hi / axis->lo));
     case PLOT_SCALE_BROKEN:
         if (value > axis->knee)
-            return clamp_pixels(fold + (axis->to - fold) * log(value / axis->knee) / log(axis->hi / axis->knee));
-        return clamp_pixels(axis->from + (fold - axis->from) * (value - axis->lo) / (axis->knee - axis->lo));
+            return clamp_pixels(fold + (axis->to - fold) * log(value / axis->knee) /
+                                           log(axis->hi / axis->knee));
+        return clamp_pixels(axis->from +
+                            (fold - axis->from) * (value - axis->lo) / (axis->knee - axis->lo));
     case PLOT_SCALE_CUT: return clamp_pixels(cut_axis_at(axis, value));
     default: return clamp_pixels(axis->from + length * (value - axis->lo) / (axis->hi - axis->lo));
     }
@@ -123,7 +126,8 @@ static void add_tick(tick_list *list, double value, const char *text)
 /* 1, 2 or 5 times a power of ten, so that about `count` steps fit. */
 double plot_nice_step(double span, double count)
 {
-    const double raw = span / fmax(1, count), power = pow(10, floor(log10(raw))), lead = raw / power;
+    const double raw = span / fmax(1, count), power = pow(10, floor(log10(raw))),
+                 lead = raw / power;
     return power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
 }
 
@@ -131,26 +135,33 @@ double plot_nice_step(double span, double count)
 static double telling_step(double low, double high, double count)
 {
     double step = plot_nice_step(high - low, count);
-    for (int i = 0; i < 2 && floor(high / step) - ceil(low / step) < 2; i++) step = plot_nice_step(step / 2, 1);
+    for (int i = 0; i < 2 && floor(high / step) - ceil(low / step) < 2; i++)
+        step = plot_nice_step(step / 2, 1);
     return step;
 }
 
 /* Very small and very large numbers may share a power of ten that a title names. */
 static void linear_ticks(tick_list *list, double pixels, double spacing, bool share_power)
 {
-    const double step = telling_step(list->low, list->high, pixels / spacing), slack = 1e-9 * (list->high - list->low);
-    const double lead = step / pow(10, floor(log10(step) + 1e-9)), size = fmax(fabs(list->low), fabs(list->high));
+    const double step = telling_step(list->low, list->high, pixels / spacing),
+                 slack = 1e-9 * (list->high - list->low);
+    const double lead = step / pow(10, floor(log10(step) + 1e-9)),
+                 size = fmax(fabs(list->low), fabs(list->high));
     const int fine = lead > 1.5 && lead < 3 ? 4 : 5,
-              minor = pixels * step / (list->high - list->low) / fine < 7 ? fine == 4 ? 2 : 1 : fine;
-    list->power = share_power && size > 0 && (size < 0.02 || size >= 1e5) ? (int)floor(log10(size) + 1e-9) : 0;
+              minor = pixels * step / (list->high - list->low) / fine < 7 ? fine == 4 ? 2 : 1
+                                                                          : fine;
+    list->power = share_power && size > 0 && (size < 0.02 || size >= 1e5)
+                      ? (int)floor(log10(size) + 1e-9)
+                      : 0;
     const double unit = pow(10, list->power), shown = size / unit;
     const bool plain = shown < 1e5 && step / unit > 1e-7 * (shown < 1 ? 1 : shown);
     const int digits = plain ? (int)fmax(0, -floor(log10(step / unit) + 1e-9)) : 6;
-    const int most = list->n + (int)pixels; /* also where a step is lost in the last digit of the values */
+    const int most = list->n +
+                     (int)pixels; /* also where a step is lost in the last digit of the values */
     list->low -= slack;
     list->high += slack;
-    for (double k = ceil(list->low / step * minor); k * step / minor <= list->high && list->n < most && !list->failed;
-         k++) {
+    for (double k = ceil(list->low / step * minor);
+         k * step / minor <= list->high && list->n < most && !list->failed; k++) {
         const double value = k == 0 ? 0 : k * step / minor;
         char text[64];
         snprintf(text, sizeof text, plain ? "%.*f" : "%.*g", digits, value / unit);
@@ -173,7 +184,8 @@ static void power_tick(tick_list *list, int tenths, int exponent)
     add_tick(list, value, text);
 }
 
-/* Which of a decade have a label, in tenths: the more, the larger a decade is, in widths of a label. */
+/* Which of a decade have a label, in tenths: the more, the larger a decade is, in widths of a
+ * label. */
 static const char *labelled(double decade)
 {
     static const struct {
@@ -198,7 +210,8 @@ static void log_ticks(tick_list *list, double pixels, double spacing)
         return;
     }
     const char *tenths = labelled(decade / spacing);
-    const int every = (int)fmax(1, ceil(spacing / decade)); /* with tiny decades only every other power */
+    const int every = (int)fmax(1, ceil(spacing /
+                                        decade)); /* with tiny decades only every other power */
     const bool fine = decade > 22 * spacing;
     for (int e = (int)floor(log10(list->low)) - 1; e <= (int)ceil(log10(list->high)); e++)
         for (int k = 10; k < 100; k++) {
@@ -208,12 +221,13 @@ static void log_ticks(tick_list *list, double pixels, double spacing)
         }
 }
 
-/* The trace on the scale asinh(trace / 2), which shows its sign and all its orders of magnitude; what is to be labelled
- * first comes first. */
+/* The trace on the scale asinh(trace / 2), which shows its sign and all its orders of magnitude;
+ * what is to be labelled first comes first. */
 static void asinh_ticks(tick_list *list, double pixels)
 {
     const double orders = ceil(fmax(fabs(list->low), fabs(list->high)) / log(10)),
-                 every = fmax(1, ceil(orders * 60 / pixels)); /* as many as a trace beyond all doubles may have */
+                 every = fmax(1, ceil(orders * 60 /
+                                      pixels)); /* as many as a trace beyond all doubles may have */
     char text[64];
     add_tick(list, 0, "0");
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -282,15 +296,18 @@ bool plot_panel_inside(const plot_panel *panel, plot_point data)
 {
     const plot_point p = plot_panel_at(panel, data);
     const plot_box box = plot_panel_box(panel);
-    return p.x >= box.left - 0.01 && p.x <= box.right + 0.01 && p.y >= box.bottom - 0.01 && p.y <= box.top + 0.01;
+    return p.x >= box.left - 0.01 && p.x <= box.right + 0.01 && p.y >= box.bottom - 0.01 &&
+           p.y <= box.top + 0.01;
 }
 
-static void draw_segment(plot_page *page, plot_stroke stroke, double x0, double y0, double x1, double y1)
+static void draw_segment(plot_page *page, plot_stroke stroke, double x0, double y0, double x1,
+                         double y1)
 {
     plot_page_line(page, stroke, 2, (plot_point[]){{x0, y0}, {x1, y1}});
 }
 
-/* Whether the label of tick i, `half` to both sides of it, stays `gap` away from those shown before. */
+/* Whether the label of tick i, `half` to both sides of it, stays `gap` away from those shown
+ * before. */
 static bool show_label(tick_list *list, int i, double half, double gap)
 {
     tick *t = &list->ticks[i];
@@ -298,7 +315,8 @@ static bool show_label(tick_list *list, int i, double half, double gap)
     t->to = t->at + half;
     t->shown = t->major;
     for (int k = 0; k < i && t->shown; k++)
-        t->shown = !list->ticks[k].shown || t->from > list->ticks[k].to + gap || t->to < list->ticks[k].from - gap;
+        t->shown = !list->ticks[k].shown || t->from > list->ticks[k].to + gap ||
+                   t->to < list->ticks[k].from - gap;
     return t->shown;
 }
 
@@ -316,7 +334,8 @@ static const char *full_title(const tick_list *list, const char *title, size_t s
     return out;
 }
 
-static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *axis, const char *title)
+static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *axis,
+                        const char *title)
 {
     tick_list list;
     char full[title_room(title)];
@@ -329,12 +348,13 @@ static void draw_x_axis(plot_page *page, const plot_box *box, const plot_axis *a
         draw_segment(page, PLOT_FRAME, t->at, box->bottom, t->at, box->bottom + length);
         draw_segment(page, PLOT_FRAME, t->at, box->top, t->at, box->top - length);
         if (title && show_label(&list, i, plot_text_width(t->text, type) / 2, 6))
-            plot_page_text(page, (plot_point){t->at, box->bottom - 12}, PLOT_CENTRE, type, "#222222", false, t->text);
+            plot_page_text(page, (plot_point){t->at, box->bottom - 12}, PLOT_CENTRE, type,
+                           "#222222", false, t->text);
     }
     free(list.ticks);
     if (title && *title)
-        plot_page_text(page, (plot_point){(box->left + box->right) / 2, box->bottom - 31}, PLOT_CENTRE, type + 1,
-                       "#222222", false, title);
+        plot_page_text(page, (plot_point){(box->left + box->right) / 2, box->bottom - 31},
+                       PLOT_CENTRE, type + 1, "#222222", false, title);
 }
 
 double plot_axis_widest(const plot_axis *axis)
@@ -348,7 +368,8 @@ double plot_axis_widest(const plot_axis *axis)
     return widest;
 }
 
-static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *axis, const char *title)
+static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *axis,
+                        const char *title)
 {
     tick_list list;
     double widest = 0;
@@ -362,16 +383,20 @@ static void draw_y_axis(plot_page *page, const plot_box *box, const plot_axis *a
         draw_segment(page, PLOT_FRAME, box->left, t->at, box->left + length, t->at);
         draw_segment(page, PLOT_FRAME, box->right, t->at, box->right - length, t->at);
         if (title && show_label(&list, i, 0.6 * type, 0)) {
-            plot_page_text(page, (plot_point){box->left - 10, t->at}, PLOT_RIGHT, type, "#222222", false, t->text);
+            plot_page_text(page, (plot_point){box->left - 10, t->at}, PLOT_RIGHT, type, "#222222",
+                           false, t->text);
             widest = fmax(widest, plot_text_width(t->text, type));
         }
     }
     free(list.ticks);
     if (!title || !*title) return;
     /* never beyond the page */
-    const double size = fmin(type + 1, (type + 1) * (box->top - box->bottom) / plot_text_width(title, type + 1));
-    const double x = fmax(box->left - widest - 23, 0.8 * size); /* long numbers do not push it off the page */
-    plot_page_text(page, (plot_point){x, (box->bottom + box->top) / 2}, PLOT_CENTRE, size, "#222222", true, title);
+    const double size = fmin(type + 1, (type + 1) * (box->top - box->bottom) /
+                                           plot_text_width(title, type + 1));
+    const double x = fmax(box->left - widest - 23,
+                          0.8 * size); /* long numbers do not push it off the page */
+    plot_page_text(page, (plot_point){x, (box->bottom + box->top) / 2}, PLOT_CENTRE, size,
+                   "#222222", true, title);
 }
 
 /* A line across, and the sign of a broken axis at both ends of it. */
@@ -385,7 +410,8 @@ static void draw_break(plot_page *page, const plot_box *box, double at)
         }
 }
 
-void plot_panel_frame(plot_page *page, const plot_panel *panel, const char *x_title, const char *y_title)
+void plot_panel_frame(plot_page *page, const plot_panel *panel, const char *x_title,
+                      const char *y_title)
 {
     const plot_box box = plot_panel_box(panel);
     plot_page_line(page, PLOT_FRAME, 5,
@@ -421,9 +447,9 @@ bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b)
     return true;
 }
 
-/* Drops points that lie within a fortieth of a pixel, a tenth where a picture is seen four times as large, of the line
- * through their neighbours: a cone of directions from the last kept point narrows with every point passed over. In
- * place; returns how many are left. */
+/* Drops points that lie within a fortieth of a pixel, a tenth where a picture is seen four times as
+ * large, of the line through their neighbours: a cone of directions from the last kept point
+ * narrows with every point passed over. In place; returns how many are left. */
 static int thin_line(int n, plot_point *p)
 {
     const double tolerance = 1. / 40;
@@ -460,7 +486,8 @@ static void flush_run(plot_page *page, plot_stroke stroke, int *n, plot_point *r
     *n = 0;
 }
 
-void plot_panel_curve(plot_page *page, const plot_panel *panel, plot_stroke stroke, int n, const plot_point *data)
+void plot_panel_curve(plot_page *page, const plot_panel *panel, plot_stroke stroke, int n,
+                      const plot_point *data)
 {
     const plot_box box = plot_panel_box(panel);
     plot_point *run = malloc((size_t)(n > 0 ? n : 1) * sizeof *run);

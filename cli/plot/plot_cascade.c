@@ -1,5 +1,5 @@
-/* Pictures of cascades: the bifurcation diagram, the shapes at the multiplications, and multipliers on the unit
- * circle. */
+/* Pictures of cascades: the bifurcation diagram, the shapes at the multiplications, and multipliers
+ * on the unit circle. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -12,8 +12,10 @@
 static const double type = 12, pi = 3.14159265358979323846;
 enum { SAMPLES = 1600, ARC = 240 };
 /* Solid lines, dark and orange; the same thick, for dots. */
-static const plot_stroke thin[2] = {PLOT_SYMMETRIC + RIC_STABLE_NO, PLOT_ASYMMETRIC + RIC_STABLE_NO};
-static const plot_stroke thick[2] = {PLOT_SYMMETRIC + RIC_STABLE_YES, PLOT_ASYMMETRIC + RIC_STABLE_YES};
+static const plot_stroke thin[2] = {PLOT_SYMMETRIC + RIC_STABLE_NO,
+                                    PLOT_ASYMMETRIC + RIC_STABLE_NO};
+static const plot_stroke thick[2] = {PLOT_SYMMETRIC + RIC_STABLE_YES,
+                                     PLOT_ASYMMETRIC + RIC_STABLE_YES};
 
 typedef struct {
     const plot_options *common;
@@ -29,7 +31,8 @@ typedef struct {
 
 static bool make_page(picture *p, double height)
 {
-    p->page = plot_page_create(plot_layout_width(p->common, PLOT_WIDTH), plot_layout_height(p->common, height));
+    p->page = plot_page_create(plot_layout_width(p->common, PLOT_WIDTH),
+                               plot_layout_height(p->common, height));
     return p->page;
 }
 
@@ -43,8 +46,8 @@ static bool name_of(const picture *p, double energy, int q, size_t size, char *o
 {
     for (int id = 1; id <= ric_atlas_n_junction(p->atlas); id++) {
         ric_junction j;
-        if (ric_atlas_junction(p->atlas, id, &j) != RIC_OK || j.kind != RIC_KIND_MULTIPLICATION || !j.name ||
-            !*j.name || j.multiple != q || fabs(j.energy - energy) > 1e-7 * energy)
+        if (ric_atlas_junction(p->atlas, id, &j) != RIC_OK || j.kind != RIC_KIND_MULTIPLICATION ||
+            !j.name || !*j.name || j.multiple != q || fabs(j.energy - energy) > 1e-7 * energy)
             continue;
         plot_text_label(j.name, size, out);
         return true;
@@ -89,7 +92,9 @@ static ric_status read_strip(const picture *p, int step, double from, strip *out
     const double product = periods(p, step);
     double before = NAN, *x = NULL;
     if (status) return status;
-    *out = (strip){.n_point = s.n_point, .impacts = ric_cascade_impacts(p->cascade, step), .from = from};
+    *out = (strip){.n_point = s.n_point,
+                   .impacts = ric_cascade_impacts(p->cascade, step),
+                   .from = from};
     out->way = calloc((size_t)out->n_point + 1, sizeof *out->way);
     out->x = calloc((size_t)out->n_point * (size_t)out->impacts + 1, sizeof *out->x);
     out->stable = calloc((size_t)out->n_point + 1, sizeof *out->stable);
@@ -120,7 +125,8 @@ static void draw_strip(picture *p, const plot_panel *panel, int step, const stri
             if (i + 1 < s->n_point && s->stable[i + 1] == s->stable[first]) continue;
             const bool stable = s->stable[first] == RIC_STABLE_YES;
             const int last = i + 1 < s->n_point ? i + 1 : i;
-            plot_panel_curve(p->page, panel, stable ? thick[step % 2] : thin[step % 2], last - first + 1, line + first);
+            plot_panel_curve(p->page, panel, stable ? thick[step % 2] : thin[step % 2],
+                             last - first + 1, line + first);
             first = last;
         }
     }
@@ -134,7 +140,8 @@ static void draw_legend(picture *p, int n, const strip *strips, double top)
     bool seen[2] = {false, false};
     int count = 0;
     for (int i = 1; i < n; i++)
-        for (int k = 0; k < strips[i].n_point; k++) seen[strips[i].stable[k] == RIC_STABLE_YES] = true;
+        for (int k = 0; k < strips[i].n_point; k++)
+            seen[strips[i].stable[k] == RIC_STABLE_YES] = true;
     if (seen[1]) entries[count++] = (plot_legend_entry){"stable", (int)thick[1], -1};
     if (seen[0]) entries[count++] = (plot_legend_entry){"unstable", (int)thin[1], -1};
     if (n > 2) entries[count++] = (plot_legend_entry){"every other family", (int)thin[0], -1};
@@ -182,24 +189,28 @@ static int draw_diagram(picture *p)
     }
     if (status) code = cli_report(status);
     else if (!(y[0] <= y[1]))
-        code = cli_wrong("plot cascade: with one multiplication there is no family to draw; ask for two at least, or "
+        code = cli_wrong("plot cascade: with one multiplication there is no family to draw; ask "
+                         "for two at least, or "
                          "for --multiply, which ends with a family");
     else {
         plot_range_widen(false, 0.04, &y[0], &y[1]);
         const plot_units unit = units_of(p);
-        plot_panel panel = {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0, .hi = x > 0 ? 1.02 * x : 1},
-                            {.from = 90,
-                             .to = plot_page_height(p->page) - 30 - plot_page_head(p->common, NULL),
-                             .lo = y[0],
-                             .hi = y[1]}};
+        plot_panel panel =
+            {{.from = 82, .to = plot_page_width(p->page) - 24, .lo = 0, .hi = x > 0 ? 1.02 * x : 1},
+             {.from = 90,
+              .to = plot_page_height(p->page) - 30 - plot_page_head(p->common, NULL),
+              .lo = y[0],
+              .hi = y[1]}};
         panel.x.unit = unit.frequency;
         panel.y.unit = unit.length;
         for (int i = 1; i < n; i++) draw_strip(p, &panel, i, &strips[i]);
-        snprintf(name, sizeof name, smooth(p) ? "once a period of the branch: x_{%d}" : "at impacts: x_{%d}",
+        snprintf(name, sizeof name,
+                 smooth(p) ? "once a period of the branch: x_{%d}" : "at impacts: x_{%d}",
                  p->dof + 1);
         plot_panel_frame(p->page, &panel,
-                         p->common->hertz ? "frequency passed on the way, times the multiplicities (Hz)"
-                                          : "frequency passed on the way, times the multiplicities (rad/s)",
+                         p->common->hertz
+                             ? "frequency passed on the way, times the multiplicities (Hz)"
+                             : "frequency passed on the way, times the multiplicities (rad/s)",
                          name);
         draw_legend(p, n, strips, panel.y.from - 46);
         mark_strips(p, &panel, n, strips);
@@ -220,14 +231,16 @@ static int draw_diagram(picture *p)
 /* Whether the velocity jumps from one sample to the next: much more than beside it. */
 static bool jumps(int n, const plot_point *data, int i, double range)
 {
-    const double step = fabs(data[i + 1].y - data[i].y), before = i > 0 ? fabs(data[i].y - data[i - 1].y) : 0,
+    const double step = fabs(data[i + 1].y - data[i].y),
+                 before = i > 0 ? fabs(data[i].y - data[i - 1].y) : 0,
                  after = i + 2 < n ? fabs(data[i + 2].y - data[i + 1].y) : 0;
     return step > 0.01 * range && step > 3 * fmax(before, after);
 }
 
-/* Samples of a phase portrait, `step` apart in time; where the velocity jumps a dashed line, as in the pictures of
- * orbits, where the motion before meets that after it. */
-static void draw_portrait(picture *p, const plot_panel *panel, double step, int n, const plot_point *data)
+/* Samples of a phase portrait, `step` apart in time; where the velocity jumps a dashed line, as in
+ * the pictures of orbits, where the motion before meets that after it. */
+static void draw_portrait(picture *p, const plot_panel *panel, double step, int n,
+                          const plot_point *data)
 {
     for (int i = 0, first = 0; i < n; i++) {
         if (i + 1 < n && !jumps(n, data, i, panel->y.hi - panel->y.lo)) continue;
@@ -244,17 +257,21 @@ static void draw_portrait(picture *p, const plot_panel *panel, double step, int 
     }
 }
 
-/* One row: the displacement over as many periods as give the impacts of the last orbit, and its phase portrait. */
-static bool draw_shape(picture *p, int step, plot_box row, const double range[2], const double speed[2], bool last)
+/* One row: the displacement over as many periods as give the impacts of the last orbit, and its
+ * phase portrait. */
+static bool draw_shape(picture *p, int step, plot_box row, const double range[2],
+                       const double speed[2], bool last)
 {
-    const int n = ric_cascade_length(p->cascade), n_dof = ric_model_n_dof(ric_atlas_model(p->atlas));
+    const int n = ric_cascade_length(p->cascade),
+              n_dof = ric_model_n_dof(ric_atlas_model(p->atlas));
     const double gap = 76, split = row.right - (row.top - row.bottom) - gap,
                  times = periods(p, n - 1) / periods(p, step);
     ric_cascade_step s;
     ric_cascade_step_at(p->cascade, step, &s);
     const double period = 2 * pi / s.frequency;
     double *state = calloc(2 * (size_t)n_dof, sizeof *state);
-    plot_point *history = calloc(SAMPLES + 1, sizeof *history), *portrait = calloc(SAMPLES + 1, sizeof *portrait);
+    plot_point *history = calloc(SAMPLES + 1, sizeof *history),
+               *portrait = calloc(SAMPLES + 1, sizeof *portrait);
     plot_panel left = {{.from = row.left, .to = split, .lo = 0, .hi = 1},
                        {.from = row.bottom, .to = row.top, .lo = range[0], .hi = range[1]}};
     plot_panel right = {{.from = split + gap, .to = row.right, .lo = range[0], .hi = range[1]},
@@ -275,15 +292,22 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
         snprintf(text, sizeof text, "v_{%d}", p->dof + 1);
         plot_panel_frame(p->page, &right, last ? name : NULL, text);
         char place[120], what[64] = "end";
-        plot_place_text(p->common, ric_atlas_model(p->atlas), s.energy, s.frequency, sizeof place, place);
-        if (s.multiple > 1) snprintf(what, sizeof what, "p/q = %d/%d", s.rotation[0], s.rotation[1]);
+        plot_place_text(p->common, ric_atlas_model(p->atlas), s.energy, s.frequency, sizeof place,
+                        place);
+        if (s.multiple > 1)
+            snprintf(what, sizeof what, "p/q = %d/%d", s.rotation[0], s.rotation[1]);
         if (smooth(p)) snprintf(text, sizeof text, "%s,  %s", what, place);
-        else if (s.multiple > 1) snprintf(text, sizeof text, "%s,  %d impacts,  %s", what, s.impacts, place);
-        else snprintf(text, sizeof text, "%s,  %d impacts, %d touches,  %s", what, s.impacts, s.grazings, place);
+        else if (s.multiple > 1)
+            snprintf(text, sizeof text, "%s,  %d impacts,  %s", what, s.impacts, place);
+        else
+            snprintf(text, sizeof text, "%s,  %d impacts, %d touches,  %s", what, s.impacts,
+                     s.grazings, place);
         char whole[340], own[64];
         const bool named = s.multiple > 1 && name_of(p, s.energy, s.multiple, sizeof own, own);
-        snprintf(whole, sizeof whole, "(%c)  %s%s%s", 'a' + step % 26, named ? own : "", named ? ":  " : "", text);
-        plot_page_text(p->page, (plot_point){row.left, row.top + 11}, PLOT_LEFT, type, "#000000", false, whole);
+        snprintf(whole, sizeof whole, "(%c)  %s%s%s", 'a' + step % 26, named ? own : "",
+                 named ? ":  " : "", text);
+        plot_page_text(p->page, (plot_point){row.left, row.top + 11}, PLOT_LEFT, type, "#000000",
+                       false, whole);
     }
     free(state);
     free(history);
@@ -301,7 +325,8 @@ static void shape_ranges(const picture *p, double x[2], double v[2])
         ric_cascade_step s;
         ric_cascade_step_at(p->cascade, step, &s);
         for (int i = 0; i < SAMPLES; i++) {
-            ric_cascade_at_time(p->cascade, step, 2 * pi / s.frequency * i / SAMPLES, state, state + n_dof);
+            ric_cascade_at_time(p->cascade, step, 2 * pi / s.frequency * i / SAMPLES, state,
+                                state + n_dof);
             x[0] = fmin(x[0], state[p->dof]);
             x[1] = fmax(x[1], state[p->dof]);
             v[0] = fmin(v[0], state[n_dof + p->dof]);
@@ -317,11 +342,12 @@ static int draw_shapes(picture *p)
     const int n = ric_cascade_length(p->cascade);
     double x[2], v[2];
     if (!make_page(p, 70 + 132.0 * n)) return cli_report(RIC_E_NOMEM);
-    const double top = plot_page_height(p->page) - plot_page_head(p->common, NULL) - 22, bottom = 30,
-                 step = (top - bottom) / n;
+    const double top = plot_page_height(p->page) - plot_page_head(p->common, NULL) - 22,
+                 bottom = 30, step = (top - bottom) / n;
     shape_ranges(p, x, v);
     for (int i = 0; i < n; i++) {
-        const plot_box row = {72, top - (i + 1) * step + 28, plot_page_width(p->page) - 20, top - i * step};
+        const plot_box row = {72, top - (i + 1) * step + 28, plot_page_width(p->page) - 20,
+                              top - i * step};
         if (!draw_shape(p, i, row, x, v, i + 1 == n)) return cli_report(RIC_E_NOMEM);
     }
     plot_page_title(p->page, p->common, NULL);
@@ -330,9 +356,10 @@ static int draw_shapes(picture *p)
 
 /* ------------------------------------------------------------------ circle */
 
-/* From one stored point to the next: arcs of the circle, the second one drawn inside of it to be seen. */
-static void draw_step(picture *p, const plot_panel *circle, const plot_panel *angles, double before, double last,
-                      const ric_point *point)
+/* From one stored point to the next: arcs of the circle, the second one drawn inside of it to be
+ * seen. */
+static void draw_step(picture *p, const plot_panel *circle, const plot_panel *angles, double before,
+                      double last, const ric_point *point)
 {
     enum { PIECES = 16 };
     static const double radius[2] = {1, 0.93};
@@ -348,7 +375,8 @@ static void draw_step(picture *p, const plot_panel *circle, const plot_panel *an
         if (fabs(point->rotation - last) < 0.5)
             plot_panel_curve(p->page, angles, thick[k], 2,
                              (plot_point[]){{before, k ? 1 - last : last},
-                                            {point->arclength, k ? 1 - point->rotation : point->rotation}});
+                                            {point->arclength,
+                                             k ? 1 - point->rotation : point->rotation}});
     }
 }
 
@@ -357,8 +385,9 @@ static bool root_name(const picture *p, long k, size_t size, char *out)
 {
     for (int i = 0; i < p->branch.n_junction; i++) {
         ric_junction j;
-        if (ric_atlas_junction(p->atlas, p->branch.junctions[i], &j) != RIC_OK || j.kind != RIC_KIND_MULTIPLICATION ||
-            !j.name || !*j.name || ric_junction_level(&j, &p->branch) < 2 ||
+        if (ric_atlas_junction(p->atlas, p->branch.junctions[i], &j) != RIC_OK ||
+            j.kind != RIC_KIND_MULTIPLICATION || !j.name || !*j.name ||
+            ric_junction_level(&j, &p->branch) < 2 ||
             j.rotation[0] * p->duplicate != k * j.rotation[1])
             continue;
         plot_text_label(j.name, size, out);
@@ -367,29 +396,36 @@ static bool root_name(const picture *p, long k, size_t size, char *out)
     return false;
 }
 
-/* The circle itself and the roots of unity p/K outside it, where the K-duplicate has its multiplications. */
+/* The circle itself and the roots of unity p/K outside it, where the K-duplicate has its
+ * multiplications. */
 static void draw_roots(picture *p, const plot_panel *circle, const plot_panel *angles)
 {
     plot_point arc[ARC + 1];
     char text[48];
-    for (int i = 0; i <= ARC; i++) arc[i] = (plot_point){cos(2 * pi * i / ARC), sin(2 * pi * i / ARC)};
+    for (int i = 0; i <= ARC; i++)
+        arc[i] = (plot_point){cos(2 * pi * i / ARC), sin(2 * pi * i / ARC)};
     plot_panel_curve(p->page, circle, PLOT_GRID, ARC + 1, arc);
     for (int k = 1; k < p->duplicate; k++) {
         const double gamma = (double)k / (double)p->duplicate;
-        const plot_point at = {cos(2 * pi * gamma), sin(2 * pi * gamma)}, tip = {1.25 * at.x, 1.25 * at.y};
+        const plot_point at = {cos(2 * pi * gamma), sin(2 * pi * gamma)},
+                         tip = {1.25 * at.x, 1.25 * at.y};
         const plot_point line[2] = {{angles->x.lo, gamma}, {angles->x.hi, gamma}};
         plot_page_mark(p->page, PLOT_STAR, plot_panel_at(circle, at), 4);
-        if (!root_name(p, k, sizeof text, text)) snprintf(text, sizeof text, "%d/%ld", k, p->duplicate);
-        plot_page_text(p->page, plot_panel_at(circle, tip), PLOT_CENTRE, type, "#000000", false, text);
+        if (!root_name(p, k, sizeof text, text))
+            snprintf(text, sizeof text, "%d/%ld", k, p->duplicate);
+        plot_page_text(p->page, plot_panel_at(circle, tip), PLOT_CENTRE, type, "#000000", false,
+                       text);
         plot_panel_curve(p->page, angles, PLOT_GRID, 2, line);
     }
 }
 
-/* Where the pair goes as the arclength grows: an arrow beside the circle, at the angle that it has half way. */
-static void draw_direction(picture *p, const plot_panel *circle, double before, double after, plot_stroke stroke,
-                           double radius)
+/* Where the pair goes as the arclength grows: an arrow beside the circle, at the angle that it has
+ * half way. */
+static void draw_direction(picture *p, const plot_panel *circle, double before, double after,
+                           plot_stroke stroke, double radius)
 {
-    const double turn = remainder(after - before, 1), step = turn > 0 ? 1 : -1, middle = before + turn / 2;
+    const double turn = remainder(after - before, 1), step = turn > 0 ? 1 : -1,
+                 middle = before + turn / 2;
     plot_point arrow[12];
     if (turn == 0) return;
     for (int i = 0; i < 9; i++) {
@@ -398,9 +434,11 @@ static void draw_direction(picture *p, const plot_panel *circle, double before, 
     }
     const plot_point tip = arrow[8], way = {tip.x - arrow[6].x, tip.y - arrow[6].y};
     const double length = hypot(way.x, way.y), ux = way.x / length, uy = way.y / length, head = 6;
-    arrow[9] = (plot_point){tip.x - head * ux - 0.5 * head * uy, tip.y - head * uy + 0.5 * head * ux};
+    arrow[9] = (plot_point){tip.x - head * ux - 0.5 * head * uy,
+                            tip.y - head * uy + 0.5 * head * ux};
     arrow[10] = tip;
-    arrow[11] = (plot_point){tip.x - head * ux + 0.5 * head * uy, tip.y - head * uy - 0.5 * head * ux};
+    arrow[11] = (plot_point){tip.x - head * ux + 0.5 * head * uy,
+                             tip.y - head * uy - 0.5 * head * ux};
     plot_page_line(p->page, stroke, 12, arrow);
 }
 
@@ -412,14 +450,17 @@ static int draw_circle(picture *p)
     const double side = plot_page_height(p->page) - 110;
     for (int i = 0; i < p->branch.n_point; i++) {
         ric_point point;
-        if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL) || !isfinite(point.rotation)) continue;
+        if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL) ||
+            !isfinite(point.rotation))
+            continue;
         x[0] = fmin(x[0], point.arclength);
         x[1] = fmax(x[1], point.arclength);
         on_circle++;
     }
     if (on_circle == 0) {
         fprintf(stderr,
-                "ricochet: branch %d has no multipliers on the unit circle, or not two modes; `ricochet plot floquet` "
+                "ricochet: branch %d has no multipliers on the unit circle, or not two modes; "
+                "`ricochet plot floquet` "
                 "draws what it has\n",
                 p->branch.id);
         return CLI_FAILED;
@@ -427,14 +468,16 @@ static int draw_circle(picture *p)
     plot_range_widen(false, 0.03, &x[0], &x[1]);
     const plot_panel circle = {{.from = 66, .to = 66 + side, .lo = -1.55, .hi = 1.55},
                                {.from = 60, .to = 60 + side, .lo = -1.55, .hi = 1.55}};
-    const plot_panel angles = {{.from = 66 + side + 90, .to = plot_page_width(p->page) - 20, .lo = x[0], .hi = x[1]},
-                               {.from = 60, .to = 60 + side, .lo = 0, .hi = 1}};
+    const plot_panel angles =
+        {{.from = 66 + side + 90, .to = plot_page_width(p->page) - 20, .lo = x[0], .hi = x[1]},
+         {.from = 60, .to = 60 + side, .lo = 0, .hi = 1}};
     draw_roots(p, &circle, &angles);
     double first = NAN, last = NAN;
     for (int i = 0; i < p->branch.n_point; i++) {
         ric_point point;
         if (ric_atlas_point(p->atlas, p->branch.id, i, &point, NULL, NULL)) continue;
-        if (isfinite(point.rotation) && isfinite(last)) draw_step(p, &circle, &angles, before, last, &point);
+        if (isfinite(point.rotation) && isfinite(last))
+            draw_step(p, &circle, &angles, before, last, &point);
         if (isfinite(point.rotation) && isnan(first)) first = point.rotation;
         before = point.arclength;
         if (isfinite(point.rotation)) last = point.rotation;
@@ -462,16 +505,19 @@ static int parse(int *argc, char **argv, picture *p)
     p->circle = cli_take_flag(argc, argv, "--circle");
     p->duplicate = 8;
     if (!cli_take_cascade(argc, argv, &p->request) || !cli_take_value(argc, argv, "--dof", &dof) ||
-        !cli_take_value(argc, argv, "--duplicate", &duplicate) || !cli_operands(&cli_plot, *argc, argv, 1) ||
+        !cli_take_value(argc, argv, "--duplicate", &duplicate) ||
+        !cli_operands(&cli_plot, *argc, argv, 1) ||
         (dof && !cli_parse_integer(dof, "--dof", 1, 2147483647, &number)) ||
         (duplicate && !cli_parse_integer(duplicate, "--duplicate", 2, 24, &p->duplicate)))
         return CLI_WRONG;
     p->dof = (int)number - 1;
     if (!p->request.branch) return cli_wrong("plot cascade: --branch ID is missing");
     if (p->circle && (p->shapes || p->request.given))
-        return cli_wrong("plot cascade: --circle shows one branch; leave out --shapes, --multiply and --doublings");
+        return cli_wrong("plot cascade: --circle shows one branch; leave out --shapes, --multiply "
+                         "and --doublings");
     if (!p->circle && !p->request.given)
-        return cli_wrong("plot cascade: --multiply 3,2,4 or --doublings N is missing; or --circle for the multipliers "
+        return cli_wrong("plot cascade: --multiply 3,2,4 or --doublings N is missing; or --circle "
+                         "for the multipliers "
                          "of the branch");
     return CLI_DONE;
 }
@@ -485,7 +531,8 @@ int plot_cascade(int argc, char **argv, const plot_options *common)
     if (!status) status = ric_atlas_branch(p.atlas, p.request.branch, &p.branch);
     const int n_dof = status ? 0 : ric_model_n_dof(ric_atlas_model(p.atlas));
     if (status) code = cli_report(status);
-    else if (p.dof >= n_dof) code = cli_wrong("--dof %d: there are displacements 1 to %d", p.dof + 1, n_dof);
+    else if (p.dof >= n_dof)
+        code = cli_wrong("--dof %d: there are displacements 1 to %d", p.dof + 1, n_dof);
     else if (p.circle) code = draw_circle(&p);
     else if ((code = cli_follow_cascade(p.atlas, &p.request, &p.cascade)) == CLI_DONE) {
         p.dof = p.dof < 0 ? n_dof - 1 : p.dof;

@@ -62,14 +62,16 @@ static bool find_quantity(const char *name, const char *what, int n_dof, quantit
         const size_t n = strlen(columns[k].name);
         if (strncmp(name, columns[k].name, n) || !isdigit((unsigned char)name[n])) continue;
         long index;
-        if (!cli_parse_integer(name + n, what, 1, k == FLIGHT ? 1000000 : n_dof, &index)) return false;
+        if (!cli_parse_integer(name + n, what, 1, k == FLIGHT ? 1000000 : n_dof, &index))
+            return false;
         *out = (quantity){.kind = k, .index = (int)index - 1};
         if (k == FLIGHT) snprintf(out->title, sizeof out->title, "τ_{%ld} (s)", index);
         else snprintf(out->title, sizeof out->title, "%s_{%ld}", columns[k].name, index);
         return true;
     }
-    cli_wrong("%s %s: there are arclength energy frequency period trace rotation reach approach x1.. v1.. tau1..", what,
-              name);
+    cli_wrong("%s %s: there are arclength energy frequency period trace rotation reach approach "
+              "x1.. v1.. tau1..",
+              what, name);
     return false;
 }
 
@@ -82,24 +84,28 @@ static void set_unit(quantity *q, const plot_options *common, const ric_atlas *a
               : q->kind == DISPLACEMENT || q->kind == SPEED || q->kind == APPROACH ? unit.length
                                                                                    : 1;
     if (q->kind == ENERGY)
-        plot_energy_title(common, 1, (const ric_model *const[]){ric_atlas_model(atlas)}, sizeof q->title, q->title);
-    if (q->kind == FREQUENCY) snprintf(q->title, sizeof q->title, "%s", plot_frequency_title(common));
+        plot_energy_title(common, 1, (const ric_model *const[]){ric_atlas_model(atlas)},
+                          sizeof q->title, q->title);
+    if (q->kind == FREQUENCY)
+        snprintf(q->title, sizeof q->title, "%s", plot_frequency_title(common));
     const char *length = ric_model_units(ric_atlas_model(atlas))->length;
     const bool named = common->physical && *length;
     const size_t end = strlen(q->title);
-    if (named && q->kind == DISPLACEMENT) snprintf(q->title + end, sizeof q->title - end, " (%s)", length);
-    if (named && q->kind == SPEED) snprintf(q->title + end, sizeof q->title - end, " (%s/s)", length);
+    if (named && q->kind == DISPLACEMENT)
+        snprintf(q->title + end, sizeof q->title - end, " (%s)", length);
+    if (named && q->kind == SPEED)
+        snprintf(q->title + end, sizeof q->title - end, " (%s/s)", length);
 }
 
-/* Whether it is a smooth function of the arclength: the largest gap and the least speed have corners, a rotation number
- * ends with the slope of a root. */
+/* Whether it is a smooth function of the arclength: the largest gap and the least speed have
+ * corners, a rotation number ends with the slope of a root. */
 static bool smooth(const quantity *q)
 {
     return q->kind != REACH && q->kind != APPROACH && q->kind != ROTATION;
 }
 
-static double read_quantity(const quantity *q, const ric_branch *branch, int n_dof, const ric_point *p,
-                            const double *state, const double *flights)
+static double read_quantity(const quantity *q, const ric_branch *branch, int n_dof,
+                            const ric_point *p, const double *state, const double *flights)
 {
     switch (q->kind) {
     case ARCLENGTH: return p->arclength;
@@ -112,14 +118,15 @@ static double read_quantity(const quantity *q, const ric_branch *branch, int n_d
     case APPROACH: return p->approach;
     case DISPLACEMENT: return state[q->index];
     case SPEED: return state[n_dof + q->index];
-    case FLIGHT: return q->index < (branch->letters > 0 ? branch->letters : 1) ? flights[q->index] : NAN;
+    case FLIGHT:
+        return q->index < (branch->letters > 0 ? branch->letters : 1) ? flights[q->index] : NAN;
     }
     return NAN;
 }
 
 /* Points of a branch as (x, y), in the order of the atlas. */
-static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, const quantity *x, const quantity *y,
-                             plot_track *t)
+static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, const quantity *x,
+                             const quantity *y, plot_track *t)
 {
     const int n_dof = ric_model_n_dof(ric_atlas_model(atlas));
     double *state = calloc(2 * (size_t)n_dof, sizeof *state),
@@ -131,7 +138,8 @@ static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, c
         if (status != RIC_OK) break;
         const plot_point at = {read_quantity(x, branch, n_dof, &p, state, flights),
                                read_quantity(y, branch, n_dof, &p, state, flights)};
-        if (!plot_track_add(t, at, p.arclength, plot_point_stability(branch, i, &p))) status = RIC_E_NOMEM;
+        if (!plot_track_add(t, at, p.arclength, plot_point_stability(branch, i, &p)))
+            status = RIC_E_NOMEM;
         if (ric_branch_steps_over(atlas, branch->id, i)) plot_track_gap(t);
     }
     free(state);
@@ -181,7 +189,9 @@ static bool track_range(const curves *c, double x[2], double y[2])
     for (int i = 0; i < c->n_branch; i++)
         for (int k = 0; k < c->tracks[i].n; k++) {
             const plot_point p = c->tracks[i].knots[k].at;
-            if (!isfinite(p.x) || !isfinite(p.y) || (c->log_x && p.x <= 0) || (c->log_y && p.y <= 0)) continue;
+            if (!isfinite(p.x) || !isfinite(p.y) || (c->log_x && p.x <= 0) ||
+                (c->log_y && p.y <= 0))
+                continue;
             x[0] = fmin(x[0], p.x);
             x[1] = fmax(x[1], p.x);
             y[0] = fmin(y[0], p.y);
@@ -200,7 +210,8 @@ static bool track_range(const curves *c, double x[2], double y[2])
     return true;
 }
 
-static plot_axis axis_of(const quantity *q, bool logarithmic, const double range[2], double from, double to)
+static plot_axis axis_of(const quantity *q, bool logarithmic, const double range[2], double from,
+                         double to)
 {
     return (plot_axis){.scale = logarithmic        ? PLOT_SCALE_LOG
                                 : q->kind == TRACE ? PLOT_SCALE_ASINH
@@ -221,7 +232,8 @@ static bool depth_range(curves *c, const double x[2], const double y[2], double 
         for (int k = 0; k < c->tracks[i].n; k++) {
             const plot_point p = c->tracks[i].knots[k].at;
             const double depth = c->depths[i].knots[k].at.x;
-            if (!(p.x >= x[0] && p.x <= x[1] && p.y >= y[0] && p.y <= y[1]) || !isfinite(depth)) continue;
+            if (!(p.x >= x[0] && p.x <= x[1] && p.y >= y[0] && p.y <= y[1]) || !isfinite(depth))
+                continue;
             z[0] = fmin(z[0], depth);
             z[1] = fmax(z[1], depth);
         }
@@ -248,7 +260,8 @@ static void draw_shadows(const curves *c)
     }
 }
 
-/* From here on tracks are what is seen on the page, in pixels: the view is linear, so that they stay smooth. */
+/* From here on tracks are what is seen on the page, in pixels: the view is linear, so that they
+ * stay smooth. */
 static void project(curves *c)
 {
     for (int i = 0; i < c->n_branch; i++)
@@ -284,8 +297,8 @@ static bool look_from_front(curves *c, const double x[2], const double y[2])
 static void mark_junction(curves *c, int id, plot_point data)
 {
     ric_junction junction;
-    if (id <= 0 || !plot_panel_inside(&c->panel, data) || ric_atlas_junction(c->atlas, id, &junction) != RIC_OK ||
-        junction.kind == RIC_KIND_START)
+    if (id <= 0 || !plot_panel_inside(&c->panel, data) ||
+        ric_atlas_junction(c->atlas, id, &junction) != RIC_OK || junction.kind == RIC_KIND_START)
         return;
     const plot_point at = plot_panel_at(&c->panel, data);
     const bool named = junction.name && *junction.name;
@@ -332,7 +345,8 @@ static ric_status draw_curves(curves *c)
         const plot_track *t = &c->tracks[i];
         if (ric_atlas_branch(c->atlas, c->branches[i], &branch) != RIC_OK || t->n == 0) continue;
         if (!beyond(c, t, t->knots[0].arclength)) mark_junction(c, branch.from, t->knots[0].at);
-        if (!beyond(c, t, t->knots[t->n - 1].arclength)) mark_junction(c, branch.to, t->knots[t->n - 1].at);
+        if (!beyond(c, t, t->knots[t->n - 1].arclength))
+            mark_junction(c, branch.to, t->knots[t->n - 1].at);
         for (int k = 0; k < branch.n_junction; k++)
             if (!beyond(c, t, branch.junction_at[k]))
                 mark_junction(c, branch.junctions[k], track_at(t, branch.junction_at[k]));
@@ -342,12 +356,14 @@ static ric_status draw_curves(curves *c)
 
 static int draw_curve_page(curves *c)
 {
-    const double width = plot_layout_width(c->common, PLOT_WIDTH), height = plot_layout_height(c->common, 500);
+    const double width = plot_layout_width(c->common, PLOT_WIDTH),
+                 height = plot_layout_height(c->common, 500);
     double x[2], y[2];
     plot_legend_entry entries[PLOT_MAX_LEGEND];
     if (!track_range(c, x, y)) {
-        fprintf(stderr, "ricochet: nothing to draw: no point of these branches has both %s and %s%s\n", c->x.title,
-                c->y.title, c->log_x || c->log_y ? " with a logarithm" : "");
+        fprintf(stderr,
+                "ricochet: nothing to draw: no point of these branches has both %s and %s%s\n",
+                c->x.title, c->y.title, c->log_x || c->log_y ? " with a logarithm" : "");
         return CLI_FAILED;
     }
     c->page = plot_page_create(width, height);
@@ -358,7 +374,8 @@ static int draw_curve_page(curves *c)
     }
     if (!c->spatial)
         c->panel = (plot_panel){axis_of(&c->x, c->log_x, x, 78, width - 18),
-                                axis_of(&c->y, c->log_y, y, 92, height - plot_page_head(c->common, NULL))};
+                                axis_of(&c->y, c->log_y, y, 92,
+                                        height - plot_page_head(c->common, NULL))};
     const ric_status status = draw_curves(c);
     if (status != RIC_OK) return cli_report(status);
     const char *const titles[3] = {c->x.title, c->y.title, c->z.title};
@@ -368,15 +385,18 @@ static int draw_curve_page(curves *c)
         plot_panel_dot(c->page, &c->panel, PLOT_DATA,
                        (plot_point){plot_table_at(&c->data, i, 0) / c->x.unit,
                                     plot_table_at(&c->data, i, 1) / c->y.unit});
-    const int missing = plot_place_tags(c->page, plot_panel_box(&c->panel), c->n_tag, c->tags, type);
+    const int missing = plot_place_tags(c->page, plot_panel_box(&c->panel), c->n_tag, c->tags,
+                                        type);
     if (missing)
-        fprintf(stderr, "ricochet: %d label%s left out for want of room; --branch or --size make more\n", missing,
-                missing == 1 ? "" : "s");
+        fprintf(stderr,
+                "ricochet: %d label%s left out for want of room; --branch or --size make more\n",
+                missing, missing == 1 ? "" : "s");
     plot_page_title(c->page, c->common, NULL);
     int n = plot_legend_entries(c->family, c->stability, NULL, entries);
     if (c->data.n) entries[n++] = (plot_legend_entry){c->data.name, PLOT_DATA, -1};
     n += plot_legend_entries(NULL, 0, c->kinds, entries + n);
-    plot_legend(c->page, n, entries, 12, width - 12, (c->spatial ? 0 : c->panel.y.from) - 46 + 92 * c->spatial);
+    plot_legend(c->page, n, entries, 12, width - 12,
+                (c->spatial ? 0 : c->panel.y.from) - 46 + 92 * c->spatial);
     return plot_page_write(c->page, c->common);
 }
 
@@ -411,7 +431,8 @@ static ric_status load_tracks(curves *c)
         ric_branch branch;
         status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
         if (status == RIC_OK) status = load_track(c->atlas, &branch, &c->x, &c->y, &c->tracks[i]);
-        if (status == RIC_OK && c->spatial) status = load_track(c->atlas, &branch, &c->z, &c->z, &c->depths[i]);
+        if (status == RIC_OK && c->spatial)
+            status = load_track(c->atlas, &branch, &c->z, &c->z, &c->depths[i]);
     }
     return status;
 }
@@ -421,17 +442,20 @@ static bool take_space(const char *text, double window[6])
 {
     char first[200];
     const char *last = strrchr(text, ',');
-    if (!last || (size_t)(last - text) >= sizeof first || !memchr(text, ',', (size_t)(last - text))) {
+    if (!last || (size_t)(last - text) >= sizeof first ||
+        !memchr(text, ',', (size_t)(last - text))) {
         cli_wrong("--window %s: of three axes a window is X0:X1,Y0:Y1,Z0:Z1", text);
         return false;
     }
     snprintf(first, sizeof first, "%.*s", (int)(last - text), text);
-    return plot_parse_window(first, "--window", window) && plot_parse_range(last + 1, "--window", window + 4);
+    return plot_parse_window(first, "--window", window) &&
+           plot_parse_range(last + 1, "--window", window + 4);
 }
 
 static bool take_labels(int *argc, char **argv, curves *c)
 {
-    static const char *const choices[] = {[TAGS_ALL] = "all", [TAGS_NAMED] = "named", [TAGS_NONE] = "none"};
+    static const char *const choices[] =
+        {[TAGS_ALL] = "all", [TAGS_NAMED] = "named", [TAGS_NONE] = "none"};
     const char *labels = NULL;
     if (!cli_take_value(argc, argv, "--labels", &labels)) return false;
     for (unsigned i = TAGS_ALL; i <= TAGS_NONE; i++) {
@@ -446,18 +470,22 @@ static bool take_labels(int *argc, char **argv, curves *c)
 int plot_curves(int argc, char **argv, const plot_options *common)
 {
     curves c = {.common = common};
-    const char *data = NULL, *x = NULL, *y = NULL, *z = NULL, *view = NULL, *logs = NULL, *window = NULL;
+    const char *data = NULL, *x = NULL, *y = NULL, *z = NULL, *view = NULL, *logs = NULL,
+               *window = NULL;
     int code = take_branches(&argc, argv, &c.n_branch, &c.branches);
-    if (code != CLI_DONE || !cli_take_value(&argc, argv, "--x", &x) || !cli_take_value(&argc, argv, "--y", &y) ||
-        !cli_take_value(&argc, argv, "--z", &z) || !cli_take_value(&argc, argv, "--data", &data) ||
-        !cli_take_value(&argc, argv, "--view", &view) || !cli_take_value(&argc, argv, "--log", &logs) ||
+    if (code != CLI_DONE || !cli_take_value(&argc, argv, "--x", &x) ||
+        !cli_take_value(&argc, argv, "--y", &y) || !cli_take_value(&argc, argv, "--z", &z) ||
+        !cli_take_value(&argc, argv, "--data", &data) ||
+        !cli_take_value(&argc, argv, "--view", &view) ||
+        !cli_take_value(&argc, argv, "--log", &logs) ||
         !cli_take_value(&argc, argv, "--window", &window) || !take_labels(&argc, argv, &c) ||
         !cli_operands(&cli_plot, argc, argv, 1)) {
         code = code != CLI_DONE ? code : CLI_WRONG;
         goto out;
     }
     if (!x || !y) {
-        code = cli_wrong("plot curves: --x NAME and --y NAME are needed, for example --x x1 --y v1");
+        code = cli_wrong(
+            "plot curves: --x NAME and --y NAME are needed, for example --x x1 --y v1");
         goto out;
     }
     if (logs && strcmp(logs, "x") && strcmp(logs, "y") && strcmp(logs, "xy")) {
@@ -470,7 +498,9 @@ int plot_curves(int argc, char **argv, const plot_options *common)
         code = cli_wrong("--data %s: goes with two axes", data);
         goto out;
     }
-    if (data && (code = plot_table_read(data, 2, (const char *const[]){x, y}, 2, &c.data)) != CLI_DONE) goto out;
+    if (data &&
+        (code = plot_table_read(data, 2, (const char *const[]){x, y}, 2, &c.data)) != CLI_DONE)
+        goto out;
     if (view && !z) {
         code = cli_wrong("--view %s: goes with --z", view);
         goto out;
@@ -483,7 +513,8 @@ int plot_curves(int argc, char **argv, const plot_options *common)
         code = cli_wrong("--log %s: three axes are linear", logs);
         goto out;
     }
-    if (window && !(z ? take_space(window, c.window) : plot_parse_window(window, "--window", c.window))) {
+    if (window &&
+        !(z ? take_space(window, c.window) : plot_parse_window(window, "--window", c.window))) {
         code = CLI_WRONG;
         goto out;
     }
@@ -561,8 +592,10 @@ static int draw_trace(floquet *f, const plot_track *trace, const plot_track *rot
     for (int sign = -1; sign <= 1; sign += 2)
         plot_panel_curve(f->page, &f->upper, PLOT_LOCKED, 2,
                          (plot_point[]){{x[0], sign * asinh(1)}, {x[1], sign * asinh(1)}});
-    plot_track_draw(f->page, &f->upper, plot_branch_family(ric_atlas_model(f->atlas), &f->branch), trace);
-    plot_track_draw(f->page, &f->lower, plot_branch_family(ric_atlas_model(f->atlas), &f->branch), rotation);
+    plot_track_draw(f->page, &f->upper, plot_branch_family(ric_atlas_model(f->atlas), &f->branch),
+                    trace);
+    plot_track_draw(f->page, &f->lower, plot_branch_family(ric_atlas_model(f->atlas), &f->branch),
+                    rotation);
     plot_panel_frame(f->page, &f->upper, NULL, "trace τ_2");
     plot_panel_frame(f->page, &f->lower, f->x.title, "rotation number γ");
     return CLI_DONE;
@@ -586,10 +619,12 @@ static bool add_dots(floquet *f, double x, int n, const double *multipliers)
     return true;
 }
 
-/* Every multiplier as a dot: more than two modes. The orbits are solved again, so a long branch is sampled. */
+/* Every multiplier as a dot: more than two modes. The orbits are solved again, so a long branch is
+ * sampled. */
 static ric_status gather_dots(floquet *f, const plot_track *t)
 {
-    const int n = 2 * (ric_model_n_mode(ric_atlas_model(f->atlas)) - 1), most = 300, step = (t->n + most - 1) / most;
+    const int n = 2 * (ric_model_n_mode(ric_atlas_model(f->atlas)) - 1), most = 300,
+              step = (t->n + most - 1) / most;
     double *multipliers = calloc(2 * (size_t)(n > 0 ? n : 1), sizeof *multipliers);
     ric_status status = multipliers ? RIC_OK : RIC_E_NOMEM;
     for (int i = 0; status == RIC_OK && n > 0 && i < t->n; i += step) {
@@ -597,7 +632,8 @@ static ric_status gather_dots(floquet *f, const plot_track *t)
         int found = 0;
         status = ric_orbit_find(f->atlas, f->branch.id, RIC_AT_POINT, i, &found, &orbits);
         if (status == RIC_OK && found > 0) status = ric_orbit_multipliers(orbits[0], multipliers);
-        if (status == RIC_OK && found > 0 && !add_dots(f, t->knots[i].at.x, n, multipliers)) status = RIC_E_NOMEM;
+        if (status == RIC_OK && found > 0 && !add_dots(f, t->knots[i].at.x, n, multipliers))
+            status = RIC_E_NOMEM;
         ric_orbits_free(found, orbits);
     }
     free(multipliers);
@@ -607,7 +643,8 @@ static ric_status gather_dots(floquet *f, const plot_track *t)
 static void draw_dot(plot_page *page, const plot_panel *panel, plot_point data)
 {
     if (!plot_panel_inside(panel, data)) return;
-    const plot_point at = plot_panel_at(panel, data); /* a line without length: a round end on both sides */
+    const plot_point at =
+        plot_panel_at(panel, data); /* a line without length: a round end on both sides */
     plot_page_line(page, PLOT_SERIES, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
 }
 
@@ -617,7 +654,8 @@ static int draw_dots(floquet *f, const plot_track *t)
     const ric_status status = gather_dots(f, t);
     if (status != RIC_OK) return cli_report(status);
     if (f->n_dot == 0) {
-        fprintf(stderr, "ricochet: branch %d has no multipliers besides the trivial ones\n", f->branch.id);
+        fprintf(stderr, "ricochet: branch %d has no multipliers besides the trivial ones\n",
+                f->branch.id);
         return CLI_FAILED;
     }
     for (int i = 0; i < f->n_dot; i++) {
@@ -643,21 +681,24 @@ static int draw_dots(floquet *f, const plot_track *t)
 
 static int draw_floquet(floquet *f)
 {
-    const double width = plot_layout_width(f->common, PLOT_WIDTH), height = plot_layout_height(f->common, 560);
+    const double width = plot_layout_width(f->common, PLOT_WIDTH),
+                 height = plot_layout_height(f->common, 560);
     static const quantity of_trace = {.kind = TRACE}, of_rotation = {.kind = ROTATION};
     plot_track trace = {0}, rotation = {0};
     char name[200];
     bool known = false;
     int code = CLI_FAILED;
     f->page = plot_page_create(width, height);
-    ric_status status = f->page ? load_track(f->atlas, &f->branch, &f->x, &of_trace, &trace) : RIC_E_NOMEM;
+    ric_status status = f->page ? load_track(f->atlas, &f->branch, &f->x, &of_trace, &trace)
+                                : RIC_E_NOMEM;
     if (status == RIC_OK) status = load_track(f->atlas, &f->branch, &f->x, &of_rotation, &rotation);
     if (status != RIC_OK) {
         code = cli_report(status);
         goto out;
     }
     const double middle = 48 + 0.45 * (height - 90);
-    f->upper = (plot_panel){{.from = 82, .to = width - 18}, {.from = middle + 14, .to = height - 34}};
+    f->upper = (plot_panel){{.from = 82, .to = width - 18},
+                            {.from = middle + 14, .to = height - 34}};
     f->lower = (plot_panel){{.from = 82, .to = width - 18}, {.from = 52, .to = middle}};
     f->upper.x.unit = f->lower.x.unit = f->x.unit;
     for (int i = 0; i < trace.n; i++) known |= isfinite(trace.knots[i].at.y);
@@ -678,15 +719,16 @@ int plot_floquet(int argc, char **argv, const plot_options *common)
     const char *branch = NULL, *x = NULL;
     long id;
     int code = CLI_WRONG;
-    if (!cli_take_value(&argc, argv, "--branch", &branch) || !cli_take_value(&argc, argv, "--x", &x) ||
-        !cli_operands(&cli_plot, argc, argv, 1))
+    if (!cli_take_value(&argc, argv, "--branch", &branch) ||
+        !cli_take_value(&argc, argv, "--x", &x) || !cli_operands(&cli_plot, argc, argv, 1))
         return CLI_WRONG;
     if (!branch) return cli_wrong("plot floquet: --branch ID is missing");
     if (!cli_parse_integer(branch, "--branch", 1, 2147483647, &id)) return CLI_WRONG;
     ric_status status = ric_atlas_read(argv[1], &f.atlas);
     if (status == RIC_OK) status = ric_atlas_branch(f.atlas, (int)id, &f.branch);
     if (status != RIC_OK) code = cli_report(status);
-    else if (find_quantity(x ? x : "arclength", "--x", ric_model_n_dof(ric_atlas_model(f.atlas)), &f.x)) {
+    else if (find_quantity(x ? x : "arclength", "--x", ric_model_n_dof(ric_atlas_model(f.atlas)),
+                           &f.x)) {
         set_unit(&f.x, common, f.atlas);
         code = draw_floquet(&f);
     }

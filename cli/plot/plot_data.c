@@ -12,7 +12,8 @@
 
 enum { LINE_MOST = 4096, ROWS_MOST = 1000000 };
 
-/* Field `column` of a line, without blanks and quotation marks around it; false if the line ends before. */
+/* Field `column` of a line, without blanks and quotation marks around it; false if the line ends
+ * before. */
 static bool field(const char *line, int column, size_t size, char *out)
 {
     for (; column > 0; column--) {
@@ -62,34 +63,40 @@ static bool add_row(plot_table *t, int line, const double *values)
         t->lines = lines;
         t->room = room;
     }
-    memcpy(t->values + (size_t)t->n * (size_t)t->n_column, values, (size_t)t->n_column * sizeof *values);
+    memcpy(t->values + (size_t)t->n * (size_t)t->n_column, values,
+           (size_t)t->n_column * sizeof *values);
     t->lines[t->n++] = line;
     return true;
 }
 
 /* The line that names the columns: where each of those asked for stands. */
-static int find_columns(const char *path, int row, const char *text, const char *const *names, int needed,
-                        const plot_table *t, int *columns)
+static int find_columns(const char *path, int row, const char *text, const char *const *names,
+                        int needed, const plot_table *t, int *columns)
 {
     char wanted[200] = "";
     for (int i = 0; i < t->n_column; i++) columns[i] = find_column(text, names[i]);
     for (int i = 0; i < needed; i++)
-        snprintf(wanted + strlen(wanted), sizeof wanted - strlen(wanted), "%s%s", i ? " and " : "", names[i]);
+        snprintf(wanted + strlen(wanted), sizeof wanted - strlen(wanted), "%s%s", i ? " and " : "",
+                 names[i]);
     for (int i = 0; i < needed; i++)
         if (columns[i] < 0)
-            return cli_wrong("%s:%d: the first line names the columns, %s among them, with commas between", path, row,
-                             wanted);
+            return cli_wrong(
+                "%s:%d: the first line names the columns, %s among them, with commas between", path,
+                row, wanted);
     return CLI_DONE;
 }
 
-static int read_rows(FILE *file, const char *path, const char *const *names, int needed, plot_table *t, int *columns,
-                     double *values)
+static int read_rows(FILE *file, const char *path, const char *const *names, int needed,
+                     plot_table *t, int *columns, double *values)
 {
     char line[LINE_MOST];
     bool named = false;
     for (int row = 1; fgets(line, sizeof line, file); row++) {
-        const char *text = row == 1 && !strncmp(line, "\xef\xbb\xbf", 3) ? line + 3 : line; /* a byte order mark */
-        if (!strchr(line, '\n') && !feof(file)) return cli_wrong("%s:%d: this line is too long", path, row);
+        const char *text = row == 1 && !strncmp(line, "\xef\xbb\xbf", 3)
+                               ? line + 3
+                               : line; /* a byte order mark */
+        if (!strchr(line, '\n') && !feof(file))
+            return cli_wrong("%s:%d: this line is too long", path, row);
         if (*text == '#' || strspn(text, " \t\r\n") == strlen(text)) continue;
         if (!named) {
             const int code = find_columns(path, row, text, names, needed, t, columns);

@@ -47,8 +47,8 @@ bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, 
     return found;
 }
 
-/* A label asks for a junction, or for one branch among several of the same name: LABEL|P1 P2; else for what bears
- * it. */
+/* A label asks for a junction, or for one branch among several of the same name: LABEL|P1 P2; else
+ * for what bears it. */
 static int resolve_labels(fep *f)
 {
     for (int i = 0; i < f->options->n_asked; i++) {
@@ -71,7 +71,8 @@ static void report_unused(const fep *f)
     for (int i = 0; i < f->options->n_asked; i++) {
         const fep_asked *a = &f->options->asked[i];
         if ((a->what == ASK_LABEL || a->what == ASK_MARK) && !a->used)
-            cli_say("ricochet: %s %s: nothing of this name is in the picture\n", fep_questions[a->what], a->text);
+            cli_say("ricochet: %s %s: nothing of this name is in the picture\n",
+                    fep_questions[a->what], a->text);
     }
 }
 
@@ -85,8 +86,9 @@ static int read_data(fep *f)
     for (int i = 0; code == CLI_DONE && i < f->data.n; i++) {
         double *p = f->data.values + 2 * i;
         if (p[0] < 0 || p[1] <= 0)
-            return cli_wrong("%s:%d: an energy from 0 on and a frequency above 0 are needed, as numbers",
-                             f->options->data, f->data.lines[i]);
+            return cli_wrong(
+                "%s:%d: an energy from 0 on and a frequency above 0 are needed, as numbers",
+                f->options->data, f->data.lines[i]);
         p[0] /= unit.energy;
         p[1] /= unit.frequency;
     }
@@ -100,8 +102,8 @@ static plot_point data_at(const fep *f, int i)
 
 /* ------------------------------------------------------------------- window */
 
-/* A linear mode on which nothing happens is shown up to so many times beyond the frequencies at which something does.
- */
+/* A linear mode on which nothing happens is shown up to so many times beyond the frequencies at
+ * which something does. */
 #define NEIGHBOUR 1.5
 
 typedef struct {
@@ -126,8 +128,10 @@ static bool wanted(bool given, const double range[2], double value)
     return !given || (value >= range[0] && value <= range[1]);
 }
 
-/* What the axes must hold. Modes without impacts reach down to energy 0; only their upper end counts. */
-static ric_status add_part(const fep *f, const fep_source *s, const fep_part *part, span *energy, span *frequency)
+/* What the axes must hold. Modes without impacts reach down to energy 0; only their upper end
+ * counts. */
+static ric_status add_part(const fep *f, const fep_source *s, const fep_part *part, span *energy,
+                           span *frequency)
 {
     const fep_options *o = f->options;
     ric_branch branch;
@@ -140,9 +144,11 @@ static ric_status add_part(const fep *f, const fep_source *s, const fep_part *pa
             !wanted(o->has_frequency, o->frequency, p.frequency / part->k))
             continue;
         span_add(frequency, p.frequency / part->k);
-        if (p.energy > 0 && (!ric_branch_linear(s->model, &branch) || o->has_energy || isfinite(part->lo)))
+        if (p.energy > 0 &&
+            (!ric_branch_linear(s->model, &branch) || o->has_energy || isfinite(part->lo)))
             span_add(energy, p.energy);
-        else if (p.energy > 0 && p.energy >= branch.energy_max) { /* and enough of the line to be seen */
+        else if (p.energy > 0 &&
+                 p.energy >= branch.energy_max) { /* and enough of the line to be seen */
             span_add(energy, p.energy);
             span_add(energy, 0.6 * p.energy);
         }
@@ -153,8 +159,9 @@ static ric_status add_part(const fep *f, const fep_source *s, const fep_part *pa
 static bool is_idle(const fep_source *s, const fep_part *part)
 {
     ric_branch branch;
-    return !ric_atlas_branch(s->atlas, part->branch, &branch) && ric_branch_linear(s->model, &branch) && !branch.from &&
-           !branch.to && branch.n_junction == 0;
+    return !ric_atlas_branch(s->atlas, part->branch, &branch) &&
+           ric_branch_linear(s->model, &branch) && !branch.from && !branch.to &&
+           branch.n_junction == 0;
 }
 
 static bool near_span(const span *s, double value)
@@ -169,8 +176,8 @@ void fep_leave_out(fep *f, double lowest, double highest)
     f->idle[1] = f->n_idle == 1 ? highest : fmax(f->idle[1], highest);
 }
 
-/* Of a structure of many modes most are idle, and would press what happens to the foot of the picture: those far from
- * it are left out where no window was given. */
+/* Of a structure of many modes most are idle, and would press what happens to the foot of the
+ * picture: those far from it are left out where no window was given. */
 static ric_status find_window(fep *f, span *energy, span *frequency)
 {
     ric_status status = RIC_OK;
@@ -185,7 +192,8 @@ static ric_status find_window(fep *f, span *energy, span *frequency)
                 if (s->parts[i].idle != idle) continue;
                 status = add_part(f, s, &s->parts[i], &e, &w);
                 if (status != RIC_OK || !(w.hi >= w.lo)) continue;
-                if (idle && lively.hi >= lively.lo && !(near_span(&lively, w.lo) && near_span(&lively, w.hi))) {
+                if (idle && lively.hi >= lively.lo &&
+                    !(near_span(&lively, w.lo) && near_span(&lively, w.hi))) {
                     fep_leave_out(f, w.lo, w.hi);
                     continue;
                 }
@@ -277,7 +285,9 @@ static ric_status set_axes(fep *f, span energy, span frequency)
     x->hi = o->has_energy ? o->energy[1] : energy.hi;
     y->lo = o->has_frequency ? o->frequency[0] : frequency.lo;
     y->hi = o->has_frequency ? o->frequency[1] : frequency.hi;
-    y->scale = o->has_break ? PLOT_SCALE_BROKEN : o->log_frequency ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR;
+    y->scale = o->has_break       ? PLOT_SCALE_BROKEN
+               : o->log_frequency ? PLOT_SCALE_LOG
+                                  : PLOT_SCALE_LINEAR;
     y->knee = o->knee;
     const plot_units unit = units_of(f);
     x->unit = unit.energy;
@@ -292,13 +302,15 @@ static ric_status set_axes(fep *f, span energy, span frequency)
 
 static void count_unmarked(fep *f)
 {
-    snprintf(f->remark, sizeof f->remark, "%d more junction%s not marked", f->unmarked, f->unmarked == 1 ? "" : "s");
+    snprintf(f->remark, sizeof f->remark, "%d more junction%s not marked", f->unmarked,
+             f->unmarked == 1 ? "" : "s");
 }
 
 /* What dashes say: of several atlases in the colour of the first, else of each kind of branches. */
 static int dashed_entries(const fep *f, unsigned dashed, plot_legend_entry *out)
 {
-    static const char *const texts[] = {"duplicate of a linear mode", "duplicate, asymmetric", "duplicate, symmetric"};
+    static const char *const texts[] = {"duplicate of a linear mode", "duplicate, asymmetric",
+                                        "duplicate, symmetric"};
     const int thick = dashed & 1u << RIC_STABLE_YES ? RIC_STABLE_YES : RIC_STABLE_NO;
     int n = 0;
     if (!dashed) return 0;
@@ -307,7 +319,8 @@ static int dashed_entries(const fep *f, unsigned dashed, plot_legend_entry *out)
         return n;
     }
     for (int i = 2; i >= 0; i--)
-        if (f->duplicate[i]) out[n++] = (plot_legend_entry){texts[i], PLOT_DUPLICATE + 3 * i + thick, -1};
+        if (f->duplicate[i])
+            out[n++] = (plot_legend_entry){texts[i], PLOT_DUPLICATE + 3 * i + thick, -1};
     return n;
 }
 
@@ -340,7 +353,8 @@ static int legend_entries(fep *f, plot_legend_entry *out)
     if (f->n_source > 1) {
         for (int i = 0; i < f->n_source; i++)
             if (drawn_in(f, i))
-                out[n++] = (plot_legend_entry){f->sources[i].key, PLOT_ATLAS + 3 * i + RIC_STABLE_YES, -1};
+                out[n++] = (plot_legend_entry){f->sources[i].key,
+                                               PLOT_ATLAS + 3 * i + RIC_STABLE_YES, -1};
         if ((stability | dashed) & 1u << RIC_STABLE_NO)
             out[n++] = (plot_legend_entry){"thin: unstable", PLOT_ATLAS + RIC_STABLE_NO, -1};
     } else {
@@ -348,7 +362,8 @@ static int legend_entries(fep *f, plot_legend_entry *out)
     }
     n += dashed_entries(f, dashed, out + n);
     if (f->ghost) out[n++] = (plot_legend_entry){"ghost: no motion", PLOT_GHOST, -1};
-    if (f->island) out[n++] = (plot_legend_entry){"island: linked to no linear mode", PLOT_ISLAND, -1};
+    if (f->island)
+        out[n++] = (plot_legend_entry){"island: linked to no linear mode", PLOT_ISLAND, -1};
     if (f->arrow) out[n++] = (plot_legend_entry){"inherited", PLOT_ARROW, -1};
     if (f->proved) out[n++] = (plot_legend_entry){count_proofs(f), PLOT_PROOF, -1};
     if (f->natural) out[n++] = (plot_legend_entry){"natural frequency", PLOT_NATURAL, -1};
@@ -360,10 +375,14 @@ static int legend_entries(fep *f, plot_legend_entry *out)
     return n;
 }
 
-/* How many panels stand side by side: two, but one above the other on a page that is higher than wide. */
+/* How many panels stand side by side: two, but one above the other on a page that is higher than
+ * wide. */
 static int columns_of(const fep *f)
 {
-    return f->n_panel == 1 || (f->n_panel == 2 && plot_page_height(f->page) > plot_page_width(f->page)) ? 1 : 2;
+    return f->n_panel == 1 ||
+                   (f->n_panel == 2 && plot_page_height(f->page) > plot_page_width(f->page))
+               ? 1
+               : 2;
 }
 
 /* What numbers and title beside the frequencies need. */
@@ -425,7 +444,8 @@ static void draw_window(fep *f, const double window[4], const char *name)
     a = (plot_point){fmax(a.x, box.left), fmax(a.y, box.bottom)};
     b = (plot_point){fmin(b.x, box.right), fmin(b.y, box.top)};
     if (a.x >= b.x || a.y >= b.y) return;
-    plot_page_line(f->page, PLOT_ZOOM, 5, (plot_point[]){{a.x, a.y}, {b.x, a.y}, {b.x, b.y}, {a.x, b.y}, {a.x, a.y}});
+    plot_page_line(f->page, PLOT_ZOOM, 5,
+                   (plot_point[]){{a.x, a.y}, {b.x, a.y}, {b.x, b.y}, {a.x, b.y}, {a.x, a.y}});
     const plot_point corners[] = {b, {a.x, b.y}, {b.x, a.y}, a};
     const int group = ++f->n_group;
     for (int i = 0; *name && i < 4; i++) {
@@ -463,13 +483,17 @@ static int draw_panel(fep *f, int i)
 {
     f->panel = &f->panels[i];
     ric_status status = fep_draw_references(f, &f->sources[0]);
-    for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_branches(f, &f->sources[k]);
-    for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_ghosts(f, &f->sources[k]);
-    for (int k = 0; status == RIC_OK && k < f->n_source; k++) status = fep_draw_junctions(f, &f->sources[k]);
+    for (int k = 0; status == RIC_OK && k < f->n_source; k++)
+        status = fep_draw_branches(f, &f->sources[k]);
+    for (int k = 0; status == RIC_OK && k < f->n_source; k++)
+        status = fep_draw_ghosts(f, &f->sources[k]);
+    for (int k = 0; status == RIC_OK && k < f->n_source; k++)
+        status = fep_draw_junctions(f, &f->sources[k]);
     if (i == 0) draw_windows(f);
     for (int k = 0; k < f->data.n; k++) plot_panel_dot(f->page, f->panel, PLOT_DATA, data_at(f, k));
     int code = status == RIC_OK ? CLI_DONE : cli_report(status);
-    for (int k = 0; code == CLI_DONE && k < f->n_source; k++) code = fep_draw_marks(f, &f->sources[k]);
+    for (int k = 0; code == CLI_DONE && k < f->n_source; k++)
+        code = fep_draw_marks(f, &f->sources[k]);
     return code;
 }
 
@@ -492,8 +516,8 @@ static void frame(const fep *f)
     plot_panel_frame(f->page, f->panel, energy, frequency);
 }
 
-/* All panels, with `legend` pixels left free at the foot; labels only where `final`. Adds to *missing the labels
- * without a place. */
+/* All panels, with `legend` pixels left free at the foot; labels only where `final`. Adds to
+ * *missing the labels without a place. */
 static int draw_panels(fep *f, double legend, bool final, int *missing)
 {
     const plot_options *common = f->options->common;
@@ -514,8 +538,8 @@ static int draw_panels(fep *f, double legend, bool final, int *missing)
         plot_text_escape(letter, sizeof name, name);
         frame(f);
         if (f->n_panel > 1 && *letter)
-            plot_page_text(f->page, (plot_point){f->panel->x.from - 50, f->panel->y.to + 17}, PLOT_LEFT, type + 1,
-                           "#000000", false, name);
+            plot_page_text(f->page, (plot_point){f->panel->x.from - 50, f->panel->y.to + 17},
+                           PLOT_LEFT, type + 1, "#000000", false, name);
         *missing += plot_place_tags(f->page, plot_panel_box(f->panel), f->n_tag, f->tags, type);
     }
     return code;
@@ -527,18 +551,20 @@ static void report_idle(const fep *f)
     const double unit = f->panels[0].y.unit;
     const bool one = f->n_idle == 1;
     if (f->n_idle == 0 || f->options->has_frequency) return;
-    cli_say("ricochet: %d linear mode%s no contact in the windows and %s not shown, at %g to %g %s; --frequency shows "
+    cli_say("ricochet: %d linear mode%s no contact in the windows and %s not shown, at %g to %g "
+            "%s; --frequency shows "
             "%s\n",
-            f->n_idle, one ? " touches" : "s touch", one ? "is" : "are", f->idle[0] * unit, f->idle[1] * unit,
-            f->options->common->hertz ? "Hz" : "rad/s", one ? "it" : "them");
+            f->n_idle, one ? " touches" : "s touch", one ? "is" : "are", f->idle[0] * unit,
+            f->idle[1] * unit, f->options->common->hertz ? "Hz" : "rad/s", one ? "it" : "them");
 }
 
 static int draw(fep *f)
 {
     const plot_options *common = f->options->common;
     plot_legend_entry entries[PLOT_MAX_LEGEND];
-    int missing = 0, code = draw_panels(f, 0, false, &missing); /* what the legend needs is known once the data are
-                                                                 * drawn */
+    int missing = 0,
+        code = draw_panels(f, 0, false,
+                           &missing); /* what the legend needs is known once the data are drawn */
     if (code != CLI_DONE) return code;
     const int n_entry = legend_entries(f, entries);
     const double legend = plot_legend(NULL, n_entry, entries, 12, plot_page_width(f->page) - 12, 0);
@@ -547,10 +573,12 @@ static int draw(fep *f)
     missing += f->no_margin;
     count_unmarked(f); /* again: the legend has made the panels lower */
     if (missing > 0)
-        cli_say("ricochet: %d label%s left out for want of room; --energy, --frequency or --size make more\n", missing,
-                missing == 1 ? "" : "s");
+        cli_say("ricochet: %d label%s left out for want of room; --energy, --frequency or --size "
+                "make more\n",
+                missing, missing == 1 ? "" : "s");
     if (f->unmarked > 0)
-        cli_say("ricochet: %d junctions are not marked, where they would hide the curve; --marks all draws them, "
+        cli_say("ricochet: %d junctions are not marked, where they would hide the curve; --marks "
+                "all draws them, "
                 "--zoom and --energy make room\n",
                 f->unmarked);
     report_idle(f);
@@ -568,15 +596,16 @@ static int draw_page(fep *f)
     if (status != RIC_OK) return cli_report(status);
     for (int i = 0; i < f->n_source; i++) total += ric_atlas_n_branch(f->sources[i].atlas);
     if (!(energy.hi > 0) || !(frequency.hi > 0)) {
-        cli_say("ricochet: nothing to draw: %s\n",
-                total ? "no branch of the atlas enters this window" : "the atlas has no branches yet");
+        cli_say("ricochet: nothing to draw: %s\n", total
+                                                       ? "no branch of the atlas enters this window"
+                                                       : "the atlas has no branches yet");
         return CLI_FAILED;
     }
     if ((status = set_axes(f, energy, frequency)) != RIC_OK) return cli_report(status);
     const plot_axis *y = &f->panels[0].y;
     if (f->options->has_break && !(f->options->knee > y->lo && f->options->knee < y->hi))
-        return cli_wrong("--break %g: must lie inside the frequencies shown, %g to %g", f->options->knee * y->unit,
-                         y->lo * y->unit, y->hi * y->unit);
+        return cli_wrong("--break %g: must lie inside the frequencies shown, %g to %g",
+                         f->options->knee * y->unit, y->lo * y->unit, y->hi * y->unit);
     for (int i = 0; i < f->n_source && status == RIC_OK && f->options->ghosts; i++)
         status = fep_find_ghosts(f, &f->sources[i]);
     return status == RIC_OK ? draw(f) : cli_report(status);
@@ -592,7 +621,8 @@ static const char *key_of(const fep *f, int source)
     return key;
 }
 
-/* Its key, else the title of its study; and its colour, which those share that were given the same key. */
+/* Its key, else the title of its study; and its colour, which those share that were given the same
+ * key. */
 static void set_key(const fep *f, fep_source *s)
 {
     const char *key = key_of(f, s->index);

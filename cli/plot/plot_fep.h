@@ -10,20 +10,30 @@ typedef enum { LABELS_MAIN, LABELS_ALL, LABELS_NAMED, LABELS_NONE, LABELS_ASKED 
 
 typedef enum { MARKS_MAIN, MARKS_ALL, MARKS_ASKED, MARKS_NONE } fep_marks;
 
-/* Options that may be repeated; with several atlases they belong to the one named last before them. */
-typedef enum { ASK_BRANCH, ASK_DUPLICATE, ASK_BASE, ASK_LABEL, ASK_MARK, ASK_KEY, ASK_N } fep_question;
+/* Options that may be repeated; with several atlases they belong to the one named last before them.
+ */
+typedef enum {
+    ASK_BRANCH,
+    ASK_DUPLICATE,
+    ASK_BASE,
+    ASK_LABEL,
+    ASK_MARK,
+    ASK_KEY,
+    ASK_N
+} fep_question;
 typedef struct {
     fep_question what;
     int atlas;
     const char *text;
-    int junction, branch; /* of a label that names a junction, of a label LABEL|P1 P2; 0, 0: any branch of this name */
+    int junction, branch; /* of a label that names a junction, of a label LABEL|P1 P2; 0, 0: any
+                             branch of this name */
     bool used;
 } fep_asked;
 
 typedef struct {
     const plot_options *common;
     bool linear, log_energy, log_frequency, linear_frequency; /* none: the program chooses */
-    bool arrows;                                              /* from multiplications to those that inherit them */
+    bool arrows; /* from multiplications to those that inherit them */
     bool symmetric, has_energy, has_frequency, has_break, ghosts;
     double energy[2], frequency[2], knee;
     long duplicates; /* drawn up to this k; 1: none */
@@ -46,7 +56,8 @@ typedef struct {
 typedef struct {
     int branch, k;
     double lo, hi;
-    bool idle; /* a linear mode that touches no contact within the windows: a level line on which nothing happens */
+    bool idle; /* a linear mode that touches no contact within the windows: a level line on which
+                  nothing happens */
 } fep_part;
 
 typedef struct {
@@ -70,7 +81,7 @@ typedef struct {
     int n_source, n_panel;
     fep_source sources[FEP_MAX_ATLAS];
     plot_page *page;
-    plot_panel panels[FEP_MAX_PANEL], *panel;                  /* `panel`: the one that is being drawn */
+    plot_panel panels[FEP_MAX_PANEL], *panel; /* `panel`: the one that is being drawn */
     bool family[3], kinds[RIC_KIND_USER + 1], natural, locked; /* drawn, for the legend */
     bool ghost, duplicate[3], marked, island, proved, arrow;
     plot_table data; /* of one's own: energies and frequencies in stored units */
@@ -84,22 +95,23 @@ typedef struct {
     double idle[2];
 } fep;
 
-/* plot_fep_options.c: the words of options that may be repeated, and all of them, with a message where they are wrong.
- */
+/* plot_fep_options.c: the words of options that may be repeated, and all of them, with a message
+ * where they are wrong. */
 extern const char *const fep_questions[ASK_N];
 int fep_parse_options(int *argc, char **argv, fep_options *o);
 
 /* plot_fep.c. NULL when memory ran out. */
 plot_tag *fep_new_tag(fep *f);
-/* Whether a place is drawn larger in another panel than the first, which is being drawn: its label is there. */
+/* Whether a place is drawn larger in another panel than the first, which is being drawn: its label
+ * is there. */
 bool fep_in_zoom(const fep *f, plot_point data);
 /* A linear mode on which nothing happens is left out: its frequencies are noted for the report. */
 void fep_leave_out(fep *f, double lowest, double highest);
 /* Whether a name was asked for with --label; notes that it was found. */
 bool fep_label_asked(fep *f, const fep_source *s, const char *name, int branch, int junction);
 
-/* plot_fep_scale.c. Scales that nobody asked for, of the first panel, whose axes have their limits; whether energies
- * are logarithmic in a window of which nothing else is known. */
+/* plot_fep_scale.c. Scales that nobody asked for, of the first panel, whose axes have their limits;
+ * whether energies are logarithmic in a window of which nothing else is known. */
 ric_status fep_choose_scales(fep *f);
 bool fep_log_window(const fep_options *options, double lo, double hi);
 

@@ -8,7 +8,8 @@
 
 #include "plot_fep.h"
 
-static const double TONGUE_WEIGHT = 10; /* of the name of a resonance: below those of the branches near the start */
+static const double TONGUE_WEIGHT =
+    10; /* of the name of a resonance: below those of the branches near the start */
 
 /* -------------------------------------------------------------------- parts */
 
@@ -90,7 +91,7 @@ static int named_parts(fep *f, fep_source *s, bool *any)
         if (a->what == ASK_BRANCH)
             code = !plot_find_segment(s->atlas, a->text, "--branch", &segment) ? CLI_WRONG
                    : add_segment(s, &segment, 1)                               ? CLI_DONE
-                                                                               : cli_report(RIC_E_NOMEM);
+                                                 : cli_report(RIC_E_NOMEM);
         else if (a->what == ASK_DUPLICATE) code = take_duplicate(s, a->text);
         else if (a->what == ASK_BASE) code = take_base(s, a->text);
         *any |= a->what == ASK_BRANCH || a->what == ASK_BASE;
@@ -98,7 +99,8 @@ static int named_parts(fep *f, fep_source *s, bool *any)
     return code;
 }
 
-/* All branches, or those named; of these duplicates up to --duplicates, and the duplicates named. */
+/* All branches, or those named; of these duplicates up to --duplicates, and the duplicates named.
+ */
 int fep_choose_parts(fep *f, fep_source *s)
 {
     bool any = false, good = true;
@@ -113,7 +115,10 @@ int fep_choose_parts(fep *f, fep_source *s)
     for (int i = 0; i < originals && good; i++)
         for (int k = 2; s->parts[i].k == 1 && k <= f->options->duplicates && good; k++) {
             const fep_part part = s->parts[i];
-            good = add_part(s, (fep_part){.branch = part.branch, .k = k, .lo = part.lo, .hi = part.hi});
+            good = add_part(s, (fep_part){.branch = part.branch,
+                                          .k = k,
+                                          .lo = part.lo,
+                                          .hi = part.hi});
         }
     return good ? CLI_DONE : cli_report(RIC_E_NOMEM);
 }
@@ -129,14 +134,18 @@ void fep_free_source(fep_source *s)
 
 /* ----------------------------------------------------------------- branches */
 
-/* The part of piece i of a track that lies in the panel, in pixels; returns its length, 0 if there is none. */
-static double visible_piece(const plot_panel *panel, const plot_track *t, int i, plot_point *a, plot_point *b)
+/* The part of piece i of a track that lies in the panel, in pixels; returns its length, 0 if there
+ * is none. */
+static double visible_piece(const plot_panel *panel, const plot_track *t, int i, plot_point *a,
+                            plot_point *b)
 {
     const plot_box box = plot_panel_box(panel);
     if (t->knots[i - 1].gap) return 0;
     *a = plot_panel_at(panel, t->knots[i - 1].at);
     *b = plot_panel_at(panel, t->knots[i].at);
-    return isfinite(a->x + a->y + b->x + b->y) && plot_clip_segment(&box, a, b) ? hypot(b->x - a->x, b->y - a->y) : 0;
+    return isfinite(a->x + a->y + b->x + b->y) && plot_clip_segment(&box, a, b)
+               ? hypot(b->x - a->x, b->y - a->y)
+               : 0;
 }
 
 /* Whether the k-duplicate of a branch is labelled. */
@@ -172,9 +181,10 @@ static bool named_larger(const fep *f, const plot_track *t)
     return found;
 }
 
-/* Label of the k-duplicate of a branch: may stand at any of a few places along its visible part, and is left out where
- * there is no room beside the curve while another panel names it. */
-static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, int k_duplicate, const plot_track *t)
+/* Label of the k-duplicate of a branch: may stand at any of a few places along its visible part,
+ * and is left out where there is no room beside the curve while another panel names it. */
+static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, int k_duplicate,
+                       const plot_track *t)
 {
     enum { PLACES = 15 };
     plot_point a, b;
@@ -183,22 +193,25 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
     if (!wants_label(f, s, branch, k_duplicate, length)) return;
     const bool asked = f->options->labels == LABELS_ASKED, spare = named_larger(f, t);
     const int group = ++f->n_group;
-    const double weight = 20 + 90 * asked - 4 * (k_duplicate - 1) - 5 * branch->depth + 8 * branch->symmetric +
-                          fmin(length, 400) / 40 - 0.2 * branch->impacts;
+    const double weight = 20 + 90 * asked - 4 * (k_duplicate - 1) - 5 * branch->depth +
+                          8 * branch->symmetric + fmin(length, 400) / 40 - 0.2 * branch->impacts;
     for (int i = 1, k = 0; i < t->n && k < PLACES; i++) {
         const double step = visible_piece(f->panel, t, i, &a, &b);
         for (; k < PLACES && step > 0 && done + step >= next / PLACES * length; next++, k++) {
             const double part = (next / PLACES * length - done) / step;
             if (zoomed(f, t, i)) continue;
-            plot_tag tag = {.at = {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}, .clear = 3, .group = group};
+            plot_tag tag = {.at = {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)},
+                            .clear = 3,
+                            .group = group};
             tag.weight = weight - 1e-3 * fabs(next - PLACES / 2.); /* the middle first */
-            tag.stroke = f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->tint : plot_branch_family(s->model, branch);
+            tag.stroke = f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->tint
+                                         : plot_branch_family(s->model, branch);
             tag.colour = plot_text_colour(tag.stroke);
             plot_branch_title(branch, k_duplicate, sizeof tag.text, tag.text);
             tag.spare = spare;
             tag.curve = true;
-            for (int leader = 0; leader <= (asked && !spare); leader++) { /* at a distance only where there is no room
-                                                                           * beside the curve */
+            for (int leader = 0; leader <= (asked && !spare);
+                 leader++) { /* at a distance only where there is no room beside the curve */
                 plot_tag *place = fep_new_tag(f);
                 if (!place) return;
                 *place = tag;
@@ -211,7 +224,8 @@ static void tag_branch(fep *f, const fep_source *s, const ric_branch *branch, in
 }
 
 /* The internal resonances that a branch follows are named beside it. */
-static ric_status tag_tongues(fep *f, const fep_source *s, const ric_branch *branch, const fep_part *part)
+static ric_status tag_tongues(fep *f, const fep_source *s, const ric_branch *branch,
+                              const fep_part *part)
 {
     int n = 0;
     ric_tongue *tongues = NULL;
@@ -221,23 +235,30 @@ static ric_status tag_tongues(fep *f, const fep_source *s, const ric_branch *bra
     for (int i = 0; status == RIC_OK && i < n; i++) {
         ric_point p;
         const int middle = tongues[i].first + (tongues[i].last - tongues[i].first + 1) / 2;
-        if ((status = ric_atlas_point(s->atlas, branch->id, middle, &p, NULL, NULL)) != RIC_OK) break;
+        if ((status = ric_atlas_point(s->atlas, branch->id, middle, &p, NULL, NULL)) != RIC_OK)
+            break;
         const plot_point at = {p.energy, p.frequency};
         if (tongues[i].crossed) continue;
-        if (p.arclength < part->lo || p.arclength > part->hi || !plot_panel_inside(f->panel, at)) continue;
+        if (p.arclength < part->lo || p.arclength > part->hi || !plot_panel_inside(f->panel, at))
+            continue;
         plot_tag *tag = fep_new_tag(f);
         if (!tag) break;
-        *tag = (plot_tag){.at = plot_panel_at(f->panel, at), .clear = 3, .group = ++f->n_group, .colour = "#6a6a6a"};
+        *tag = (plot_tag){.at = plot_panel_at(f->panel, at),
+                          .clear = 3,
+                          .group = ++f->n_group,
+                          .colour = "#6a6a6a"};
         tag->weight = TONGUE_WEIGHT - branch->depth;
-        snprintf(tag->text, sizeof tag->text, "%d : %d, mode %d", tongues[i].turns, tongues[i].per, tongues[i].mode);
+        snprintf(tag->text, sizeof tag->text, "%d : %d, mode %d", tongues[i].turns, tongues[i].per,
+                 tongues[i].mode);
     }
     ric_tongues_free(tongues);
     return status;
 }
 
-/* Interior junctions, so that the curve passes through their marks. A q-tupling lies on its original branch at q times
- * where it is drawn. */
-static ric_status add_joints(const fep_source *s, const ric_branch *branch, const fep_part *part, plot_track *t)
+/* Interior junctions, so that the curve passes through their marks. A q-tupling lies on its
+ * original branch at q times where it is drawn. */
+static ric_status add_joints(const fep_source *s, const ric_branch *branch, const fep_part *part,
+                             plot_track *t)
 {
     for (int i = 0; i < branch->n_junction; i++) {
         ric_junction junction;
@@ -245,7 +266,8 @@ static ric_status add_joints(const fep_source *s, const ric_branch *branch, cons
         if (status != RIC_OK) return status;
         if (branch->junction_at[i] < part->lo || branch->junction_at[i] > part->hi) continue;
         const double frequency = junction.frequency * ric_junction_level(&junction, branch);
-        if (!plot_track_join(t, (plot_point){junction.energy, frequency / part->k}, branch->junction_at[i]))
+        if (!plot_track_join(t, (plot_point){junction.energy, frequency / part->k},
+                             branch->junction_at[i]))
             return RIC_E_NOMEM;
     }
     plot_track_sort(t);
@@ -253,8 +275,8 @@ static ric_status add_joints(const fep_source *s, const ric_branch *branch, cons
 }
 
 /* A part with its joints. */
-static ric_status make_track(const fep *f, const fep_source *s, const ric_branch *branch, const fep_part *part,
-                             plot_track *t)
+static ric_status make_track(const fep *f, const fep_source *s, const ric_branch *branch,
+                             const fep_part *part, plot_track *t)
 {
     for (int i = 0; i < branch->n_point; i++) {
         ric_point p;
@@ -286,7 +308,8 @@ static void shade_island(fep *f, const ric_branch *branch, const plot_track *t)
 }
 
 /* A ring at each point with a proof, and none on another. */
-static ric_status mark_proofs(fep *f, const fep_source *s, const ric_branch *branch, const fep_part *part)
+static ric_status mark_proofs(fep *f, const fep_source *s, const ric_branch *branch,
+                              const fep_part *part)
 {
     plot_point last = {-INFINITY, -INFINITY};
     ric_status status = RIC_OK;
@@ -297,20 +320,23 @@ static ric_status mark_proofs(fep *f, const fep_source *s, const ric_branch *bra
         status = ric_atlas_point(s->atlas, branch->id, i, &p, NULL, NULL);
         const plot_point data = {p.energy, p.frequency};
         if (status != RIC_OK || p.arclength < part->lo || p.arclength > part->hi ||
-            !plot_panel_inside(f->panel, data) || !ric_proof_kept(s->atlas, branch->id, i, &proof, &certificate) ||
+            !plot_panel_inside(f->panel, data) ||
+            !ric_proof_kept(s->atlas, branch->id, i, &proof, &certificate) ||
             proof.state != RIC_PROOF_DONE)
             continue;
         const plot_point at = plot_panel_at(f->panel, data);
         if (hypot(at.x - last.x, at.y - last.y) < 7) continue;
         for (int ring = 0; ring < 2; ring++)
-            plot_page_line(f->page, PLOT_PROOF + (plot_stroke)ring, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
+            plot_page_line(f->page, PLOT_PROOF + (plot_stroke)ring, 2,
+                           (plot_point[]){at, {at.x + 0.02, at.y}});
         f->proved = true;
         last = at;
     }
     return status;
 }
 
-static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch, const fep_part *part)
+static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch,
+                                const fep_part *part)
 {
     plot_track t = {0};
     ric_status status = make_track(f, s, branch, part, &t);
@@ -318,7 +344,10 @@ static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch,
         const plot_stroke family = plot_branch_family(s->model, branch);
         shade_island(f, branch, &t);
         const unsigned seen = plot_track_draw(f->page, f->panel,
-                                              f->n_source > 1 ? PLOT_ATLAS + 3 * (plot_stroke)s->tint : family, &t);
+                                              f->n_source > 1
+                                                  ? PLOT_ATLAS + 3 * (plot_stroke)s->tint
+                                                  : family,
+                                              &t);
         f->family[(family - PLOT_LINEAR) / 3] |= seen != 0;
         s->stability |= seen;
         s->drawn |= seen != 0;
@@ -332,22 +361,27 @@ static ric_status draw_original(fep *f, fep_source *s, const ric_branch *branch,
 
 /* --------------------------------------------------------------- duplicates */
 
-/* From the duplicate before that has this multiplication: j/k = p/q is first met by the q-duplicate, then by each of
- * its multiples. */
-static void draw_arrow(fep *f, const fep_source *s, const fep_part *part, const ric_duplicate_point *point)
+/* From the duplicate before that has this multiplication: j/k = p/q is first met by the
+ * q-duplicate, then by each of its multiples. */
+static void draw_arrow(fep *f, const fep_source *s, const fep_part *part,
+                       const ric_duplicate_point *point)
 {
     ric_junction junction;
-    if (ric_atlas_junction(s->atlas, point->junction, &junction) != RIC_OK || junction.multiple < 2) return;
+    if (ric_atlas_junction(s->atlas, point->junction, &junction) != RIC_OK || junction.multiple < 2)
+        return;
     const int before = part->k - junction.multiple;
     if (before < junction.multiple) return;
-    plot_point a = plot_panel_at(f->panel, (plot_point){point->energy, point->frequency * part->k / before}),
+    plot_point a = plot_panel_at(f->panel,
+                                 (plot_point){point->energy, point->frequency * part->k / before}),
                b = plot_panel_at(f->panel, (plot_point){point->energy, point->frequency});
     const plot_box box = plot_panel_box(f->panel);
     const double length = hypot(b.x - a.x, b.y - a.y), room = 5, head = 5;
     const bool whole = a.y < box.top + 0.5;
     if (!(length > 3 * room) || !plot_clip_segment(&box, &a, &b)) return;
-    const double ux = (b.x - a.x) / hypot(b.x - a.x, b.y - a.y), uy = (b.y - a.y) / hypot(b.x - a.x, b.y - a.y);
-    const plot_point tip = {b.x - room * ux, b.y - room * uy}, foot = {tip.x - head * ux, tip.y - head * uy};
+    const double ux = (b.x - a.x) / hypot(b.x - a.x, b.y - a.y),
+                 uy = (b.y - a.y) / hypot(b.x - a.x, b.y - a.y);
+    const plot_point tip = {b.x - room * ux, b.y - room * uy},
+                     foot = {tip.x - head * ux, tip.y - head * uy};
     if (whole) a = (plot_point){a.x + room * ux, a.y + room * uy};
     plot_page_line(f->page, PLOT_ARROW, 2, (plot_point[]){a, tip});
     plot_page_line(f->page, PLOT_ARROW, 3,
@@ -357,20 +391,24 @@ static void draw_arrow(fep *f, const fep_source *s, const fep_part *part, const 
     f->arrow = true;
 }
 
-/* Small marks where the k-duplicate has multiplications that a duplicate before it has, too; its own are junctions as
- * all others. */
-static ric_status mark_inherited(fep *f, const fep_source *s, const ric_branch *branch, const fep_part *part)
+/* Small marks where the k-duplicate has multiplications that a duplicate before it has, too; its
+ * own are junctions as all others. */
+static ric_status mark_inherited(fep *f, const fep_source *s, const ric_branch *branch,
+                                 const fep_part *part)
 {
     int n = 0;
     ric_duplicate_point *points = calloc((size_t)branch->n_junction + 2, sizeof *points);
-    const ric_status status = points ? ric_duplicate_points(s->atlas, branch->id, part->k, &n, points) : RIC_E_NOMEM;
+    const ric_status status = points
+                                  ? ric_duplicate_points(s->atlas, branch->id, part->k, &n, points)
+                                  : RIC_E_NOMEM;
     for (int i = 0; status == RIC_OK && i < n; i++) {
         const plot_point at = {points[i].energy, points[i].frequency};
         const double arclength = plot_junction_at(s->atlas, branch, points[i].junction);
-        if (points[i].origin != RIC_DUPLICATE_INHERITED || !plot_panel_inside(f->panel, at) || arclength < part->lo ||
-            arclength > part->hi)
+        if (points[i].origin != RIC_DUPLICATE_INHERITED || !plot_panel_inside(f->panel, at) ||
+            arclength < part->lo || arclength > part->hi)
             continue;
-        plot_page_mark(f->page, plot_junction_mark(RIC_KIND_MULTIPLICATION), plot_panel_at(f->panel, at), 2.4);
+        plot_page_mark(f->page, plot_junction_mark(RIC_KIND_MULTIPLICATION),
+                       plot_panel_at(f->panel, at), 2.4);
         if (f->options->arrows) draw_arrow(f, s, part, &points[i]);
         f->kinds[RIC_KIND_MULTIPLICATION] = true;
     }
@@ -378,7 +416,8 @@ static ric_status mark_inherited(fep *f, const fep_source *s, const ric_branch *
     return status;
 }
 
-static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch, const fep_part *part)
+static ric_status draw_duplicate(fep *f, fep_source *s, const ric_branch *branch,
+                                 const fep_part *part)
 {
     plot_track t = {0};
     ric_status status = make_track(f, s, branch, part, &t);
@@ -404,7 +443,8 @@ ric_status fep_draw_branches(fep *f, fep_source *s)
         const fep_part *part = &s->parts[i];
         status = ric_atlas_branch(s->atlas, part->branch, &branch);
         if (status == RIC_OK)
-            status = part->k == 1 ? draw_original(f, s, &branch, part) : draw_duplicate(f, s, &branch, part);
+            status = part->k == 1 ? draw_original(f, s, &branch, part)
+                                  : draw_duplicate(f, s, &branch, part);
     }
     return status;
 }
@@ -417,10 +457,10 @@ static void widen(double range[2], double value)
     range[1] = fmax(range[1], value);
 }
 
-/* The window in which the ghosts of a branch are followed: what the panels show and, since a ghost may come in from
- * outside, its start. */
-static ric_status ghost_window(const fep *f, const fep_source *s, const ric_branch *branch, bool *shown,
-                               ric_ghost_limits *limits)
+/* The window in which the ghosts of a branch are followed: what the panels show and, since a ghost
+ * may come in from outside, its start. */
+static ric_status ghost_window(const fep *f, const fep_source *s, const ric_branch *branch,
+                               bool *shown, ric_ghost_limits *limits)
 {
     ric_status status = RIC_OK;
     *shown = false;
@@ -437,7 +477,8 @@ static ric_status ghost_window(const fep *f, const fep_source *s, const ric_bran
             ric_point p;
             status = ric_atlas_point(s->atlas, branch->id, i, &p, NULL, NULL);
             *shown |= status == RIC_OK &&
-                      plot_panel_inside(&f->panels[0], (plot_point){p.energy, p.frequency / s->parts[k].k});
+                      plot_panel_inside(&f->panels[0],
+                                        (plot_point){p.energy, p.frequency / s->parts[k].k});
             if (status == RIC_OK && (i == 0 || i == branch->n_point - 1)) {
                 widen(limits->energy, p.energy);
                 widen(limits->frequency, p.frequency);
@@ -451,22 +492,26 @@ ric_status fep_find_ghosts(fep *f, fep_source *s)
 {
     const int total = ric_atlas_n_branch(s->atlas);
     int failed = 0;
-    ric_status status = (s->ghosts = calloc((size_t)total + 1, sizeof *s->ghosts)) ? RIC_OK : RIC_E_NOMEM;
+    ric_status status = (s->ghosts = calloc((size_t)total + 1, sizeof *s->ghosts)) ? RIC_OK
+                                                                                   : RIC_E_NOMEM;
     for (int id = 1; status == RIC_OK && id <= total; id++) {
         ric_branch branch;
         ric_ghost_limits limits;
         bool shown;
         status = ric_atlas_branch(s->atlas, id, &branch);
-        if (status != RIC_OK || (status = ghost_window(f, s, &branch, &shown, &limits)) != RIC_OK || !shown) continue;
-        status = ric_ghost_find(s->atlas, id, &limits, &s->ghosts[id - 1].n, &s->ghosts[id - 1].list);
+        if (status != RIC_OK || (status = ghost_window(f, s, &branch, &shown, &limits)) != RIC_OK ||
+            !shown)
+            continue;
+        status = ric_ghost_find(s->atlas, id, &limits, &s->ghosts[id - 1].n,
+                                &s->ghosts[id - 1].list);
         if (status == RIC_E_NUMERIC) { /* one missing ghost is no reason to have no picture */
             failed++;
             status = RIC_OK;
         }
     }
     if (failed)
-        cli_say("ricochet: the ghosts of %d branch%s could not be computed and are not drawn\n", failed,
-                failed == 1 ? "" : "es");
+        cli_say("ricochet: the ghosts of %d branch%s could not be computed and are not drawn\n",
+                failed, failed == 1 ? "" : "es");
     return status;
 }
 
@@ -475,10 +520,13 @@ static void mark_ghost(fep *f, const ric_ghost *ghost, int k)
 {
     for (int i = 0; i < ric_ghost_n_multiplication(ghost); i++) {
         ric_ghost_multiplication m;
-        if (ric_ghost_multiplication_at(ghost, i, &m) != RIC_OK || m.admissible || k % m.rotation[1]) continue;
+        if (ric_ghost_multiplication_at(ghost, i, &m) != RIC_OK || m.admissible ||
+            k % m.rotation[1])
+            continue;
         const plot_point at = {m.energy, m.frequency / k};
         if (plot_panel_inside(f->panel, at))
-            plot_page_mark(f->page, PLOT_STAR, plot_panel_at(f->panel, at), k == m.rotation[1] ? 4.4 : 2.4);
+            plot_page_mark(f->page, PLOT_STAR, plot_panel_at(f->panel, at),
+                           k == m.rotation[1] ? 4.4 : 2.4);
     }
 }
 
@@ -497,7 +545,8 @@ static ric_status draw_ghost(fep *f, const ric_ghost *ghost, int k)
         curve[i] = (plot_point){p.energy, ric_point_admissible(&p) ? NAN : p.frequency / k};
         f->ghost |= i > 0 && plot_panel_inside(f->panel, curve[i]);
     }
-    if (status == RIC_OK) plot_panel_curve(f->page, f->panel, PLOT_GHOST + (k > 1), data.n_point, curve);
+    if (status == RIC_OK)
+        plot_panel_curve(f->page, f->panel, PLOT_GHOST + (k > 1), data.n_point, curve);
     if (status == RIC_OK && k > 1) mark_ghost(f, ghost, k);
     free(curve);
     return status;

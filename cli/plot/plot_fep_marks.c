@@ -12,9 +12,10 @@ static const double type = 12;
 
 /* ---------------------------------------------------------------- junctions */
 
-/* Whether a part that is shown passes a junction in one of two roles: as a branch that has it on its way or leaves it,
- * or as the k-duplicate of the branch that is multiplied at it. */
-static bool part_meets(const fep_source *s, const fep_part *part, const ric_junction *junction, bool multiplied, int k)
+/* Whether a part that is shown passes a junction in one of two roles: as a branch that has it on
+ * its way or leaves it, or as the k-duplicate of the branch that is multiplied at it. */
+static bool part_meets(const fep_source *s, const fep_part *part, const ric_junction *junction,
+                       bool multiplied, int k)
 {
     bool listed = false;
     ric_branch branch;
@@ -22,7 +23,8 @@ static bool part_meets(const fep_source *s, const fep_part *part, const ric_junc
     if (!listed || part->k != k || ric_atlas_branch(s->atlas, part->branch, &branch) != RIC_OK ||
         (ric_junction_level(junction, &branch) > 1) != multiplied)
         return false;
-    const double at = plot_junction_at(s->atlas, &branch, junction->id), slack = 1e-9 * (1 + fabs(at));
+    const double at = plot_junction_at(s->atlas, &branch, junction->id),
+                 slack = 1e-9 * (1 + fabs(at));
     return at >= part->lo - slack && at <= part->hi + slack;
 }
 
@@ -33,13 +35,14 @@ static bool shown(const fep_source *s, const ric_junction *junction, bool multip
     return false;
 }
 
-/* Where the mark stands; NaN if none of its branches is shown. A q-tupling belongs at omega / q, among the branches
- * that leave it or on the q-duplicate of the one that is multiplied; where neither is drawn, nor any duplicate, it is
- * shown on that one. */
+/* Where the mark stands; NaN if none of its branches is shown. A q-tupling belongs at omega / q,
+ * among the branches that leave it or on the q-duplicate of the one that is multiplied; where
+ * neither is drawn, nor any duplicate, it is shown on that one. */
 static plot_point junction_place(const fep *f, const fep_source *s, const ric_junction *junction)
 {
     double frequency = NAN;
-    if (shown(s, junction, false, 1) || (junction->multiple > 1 && shown(s, junction, true, junction->multiple)))
+    if (shown(s, junction, false, 1) ||
+        (junction->multiple > 1 && shown(s, junction, true, junction->multiple)))
         frequency = junction->frequency;
     else if (junction->multiple > 1 && f->options->duplicates == 1 && !f->options->n_duplicate &&
              shown(s, junction, true, 1))
@@ -47,12 +50,14 @@ static plot_point junction_place(const fep *f, const fep_source *s, const ric_ju
     return (plot_point){junction->energy, frequency};
 }
 
-/* What a reader looks for first: names of the study, then where branches part, near the start, of few impacts. */
+/* What a reader looks for first: names of the study, then where branches part, near the start, of
+ * few impacts. */
 static double junction_weight(const fep_source *s, const ric_junction *junction)
 {
     static const double of_kind[] = {
-        [RIC_KIND_START] = -20,         [RIC_KIND_GRAZING] = 30,      [RIC_KIND_CORNER] = 30,
-        [RIC_KIND_EXTREMUM] = 12,       [RIC_KIND_BRANCH_POINT] = 36, [RIC_KIND_MULTIPLICATION] = 30,
+        [RIC_KIND_START] = -20,         [RIC_KIND_GRAZING] = 30,
+        [RIC_KIND_CORNER] = 30,         [RIC_KIND_EXTREMUM] = 12,
+        [RIC_KIND_BRANCH_POINT] = 36,   [RIC_KIND_MULTIPLICATION] = 30,
         [RIC_KIND_PERIOD_EXTREMUM] = 4, [RIC_KIND_USER] = 50,
     };
     int depth = 100, symmetric = 0;
@@ -62,8 +67,8 @@ static double junction_weight(const fep_source *s, const ric_junction *junction)
         depth = branch.depth < depth ? branch.depth : depth;
         symmetric |= branch.symmetric;
     }
-    return of_kind[junction->kind] + 1000 * (junction->name && *junction->name) + 6 * symmetric - 4 * fmin(depth, 10) +
-           8 * (junction->departures.taken > 0) - 0.4 * junction->impacts;
+    return of_kind[junction->kind] + 1000 * (junction->name && *junction->name) + 6 * symmetric -
+           4 * fmin(depth, 10) + 8 * (junction->departures.taken > 0) - 0.4 * junction->impacts;
 }
 
 typedef struct {
@@ -79,7 +84,8 @@ typedef struct {
 static int lighter(const void *a, const void *b)
 {
     const spot *s = a, *t = b;
-    return s->weight != t->weight ? (s->weight > t->weight) - (s->weight < t->weight) : t->id - s->id;
+    return s->weight != t->weight ? (s->weight > t->weight) - (s->weight < t->weight)
+                                  : t->id - s->id;
 }
 
 static bool labelled(fep *f, const spot *s, int rank)
@@ -94,7 +100,8 @@ static bool labelled(fep *f, const spot *s, int rank)
     }
     /* As many as a reader can take in: one for a square of 120 pixels. */
     const plot_box box = plot_panel_box(f->panel);
-    return s->named || (s->weight > 10 && rank < (box.right - box.left) * (box.top - box.bottom) / (120 * 120));
+    return s->named ||
+           (s->weight > 10 && rank < (box.right - box.left) * (box.top - box.bottom) / (120 * 120));
 }
 
 static bool share_branch(const spot *s, const spot *t)
@@ -105,7 +112,8 @@ static bool share_branch(const spot *s, const spot *t)
     return false;
 }
 
-/* Which marks are drawn: the heaviest first, and no more on any piece of a curve than leave it visible. */
+/* Which marks are drawn: the heaviest first, and no more on any piece of a curve than leave it
+ * visible. */
 static int thin_spots(fep *f, int n, spot *spots)
 {
     enum { NEAR = 24, MOST = 3 }; /* pixels along a curve to either side, marks there */
@@ -114,10 +122,12 @@ static int thin_spots(fep *f, int n, spot *spots)
         int near = 0;
         bool fits = f->options->marks < MARKS_ASKED;
         for (int k = n - 1; k > i && fits && f->options->marks == MARKS_MAIN; k--)
-            if (spots[k].drawn && hypot(spots[i].at.x - spots[k].at.x, spots[i].at.y - spots[k].at.y) < NEAR &&
+            if (spots[k].drawn &&
+                hypot(spots[i].at.x - spots[k].at.x, spots[i].at.y - spots[k].at.y) < NEAR &&
                 share_branch(&spots[i], &spots[k]))
                 fits = ++near < MOST;
-        spots[i].drawn = fits || (spots[i].named && f->options->marks != MARKS_ASKED) || spots[i].asked;
+        spots[i].drawn = fits || (spots[i].named && f->options->marks != MARKS_ASKED) ||
+                         spots[i].asked;
         drawn += spots[i].drawn;
         if (f->panel == f->panels && f->options->marks == MARKS_MAIN)
             f->unmarked += !spots[i].drawn && !spots[i].elsewhere;
@@ -131,7 +141,8 @@ static void draw_spots(fep *f, const fep_source *s, int n, spot *spots)
     const double large = 3.8, small = drawn > 150 ? 2 : 2.6;
     for (int i = 0, rank = drawn; i < n; i++) { /* the heaviest last, on top */
         ric_junction junction;
-        if (!spots[i].drawn || ric_atlas_junction(s->atlas, spots[i].id, &junction) != RIC_OK) continue;
+        if (!spots[i].drawn || ric_atlas_junction(s->atlas, spots[i].id, &junction) != RIC_OK)
+            continue;
         rank--;
         plot_tag *tag = !spots[i].elsewhere && labelled(f, &spots[i], rank) ? fep_new_tag(f) : NULL;
         const double radius = drawn < 40 || rank < 60 ? large : small;
@@ -141,16 +152,19 @@ static void draw_spots(fep *f, const fep_source *s, int n, spot *spots)
         tag->at = spots[i].at;
         tag->clear = radius;
         tag->weight = 100 + spots[i].weight;
-        tag->colour = f->n_source > 1 ? plot_text_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint) : "#000000";
-        plot_text_label(junction.name && *junction.name ? junction.name : junction.label, sizeof tag->text, tag->text);
+        tag->colour = f->n_source > 1 ? plot_text_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint)
+                                      : "#000000";
+        plot_text_label(junction.name && *junction.name ? junction.name : junction.label,
+                        sizeof tag->text, tag->text);
     }
 }
 
-/* Extrema of the period are on every other picture of no interest: they are drawn where they were asked for. */
+/* Extrema of the period are on every other picture of no interest: they are drawn where they were
+ * asked for. */
 static bool wanted(const fep *f, const spot *s)
 {
-    return s->kind != RIC_KIND_START &&
-           (s->kind != RIC_KIND_PERIOD_EXTREMUM || s->named || s->asked || f->options->marks == MARKS_ALL);
+    return s->kind != RIC_KIND_START && (s->kind != RIC_KIND_PERIOD_EXTREMUM || s->named ||
+                                         s->asked || f->options->marks == MARKS_ALL);
 }
 
 ric_status fep_draw_junctions(fep *f, fep_source *s)
@@ -199,17 +213,20 @@ static int lower(const void *a, const void *b)
     return (s->frequency > t->frequency) - (s->frequency < t->frequency);
 }
 
-static void add_reference(const fep *f, int *n, reference *list, double frequency, plot_stroke stroke, const char *text)
+static void add_reference(const fep *f, int *n, reference *list, double frequency,
+                          plot_stroke stroke, const char *text)
 {
     for (int i = 0; i < *n; i++)
         if (fabs(list[i].frequency - frequency) <= 1e-9 * frequency) return;
-    if (frequency > f->panel->y.lo && frequency < f->panel->y.hi && !plot_axis_omits(&f->panel->y, frequency)) {
+    if (frequency > f->panel->y.lo && frequency < f->panel->y.hi &&
+        !plot_axis_omits(&f->panel->y, frequency)) {
         list[*n] = (reference){.frequency = frequency, .stroke = stroke};
         snprintf(list[(*n)++].text, sizeof list->text, "%s", text);
     }
 }
 
-static ric_status gather_references(const fep *f, const fep_source *s, int *n, reference *list, double *work)
+static ric_status gather_references(const fep *f, const fep_source *s, int *n, reference *list,
+                                    double *work)
 {
     const int n_dof = ric_model_n_dof(s->model), n_contact = ric_model_n_contact(s->model);
     const bool hertz = f->options->common->hertz;
@@ -223,7 +240,8 @@ static ric_status gather_references(const fep *f, const fep_source *s, int *n, r
     for (int contact = 0; status == RIC_OK && contact < n_contact && n_dof > 1; contact++) {
         status = ric_model_locked_frequencies(s->model, contact, work);
         for (int i = 0; status == RIC_OK && i < n_dof - 1; i++) {
-            if (n_contact > 1) snprintf(text, sizeof text, "%s@^{%d}_{%d}", locked, contact + 1, i + 1);
+            if (n_contact > 1)
+                snprintf(text, sizeof text, "%s@^{%d}_{%d}", locked, contact + 1, i + 1);
             else if (n_dof > 2) snprintf(text, sizeof text, "%s_{%d}", locked, i + 1);
             else snprintf(text, sizeof text, "%s_0", hertz ? "f" : "ω");
             add_reference(f, n, list, work[i], PLOT_LOCKED, text);
@@ -232,7 +250,8 @@ static ric_status gather_references(const fep *f, const fep_source *s, int *n, r
     return status;
 }
 
-/* Moves the texts at the margin apart; those that still have no room are left out. Returns how many. */
+/* Moves the texts at the margin apart; those that still have no room are left out. Returns how
+ * many. */
 static int spread(const plot_box *box, int n, reference *list, double line)
 {
     int missing = 0;
@@ -244,7 +263,8 @@ static int spread(const plot_box *box, int n, reference *list, double line)
                 list[i - 1].y -= push;
             }
         }
-        for (int i = 0; i < n; i++) list[i].y = fmax(box->bottom + 4, fmin(box->top - 4, list[i].y));
+        for (int i = 0; i < n; i++)
+            list[i].y = fmax(box->bottom + 4, fmin(box->top - 4, list[i].y));
     }
     double last = -INFINITY;
     for (int i = 0; i < n; i++) {
@@ -269,16 +289,18 @@ ric_status fep_draw_references(fep *f, const fep_source *s)
     if (status != RIC_OK) goto out;
     qsort(list, (size_t)n, sizeof *list, lower);
     for (int i = 0; i < n; i++) list[i].y = plot_axis_at(&f->panel->y, list[i].frequency);
-    f->no_margin += spread(&box, n, list, (n_contact > 1 ? 1.75 : 1.35) * type); /* Ω with two indices is higher */
+    f->no_margin += spread(&box, n, list,
+                           (n_contact > 1 ? 1.75 : 1.35) * type); /* Ω with two indices is higher */
     for (int i = 0; i < n; i++) {
         const double y = plot_axis_at(&f->panel->y, list[i].frequency);
         plot_page_line(f->page, list[i].stroke, 2, (plot_point[]){{box.left, y}, {box.right, y}});
         f->natural |= list[i].stroke == PLOT_NATURAL;
         f->locked |= list[i].stroke == PLOT_LOCKED;
         if (!list[i].text[0]) continue;
-        plot_page_line(f->page, PLOT_LEADER, 2, (plot_point[]){{box.right + 1, y}, {box.right + 9, list[i].y}});
-        plot_page_text(f->page, (plot_point){box.right + 11, list[i].y}, PLOT_LEFT, type, "#444444", false,
-                       list[i].text);
+        plot_page_line(f->page, PLOT_LEADER, 2,
+                       (plot_point[]){{box.right + 1, y}, {box.right + 9, list[i].y}});
+        plot_page_text(f->page, (plot_point){box.right + 11, list[i].y}, PLOT_LEFT, type, "#444444",
+                       false, list[i].text);
     }
 out:
     free(list);
@@ -288,7 +310,8 @@ out:
 
 /* -------------------------------------------------------------- --mark */
 
-/* Dots with a name of their own: orbits that are neither junctions nor ends, or duplicates of junctions. */
+/* Dots with a name of their own: orbits that are neither junctions nor ends, or duplicates of
+ * junctions. */
 int fep_draw_marks(fep *f, fep_source *s)
 {
     for (int i = 0; i < f->options->n_asked; i++) {
@@ -310,7 +333,8 @@ int fep_draw_marks(fep *f, fep_source *s)
         tag->at = at;
         tag->clear = 3.8;
         tag->weight = 2000 - i;
-        tag->colour = f->n_source > 1 ? plot_text_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint) : "#000000";
+        tag->colour = f->n_source > 1 ? plot_text_colour(PLOT_ATLAS + 3 * (plot_stroke)s->tint)
+                                      : "#000000";
         plot_text_label(choice.name, sizeof tag->text, tag->text);
     }
     return CLI_DONE;

@@ -6,7 +6,8 @@
 
 #include "plot_fep.h"
 
-const char *const fep_questions[ASK_N] = {"--branch", "--duplicate", "--base", "--label", "--mark", "--key"};
+const char *const fep_questions[ASK_N] = {"--branch", "--duplicate", "--base",
+                                          "--label",  "--mark",      "--key"};
 
 /* --zoom E0:E1,F0:F1 */
 static bool take_zoom(const char *text, const fep_options *o, double out[4])
@@ -36,7 +37,8 @@ static int take_frames(int *argc, char **argv, fep_options *o)
         if (!text) return CLI_DONE;
         if (o->n_frame == FEP_MAX_PANEL) return cli_wrong("--frame: at most %d fit", FEP_MAX_PANEL);
         const char *named = strstr(text, ": ");
-        if (!plot_parse_window(named ? named + 2 : text, "--frame", o->frame[o->n_frame])) return CLI_WRONG;
+        if (!plot_parse_window(named ? named + 2 : text, "--frame", o->frame[o->n_frame]))
+            return CLI_WRONG;
         o->frame_name[o->n_frame++] = named ? text : NULL;
     }
 }
@@ -65,7 +67,8 @@ static int take_asked(int argc, char **argv, fep_options *o)
             continue;
         }
         if (!a.text && i + 1 < argc) a.text = argv[++i];
-        if (!a.text || !*a.text) return cli_wrong("%s needs a value; see ricochet plot --help", fep_questions[a.what]);
+        if (!a.text || !*a.text)
+            return cli_wrong("%s needs a value; see ricochet plot --help", fep_questions[a.what]);
         if (o->n_asked == FEP_MAX_ASKED)
             return cli_wrong("plot fep: more than %d branches, labels and marks", FEP_MAX_ASKED);
         o->asked[o->n_asked++] = a;
@@ -73,8 +76,9 @@ static int take_asked(int argc, char **argv, fep_options *o)
     if (o->n_atlas == 0) return cli_operands(&cli_plot, 1, argv, 1) ? CLI_DONE : CLI_WRONG;
     for (int i = 0; i < o->n_asked; i++) {
         if (o->asked[i].atlas < 0 && o->n_atlas > 1)
-            return cli_wrong("%s %s: with several atlases this stands behind the one that it belongs to",
-                             fep_questions[o->asked[i].what], o->asked[i].text);
+            return cli_wrong(
+                "%s %s: with several atlases this stands behind the one that it belongs to",
+                fep_questions[o->asked[i].what], o->asked[i].text);
         o->asked[i].atlas = o->asked[i].atlas < 0 ? 0 : o->asked[i].atlas;
         o->n_duplicate += o->asked[i].what == ASK_DUPLICATE || o->asked[i].what == ASK_BASE;
         o->n_label += o->asked[i].what == ASK_LABEL;
@@ -84,7 +88,8 @@ static int take_asked(int argc, char **argv, fep_options *o)
 
 int fep_parse_options(int *argc, char **argv, fep_options *o)
 {
-    const char *energy = NULL, *frequency = NULL, *knee = NULL, *labels = NULL, *marks = NULL, *duplicates = NULL;
+    const char *energy = NULL, *frequency = NULL, *knee = NULL, *labels = NULL, *marks = NULL,
+               *duplicates = NULL;
     o->linear = cli_take_flag(argc, argv, "--linear");
     o->log_energy = cli_take_flag(argc, argv, "--log");
     o->linear_frequency = cli_take_flag(argc, argv, "--linear-frequency");
@@ -92,12 +97,15 @@ int fep_parse_options(int *argc, char **argv, fep_options *o)
     o->symmetric = cli_take_flag(argc, argv, "--symmetric");
     o->arrows = cli_take_flag(argc, argv, "--arrows");
     o->log_frequency = cli_take_flag(argc, argv, "--log-frequency");
-    if (!cli_take_value(argc, argv, "--energy", &energy) || !cli_take_value(argc, argv, "--frequency", &frequency) ||
-        !cli_take_value(argc, argv, "--break", &knee) || !cli_take_value(argc, argv, "--labels", &labels) ||
-        !cli_take_value(argc, argv, "--marks", &marks) || !cli_take_value(argc, argv, "--data", &o->data) ||
+    if (!cli_take_value(argc, argv, "--energy", &energy) ||
+        !cli_take_value(argc, argv, "--frequency", &frequency) ||
+        !cli_take_value(argc, argv, "--break", &knee) ||
+        !cli_take_value(argc, argv, "--labels", &labels) ||
+        !cli_take_value(argc, argv, "--marks", &marks) ||
+        !cli_take_value(argc, argv, "--data", &o->data) ||
         !cli_take_value(argc, argv, "--duplicates", &duplicates) ||
-        !cli_take_value(argc, argv, "--letters", &o->letters) || take_zooms(argc, argv, o) != CLI_DONE ||
-        take_frames(argc, argv, o) != CLI_DONE)
+        !cli_take_value(argc, argv, "--letters", &o->letters) ||
+        take_zooms(argc, argv, o) != CLI_DONE || take_frames(argc, argv, o) != CLI_DONE)
         return CLI_WRONG;
     o->duplicates = 1;
     if ((energy && !plot_parse_range(energy, "--energy", o->energy)) ||
@@ -108,25 +116,31 @@ int fep_parse_options(int *argc, char **argv, fep_options *o)
     o->has_energy = energy;
     o->has_frequency = frequency;
     o->has_break = knee;
-    if (o->linear && o->log_energy) return cli_wrong("--linear and --log: one of them, of the energies");
+    if (o->linear && o->log_energy)
+        return cli_wrong("--linear and --log: one of them, of the energies");
     if (energy && o->log_energy && o->energy[0] <= 0)
-        return cli_wrong("--energy %s: a logarithmic axis starts above 0; give a positive start or --linear", energy);
+        return cli_wrong(
+            "--energy %s: a logarithmic axis starts above 0; give a positive start or --linear",
+            energy);
     if (frequency && o->log_frequency && o->frequency[0] <= 0)
         return cli_wrong("--frequency %s: a logarithmic axis starts above 0", frequency);
-    if (knee && !(o->knee > 0)) return cli_wrong("--break %s: the frequency of the break must be positive", knee);
+    if (knee && !(o->knee > 0))
+        return cli_wrong("--break %s: the frequency of the break must be positive", knee);
     if ((knee != NULL) + o->log_frequency + o->linear_frequency > 1)
-        return cli_wrong(
-            "--break, --log-frequency and --linear-frequency: the axis is broken, logarithmic or linear throughout");
+        return cli_wrong("--break, --log-frequency and --linear-frequency: the axis is broken, "
+                         "logarithmic or linear throughout");
     static const char *const choices[] = {"", "all", "named", "none"};
     for (int i = LABELS_ALL; labels && i <= LABELS_NONE; i++)
         if (!strcmp(labels, choices[i])) o->labels = (fep_labels)i;
     if (labels && o->labels == LABELS_MAIN)
-        return cli_wrong("--labels %s: there are all, named and none; --label NAME asks for one", labels);
+        return cli_wrong("--labels %s: there are all, named and none; --label NAME asks for one",
+                         labels);
     static const char *const which[] = {"main", "all", "asked", "none"};
     o->marks = (fep_marks)-1;
     for (int i = MARKS_MAIN; i <= MARKS_NONE; i++)
         if (!strcmp(marks ? marks : "main", which[i])) o->marks = (fep_marks)i;
-    if (o->marks == (fep_marks)-1) return cli_wrong("--marks %s: there are main, all, asked and none", marks);
+    if (o->marks == (fep_marks)-1)
+        return cli_wrong("--marks %s: there are main, all, asked and none", marks);
     const int code = take_asked(*argc, argv, o);
     if (code == CLI_DONE && o->arrows && o->duplicates < 2)
         return cli_wrong("--arrows: between duplicates; goes with --duplicates K");

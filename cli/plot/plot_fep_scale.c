@@ -1,22 +1,27 @@
-/* Scales of the axes of the frequency-energy picture, where nobody asked for one: that by which the branches share the
- * axis most evenly. */
+/* Scales of the axes of the frequency-energy picture, where nobody asked for one: that by which the
+ * branches share the axis most evenly. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "plot_fep.h"
 
 enum { BINS = 32, KNEES = 12 };
-static const double telling = 0.15;     /* nats by which another scale must be more even than a linear one */
-static const double decade = 10;        /* energies that span as much are logarithmic in any case */
-static const double wide_gap = 1.3;     /* ratio of the frequencies beside a gap that an axis may leave out */
-static const double least_piece = 0.07; /* part of its length that a piece of a cut axis has at least */
-static const double narrow = 3;         /* and those that span less are linear: their tics are easier to read */
+static const double telling =
+    0.15; /* nats by which another scale must be more even than a linear one */
+static const double decade = 10; /* energies that span as much are logarithmic in any case */
+static const double wide_gap =
+    1.3; /* ratio of the frequencies beside a gap that an axis may leave out */
+static const double least_piece =
+    0.07; /* part of its length that a piece of a cut axis has at least */
+static const double narrow =
+    3; /* and those that span less are linear: their tics are easier to read */
 
 typedef struct {
     double energy, frequency;
 } place;
 
-/* All stored points in the window, branch by branch, but of linear modes on which nothing happens. */
+/* All stored points in the window, branch by branch, but of linear modes on which nothing happens.
+ */
 typedef struct {
     int n, room, n_run, *ends; /* places, and where the points of a part end: [n_run] */
     place *places;
@@ -44,8 +49,9 @@ static ric_status gather_part(const fep *f, const fep_source *s, const fep_part 
         ric_point p;
         status = ric_atlas_point(s->atlas, part->branch, i, &p, NULL, NULL);
         const place at = {p.energy, p.frequency / part->k};
-        const bool seen = p.arclength >= part->lo && p.arclength <= part->hi && at.energy >= x->lo &&
-                          at.energy <= x->hi && at.frequency >= y->lo && at.frequency <= y->hi;
+        const bool seen = p.arclength >= part->lo && p.arclength <= part->hi &&
+                          at.energy >= x->lo && at.energy <= x->hi && at.frequency >= y->lo &&
+                          at.frequency <= y->hi;
         if (status == RIC_OK && seen && !add_place(c, at)) status = RIC_E_NOMEM;
     }
     c->ends[c->n_run++] = c->n;
@@ -56,7 +62,8 @@ static ric_status gather(const fep *f, crowd *c)
 {
     int parts = 0;
     for (int i = 0; i < f->n_source; i++) parts += f->sources[i].n_part;
-    ric_status status = (c->ends = calloc((size_t)parts + 1, sizeof *c->ends)) ? RIC_OK : RIC_E_NOMEM;
+    ric_status status = (c->ends = calloc((size_t)parts + 1, sizeof *c->ends)) ? RIC_OK
+                                                                               : RIC_E_NOMEM;
     for (int k = 0; status == RIC_OK && k < f->n_source; k++)
         for (int i = 0; status == RIC_OK && i < f->sources[k].n_part; i++)
             status = gather_part(f, &f->sources[k], &f->sources[k].parts[i], c);
@@ -75,7 +82,8 @@ static void spread_over(double a, double b, double length, double bins[BINS])
     }
 }
 
-/* Entropy of how the branches, each of weight one, lie along the axis; the other axis only lends their lengths. */
+/* Entropy of how the branches, each of weight one, lie along the axis; the other axis only lends
+ * their lengths. */
 static double evenness(const crowd *c, plot_axis x, plot_axis y, bool along_x)
 {
     double sum[BINS] = {0}, total = 0, entropy = 0;
@@ -120,8 +128,8 @@ static int by_place(const void *a, const void *b)
     return (s->lo > t->lo) - (s->lo < t->lo);
 }
 
-/* The widest gaps in the frequencies of the stored points, by their ratio, in ascending order; a margin stays of them.
- */
+/* The widest gaps in the frequencies of the stored points, by their ratio, in ascending order; a
+ * margin stays of them. */
 static void widest_gaps(const crowd *c, const place *sorted, plot_axis *y)
 {
     for (int i = 1; i < c->n; i++) {
@@ -138,8 +146,9 @@ static void widest_gaps(const crowd *c, const place *sorted, plot_axis *y)
     qsort(y->cut, (size_t)y->n_cut, sizeof *y->cut, by_place);
 }
 
-/* Pieces get a margin of a part of their width, and of their frequency where they are a line; and of the length of the
- * axis a least part and a share of the rest, as the root of how many branches they have. */
+/* Pieces get a margin of a part of their width, and of their frequency where they are a line; and
+ * of the length of the axis a least part and a share of the rest, as the root of how many branches
+ * they have. */
 static void lay_pieces(const crowd *c, plot_axis *y)
 {
     double share[PLOT_MAX_CUT + 1] = {0}, all = 0, at = 0;
@@ -163,7 +172,8 @@ static void lay_pieces(const crowd *c, plot_axis *y)
     }
 }
 
-/* An axis of linear pieces, without the ranges between them where no branch is; false if there are none. */
+/* An axis of linear pieces, without the ranges between them where no branch is; false if there are
+ * none. */
 static bool cut_axis(const crowd *c, const place *sorted, plot_axis *y)
 {
     y->scale = PLOT_SCALE_CUT;
@@ -193,7 +203,8 @@ static void choose_energy(const fep *f, const crowd *c, plot_axis *x, plot_axis 
 }
 
 /* Takes the other axis if the branches lie more evenly along it. */
-static void take_if_even(const crowd *c, const plot_axis *x, const plot_axis *other, double *best, plot_axis *y)
+static void take_if_even(const crowd *c, const plot_axis *x, const plot_axis *other, double *best,
+                         plot_axis *y)
 {
     const double even = evenness(c, *x, *other, false);
     if (!(even > *best)) return;
@@ -201,12 +212,14 @@ static void take_if_even(const crowd *c, const plot_axis *x, const plot_axis *ot
     *y = *other;
 }
 
-/* Knees of a broken axis are tried above most of the stored points. Cuts hide how far the pieces are apart: they have
- * to be worth it once more. */
+/* Knees of a broken axis are tried above most of the stored points. Cuts hide how far the pieces
+ * are apart: they have to be worth it once more. */
 static bool choose_frequency(const fep *f, const crowd *c, plot_axis x, plot_axis *y)
 {
     const fep_options *o = f->options;
-    if (o->has_break || o->log_frequency || o->linear_frequency || y->hi < narrow * y->lo || c->n == 0) return true;
+    if (o->has_break || o->log_frequency || o->linear_frequency || y->hi < narrow * y->lo ||
+        c->n == 0)
+        return true;
     double best = evenness(c, x, *y, false) + telling;
     const plot_axis even = *y;
     plot_axis other = even;
@@ -219,7 +232,8 @@ static bool choose_frequency(const fep *f, const crowd *c, plot_axis x, plot_axi
         other = even;
         other.scale = PLOT_SCALE_BROKEN;
         other.knee = 1.02 * sorted[rank < c->n ? rank : c->n - 1].frequency;
-        if (other.knee > even.lo && even.hi > narrow * other.knee) take_if_even(c, &x, &other, &best, y);
+        if (other.knee > even.lo && even.hi > narrow * other.knee)
+            take_if_even(c, &x, &other, &best, y);
     }
     other = even;
     best += telling;
@@ -238,7 +252,8 @@ static ric_status leave_out_cut(fep *f, fep_source *s)
         const ric_status status = ric_atlas_branch(s->atlas, part->branch, &branch);
         if (status != RIC_OK) return status;
         const double frequency = branch.frequency_max / part->k;
-        if (part->idle && plot_axis_omits(&f->panels[0].y, frequency)) fep_leave_out(f, frequency, frequency);
+        if (part->idle && plot_axis_omits(&f->panels[0].y, frequency))
+            fep_leave_out(f, frequency, frequency);
         else s->parts[n++] = *part;
     }
     s->n_part = n;
@@ -256,6 +271,7 @@ ric_status fep_choose_scales(fep *f)
     }
     free(c.ends);
     free(c.places);
-    for (int i = 0; status == RIC_OK && i < f->n_source && y->n_cut > 0; i++) status = leave_out_cut(f, &f->sources[i]);
+    for (int i = 0; status == RIC_OK && i < f->n_source && y->n_cut > 0; i++)
+        status = leave_out_cut(f, &f->sources[i]);
     return status;
 }

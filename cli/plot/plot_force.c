@@ -1,4 +1,5 @@
-/* ricochet plot force: which parts of an atlas a harmonic force of given amplitudes keeps up, to first order. */
+/* ricochet plot force: which parts of an atlas a harmonic force of given amplitudes keeps up, to
+ * first order. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <ctype.h>
@@ -53,7 +54,8 @@ typedef struct {
 
 /* --------------------------------------------------------------------- data */
 
-static ric_status place_of(const picture *p, const ric_orbit *orbit, double energy, double frequency, plot_point *out)
+static ric_status place_of(const picture *p, const ric_orbit *orbit, double energy,
+                           double frequency, plot_point *out)
 {
     double amplitudes[ric_model_n_dof(ric_atlas_model(p->atlas))];
     *out = (plot_point){energy, frequency};
@@ -72,7 +74,9 @@ static ric_status add_point(const picture *p, line *l, int i)
     ric_status status = ric_atlas_point(p->atlas, l->branch.id, i, &point, NULL, NULL);
     if (status || !(point.energy > 0)) return status;
     status = ric_orbit_find(p->atlas, l->branch.id, RIC_AT_POINT, i, &n, &orbits);
-    if (!status && n) status = ric_force_predict(p->force, l->branch.id, orbits[0], p->shaking.harmonics[0], 0, &at);
+    if (!status && n)
+        status = ric_force_predict(p->force, l->branch.id, orbits[0], p->shaking.harmonics[0], 0,
+                                   &at);
     if (!status && n) status = place_of(p, orbits[0], point.energy, point.frequency, &l->at[l->n]);
     if (!status && n) {
         l->arclength[l->n] = point.arclength;
@@ -114,7 +118,8 @@ static ric_status add_turns(picture *p, const line *l)
     ric_force_extreme *list = NULL;
     int n = 0;
     if (l->n < 3) return RIC_OK;
-    const ric_status status = ric_force_extremes(p->force, l->branch.id, p->shaking.harmonics[0], &n, &list);
+    const ric_status status = ric_force_extremes(p->force, l->branch.id, p->shaking.harmonics[0],
+                                                 &n, &list);
     for (int i = 0; i < n && p->n_turn < MOST_TURNS; i++) {
         const plot_point at = p->dof < 0 ? (plot_point){list[i].at.energy, list[i].at.frequency}
                                          : at_arclength(l, list[i].arclength);
@@ -158,8 +163,8 @@ static double threshold_at(const line *l, double s, bool *trusted)
 {
     int i = 1;
     while (i < l->n - 1 && l->arclength[i] < s) i++;
-    const double f = (s - l->arclength[i - 1]) / (l->arclength[i] - l->arclength[i - 1]), a = l->threshold[i - 1],
-                 b = l->threshold[i];
+    const double f = (s - l->arclength[i - 1]) / (l->arclength[i] - l->arclength[i - 1]),
+                 a = l->threshold[i - 1], b = l->threshold[i];
     *trusted = l->trusted[i - 1] && l->trusted[i];
     if (isinf(a) || isinf(b)) return INFINITY;
     return exp((1 - f) * log(a) + f * log(b));
@@ -170,7 +175,8 @@ static plot_point between(plot_point a, plot_point b, double f)
     return (plot_point){a.x + f * (b.x - a.x), a.y + f * (b.y - a.y)};
 }
 
-/* The piece of a curve between two knots in which the threshold is below a level: the part from f[0] to f[1]. */
+/* The piece of a curve between two knots in which the threshold is below a level: the part from
+ * f[0] to f[1]. */
 static bool lit_part(double level, double a, double b, double f[2])
 {
     if (!(a <= level) && !(b <= level)) return false;
@@ -192,12 +198,14 @@ static void light(picture *p, const line *l, const plot_track *track, int k)
         bool trusted, unused;
         double f[2];
         threshold_at(l, middle, &trusted);
-        if (!lit_part(p->levels[k], threshold_at(l, a->arclength, &unused), threshold_at(l, b->arclength, &unused), f))
+        if (!lit_part(p->levels[k], threshold_at(l, a->arclength, &unused),
+                      threshold_at(l, b->arclength, &unused), f))
             continue;
         const int stroke = k + (trusted ? 0 : MOST_LEVELS);
         const plot_point ends[2] = {between(a->at, b->at, f[0]), between(a->at, b->at, f[1])};
         plot_panel_curve(p->page, &p->panel, (plot_stroke)(PLOT_LIT + stroke), 2, ends);
-        p->lit[stroke] |= plot_panel_inside(&p->panel, ends[0]) || plot_panel_inside(&p->panel, ends[1]);
+        p->lit[stroke] |= plot_panel_inside(&p->panel, ends[0]) ||
+                          plot_panel_inside(&p->panel, ends[1]);
     }
 }
 
@@ -228,7 +236,11 @@ static void draw_turns(picture *p)
         plot_page_mark(p->page, t->birth ? PLOT_TRIANGLE : PLOT_TRIANGLE_DOWN, at, 4);
         p->births = p->births || t->birth;
         p->joins = p->joins || !t->birth;
-        tags[n] = (plot_tag){.at = at, .clear = 7, .weight = 1 / (1 + t->level), .colour = "#222222", .leader = true};
+        tags[n] = (plot_tag){.at = at,
+                             .clear = 7,
+                             .weight = 1 / (1 + t->level),
+                             .colour = "#222222",
+                             .leader = true};
         snprintf(tags[n++].text, sizeof tags[0].text, "%.4g", t->level);
     }
     plot_place_tags(p->page, plot_panel_box(&p->panel), n, tags, type);
@@ -243,7 +255,8 @@ static int legend(const picture *p, char texts[2 * MOST_LEVELS][80], plot_legend
                  k < MOST_LEVELS ? "" : ", not to be trusted");
         out[n++] = (plot_legend_entry){texts[k], PLOT_LIT + k, -1};
     }
-    if (p->births) out[n++] = (plot_legend_entry){"least threshold: an isola is born", -1, PLOT_TRIANGLE};
+    if (p->births)
+        out[n++] = (plot_legend_entry){"least threshold: an isola is born", -1, PLOT_TRIANGLE};
     if (p->joins) out[n++] = (plot_legend_entry){"largest: two join", -1, PLOT_TRIANGLE_DOWN};
     return n;
 }
@@ -272,7 +285,8 @@ static bool find_range(const picture *p, double x[2], double y[2])
 
 static plot_scale scale_of(const picture *p, const double range[2])
 {
-    return range[0] > 0 && (p->logarithmic || range[1] > wide * range[0]) ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR;
+    return range[0] > 0 && (p->logarithmic || range[1] > wide * range[0]) ? PLOT_SCALE_LOG
+                                                                          : PLOT_SCALE_LINEAR;
 }
 
 static void set_axes(picture *p, const double x[2], const double y[2])
@@ -300,9 +314,11 @@ static void frame(const picture *p)
     if (p->dof < 0) {
         plot_energy_title(p->common, 1, &model, sizeof across, across);
         snprintf(up, sizeof up, "%s", plot_frequency_title(p->common));
-        if (m > 1) snprintf(up + strlen(up), sizeof up - strlen(up), ", of the force %d times it", m);
+        if (m > 1)
+            snprintf(up + strlen(up), sizeof up - strlen(up), ", of the force %d times it", m);
     } else {
-        snprintf(across, sizeof across, "frequency of the force%s", p->common->hertz ? " (Hz)" : " Ω (rad/s)");
+        snprintf(across, sizeof across, "frequency of the force%s",
+                 p->common->hertz ? " (Hz)" : " Ω (rad/s)");
         snprintf(up, sizeof up, "max |x_{%d}|", p->dof + 1);
         if (p->common->physical) plot_append_unit(ric_model_units(model)->length, sizeof up, up);
     }
@@ -311,7 +327,8 @@ static void frame(const picture *p)
 
 static ric_status draw_all(picture *p, double foot)
 {
-    const double width = plot_layout_width(p->common, PLOT_WIDTH), height = plot_layout_height(p->common, 500);
+    const double width = plot_layout_width(p->common, PLOT_WIDTH),
+                 height = plot_layout_height(p->common, 500);
     ric_status status = RIC_OK;
     plot_page_free(p->page);
     if (!(p->page = plot_page_create(width, height))) return RIC_E_NOMEM;
@@ -345,7 +362,8 @@ static int draw(picture *p)
     plot_legend(p->page, n, entries, 12, plot_page_width(p->page) - 12, foot + 4);
     bool any = false;
     for (int k = 0; k < 2 * MOST_LEVELS; k++) any = any || p->lit[k];
-    if (!any) cli_say("ricochet: no part of a branch in the picture is kept up at %.6g\n", p->levels[0]);
+    if (!any)
+        cli_say("ricochet: no part of a branch in the picture is kept up at %.6g\n", p->levels[0]);
     return plot_page_write(p->page, p->common);
 }
 
@@ -383,20 +401,25 @@ static bool parse_output(const char *text, int n, int *dof)
 /* What is not said by options, from the study. */
 static int complete(picture *p)
 {
-    const int code = cli_shaking_read(&p->shaking, "plot force", p->study, ric_atlas_study(p->atlas));
+    const int code = cli_shaking_read(&p->shaking, "plot force", p->study,
+                                      ric_atlas_study(p->atlas));
     if (code) return code;
     for (int i = 0; !p->n_level && i < p->shaking.amplitude.n && i < MOST_LEVELS; i++)
         p->levels[i] = p->shaking.amplitude.value[i];
-    if (!p->n_level) p->n_level = p->shaking.amplitude.n < MOST_LEVELS ? p->shaking.amplitude.n : MOST_LEVELS;
+    if (!p->n_level)
+        p->n_level = p->shaking.amplitude.n < MOST_LEVELS ? p->shaking.amplitude.n : MOST_LEVELS;
     if (!p->shaking.n_force)
-        return cli_wrong("plot force: --force is missing; give the vector f of the force, one number per displacement, "
+        return cli_wrong("plot force: --force is missing; give the vector f of the force, one "
+                         "number per displacement, "
                          "for example --force 1,0, or section forcing of the study");
     if (!p->n_level)
-        return cli_wrong("plot force: --level L is missing, the amplitude of the force, or up to %d of them, L1,L2",
+        return cli_wrong("plot force: --level L is missing, the amplitude of the force, or up to "
+                         "%d of them, L1,L2",
                          MOST_LEVELS);
     if (p->shaking.n_harmonic > 1)
-        return cli_wrong("plot force: one picture shows one harmonic; give --harmonic M, one of the %d",
-                         p->shaking.n_harmonic);
+        return cli_wrong(
+            "plot force: one picture shows one harmonic; give --harmonic M, one of the %d",
+            p->shaking.n_harmonic);
     qsort(p->levels, (size_t)p->n_level, sizeof *p->levels, falling);
     return CLI_DONE;
 }
@@ -409,15 +432,18 @@ int plot_force(int argc, char **argv, const plot_options *common)
     if (!p) return cli_report(RIC_E_NOMEM);
     p->common = common;
     p->logarithmic = cli_take_flag(&argc, argv, "--log");
-    if (cli_take_shaking(&argc, argv, &p->shaking, &code) && cli_take_value(&argc, argv, "--study", &p->study) &&
-        cli_take_value(&argc, argv, "--output", &output) && cli_take_value(&argc, argv, "--window", &window) &&
+    if (cli_take_shaking(&argc, argv, &p->shaking, &code) &&
+        cli_take_value(&argc, argv, "--study", &p->study) &&
+        cli_take_value(&argc, argv, "--output", &output) &&
+        cli_take_value(&argc, argv, "--window", &window) &&
         cli_take_value(&argc, argv, "--level", &level) && cli_operands(&cli_plot, argc, argv, 1) &&
         parse_levels(level, p) && (!window || plot_parse_window(window, "--window", p->window))) {
         p->has_window = window;
         ric_status status = ric_atlas_read(argv[1], &p->atlas);
-        code = status                                                                      ? cli_report(status)
-               : parse_output(output, ric_model_n_dof(ric_atlas_model(p->atlas)), &p->dof) ? complete(p)
-                                                                                           : CLI_WRONG;
+        code = status ? cli_report(status)
+               : parse_output(output, ric_model_n_dof(ric_atlas_model(p->atlas)), &p->dof)
+                   ? complete(p)
+                   : CLI_WRONG;
         if (!code) p->unit = plot_units_of(common, ric_atlas_model(p->atlas));
         if (!code && (status = gather(p))) code = cli_report(status);
         if (!code) code = draw(p);

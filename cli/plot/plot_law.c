@@ -1,4 +1,5 @@
-/* Force curves of contacts: what a rigid stop, a spring beyond a gap and a spring of a power do along their normal. */
+/* Force curves of contacts: what a rigid stop, a spring beyond a gap and a spring of a power do
+ * along their normal. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -30,7 +31,8 @@ typedef struct {
     plot_page *page;
 } picture;
 
-/* The force with which a contact pushes back at gap s, in units of the study; infinite behind a rigid stop. */
+/* The force with which a contact pushes back at gap s, in units of the study; infinite behind a
+ * rigid stop. */
 static double force(const curve *c, double s)
 {
     const ric_contact *k = &c->contact;
@@ -47,7 +49,8 @@ static double force(const curve *c, double s)
 
 /* ------------------------------------------------------------------ sources */
 
-static void name_curve(const picture *p, const plot_listed *keys, int n_key, int source, int contact, curve *c)
+static void name_curve(const picture *p, const plot_listed *keys, int n_key, int source,
+                       int contact, curve *c)
 {
     const cli_section *from = &p->sources[source];
     const ric_study *study = from->atlas ? ric_atlas_study(from->atlas) : from->study;
@@ -70,7 +73,8 @@ static int take_curves(picture *p, const plot_listed *keys, int n_key)
         if (code != CLI_DONE) return code;
         const ric_model *model = p->sources[i].model;
         for (int k = 0; k < ric_model_n_contact(model); k++) {
-            if (p->n == MAX_CURVE) return cli_wrong("plot law: at most %d contacts can be told apart", MAX_CURVE);
+            if (p->n == MAX_CURVE)
+                return cli_wrong("plot law: at most %d contacts can be told apart", MAX_CURVE);
             curve *c = &p->curves[p->n++];
             const ric_status status = ric_model_contact(model, k, &c->contact);
             if (status) return cli_report(status);
@@ -125,7 +129,8 @@ static void draw_curve(picture *p, const plot_panel *panel, int i)
     for (int k = 0; k <= SAMPLES; k++) {
         const double s = panel->x.lo + width * k / SAMPLES, f = force(c, s);
         line[k] = (plot_point){s, isfinite(f) ? f : copysign(2 * panel->y.hi, f)};
-        if (!isfinite(f)) line[k].x = copysign(c->contact.clearance, s); /* upright, at the stop itself */
+        if (!isfinite(f))
+            line[k].x = copysign(c->contact.clearance, s); /* upright, at the stop itself */
     }
     plot_panel_curve(p->page, panel, PLOT_OVERLAY + (plot_stroke)i, SAMPLES + 1, line);
 }
@@ -150,7 +155,8 @@ static void draw_panel(picture *p, int i, plot_box box)
     const ric_law law = p->panels[i];
     const plot_panel panel = make_panel(p, law, box);
     char letter[8];
-    plot_panel_curve(p->page, &panel, PLOT_GRID, 2, (plot_point[]){{panel.x.lo, 0}, {panel.x.hi, 0}});
+    plot_panel_curve(p->page, &panel, PLOT_GRID, 2,
+                     (plot_point[]){{panel.x.lo, 0}, {panel.x.hi, 0}});
     for (int k = 0; k < p->n; k++)
         if (in_panel(&p->curves[k], law)) draw_curve(p, &panel, k);
     char across[80], up[80];
@@ -159,8 +165,8 @@ static void draw_panel(picture *p, int i, plot_box box)
     plot_panel_frame(p->page, &panel, across, law == RIC_LAW_RIGID ? "" : up);
     snprintf(letter, sizeof letter, "(%c)", 'a' + i);
     if (p->n_panel > 1)
-        plot_page_text(p->page, (plot_point){box.left - 40, box.top + 15}, PLOT_LEFT, type + 1, "#000000", false,
-                       letter);
+        plot_page_text(p->page, (plot_point){box.left - 40, box.top + 15}, PLOT_LEFT, type + 1,
+                       "#000000", false, letter);
 }
 
 static int draw(picture *p)
@@ -169,7 +175,8 @@ static int draw(picture *p)
                  height = plot_layout_height(p->common, p->n_panel > 1 ? 340 : 420),
                  head = plot_page_head(p->common, NULL) + (p->n_panel > 1 ? 18 : 0);
     plot_legend_entry entries[MAX_CURVE];
-    for (int i = 0; i < p->n; i++) entries[i] = (plot_legend_entry){p->curves[i].key, PLOT_OVERLAY + i, -1};
+    for (int i = 0; i < p->n; i++)
+        entries[i] = (plot_legend_entry){p->curves[i].key, PLOT_OVERLAY + i, -1};
     const double foot = plot_legend(NULL, p->n, entries, 12, width - 12, 0);
     p->page = plot_page_create(width, height);
     if (!p->page) return cli_report(RIC_E_NOMEM);

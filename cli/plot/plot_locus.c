@@ -24,8 +24,8 @@ typedef struct {
     plot_panel panel;
 } picture;
 
-/* Scaled by the clearance that the first contact has at this value; a picture in physical units by the one of the
- * atlas, so that the energy of every point goes back to that first. */
+/* Scaled by the clearance that the first contact has at this value; a picture in physical units by
+ * the one of the atlas, so that the energy of every point goes back to that first. */
 static plot_point place(const picture *p, const cli_locus *x, const ric_locus_point *at)
 {
     const double d = at->length / ric_model_length(ric_atlas_model(x->atlas));
@@ -58,7 +58,8 @@ static bool find_range(const picture *p, double x[2], double y[2])
 
 static plot_mark mark_of(ric_locus_mark mark)
 {
-    static const plot_mark marks[] = {PLOT_DOT, PLOT_CIRCLE, PLOT_DOT, PLOT_DIAMOND, PLOT_TRIANGLE, PLOT_SQUARE};
+    static const plot_mark marks[] = {PLOT_DOT,     PLOT_CIRCLE,   PLOT_DOT,
+                                      PLOT_DIAMOND, PLOT_TRIANGLE, PLOT_SQUARE};
     return marks[mark];
 }
 
@@ -80,7 +81,8 @@ static ric_status draw_locus(picture *p, int l)
     if (!status && !plot_track_smooth(&p->panel, &track)) status = RIC_E_NOMEM;
     plot_point *curve = status ? NULL : malloc((size_t)track.n * sizeof *curve);
     for (int i = 0; curve && i < track.n; i++) curve[i] = track.knots[i].at;
-    if (curve) plot_panel_curve(p->page, &p->panel, (plot_stroke)(PLOT_SERIES + l % 4), track.n, curve);
+    if (curve)
+        plot_panel_curve(p->page, &p->panel, (plot_stroke)(PLOT_SERIES + l % 4), track.n, curve);
     else if (!status) status = RIC_E_NOMEM;
     free(curve);
     plot_track_free(&track);
@@ -91,7 +93,8 @@ static void mark_locus(picture *p, int l)
 {
     ric_locus_point at;
     for (int i = 0; i < ric_locus_n_point(p->loci[l].locus); i++) {
-        if (ric_locus_point_at(p->loci[l].locus, i, &at) || at.mark == RIC_LOCUS_PLAIN || at.mark == RIC_LOCUS_ASKED)
+        if (ric_locus_point_at(p->loci[l].locus, i, &at) || at.mark == RIC_LOCUS_PLAIN ||
+            at.mark == RIC_LOCUS_ASKED)
             continue;
         const plot_point q = place(p, &p->loci[l], &at);
         if (!plot_panel_inside(&p->panel, q)) continue;
@@ -113,7 +116,10 @@ static void label_loci(picture *p)
             if (ric_locus_point_at(locus, i, &at) || at.mark != RIC_LOCUS_START) continue;
             const plot_point q = place(p, &p->loci[l], &at);
             if (!plot_panel_inside(&p->panel, q)) break;
-            tags[n] = (plot_tag){.at = plot_panel_at(&p->panel, q), .clear = 6, .weight = 1, .colour = "#000000"};
+            tags[n] = (plot_tag){.at = plot_panel_at(&p->panel, q),
+                                 .clear = 6,
+                                 .weight = 1,
+                                 .colour = "#000000"};
             plot_text_label(j.name[0] ? j.name : j.label, sizeof tags[n].text, tags[n].text);
             n++;
             break;
@@ -128,7 +134,8 @@ static int draw(picture *p)
                                         [RIC_LOCUS_FOLD] = "fold",
                                         [RIC_LOCUS_MEETS] = "another kind, too",
                                         [RIC_LOCUS_END] = "end"};
-    const double width = plot_layout_width(p->common, PLOT_WIDTH), height = plot_layout_height(p->common, 440);
+    const double width = plot_layout_width(p->common, PLOT_WIDTH),
+                 height = plot_layout_height(p->common, 440);
     plot_legend_entry entries[PLOT_MAX_LEGEND];
     double x[2], y[2];
     char title[200], up[200];
@@ -151,11 +158,15 @@ static int draw(picture *p)
     label_loci(p);
     plot_text_escape(p->loci[0].vary.name, sizeof title, title);
     if (p->frequency) snprintf(up, sizeof up, "%s", plot_frequency_title(p->common));
-    else plot_energy_title(p->common, 1, (const ric_model *const[]){ric_atlas_model(p->loci[0].atlas)}, sizeof up, up);
+    else
+        plot_energy_title(p->common, 1,
+                          (const ric_model *const[]){ric_atlas_model(p->loci[0].atlas)}, sizeof up,
+                          up);
     plot_panel_frame(p->page, &p->panel, title, up);
     plot_page_title(p->page, p->common, NULL);
     for (int k = RIC_LOCUS_START; k <= RIC_LOCUS_END; k++)
-        if (p->marked[k]) entries[n++] = (plot_legend_entry){names[k], -1, (int)mark_of((ric_locus_mark)k)};
+        if (p->marked[k])
+            entries[n++] = (plot_legend_entry){names[k], -1, (int)mark_of((ric_locus_mark)k)};
     plot_legend(p->page, n, entries, 12, width - 12, p->panel.y.from - 46);
     return plot_page_write(p->page, p->common);
 }
@@ -171,7 +182,8 @@ static int follow(int argc, char **argv, picture *p)
     for (const char *text = ""; text && n + 1 < MOST_LOCI; n += text != NULL) {
         long id = 0;
         if (!cli_take_value(&argc, argv, "--junction", &text)) return CLI_WRONG;
-        if ((more[n] = text) && !cli_parse_integer(text, "--junction", 1, 1000000000, &id)) return CLI_WRONG;
+        if ((more[n] = text) && !cli_parse_integer(text, "--junction", 1, 1000000000, &id))
+            return CLI_WRONG;
         if (text) p->junctions[n + 1] = (int)id;
     }
     if (!cli_operands(&cli_plot, argc, argv, 1)) return CLI_WRONG;
@@ -189,7 +201,8 @@ int plot_locus(int argc, char **argv, const plot_options *common)
     if (!p) return cli_report(RIC_E_NOMEM);
     p->common = common;
     int code = CLI_WRONG;
-    if (cli_take_value(&argc, argv, "--window", &window) && cli_take_value(&argc, argv, "--y", &upwards) &&
+    if (cli_take_value(&argc, argv, "--window", &window) &&
+        cli_take_value(&argc, argv, "--y", &upwards) &&
         (!window || plot_parse_window(window, "--window", p->window))) {
         p->has_window = window;
         p->frequency = upwards && !strcmp(upwards, "frequency");

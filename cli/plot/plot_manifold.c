@@ -1,4 +1,5 @@
-/* The orbits along a part of a branch in three coordinates of the phase space: together they are a surface. */
+/* The orbits along a part of a branch in three coordinates of the phase space: together they are a
+ * surface. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -29,11 +30,13 @@ static bool take_space(const sheet *s, int axes[3], char titles[3][24])
     const int n = ric_model_n_dof(ric_atlas_model(s->from.atlas[0]));
     for (int i = 1; i < s->from.n; i++)
         if (ric_model_n_dof(ric_atlas_model(s->from.atlas[i])) != n)
-            return cli_wrong("plot sheet: the models have different numbers of coordinates") == CLI_DONE;
+            return cli_wrong("plot sheet: the models have different numbers of coordinates") ==
+                   CLI_DONE;
     snprintf(text, sizeof text, "%s", s->space);
     for (char *c = strtok_r(text, ",", &rest); c; c = strtok_r(NULL, ",", &rest)) {
         if (count == 3 || !take_axis(c, n, &axes[count], titles[count])) {
-            if (count == 3) cli_wrong("--space %s: three coordinates, for example x1,x2,v2", s->space);
+            if (count == 3)
+                cli_wrong("--space %s: three coordinates, for example x1,x2,v2", s->space);
             return false;
         }
         count++;
@@ -67,7 +70,8 @@ static void find_ranges(const sheet_part *p, const int axes[3], plot_space *spac
     for (int i = 0; i < 3; i++) plot_range_widen(false, 0.05, &space->lo[i], &space->hi[i]);
 }
 
-static void draw_motion(sheet *s, const plot_space *space, const plot_motion *m, const int axes[3], plot_stroke stroke)
+static void draw_motion(sheet *s, const plot_space *space, const plot_motion *m, const int axes[3],
+                        plot_stroke stroke)
 {
     for (int k = 0; k < m->n_piece; k++) { /* speeds jump between pieces */
         const int n = m->first[k + 1] - m->first[k];
@@ -87,11 +91,14 @@ static void draw_bar(sheet *s, const sheet_part *p, plot_box box, double lo, dou
     for (int i = 0; i < SHADES; i++)
         for (double y = 0; y < 5; y++)
             plot_page_line(s->page, PLOT_SHADE + 1 + (plot_stroke)i, 2,
-                           (plot_point[]){{left + step * i, box.bottom + y}, {left + step * (i + 1), box.bottom + y}});
+                           (plot_point[]){{left + step * i, box.bottom + y},
+                                          {left + step * (i + 1), box.bottom + y}});
     snprintf(text, sizeof text, "%s = %.4g", plot_energy_letter(p->motions[0].model), lo);
-    plot_page_text(s->page, (plot_point){left - 8, box.bottom + 2}, PLOT_RIGHT, type, "#222222", false, text);
+    plot_page_text(s->page, (plot_point){left - 8, box.bottom + 2}, PLOT_RIGHT, type, "#222222",
+                   false, text);
     snprintf(text, sizeof text, "%.4g", hi);
-    plot_page_text(s->page, (plot_point){left + width + 8, box.bottom + 2}, PLOT_LEFT, type, "#222222", false, text);
+    plot_page_text(s->page, (plot_point){left + width + 8, box.bottom + 2}, PLOT_LEFT, type,
+                   "#222222", false, text);
 }
 
 static void draw_part(sheet *s, int i, plot_box box, const int axes[3], char titles[3][24])
@@ -112,12 +119,14 @@ static void draw_part(sheet *s, int i, plot_box box, const int axes[3], char tit
     plot_space_frame(s->page, &space, names);
     for (int k = 0; k < p->n; k++) {
         const double part = hi > lo ? (p->energies[k] - lo) / (hi - lo) : 0;
-        draw_motion(s, &space, &p->motions[k], axes, PLOT_SHADE + 1 + (plot_stroke)fmin(SHADES - 1, SHADES * part));
+        draw_motion(s, &space, &p->motions[k], axes,
+                    PLOT_SHADE + 1 + (plot_stroke)fmin(SHADES - 1, SHADES * part));
     }
-    draw_bar(s, p, (plot_box){box.left, box.bottom + 10, box.right, 0}, lo * unit.energy, hi * unit.energy);
+    draw_bar(s, p, (plot_box){box.left, box.bottom + 10, box.right, 0}, lo * unit.energy,
+             hi * unit.energy);
     sheet_title(s, i, sizeof title, title);
-    plot_page_text(s->page, (plot_point){(box.left + box.right) / 2, box.top - 12}, PLOT_CENTRE, type, "#000000", false,
-                   title);
+    plot_page_text(s->page, (plot_point){(box.left + box.right) / 2, box.top - 12}, PLOT_CENTRE,
+                   type, "#000000", false, title);
 }
 
 int sheet_manifolds(sheet *s)
@@ -126,7 +135,8 @@ int sheet_manifolds(sheet *s)
     char titles[3][24];
     if (!take_space(s, axes, titles)) return CLI_WRONG;
     const int columns = s->n > 1 ? 2 : 1, rows = (s->n + columns - 1) / columns;
-    const double head = plot_page_head(s->common, NULL), width = plot_layout_width(s->common, PLOT_WIDTH),
+    const double head = plot_page_head(s->common, NULL),
+                 width = plot_layout_width(s->common, PLOT_WIDTH),
                  height = plot_layout_height(s->common, head + (columns == 1 ? 500 : 315) * rows);
     s->page = plot_page_create(width, height);
     if (!s->page) return cli_report(RIC_E_NOMEM);

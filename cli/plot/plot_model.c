@@ -1,5 +1,6 @@
-/* A schematic of a structure with its contacts: its nodes where the study says where they are, else its displacements
- * in a row, springs between them where the stiffness matrix is that of springs. */
+/* A schematic of a structure with its contacts: its nodes where the study says where they are, else
+ * its displacements in a row, springs between them where the stiffness matrix is that of springs.
+ */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -20,13 +21,15 @@ typedef struct {
     const ric_study *study;
     int n;
     const double *mass, *stiffness;
-    bool springs;       /* the stiffness is that of springs between displacements, and from them to the ground */
-    bool lumped;        /* the mass matrix is diagonal */
-    double *ground;     /* [n] stiffness of the springs to the ground */
-    double largest;     /* entry of the stiffness */
+    bool springs;   /* the stiffness is that of springs between displacements, and from them to the
+                       ground */
+    bool lumped;    /* the mass matrix is diagonal */
+    double *ground; /* [n] stiffness of the springs to the ground */
+    double largest; /* entry of the stiffness */
     int *order, *place; /* [n] displacements from left to right, and where each of them stands */
-    double size, left, pitch, line; /* half a mass; first mass, distance of masses, height of their middle */
-    double above, below;            /* what springs over masses and contacts need beside them */
+    double size, left, pitch,
+        line;            /* half a mass; first mass, distance of masses, height of their middle */
+    double above, below; /* what springs over masses and contacts need beside them */
     plot_page *page;
 } picture;
 
@@ -74,7 +77,10 @@ static void find_order(picture *p)
     for (int at = end, before = -1; at >= 0 && n < p->n;) {
         p->order[n++] = at;
         const int count = neighbours(p, at, next);
-        const int to = count > 2 ? -1 : count > 0 && next[0] != before ? next[0] : count > 1 ? next[1] : -1;
+        const int to = count > 2                        ? -1
+                       : count > 0 && next[0] != before ? next[0]
+                       : count > 1                      ? next[1]
+                                                        : -1;
         before = at;
         at = to == before ? -1 : to;
     }
@@ -93,8 +99,9 @@ static void line_to(picture *p, plot_stroke stroke, double x0, double y0, double
 static void draw_spring(picture *p, plot_point a, plot_point b, bool arrow)
 {
     enum { TEETH = 8 };
-    const double dx = b.x - a.x, dy = b.y - a.y, length = hypot(dx, dy), ux = dx / length, uy = dy / length,
-                 coil = fmin(0.7 * length, 46), start = (length - coil) / 2, wide = 5.5;
+    const double dx = b.x - a.x, dy = b.y - a.y, length = hypot(dx, dy), ux = dx / length,
+                 uy = dy / length, coil = fmin(0.7 * length, 46), start = (length - coil) / 2,
+                 wide = 5.5;
     plot_point line[TEETH + 4];
     int n = 0;
     line[n++] = a;
@@ -107,7 +114,8 @@ static void draw_spring(picture *p, plot_point a, plot_point b, bool arrow)
     line[n++] = b;
     plot_page_line(p->page, PLOT_PART, n, line);
     if (!arrow) return;
-    const plot_point middle = {(a.x + b.x) / 2, (a.y + b.y) / 2}, tip = {middle.x + 15, middle.y + 15};
+    const plot_point middle = {(a.x + b.x) / 2, (a.y + b.y) / 2},
+                     tip = {middle.x + 15, middle.y + 15};
     line_to(p, PLOT_FRAME, middle.x - 15, middle.y - 15, tip.x, tip.y);
     line_to(p, PLOT_FRAME, tip.x - 7, tip.y - 1.5, tip.x, tip.y);
     line_to(p, PLOT_FRAME, tip.x - 1.5, tip.y - 7, tip.x, tip.y);
@@ -145,14 +153,19 @@ static void draw_mass(picture *p, int i)
     const double x = x_of(p, i), y = p->line, s = p->size;
     char text[40];
     plot_page_line(p->page, PLOT_PART, 5,
-                   (plot_point[]){{x - s, y - s}, {x + s, y - s}, {x + s, y + s}, {x - s, y + s}, {x - s, y - s}});
+                   (plot_point[]){{x - s, y - s},
+                                  {x + s, y - s},
+                                  {x + s, y + s},
+                                  {x - s, y + s},
+                                  {x - s, y - s}});
     snprintf(text, sizeof text, p->n > MAX_NUMBERED ? "%d" : "x_{%d}", i + 1);
-    plot_page_text(p->page, (plot_point){x, y + (p->lumped && p->n <= MAX_NUMBERED ? 8 : 0)}, PLOT_CENTRE, type,
-                   "#000000", false, text);
+    plot_page_text(p->page, (plot_point){x, y + (p->lumped && p->n <= MAX_NUMBERED ? 8 : 0)},
+                   PLOT_CENTRE, type, "#000000", false, text);
     if (p->lumped) number(p, (plot_point){x, y - 10}, 'm', p->mass[i * p->n + i]);
 }
 
-/* Which level above or below the row is free between two places: levels hold how far to the right each is taken. */
+/* Which level above or below the row is free between two places: levels hold how far to the right
+ * each is taken. */
 static int take_level(double *levels, double from, double to)
 {
     int level = 0;
@@ -232,22 +245,27 @@ static bool has_side(const ric_contact *c, int side)
     return c->sides == RIC_SIDES_BOTH || (c->sides == RIC_SIDES_UPPER) == (side > 0);
 }
 
-/* What stands at one side of the finger: a stop, or a plate with its spring; returns how far it reaches. */
+/* What stands at one side of the finger: a stop, or a plate with its spring; returns how far it
+ * reaches. */
 static double draw_stop(picture *p, const ric_contact *c, double x, double y, int side, bool ground)
 {
-    const double half = 11, plate = x + side * 20, post = c->law == RIC_LAW_BILINEAR ? plate + side * 44 : plate;
+    const double half = 11, plate = x + side * 20,
+                 post = c->law == RIC_LAW_BILINEAR ? plate + side * 44 : plate;
     line_to(p, PLOT_PART, plate, y - half, plate, y + half);
-    if (c->law == RIC_LAW_BILINEAR) draw_spring(p, (plot_point){plate, y}, (plot_point){post, y}, false);
+    if (c->law == RIC_LAW_BILINEAR)
+        draw_spring(p, (plot_point){plate, y}, (plot_point){post, y}, false);
     if (ground) draw_ground(p, (plot_point){post, y}, 2 * half, side, 0);
     else {
-        line_to(p, PLOT_PART, post, y - half - 6, post, y + (c->law == RIC_LAW_BILINEAR ? half : 0));
+        line_to(p, PLOT_PART, post, y - half - 6, post,
+                y + (c->law == RIC_LAW_BILINEAR ? half : 0));
     }
     return post;
 }
 
 static void draw_power(picture *p, int finger, int holder, double y)
 {
-    const double x1 = x_of(p, finger), low = p->line - p->size, x0 = holder >= 0 ? x_of(p, holder) : x1 - p->pitch / 2;
+    const double x1 = x_of(p, finger), low = p->line - p->size,
+                 x0 = holder >= 0 ? x_of(p, holder) : x1 - p->pitch / 2;
     line_to(p, PLOT_PART, x1, low, x1, y);
     if (holder >= 0) line_to(p, PLOT_PART, x0, low, x0, y);
     draw_spring(p, (plot_point){x0, y}, (plot_point){x1, y}, true);
@@ -259,9 +277,11 @@ static void draw_contact(picture *p, const ric_contact *c, double *levels)
 {
     int finger, holder, sign;
     if (!find_ends(p, c, &finger, &holder, &sign)) return;
-    const double x = x_of(p, finger), low = p->line - p->size, room = c->law == RIC_LAW_BILINEAR ? 80 : 40,
+    const double x = x_of(p, finger), low = p->line - p->size,
+                 room = c->law == RIC_LAW_BILINEAR ? 80 : 40,
                  other = holder >= 0 ? x_of(p, holder) : x;
-    const double y = low - 34 - 44 * take_level(levels, fmin(x - room, other), fmax(x + room, other));
+    const double y = low - 34 -
+                     44 * take_level(levels, fmin(x - room, other), fmax(x + room, other));
     p->below = fmax(p->below, p->line - y + 24);
     if (!p->page) return;
     if (c->law == RIC_LAW_POWER) {
@@ -295,9 +315,12 @@ static size_t gap_text(const picture *p, const ric_contact *c, size_t size, char
                 more++;
                 continue;
             }
-            const char *between = sign < 0 ? shown > 1 ? " \xe2\x88\x92 " : "\xe2\x88\x92" : shown > 1 ? " + " : "";
+            const char *between = sign < 0    ? shown > 1 ? " \xe2\x88\x92 " : "\xe2\x88\x92"
+                                  : shown > 1 ? " + "
+                                              : "";
             used += (size_t)snprintf(out + used, size - used, "%s", between);
-            if (fabs(c->normal[i]) != 1) used += (size_t)snprintf(out + used, size - used, "%.4g ", fabs(c->normal[i]));
+            if (fabs(c->normal[i]) != 1)
+                used += (size_t)snprintf(out + used, size - used, "%.4g ", fabs(c->normal[i]));
             used += (size_t)snprintf(out + used, size - used, "x_{%d}", i + 1);
         }
     if (more) used += (size_t)snprintf(out + used, size - used, " and %d more", more);
@@ -313,11 +336,11 @@ static void contact_text(const picture *p, int number, const ric_contact *c, siz
     size_t used = (size_t)snprintf(out, size, "%s:  s = ", name);
     used += gap_text(p, c, size - used, out + used);
     if (c->law == RIC_LAW_POWER && c->length > 0 && c->length != 1)
-        snprintf(out + used, size - used, ",  force %.4g (s / %.4g)^{%d}", c->reference * c->length, c->length,
-                 c->exponent);
+        snprintf(out + used, size - used, ",  force %.4g (s / %.4g)^{%d}", c->reference * c->length,
+                 c->length, c->exponent);
     else if (c->law == RIC_LAW_POWER)
-        snprintf(out + used, size - used, ",  force %.4g s^{%d}", c->length > 0 ? c->reference : c->stiffness,
-                 c->exponent);
+        snprintf(out + used, size - used, ",  force %.4g s^{%d}",
+                 c->length > 0 ? c->reference : c->stiffness, c->exponent);
     if (c->law == RIC_LAW_POWER) return;
     used += (size_t)snprintf(out + used, size - used, ",  closes at %s%.4g,  ",
                              c->sides == RIC_SIDES_BOTH    ? "±"
@@ -342,9 +365,11 @@ static double list_contacts(picture *p, double bottom)
         char text[500];
         if (ric_model_contact(p->from.model, i, &c)) continue;
         contact_text(p, i + 1, &c, sizeof text, text);
-        if (i == MOST - 1 && n > MOST) snprintf(text, sizeof text, "and %d more contacts", n - MOST + 1);
+        if (i == MOST - 1 && n > MOST)
+            snprintf(text, sizeof text, "and %d more contacts", n - MOST + 1);
         plot_page_text(p->page,
-                       (plot_point){plot_page_width(p->page) / 2, bottom + 19 * ((n < MOST ? n : MOST) - i) - 8},
+                       (plot_point){plot_page_width(p->page) / 2,
+                                    bottom + 19 * ((n < MOST ? n : MOST) - i) - 8},
                        PLOT_CENTRE, type, "#000000", false, text);
     }
     return 19 * (n < MOST ? n : MOST) + 8;
@@ -361,7 +386,8 @@ static void draw_row(picture *p)
     }
     for (int a = 0; a < p->n && p->springs; a++)
         for (int b = a + 1; b < p->n; b++)
-            if (spring(p, p->order[a], p->order[b]) != 0) draw_coupling(p, p->order[a], p->order[b], above);
+            if (spring(p, p->order[a], p->order[b]) != 0)
+                draw_coupling(p, p->order[a], p->order[b], above);
     for (int i = 0; i < p->n; i++) {
         if (p->page) draw_mass(p, i);
         if (p->springs && p->ground[i] != 0) draw_support(p, i);
@@ -376,7 +402,8 @@ static void draw_row(picture *p)
 static void place_row(picture *p, double width)
 {
     const int last = p->order[p->n - 1];
-    const bool left = p->springs && p->ground[p->order[0]] != 0, right = p->springs && p->n > 1 && p->ground[last] != 0;
+    const bool left = p->springs && p->ground[p->order[0]] != 0,
+               right = p->springs && p->n > 1 && p->ground[last] != 0;
     p->pitch = fmin(170, (width - 40) / (p->n + 1));
     p->left = (width - p->pitch * (p->n - 1)) / 2 + (left - right) * p->pitch / 3;
     p->size = fmin(24, 0.26 * p->pitch);
@@ -423,12 +450,14 @@ static view fit(const picture *p, plot_box box)
                   (box.bottom + box.top - scale * (lo[1] + hi[1])) / 2};
 }
 
-/* The stops of a contact at a node that it acts on, on either side along the direction of the displacement. */
+/* The stops of a contact at a node that it acts on, on either side along the direction of the
+ * displacement. */
 static void draw_node_stop(picture *p, const ric_contact *c, plot_point at, int axis, double weight)
 {
     const double origin[3] = {0, 0, 0}, along[3] = {axis == 0, axis == 1, axis == 2};
     const plot_point a = flat(origin), b = flat(along);
-    const double length = hypot(b.x - a.x, b.y - a.y), ux = (b.x - a.x) / length, uy = (b.y - a.y) / length;
+    const double length = hypot(b.x - a.x, b.y - a.y), ux = (b.x - a.x) / length,
+                 uy = (b.y - a.y) / length;
     for (int side = -1; side <= 1; side += 2) {
         const int face = weight > 0 ? side : -side;
         const plot_point foot = {at.x + side * 16 * ux, at.y + side * 16 * uy},
@@ -438,7 +467,8 @@ static void draw_node_stop(picture *p, const ric_contact *c, plot_point at, int 
         if (c->law == RIC_LAW_RIGID) draw_ground(p, foot, 26, side * ux, side * uy);
         else {
             if (c->law == RIC_LAW_BILINEAR)
-                line_to(p, PLOT_PART, foot.x + 13 * uy, foot.y - 13 * ux, foot.x - 13 * uy, foot.y + 13 * ux);
+                line_to(p, PLOT_PART, foot.x + 13 * uy, foot.y - 13 * ux, foot.x - 13 * uy,
+                        foot.y + 13 * ux);
             draw_spring(p, c->law == RIC_LAW_POWER ? at : foot, post, c->law == RIC_LAW_POWER);
             draw_ground(p, post, 26, side * ux, side * uy);
         }
@@ -454,22 +484,27 @@ static void draw_nodes(picture *p, plot_box box)
     for (int i = 0; i < ric_study_n_line(p->study); i++)
         if (!ric_study_line(p->study, i, ends) && !ric_study_node(p->study, ends[0], &node) &&
             !ric_study_node(p->study, ends[1], &other))
-            plot_page_line(p->page, PLOT_BEAM, 2, (plot_point[]){seen(&v, node.at), seen(&v, other.at)});
+            plot_page_line(p->page, PLOT_BEAM, 2,
+                           (plot_point[]){seen(&v, node.at), seen(&v, other.at)});
     for (int i = 0; i < n; i++) {
         if (ric_study_node(p->study, i, &node)) continue;
         const plot_point at = seen(&v, node.at);
         for (int axis = 0; axis < 3; axis++)
             for (int k = 0; node.moves[axis] && k < ric_model_n_contact(p->from.model); k++) {
                 ric_contact c;
-                if (ric_model_contact(p->from.model, k, &c) || c.normal[node.moves[axis] - 1] == 0) continue;
+                if (ric_model_contact(p->from.model, k, &c) || c.normal[node.moves[axis] - 1] == 0)
+                    continue;
                 draw_node_stop(p, &c, at, axis, c.normal[node.moves[axis] - 1]);
             }
         plot_page_mark(p->page, PLOT_DOT, at, n > 200 ? 1.5 : 3.6);
-        const int moves = node.moves[0] ? node.moves[0] : node.moves[1] ? node.moves[1] : node.moves[2];
+        const int moves = node.moves[0]   ? node.moves[0]
+                          : node.moves[1] ? node.moves[1]
+                                          : node.moves[2];
         char text[24];
         snprintf(text, sizeof text, "x_{%d}", moves);
         if (moves && n <= MAX_NODE_TEXT)
-            plot_page_text(p->page, (plot_point){at.x + 8, at.y + 12}, PLOT_LEFT, type, "#000000", false, text);
+            plot_page_text(p->page, (plot_point){at.x + 8, at.y + 12}, PLOT_LEFT, type, "#000000",
+                           false, text);
     }
 }
 
@@ -502,12 +537,13 @@ static int open_structure(const char *path, picture *p)
     find_order(p);
     if (has_nodes(p)) return CLI_DONE;
     if (p->n > MAX_ROW)
-        return cli_wrong(
-            "plot model: %s: %d displacements are too many for a row of masses; say where the nodes are in "
-            "the section `drawing` of the study",
-            path, p->n);
+        return cli_wrong("plot model: %s: %d displacements are too many for a row of masses; say "
+                         "where the nodes are in "
+                         "the section `drawing` of the study",
+                         path, p->n);
     if (!p->springs)
-        cli_say("ricochet: %s: the stiffness is not that of springs between the displacements, which are drawn on one "
+        cli_say("ricochet: %s: the stiffness is not that of springs between the displacements, "
+                "which are drawn on one "
                 "member\n",
                 path);
     return CLI_DONE;
@@ -523,7 +559,9 @@ static void draw_structure(picture *p, double top, double bottom, char letter)
     const double foot = list_contacts(p, bottom), width = plot_page_width(p->page);
     char text[8];
     snprintf(text, sizeof text, "(%c)", letter);
-    if (letter) plot_page_text(p->page, (plot_point){16, top - 14}, PLOT_LEFT, type + 1, "#000000", false, text);
+    if (letter)
+        plot_page_text(p->page, (plot_point){16, top - 14}, PLOT_LEFT, type + 1, "#000000", false,
+                       text);
     if (has_nodes(p)) {
         draw_nodes(p, (plot_box){70, bottom + foot + 66, width - 70, top - 60});
         return;
@@ -534,7 +572,8 @@ static void draw_structure(picture *p, double top, double bottom, char letter)
 
 static int draw(const plot_options *common, sheet *s)
 {
-    const double head = plot_page_head(common, NULL), gap = 10, width = plot_layout_width(common, PLOT_WIDTH);
+    const double head = plot_page_head(common, NULL), gap = 10,
+                 width = plot_layout_width(common, PLOT_WIDTH);
     double needed = head + gap;
     for (int i = 0; i < s->n; i++) {
         if (!has_nodes(&s->structures[i])) place_row(&s->structures[i], width);
@@ -561,7 +600,8 @@ int plot_model(int argc, char **argv, const plot_options *common)
 {
     sheet s = {0};
     if (!cli_operands(&cli_plot, argc, argv, argc > 2 ? argc - 1 : 1)) return CLI_WRONG;
-    if (argc - 1 > MAX_STRUCTURE) return cli_wrong("plot model: at most %d structures", MAX_STRUCTURE);
+    if (argc - 1 > MAX_STRUCTURE)
+        return cli_wrong("plot model: at most %d structures", MAX_STRUCTURE);
     int code = CLI_DONE;
     while (code == CLI_DONE && s.n < argc - 1) {
         code = open_structure(argv[s.n + 1], &s.structures[s.n]);

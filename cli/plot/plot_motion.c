@@ -1,6 +1,7 @@
-/* The motion of an orbit over one period, as rows of numbers, with its impacts and touches.
- * Between rigid impacts it is written down from the modes, flight by flight, so that speeds on both sides of an impact
- * are exact; under a power law it is what the simulator gives from the stored state. */
+/* The motion of an orbit over one period, as rows of numbers, with its impacts and touches. Between
+ * rigid impacts it is written down from the modes, flight by flight, so that speeds on both sides
+ * of an impact are exact; under a power law it is what the simulator gives from the stored state.
+ */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -17,11 +18,13 @@ double *plot_motion_row(const plot_motion *o, int i)
     return o->rows + (size_t)i * (size_t)(1 + 2 * o->n);
 }
 
-/* What the gap coordinate is measured by: the clearance, or the length of a power law, scaled like the
- * displacements. */
+/* What the gap coordinate is measured by: the clearance, or the length of a power law, scaled like
+ * the displacements. */
 static double unit_of(const plot_motion *o, const ric_contact *c)
 {
-    const double unit = c->law != RIC_LAW_POWER ? c->clearance : c->length > 0 ? c->length : ric_model_length(o->model);
+    const double unit = c->law != RIC_LAW_POWER ? c->clearance
+                        : c->length > 0         ? c->length
+                                                : ric_model_length(o->model);
     return unit / ric_model_length(o->model);
 }
 
@@ -46,8 +49,8 @@ double plot_motion_clearance(const plot_motion *o, int contact)
 typedef struct {
     int n;
     double *omega, *shapes, *q, *p; /* modes; modal state at the start of the flight */
-    ric_simulator *springs;         /* of a model with contacts of law bilinear: it flies, from `state` [2 n]; NULL
-                                     * without */
+    ric_simulator *springs; /* of a model with contacts of law bilinear: it flies, from `state` [2
+                               n]; NULL without */
     double *state;
 } modal;
 
@@ -55,8 +58,8 @@ static bool is_spring(const ric_model *model, int face)
 {
     int contact;
     ric_contact c;
-    return !ric_model_face(model, face, &contact, NULL, NULL) && !ric_model_contact(model, contact, &c) &&
-           c.law == RIC_LAW_BILINEAR;
+    return !ric_model_face(model, face, &contact, NULL, NULL) &&
+           !ric_model_contact(model, contact, &c) && c.law == RIC_LAW_BILINEAR;
 }
 
 static ric_status modal_create(const ric_model *model, modal *m)
@@ -70,7 +73,8 @@ static ric_status modal_create(const ric_model *model, modal *m)
                  .state = calloc(2 * n, sizeof(double))};
     if (!m->omega || !m->shapes || !m->q || !m->p || !m->state) return RIC_E_NOMEM;
     for (int f = 0; f < ric_model_n_face(model); f++)
-        if (is_spring(model, f) && !m->springs && ric_simulator_create(model, &m->springs) != RIC_OK)
+        if (is_spring(model, f) && !m->springs &&
+            ric_simulator_create(model, &m->springs) != RIC_OK)
             return RIC_E_NOMEM;
     const ric_status status = ric_model_frequencies(model, m->omega);
     return status == RIC_OK ? ric_model_modes(model, m->shapes) : status;
@@ -105,7 +109,8 @@ static void modal_start(modal *m, const double *mass, const double *state)
 static void modal_at(const modal *m, double t, double *out)
 {
     const int n = m->n;
-    if (m->springs && t >= 0) { /* closed or not, the simulator knows; a short flight, so that nothing grows */
+    if (m->springs &&
+        t >= 0) { /* closed or not, the simulator knows; a short flight, so that nothing grows */
         bool hit = ric_simulator_start(m->springs, m->state, m->state + n) == RIC_OK;
         while (hit && ric_simulator_advance(m->springs, t, &hit, NULL) == RIC_OK) {
         }
@@ -115,7 +120,8 @@ static void modal_at(const modal *m, double t, double *out)
     memset(out, 0, 2 * (size_t)n * sizeof *out);
     for (int k = 0; k < n; k++) {
         const double w = m->omega[k], c = cos(w * t), s = sin(w * t);
-        const double q = m->q[k] * c + m->p[k] * (w > 0 ? s / w : t), p = m->p[k] * c - w * m->q[k] * s;
+        const double q = m->q[k] * c + m->p[k] * (w > 0 ? s / w : t),
+                     p = m->p[k] * c - w * m->q[k] * s;
         for (int i = 0; i < n; i++) {
             out[i] += m->shapes[i * n + k] * q;
             out[n + i] += m->shapes[i * n + k] * p;
@@ -202,7 +208,8 @@ int plot_motion_face(const plot_motion *o, int contact, int side)
 {
     for (int face = 0; face < ric_model_n_face(o->model); face++) {
         int c, s, mirror;
-        if (ric_model_face(o->model, face, &c, &s, &mirror) == RIC_OK && c == contact && s == side) return face;
+        if (ric_model_face(o->model, face, &c, &s, &mirror) == RIC_OK && c == contact && s == side)
+            return face;
     }
     return -1;
 }
@@ -215,7 +222,8 @@ static double gap_speed(const plot_motion *o, const modal *m, int contact, doubl
 }
 
 /* Extrema of the gaps that reach a stop between t0 and t1 of the flight that starts at `begin`. */
-static bool find_touches(plot_motion *o, const modal *m, int contact, double begin, double t0, double t1, double *work)
+static bool find_touches(plot_motion *o, const modal *m, int contact, double begin, double t0,
+                         double t1, double *work)
 {
     if (gap_speed(o, m, contact, t0, work) * gap_speed(o, m, contact, t1, work) > 0) return true;
     const double sign = gap_speed(o, m, contact, t0, work) > 0 ? 1 : -1;
@@ -230,15 +238,18 @@ static bool find_touches(plot_motion *o, const modal *m, int contact, double beg
     if (face < 0 || fabs(fabs(gap) - 1) > o->tolerance) return true;
     double time = begin + t0;
     if (time < -1e-9 * o->period) time += o->period;
-    return add_row(o, time, work) &&
-           add_event(o, (plot_event){.time = time, .face = face, .touch = true, .sample = o->n_row - 1});
+    return add_row(o, time, work) && add_event(o, (plot_event){.time = time,
+                                                               .face = face,
+                                                               .touch = true,
+                                                               .sample = o->n_row - 1});
 }
 
 /* Rows of one flight. The touches' rows come after all flights, outside the curves. */
 static bool sample_flight(plot_motion *o, const modal *m, double begin, double length, double *work)
 {
     const double turns = m->omega[m->n - 1] * length / (2 * pi);
-    const int n = (int)fmax(400, fmin(4000, 96 * turns)); /* a loop of a portrait has no corners that are seen */
+    const int n = (int)
+        fmax(400, fmin(4000, 96 * turns)); /* a loop of a portrait has no corners that are seen */
     for (int i = 0; i <= n; i++) {
         modal_at(m, length * i / n, work);
         if (!add_row(o, begin + length * i / n, work)) return false;
@@ -246,15 +257,18 @@ static bool sample_flight(plot_motion *o, const modal *m, double begin, double l
     return true;
 }
 
-static bool touches_of_flight(plot_motion *o, const modal *m, double begin, double length, double *work)
+static bool touches_of_flight(plot_motion *o, const modal *m, double begin, double length,
+                              double *work)
 {
     const double turns = m->omega[m->n - 1] * length / (2 * pi);
     const int n = (int)fmax(96, fmin(8000, 48 * turns));
-    /* Without impacts the period starts anywhere, also at a touch: the search starts a little earlier. */
+    /* Without impacts the period starts anywhere, also at a touch: the search starts a little
+     * earlier. */
     const double shift = o->impacts ? 0 : -length / n / 2;
     for (int contact = 0; contact < ric_model_n_contact(o->model); contact++)
         for (int i = 0; i < n; i++)
-            if (!find_touches(o, m, contact, begin, shift + length * i / n, shift + length * (i + 1) / n, work))
+            if (!find_touches(o, m, contact, begin, shift + length * i / n,
+                              shift + length * (i + 1) / n, work))
                 return false;
     return true;
 }
@@ -293,7 +307,8 @@ static ric_status reflect(plot_motion *o)
             begin += o->flights[k];
             step(&m, o, k);
         }
-        if (!touches) good = good && add_letter(o, begin, 0, o->n_row - 1); /* again, where the period ends */
+        if (!touches)
+            good = good && add_letter(o, begin, 0, o->n_row - 1); /* again, where the period ends */
     }
 out:
     modal_free(&m);
@@ -304,7 +319,8 @@ out:
 /* ----------------------------------------------------------------- power laws */
 
 enum { ROWS = 2400 };
-static const double return_bound = 1e-3; /* how far a motion may end from its start, relative to its largest value */
+static const double return_bound =
+    1e-3; /* how far a motion may end from its start, relative to its largest value */
 
 static bool returns(const plot_motion *o, const double *z)
 {
@@ -316,13 +332,15 @@ static bool returns(const plot_motion *o, const double *z)
     return error <= return_bound * size;
 }
 
-/* The motion of the simulator, in one smooth piece; refused where it has not come back after one period. */
+/* The motion of the simulator, in one smooth piece; refused where it has not come back after one
+ * period. */
 static ric_status integrate(plot_motion *o)
 {
     ric_simulator *simulator = NULL;
     double *z = calloc(2 * (size_t)o->n, sizeof *z);
-    ric_status status = z && (o->first = calloc(2, sizeof *o->first)) ? ric_simulator_create(o->model, &simulator)
-                                                                      : RIC_E_NOMEM;
+    ric_status status = z && (o->first = calloc(2, sizeof *o->first))
+                            ? ric_simulator_create(o->model, &simulator)
+                            : RIC_E_NOMEM;
     if (status == RIC_OK) status = ric_simulator_start(simulator, o->state, o->state + o->n);
     for (int i = 0; status == RIC_OK && i <= ROWS; i++) {
         bool hit;
@@ -331,8 +349,8 @@ static ric_status integrate(plot_motion *o)
         if (status == RIC_OK && !add_row(o, o->period * i / ROWS, z)) status = RIC_E_NOMEM;
     }
     if (status == RIC_OK && !returns(o, z)) {
-        fprintf(stderr,
-                "ricochet: this orbit is too unstable to be drawn from its start: after one period it misses it\n");
+        fprintf(stderr, "ricochet: this orbit is too unstable to be drawn from its start: after "
+                        "one period it misses it\n");
         status = RIC_E_NUMERIC;
     }
     if (o->first) o->first[1] = o->n_row;
@@ -355,7 +373,8 @@ ric_status plot_motion_make(plot_motion *o)
 
 /* ------------------------------------------------------------------ reading */
 
-bool plot_motion_keep(plot_motion *o, int impacts, const int *word, const double *state, const double *flights)
+bool plot_motion_keep(plot_motion *o, int impacts, const int *word, const double *state,
+                      const double *flights)
 {
     const size_t n = 2 * (size_t)o->n, k = impacts > 0 ? (size_t)impacts : 1;
     o->impacts = impacts;
@@ -406,8 +425,8 @@ void plot_motion_range(const plot_motion *o, plot_reading y, int what, double *l
     }
 }
 
-void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke, const plot_motion *o,
-                      plot_reading x, plot_reading y, int what, double later)
+void plot_motion_draw(plot_page *page, const plot_panel *panel, plot_stroke stroke,
+                      const plot_motion *o, plot_reading x, plot_reading y, int what, double later)
 {
     const double shift = x == plot_read_time ? later : 0;
     plot_point *points = malloc((size_t)o->first[o->n_piece] * sizeof *points);
@@ -485,8 +504,8 @@ double plot_motion_at(const plot_motion *o, double t, int coordinate)
     if (!(h > 0)) /* two rows at an impact */
         return x0;
     const double s = (t - a[0]) / h;
-    return x0 * (1 + 2 * s) * (1 - s) * (1 - s) + h * v0 * s * (1 - s) * (1 - s) + x1 * s * s * (3 - 2 * s) -
-           h * v1 * s * s * (1 - s);
+    return x0 * (1 + 2 * s) * (1 - s) * (1 - s) + h * v0 * s * (1 - s) * (1 - s) +
+           x1 * s * s * (3 - 2 * s) - h * v1 * s * s * (1 - s);
 }
 
 double plot_motion_gap_at(const plot_motion *m, int contact, double t)

@@ -1,5 +1,5 @@
-/* One orbit: displacements and gaps over a period, impacts and touches with the letters of their faces, and phase
- * portraits. The motion itself is made in plot_motion.c. */
+/* One orbit: displacements and gaps over a period, impacts and touches with the letters of their
+ * faces, and phase portraits. The motion itself is made in plot_motion.c. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -11,8 +11,8 @@
 
 enum { MAX_SHOWN = 4 };
 static const double type = 12, pi = 3.14159265358979323846;
-/* How near a gap must come to a stop, in clearances, to be a touch: an orbit of a branch is exact to rounding; a
- * grazing junction of a very unstable orbit carries the error of its flights. */
+/* How near a gap must come to a stop, in clearances, to be a touch: an orbit of a branch is exact
+ * to rounding; a grazing junction of a very unstable orbit carries the error of its flights. */
 static const double touch_of_branch = 1e-9, touch_of_grazing = 1e-7;
 
 typedef struct {
@@ -32,7 +32,8 @@ typedef struct {
 static void set_title(orbit *o, const char *name, double energy, const char *extra)
 {
     char place[120];
-    plot_place_text(o->common, o->motion->model, energy, 2 * pi / o->motion->period, sizeof place, place);
+    plot_place_text(o->common, o->motion->model, energy, 2 * pi / o->motion->period, sizeof place,
+                    place);
     snprintf(o->title, sizeof o->title, "%s:  %s%s", name, place, extra);
 }
 
@@ -45,9 +46,11 @@ static int take_junction(orbit *o, const char *text)
     const ric_status status = ric_atlas_junction(o->atlas, (int)id, &junction);
     if (status != RIC_OK) return cli_report(status);
     o->motion->tolerance = junction.kind == RIC_KIND_GRAZING ? touch_of_grazing : touch_of_branch;
-    if (!plot_motion_keep(o->motion, junction.letters, junction.word, junction.state, junction.flights))
+    if (!plot_motion_keep(o->motion, junction.letters, junction.word, junction.state,
+                          junction.flights))
         return cli_report(RIC_E_NOMEM);
-    plot_text_label(junction.name && *junction.name ? junction.name : junction.label, sizeof name, name);
+    plot_text_label(junction.name && *junction.name ? junction.name : junction.label, sizeof name,
+                    name);
     set_title(o, name, junction.energy, "");
     return CLI_DONE;
 }
@@ -56,7 +59,8 @@ typedef struct {
     const char *branch, *junction, *point, *energy, *frequency, *which, *coordinates, *data;
 } words;
 
-static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int n, ric_orbit **orbits)
+static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int n,
+                        ric_orbit **orbits)
 {
     static const char *const stability[] = {", unstable", ", stable", ", stability undecided"};
     long which = 1;
@@ -64,25 +68,31 @@ static int choose_orbit(orbit *o, const ric_branch *branch, const words *w, int 
     ric_point point;
     if (n == 0) {
         fprintf(stderr,
-                "ricochet: no orbit of branch %d there; it has energies %.6g to %.6g and frequencies %.6g to %.6g\n",
-                branch->id, branch->energy_min * o->unit.energy, branch->energy_max * o->unit.energy,
-                branch->frequency_min * o->unit.frequency, branch->frequency_max * o->unit.frequency);
+                "ricochet: no orbit of branch %d there; it has energies %.6g to %.6g and "
+                "frequencies %.6g to %.6g\n",
+                branch->id, branch->energy_min * o->unit.energy,
+                branch->energy_max * o->unit.energy, branch->frequency_min * o->unit.frequency,
+                branch->frequency_max * o->unit.frequency);
         return CLI_FAILED;
     }
     if (w->which && !cli_parse_integer(w->which, "--which", 1, n, &which)) return CLI_WRONG;
-    if (n > 1 && !w->which) fprintf(stderr, "ricochet: %d orbits fit, this is the first; --which K draws another\n", n);
+    if (n > 1 && !w->which)
+        fprintf(stderr, "ricochet: %d orbits fit, this is the first; --which K draws another\n", n);
     const ric_orbit *chosen = orbits[which - 1];
     const int impacts = ric_orbit_letters(chosen), room = impacts > 0 ? impacts : 1;
-    double *state = calloc(2 * (size_t)o->motion->n, sizeof *state), *flights = calloc((size_t)room, sizeof *flights);
+    double *state = calloc(2 * (size_t)o->motion->n, sizeof *state),
+           *flights = calloc((size_t)room, sizeof *flights);
     int *word = calloc((size_t)room, sizeof *word);
     int code = CLI_DONE;
     if (state && flights && word) ric_orbit_data(chosen, &point, state, flights, word);
-    if (!state || !flights || !word || !plot_motion_keep(o->motion, impacts, word, state, flights)) {
+    if (!state || !flights || !word ||
+        !plot_motion_keep(o->motion, impacts, word, state, flights)) {
         code = cli_report(RIC_E_NOMEM);
         goto out;
     }
     plot_branch_title(branch, 1, sizeof name, name);
-    set_title(o, name, point.energy, point.stable >= 0 && point.stable <= 2 ? stability[point.stable] : "");
+    set_title(o, name, point.energy,
+              point.stable >= 0 && point.stable <= 2 ? stability[point.stable] : "");
 out:
     free(state);
     free(flights);
@@ -134,7 +144,8 @@ static void usual_coordinates(orbit *o)
         double weight = 0;
         for (int contact = 0; contact < ric_model_n_contact(o->motion->model); contact++) {
             ric_contact c;
-            if (ric_model_contact(o->motion->model, contact, &c) == RIC_OK) weight += fabs(c.normal[i]);
+            if (ric_model_contact(o->motion->model, contact, &c) == RIC_OK)
+                weight += fabs(c.normal[i]);
         }
         int place = o->n_shown;
         while (place > 0 && taken[place - 1] < weight) place--;
@@ -177,11 +188,13 @@ static void choose_gaps(orbit *o)
             bool met = false, known = false;
             for (int i = 0; i < o->motion->n_event; i++) {
                 int c, side, mirror;
-                met |= ric_model_face(o->motion->model, o->motion->events[i].face, &c, &side, &mirror) == RIC_OK &&
+                met |= ric_model_face(o->motion->model, o->motion->events[i].face, &c, &side,
+                                      &mirror) == RIC_OK &&
                        c == contact;
             }
             for (int i = 0; i < o->n_gap; i++) known |= o->gaps[i] == contact;
-            if (!known && met == (round == 0) && o->n_gap < MAX_SHOWN) o->gaps[o->n_gap++] = contact;
+            if (!known && met == (round == 0) && o->n_gap < MAX_SHOWN)
+                o->gaps[o->n_gap++] = contact;
         }
     for (int i = 1; i < o->n_gap; i++) /* in the order of the study */
         for (int k = i; k > 0 && o->gaps[k - 1] > o->gaps[k]; k--) {
@@ -252,15 +265,16 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
     plot_legend_entry entries[MAX_SHOWN];
     char names[MAX_SHOWN][24];
     double lo = INFINITY, hi = -INFINITY;
-    for (int i = 0; i < o->n_shown; i++) plot_motion_range(o->motion, plot_read_x, o->shown[i], &lo, &hi);
+    for (int i = 0; i < o->n_shown; i++)
+        plot_motion_range(o->motion, plot_read_x, o->shown[i], &lo, &hi);
     plot_range_widen(false, 0.07, &lo, &hi);
     plot_panel panel = {time_axis(o, box.left, box.right), axis_over(lo, hi, box.bottom, box.top)};
     panel.y.unit = o->unit.length;
     draw_event_lines(o, &panel);
     name_touches(o, &panel);
     for (int i = 0; i < o->n_shown; i++) {
-        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, o->motion, plot_read_time, plot_read_x,
-                         o->shown[i], 0);
+        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, o->motion, plot_read_time,
+                         plot_read_x, o->shown[i], 0);
         snprintf(names[i], sizeof names[i], "x_{%d}", o->shown[i] + 1);
         entries[i] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
     }
@@ -272,7 +286,8 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
 }
 
 /* The name of a contact, or its number, between two words. */
-static void gap_name(const orbit *o, int contact, const char *before, const char *after, size_t size, char *out)
+static void gap_name(const orbit *o, int contact, const char *before, const char *after,
+                     size_t size, char *out)
 {
     ric_contact c;
     char name[60];
@@ -296,7 +311,8 @@ static int stops_on(const orbit *o, int side)
     return n;
 }
 
-/* The line of a stop that not every gap has is in the colour of the gap that it bounds: others pass it freely. */
+/* The line of a stop that not every gap has is in the colour of the gap that it bounds: others pass
+ * it freely. */
 static bool own_stop(const orbit *o, int i, int side)
 {
     return has_stop(o, i, side) && stops_on(o, side) < o->n_gap;
@@ -307,7 +323,8 @@ static void draw_stops(const orbit *o, const plot_panel *panel)
     for (int side = -1; side <= 1; side += 2) {
         double y = plot_axis_at(&panel->y, side);
         if (o->n_gap && stops_on(o, side) == o->n_gap)
-            plot_page_line(o->page, PLOT_STOP, 2, (plot_point[]){{panel->x.from, y}, {panel->x.to, y}});
+            plot_page_line(o->page, PLOT_STOP, 2,
+                           (plot_point[]){{panel->x.from, y}, {panel->x.to, y}});
         for (int i = 0; i < o->n_gap; i++) {
             if (!own_stop(o, i, side)) continue;
             plot_page_line(o->page, PLOT_STOP + 1 + (plot_stroke)i, 2,
@@ -317,7 +334,8 @@ static void draw_stops(const orbit *o, const plot_panel *panel)
     }
 }
 
-/* The letter of a face beside its mark, in one of three rows beyond the stop; left out where all three are taken. */
+/* The letter of a face beside its mark, in one of three rows beyond the stop; left out where all
+ * three are taken. */
 static void draw_letter(orbit *o, plot_point at, int side, int face)
 {
     char letter[24], text[48];
@@ -342,7 +360,8 @@ static void draw_gap_events(orbit *o, const plot_panel *panel)
             const plot_event *e = &o->motion->events[i];
             int contact, side, mirror;
             bool shown = false;
-            if (ric_model_face(o->motion->model, e->face, &contact, &side, &mirror) != RIC_OK) continue;
+            if (ric_model_face(o->motion->model, e->face, &contact, &side, &mirror) != RIC_OK)
+                continue;
             for (int k = 0; k < o->n_gap; k++) shown |= o->gaps[k] == contact;
             const plot_point at = plot_panel_at(panel, (plot_point){e->time, side});
             if (shown && round == 0) plot_page_mark(o->page, plot_event_mark(e), at, 3.6);
@@ -359,12 +378,14 @@ static int gap_entries(const orbit *o, char (*names)[96], plot_legend_entry *ent
         gap_name(o, o->gaps[i], "gap of ", "", sizeof names[i], names[i]);
         entries[n++] = (plot_legend_entry){names[i], PLOT_SERIES + i, -1};
     }
-    for (int side = -1; side <= 1; side += 2) shared |= o->n_gap > 0 && stops_on(o, side) == o->n_gap;
+    for (int side = -1; side <= 1; side += 2)
+        shared |= o->n_gap > 0 && stops_on(o, side) == o->n_gap;
     if (shared) entries[n++] = (plot_legend_entry){"contact closed", PLOT_STOP, -1};
     for (int i = 0; i < o->n_gap; i++) {
         char *name = names[MAX_SHOWN + i];
         gap_name(o, o->gaps[i], "", " closed", sizeof names[0], name);
-        if (own_stop(o, i, -1) || own_stop(o, i, 1)) entries[n++] = (plot_legend_entry){name, PLOT_STOP + 1 + i, -1};
+        if (own_stop(o, i, -1) || own_stop(o, i, 1))
+            entries[n++] = (plot_legend_entry){name, PLOT_STOP + 1 + i, -1};
     }
     return n;
 }
@@ -376,26 +397,31 @@ static void draw_gaps(orbit *o, plot_box box)
     double lo = lower ? -1 : 0, hi = upper ? 1 : 0;
     plot_legend_entry entries[2 * MAX_SHOWN + 1], marks[PLOT_MAX_EVENT_ENTRY];
     char names[2 * MAX_SHOWN][96];
-    const int n = gap_entries(o, names, entries), n_mark = plot_event_entries(plot_events_seen(o->motion, 0), marks);
+    const int n = gap_entries(o, names, entries),
+              n_mark = plot_event_entries(plot_events_seen(o->motion, 0), marks);
     const double head = box.top + 22;
-    box.top -= plot_legend(NULL, n, entries, box.left, box.right, 0) - plot_legend(NULL, 1, entries, 0, box.right, 0);
-    for (int i = 0; i < o->n_gap; i++) plot_motion_range(o->motion, plot_read_gap, o->gaps[i], &lo, &hi);
+    box.top -= plot_legend(NULL, n, entries, box.left, box.right, 0) -
+               plot_legend(NULL, 1, entries, 0, box.right, 0);
+    for (int i = 0; i < o->n_gap; i++)
+        plot_motion_range(o->motion, plot_read_gap, o->gaps[i], &lo, &hi);
     const double above = upper ? room : 12, below = lower ? room : 12,
                  scale = (hi - lo) / fmax(20, box.top - box.bottom - above - below);
     const plot_panel panel = {time_axis(o, box.left, box.right),
-                              axis_over(lo - below * scale, hi + above * scale, box.bottom, box.top)};
+                              axis_over(lo - below * scale, hi + above * scale, box.bottom,
+                                        box.top)};
     draw_event_lines(o, &panel);
     draw_stops(o, &panel);
     for (int i = 0; i < o->n_gap; i++)
-        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, o->motion, plot_read_time, plot_read_gap,
-                         o->gaps[i], 0);
+        plot_motion_draw(o->page, &panel, PLOT_SERIES + (plot_stroke)i, o->motion, plot_read_time,
+                         plot_read_gap, o->gaps[i], 0);
     plot_panel_frame(o->page, &panel, "time (s)", "gap / clearance");
     draw_gap_events(o, &panel);
     plot_legend(o->page, n, entries, box.left, box.right, head);
     if (n_mark > 0) plot_legend(o->page, n_mark, marks, box.left, box.right, box.bottom - 42);
 }
 
-static void mark_row(const orbit *o, const plot_panel *panel, int coordinate, int index, plot_mark mark)
+static void mark_row(const orbit *o, const plot_panel *panel, int coordinate, int index,
+                     plot_mark mark)
 {
     const double *r = plot_motion_row(o->motion, index);
     plot_page_mark(o->page, mark,
@@ -414,21 +440,26 @@ static void draw_portrait(orbit *o, int i, plot_box box)
     plot_motion_range(o->motion, plot_read_v, coordinate, &v[0], &v[1]);
     plot_range_widen(false, 0.07, &x[0], &x[1]);
     plot_range_widen(false, 0.07, &v[0], &v[1]);
-    plot_panel panel = {axis_over(x[0], x[1], box.left, box.right), axis_over(v[0], v[1], box.bottom, box.top)};
+    plot_panel panel = {axis_over(x[0], x[1], box.left, box.right),
+                        axis_over(v[0], v[1], box.bottom, box.top)};
     panel.x.unit = panel.y.unit = o->unit.length;
-    plot_motion_draw(o->page, &panel, PLOT_PORTRAIT + (plot_stroke)i, o->motion, plot_read_x, plot_read_v, coordinate,
-                     0);
+    plot_motion_draw(o->page, &panel, PLOT_PORTRAIT + (plot_stroke)i, o->motion, plot_read_x,
+                     plot_read_v, coordinate, 0);
     for (int row = 0; row < o->data.n; row++)
         plot_panel_dot(o->page, &panel, PLOT_DATA + 1 + (plot_stroke)i,
                        (plot_point){plot_table_at(&o->data, row, 1 + i) / o->unit.length,
-                                    plot_table_at(&o->data, row, 1 + o->n_shown + i) / o->unit.length});
-    snprintf(across, sizeof across, "x_{%d}%s%s%s", coordinate + 1, *length ? " (" : "", length, *length ? ")" : "");
-    snprintf(up, sizeof up, "v_{%d}%s%s%s", coordinate + 1, *length ? " (" : "", length, *length ? "/s)" : "");
+                                    plot_table_at(&o->data, row, 1 + o->n_shown + i) /
+                                        o->unit.length});
+    snprintf(across, sizeof across, "x_{%d}%s%s%s", coordinate + 1, *length ? " (" : "", length,
+             *length ? ")" : "");
+    snprintf(up, sizeof up, "v_{%d}%s%s%s", coordinate + 1, *length ? " (" : "", length,
+             *length ? "/s)" : "");
     plot_panel_frame(o->page, &panel, across, up);
     for (int k = 0; k < o->motion->n_event; k++) {
         const plot_event *e = &o->motion->events[k];
         mark_row(o, &panel, coordinate, e->sample, plot_event_mark(e));
-        if (!e->touch && e->sample > 0 && e->sample + 1 < o->motion->first[o->motion->n_piece]) /* the other side */
+        if (!e->touch && e->sample > 0 &&
+            e->sample + 1 < o->motion->first[o->motion->n_piece]) /* the other side */
             mark_row(o, &panel, coordinate, e->sample - 1, plot_event_mark(e));
     }
 }
@@ -436,16 +467,19 @@ static void draw_portrait(orbit *o, int i, plot_box box)
 static void draw_portraits(orbit *o, plot_box area)
 {
     const int columns = o->n_shown > 2 ? 2 : 1, lines = (o->n_shown + columns - 1) / columns;
-    const double width = (area.right - area.left) / columns, height = (area.top - area.bottom) / lines;
+    const double width = (area.right - area.left) / columns,
+                 height = (area.top - area.bottom) / lines;
     for (int i = 0; i < o->n_shown; i++) {
-        const double left = area.left + width * (i % columns), top = area.top - height * (i / columns);
+        const double left = area.left + width * (i % columns),
+                     top = area.top - height * (i / columns);
         draw_portrait(o, i, (plot_box){left + 70, top - height + 46, left + width - 8, top - 6});
     }
 }
 
 static int draw(orbit *o)
 {
-    const double width = plot_layout_width(o->common, PLOT_WIDTH), height = plot_layout_height(o->common, 560);
+    const double width = plot_layout_width(o->common, PLOT_WIDTH),
+                 height = plot_layout_height(o->common, 560);
     o->page = plot_page_create(width, height);
     if (!o->page) return cli_report(RIC_E_NOMEM);
     const bool titled = *o->title || o->common->title;
@@ -456,8 +490,9 @@ static int draw(orbit *o)
     draw_portraits(o, (plot_box){split, foot - 46, width - 8, height - (titled ? 30 : 8)});
     plot_page_title(o->page, o->common, *o->title ? o->title : NULL);
     if (o->missing)
-        fprintf(stderr, "ricochet: %d letter%s of impacts left out for want of room; --size makes more\n", o->missing,
-                o->missing == 1 ? "" : "s");
+        fprintf(stderr,
+                "ricochet: %d letter%s of impacts left out for want of room; --size makes more\n",
+                o->missing, o->missing == 1 ? "" : "s");
     return plot_page_write(o->page, o->common);
 }
 
@@ -471,10 +506,11 @@ static int parse(int *argc, char **argv, words *w)
         if (!cli_take_value(argc, argv, names[i], values[i])) return CLI_WRONG;
     const int places = (w->point != NULL) + (w->energy != NULL) + (w->frequency != NULL);
     if (!w->branch == !w->junction)
-        return cli_wrong("plot orbit: give either --branch ID with a place on it, or --junction ID");
-    if (w->junction && (places || w->which))
         return cli_wrong(
-            "plot orbit: --junction ID is one orbit; --point, --energy, --frequency and --which go with --branch");
+            "plot orbit: give either --branch ID with a place on it, or --junction ID");
+    if (w->junction && (places || w->which))
+        return cli_wrong("plot orbit: --junction ID is one orbit; --point, --energy, --frequency "
+                         "and --which go with --branch");
     if (w->branch && places != 1)
         return cli_wrong("plot orbit: --branch needs one of --point I, --energy E, --frequency F");
     return cli_operands(&cli_plot, *argc, argv, 1) ? CLI_DONE : CLI_WRONG;
@@ -502,16 +538,17 @@ static int show(orbit *o, const char *coordinates, const char *data)
     if (coordinates && !take_coordinates(o, coordinates)) return CLI_WRONG;
     if (!coordinates) usual_coordinates(o);
     if (!coordinates && o->motion->n > o->n_shown)
-        fprintf(stderr, "ricochet: %d of %d coordinates are shown; --coordinates I,J chooses which\n", o->n_shown,
-                o->motion->n);
+        fprintf(stderr,
+                "ricochet: %d of %d coordinates are shown; --coordinates I,J chooses which\n",
+                o->n_shown, o->motion->n);
     const int code = read_data(o, data);
     if (code != CLI_DONE) return code;
     choose_gaps(o);
     return draw(o);
 }
 
-int plot_motion_page(const plot_options *common, plot_motion *motion, const char *title, const char *coordinates,
-                     const char *data)
+int plot_motion_page(const plot_options *common, plot_motion *motion, const char *title,
+                     const char *coordinates, const char *data)
 {
     orbit o = {.common = common, .motion = motion, .unit = plot_units_of(common, motion->model)};
     if (title) snprintf(o.title, sizeof o.title, "%s", title);

@@ -1,5 +1,6 @@
-/* Several orbits in one figure: a row for each with its displacements over time, impacts and touches, and phase
- * portraits; or histories only, in columns. Orbits come from one or more atlases. */
+/* Several orbits in one figure: a row for each with its displacements over time, impacts and
+ * touches, and phase portraits; or histories only, in columns. Orbits come from one or more
+ * atlases. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -32,7 +33,8 @@ static bool take_coordinates(orbits_figure *f, const char *text)
     }
     for (int i = 0; !text && i < n_dof && i < 2; i++) f->shown[f->n_shown++] = i;
     if (!text && n_dof > f->n_shown)
-        cli_say("ricochet: %d of %d coordinates are shown; --coordinates I,J chooses which\n", f->n_shown, n_dof);
+        cli_say("ricochet: %d of %d coordinates are shown; --coordinates I,J chooses which\n",
+                f->n_shown, n_dof);
     return f->n_shown > 0 || (cli_wrong("--coordinates %s: which?", text), false);
 }
 
@@ -40,13 +42,16 @@ static int take_orbits(int argc, char **argv, orbits_figure *f)
 {
     plot_listed values[ORBITS_MAX];
     const int code = plot_take_listed(argc, argv, "--orbit", &f->from, ORBITS_MAX, &f->n, values);
-    for (int i = 0; i < f->n; i++) f->panels[i] = (orbits_panel){.text = values[i].text, .atlas = values[i].atlas};
+    for (int i = 0; i < f->n; i++)
+        f->panels[i] = (orbits_panel){.text = values[i].text, .atlas = values[i].atlas};
     if (code != CLI_DONE) return code;
     if (f->n == 0)
-        return cli_wrong("plot orbits: --orbit SPEC is missing: a junction, or BRANCH@PLACE; see ricochet plot --help");
+        return cli_wrong("plot orbits: --orbit SPEC is missing: a junction, or BRANCH@PLACE; see "
+                         "ricochet plot --help");
     for (int i = 0; i < f->n; i++)
         if (f->panels[i].atlas < 0 && f->from.n > 1)
-            return cli_wrong("--orbit %s: with several atlases an orbit stands behind the one that it belongs to",
+            return cli_wrong("--orbit %s: with several atlases an orbit stands behind the one that "
+                             "it belongs to",
                              f->panels[i].text);
     return CLI_DONE;
 }
@@ -57,11 +62,13 @@ static int load(orbits_figure *f)
     if (read != CLI_DONE) return read;
     if (!plot_same_length(f->common, f->from.n, f->from.atlas)) return CLI_WRONG;
     for (int i = 1; i < f->from.n; i++)
-        if (ric_model_n_dof(ric_atlas_model(f->from.atlas[i])) != ric_model_n_dof(ric_atlas_model(f->from.atlas[0])))
+        if (ric_model_n_dof(ric_atlas_model(f->from.atlas[i])) !=
+            ric_model_n_dof(ric_atlas_model(f->from.atlas[0])))
             return cli_wrong("plot orbits: the models have different numbers of coordinates");
     for (int i = 0; i < f->n; i++) {
         orbits_panel *p = &f->panels[i];
-        const int code = plot_choose(f->from.atlas[p->atlas < 0 ? 0 : p->atlas], p->text, "--orbit", &p->choice);
+        const int code = plot_choose(f->from.atlas[p->atlas < 0 ? 0 : p->atlas], p->text, "--orbit",
+                                     &p->choice);
         if (code != CLI_DONE) return code;
         const ric_status status = plot_motion_make(&p->choice.motion);
         if (status != RIC_OK) return cli_report(status);
@@ -93,8 +100,8 @@ static void ranges(const orbits_figure *f, int only, int coordinate, double x[2]
     plot_range_widen(false, 0.08, &v[0], &v[1]);
 }
 
-/* Letters of the faces above the history, as long as each finds room; lines down to the curves tie impacts of both
- * together. */
+/* Letters of the faces above the history, as long as each finds room; lines down to the curves tie
+ * impacts of both together. */
 static void draw_events(orbits_figure *f, const orbits_panel *p, const plot_panel *at)
 {
     const plot_motion *m = &p->choice.motion;
@@ -148,8 +155,8 @@ static caption make_caption(const orbits_figure *f, int i, double width)
     snprintf(piece, sizeof piece, "%s = %.6g,", plot_energy_letter(p->choice.motion.model),
              p->choice.energy * unit.energy);
     add_piece(&c, width, piece);
-    snprintf(piece, sizeof piece, "%s = %.6g %s", f->common->hertz ? "f" : "ω", p->choice.frequency * unit.frequency,
-             f->common->hertz ? "Hz" : "rad/s");
+    snprintf(piece, sizeof piece, "%s = %.6g %s", f->common->hertz ? "f" : "ω",
+             p->choice.frequency * unit.frequency, f->common->hertz ? "Hz" : "rad/s");
     add_piece(&c, width, piece);
     if (p->choice.periods > 1) {
         snprintf(piece, sizeof piece, "%d periods", p->choice.periods);
@@ -170,10 +177,12 @@ static void draw_gap(orbits_figure *f, const plot_motion *m, const plot_panel *a
     for (int side = -1; side <= 1; side += 2) {
         const double y = side * plot_motion_clearance(m, 0);
         if (plot_motion_face(m, 0, side) >= 0 || ric_model_n_face(m->model) == 0)
-            plot_panel_curve(f->page, at, PLOT_STOP, 2, (plot_point[]){{at->x.lo, y}, {at->x.hi, y}});
+            plot_panel_curve(f->page, at, PLOT_STOP, 2,
+                             (plot_point[]){{at->x.lo, y}, {at->x.hi, y}});
     }
     for (int period = 0; period < periods; period++)
-        plot_motion_draw(f->page, at, PLOT_GAP, m, plot_read_time, plot_read_distance, 0, period * m->period);
+        plot_motion_draw(f->page, at, PLOT_GAP, m, plot_read_time, plot_read_distance, 0,
+                         period * m->period);
 }
 
 static void draw_history(orbits_figure *f, int i, plot_box box, bool title)
@@ -189,13 +198,13 @@ static void draw_history(orbits_figure *f, int i, plot_box box, bool title)
     if (f->gap) draw_gap(f, m, &at, p->choice.periods);
     for (int k = 0; k < f->n_shown; k++)
         for (int period = 0; period < p->choice.periods; period++)
-            plot_motion_draw(f->page, &at, PLOT_SERIES + (plot_stroke)k, m, plot_read_time, plot_read_x, f->shown[k],
-                             period * m->period);
+            plot_motion_draw(f->page, &at, PLOT_SERIES + (plot_stroke)k, m, plot_read_time,
+                             plot_read_x, f->shown[k], period * m->period);
     plot_panel_frame(f->page, &at, title ? "time (s)" : "", "x");
     const caption c = make_caption(f, i, box.right - box.left);
     for (int k = 0; k < c.n; k++)
-        plot_page_text(f->page, (plot_point){box.left, box.top + 26 + caption_height(c.n - 1 - k)}, PLOT_LEFT, type,
-                       "#000000", false, c.lines[k]);
+        plot_page_text(f->page, (plot_point){box.left, box.top + 26 + caption_height(c.n - 1 - k)},
+                       PLOT_LEFT, type, "#000000", false, c.lines[k]);
 }
 
 static void draw_portrait(orbits_figure *f, int i, int coordinate, plot_box box, bool title)
@@ -203,12 +212,13 @@ static void draw_portrait(orbits_figure *f, int i, int coordinate, plot_box box,
     double x[2], v[2];
     char across[24], up[24];
     ranges(f, i, coordinate, x, v);
-    plot_panel at = {axis_over(x[0], x[1], box.left, box.right), axis_over(v[0], v[1], box.bottom, box.top)};
+    plot_panel at = {axis_over(x[0], x[1], box.left, box.right),
+                     axis_over(v[0], v[1], box.bottom, box.top)};
     at.x.unit = at.y.unit = plot_units_of(f->common, f->panels[i].choice.motion.model).length;
     int series = 0;
     for (int k = 0; k < f->n_shown; k++) series = f->shown[k] == coordinate ? k : series;
-    plot_motion_draw(f->page, &at, PLOT_PORTRAIT + (plot_stroke)series, &f->panels[i].choice.motion, plot_read_x,
-                     plot_read_v, coordinate, 0);
+    plot_motion_draw(f->page, &at, PLOT_PORTRAIT + (plot_stroke)series, &f->panels[i].choice.motion,
+                     plot_read_x, plot_read_v, coordinate, 0);
     snprintf(across, sizeof across, "x_{%d}", coordinate + 1);
     snprintf(up, sizeof up, "v_{%d}", coordinate + 1);
     plot_panel_frame(f->page, &at, title ? across : "", up);
@@ -228,14 +238,17 @@ enum { LEFT = 60, RIGHT = 12, FOOT = 24, TITLE = 22, LEGEND = 26 };
 static grid make_grid(const orbits_figure *f)
 {
     const int columns = (int)f->columns;
-    const double width = plot_layout_width(f->common, PLOT_WIDTH), top = plot_page_head(f->common, NULL) + LEGEND;
+    const double width = plot_layout_width(f->common, PLOT_WIDTH),
+                 top = plot_page_head(f->common, NULL) + LEGEND;
     grid g = {.rows = (f->n + columns - 1) / columns, .width = width / columns, .foot = FOOT};
-    const double usual = g.rows <= 4 ? 112 : 80; /* of a panel: so many rows fill a page of a journal */
+    const double usual = g.rows <= 4 ? 112
+                                     : 80; /* of a panel: so many rows fill a page of a journal */
     int lines = 1;
-    for (int round = 0; round < 2; round++) { /* the captions depend on the width that the portraits leave, these on the
-                                               * height of the captions */
+    for (int round = 0; round < 2; round++) { /* the captions depend on the width that the portraits
+                                                 leave, these on the height of the captions */
         g.head = 18 + caption_height(lines);
-        g.height = (plot_layout_height(f->common, top + TITLE + g.rows * (usual + g.head + FOOT)) - top - TITLE) /
+        g.height = (plot_layout_height(f->common, top + TITLE + g.rows * (usual + g.head + FOOT)) -
+                    top - TITLE) /
                    g.rows;
         g.portrait = f->histories ? 0 : g.height - g.head - FOOT + LEFT + 4;
         lines = 1;
@@ -256,7 +269,8 @@ static void draw_cell(orbits_figure *f, const grid *g, int i, double left, doubl
     draw_history(f, i, (plot_box){left + LEFT, bottom, right, upper}, last);
     for (int k = 0; !f->histories && k < f->n_shown; k++) {
         const double from = right + LEFT + k * g->portrait;
-        draw_portrait(f, i, f->shown[k], (plot_box){from, bottom, from + g->portrait - LEFT, upper}, last);
+        draw_portrait(f, i, f->shown[k], (plot_box){from, bottom, from + g->portrait - LEFT, upper},
+                      last);
     }
 }
 
@@ -286,7 +300,8 @@ static int draw(orbits_figure *f)
 {
     const int columns = (int)f->columns;
     const grid g = make_grid(f);
-    const double head = plot_page_head(f->common, NULL) + LEGEND, height = head + TITLE + g.rows * g.height;
+    const double head = plot_page_head(f->common, NULL) + LEGEND,
+                 height = head + TITLE + g.rows * g.height;
     f->page = plot_page_create(g.width * columns, height);
     if (!f->page) return cli_report(RIC_E_NOMEM);
     for (int i = 0; i < f->n; i++)
@@ -309,11 +324,14 @@ int plot_orbits(int argc, char **argv, const plot_options *common)
         (columns && !cli_parse_integer(columns, "--columns", 1, 6, &f.columns)))
         return CLI_WRONG;
     if (f.overlay && (columns || f.same))
-        return cli_wrong("--overlay: all orbits share their axes; --columns and --same-axes go without it");
+        return cli_wrong(
+            "--overlay: all orbits share their axes; --columns and --same-axes go without it");
     int code = take_orbits(argc, argv, &f);
     if (code == CLI_DONE) code = load(&f);
     if (code == CLI_DONE)
-        code = !take_coordinates(&f, coordinates) ? CLI_WRONG : f.overlay ? orbits_overlay(&f) : draw(&f);
+        code = !take_coordinates(&f, coordinates) ? CLI_WRONG
+               : f.overlay                        ? orbits_overlay(&f)
+                                                  : draw(&f);
     plot_page_free(f.page);
     for (int i = 0; i < f.n; i++) plot_motion_free(&f.panels[i].choice.motion);
     plot_atlases_free(&f.from);

@@ -1,5 +1,6 @@
-/* Several orbits over one another, each stretched to the same period and shifted to the phase in which it is most like
- * the first one: what a law, an energy or a multiplication does to a motion. */
+/* Several orbits over one another, each stretched to the same period and shifted to the phase in
+ * which it is most like the first one: what a law, an energy or a multiplication does to a motion.
+ */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -18,7 +19,8 @@ static bool sample(const plot_choice *c, double *out)
 {
     const plot_motion *m = &c->motion;
     for (int i = 0; i < PHASES; i++)
-        for (int k = 0; k < m->n; k++) out[i * m->n + k] = plot_motion_at(m, c->periods * m->period * i / PHASES, k);
+        for (int k = 0; k < m->n; k++)
+            out[i * m->n + k] = plot_motion_at(m, c->periods * m->period * i / PHASES, k);
     return out;
 }
 
@@ -30,8 +32,8 @@ static double likeness(int n, const double *a, const double *b, int shift)
     return sum;
 }
 
-/* Time at which an orbit begins in the picture: the correlation with the first one is largest, its top between samples
- * that of the parabola through three. */
+/* Time at which an orbit begins in the picture: the correlation with the first one is largest, its
+ * top between samples that of the parabola through three. */
 static double start_like(int n, const double *first, const double *own, double total)
 {
     int best = 0;
@@ -44,7 +46,8 @@ static double start_like(int n, const double *first, const double *own, double t
         }
     }
     const double before = likeness(n, first, own, (best + PHASES - 1) % PHASES),
-                 after = likeness(n, first, own, (best + 1) % PHASES), bend = before - 2 * most + after;
+                 after = likeness(n, first, own, (best + 1) % PHASES),
+                 bend = before - 2 * most + after;
     return total / PHASES * (best + (bend < 0 ? 0.5 * (before - after) / bend : 0));
 }
 
@@ -61,7 +64,8 @@ static bool find_starts(const orbits_figure *f, double start[MOST])
         const plot_choice *base = &f->panels[0].choice;
         sample(c, own);
         const double total = c->periods * c->motion.period;
-        start[i] = start_like(n, first, own, total) + start[0] / (base->periods * base->motion.period) * total;
+        start[i] = start_like(n, first, own, total) +
+                   start[0] / (base->periods * base->motion.period) * total;
     }
     free(first);
     return true;
@@ -78,13 +82,18 @@ static void range_of(const orbits_figure *f, plot_reading y, int what, double ra
 {
     range[0] = INFINITY;
     range[1] = -INFINITY;
-    for (int i = 0; i < f->n; i++) plot_motion_range(&f->panels[i].choice.motion, y, what, &range[0], &range[1]);
+    for (int i = 0; i < f->n; i++)
+        plot_motion_range(&f->panels[i].choice.motion, y, what, &range[0], &range[1]);
     plot_range_widen(false, 0.07, &range[0], &range[1]);
 }
 
 static plot_axis axis_over(const double range[2], double from, double to)
 {
-    return (plot_axis){.scale = PLOT_SCALE_LINEAR, .lo = range[0], .hi = range[1], .from = from, .to = to};
+    return (plot_axis){.scale = PLOT_SCALE_LINEAR,
+                       .lo = range[0],
+                       .hi = range[1],
+                       .from = from,
+                       .to = to};
 }
 
 /* The stops of the first contact of any of the orbits, at +1 and -1. */
@@ -97,7 +106,8 @@ static void draw_stops(const orbits_figure *f, const plot_panel *panel)
             some |= ric_model_n_face(m->model) == 0 || plot_motion_face(m, 0, side) >= 0;
         }
         if (!some) continue;
-        plot_panel_curve(f->page, panel, PLOT_STOP, 2, (plot_point[]){{panel->x.lo, side}, {panel->x.hi, side}});
+        plot_panel_curve(f->page, panel, PLOT_STOP, 2,
+                         (plot_point[]){{panel->x.lo, side}, {panel->x.hi, side}});
     }
 }
 
@@ -108,7 +118,8 @@ typedef struct {
     char name[24], symbol[24], speed[24];
 } reading;
 
-static void draw_history(const orbits_figure *f, const reading *r, const double *start, plot_box box, bool title)
+static void draw_history(const orbits_figure *f, const reading *r, const double *start,
+                         plot_box box, bool title)
 {
     double y[2], whole[2] = {0, 1};
     range_of(f, r->x, r->what, y);
@@ -120,8 +131,8 @@ static void draw_history(const orbits_figure *f, const reading *r, const double 
         plot_panel own = panel;
         own.x.hi = c->periods * c->motion.period;
         for (int k = -1; k <= 2 * c->periods; k++)
-            plot_motion_draw(f->page, &own, PLOT_OVERLAY + (plot_stroke)i, &c->motion, plot_read_time, r->x, r->what,
-                             k * c->motion.period - start[i]);
+            plot_motion_draw(f->page, &own, PLOT_OVERLAY + (plot_stroke)i, &c->motion,
+                             plot_read_time, r->x, r->what, k * c->motion.period - start[i]);
     }
     plot_panel_frame(f->page, &panel, title ? "t / T" : "", r->name);
 }
@@ -146,7 +157,8 @@ static void draw_portrait(const orbits_figure *f, const reading *r, plot_box box
                                 axis_of(m, r->v, r->what, box.bottom, box.top)};
         plot_motion_draw(f->page, &own, PLOT_OVERLAY + (plot_stroke)i, m, r->x, r->v, r->what, 0);
     }
-    const plot_panel panel = {axis_over(whole, box.left, box.right), axis_over(whole, box.bottom, box.top)};
+    const plot_panel panel = {axis_over(whole, box.left, box.right),
+                              axis_over(whole, box.bottom, box.top)};
     snprintf(across, sizeof across, "%s / largest", r->symbol);
     snprintf(up, sizeof up, "%s / largest", r->speed);
     plot_panel_frame(f->page, &panel, across, up);
@@ -196,14 +208,19 @@ int orbits_overlay(orbits_figure *f)
         entries[i] = (plot_legend_entry){keys[i], PLOT_OVERLAY + i, -1};
     }
     const double width = plot_layout_width(f->common, PLOT_WIDTH), foot = 48, gap = 48,
-                 head = plot_page_head(f->common, NULL), legend = plot_legend(NULL, f->n, entries, 12, width - 12, 0),
-                 height = plot_layout_height(f->common, head + legend + 8 + rows * 160 + foot - gap);
+                 head = plot_page_head(f->common, NULL),
+                 legend = plot_legend(NULL, f->n, entries, 12, width - 12, 0),
+                 height = plot_layout_height(f->common,
+                                             head + legend + 8 + rows * 160 + foot - gap);
     const double row = (height - head - legend - 8 - foot + gap) / rows, side = row - gap;
-    if (!find_starts(f, start) || !(f->page = plot_page_create(width, height))) return cli_report(RIC_E_NOMEM);
+    if (!find_starts(f, start) || !(f->page = plot_page_create(width, height)))
+        return cli_report(RIC_E_NOMEM);
     for (int i = 0; i < rows; i++) {
-        const double top = height - head - row * i, right = width - 12 - (f->histories ? 0 : side + 64);
+        const double top = height - head - row * i,
+                     right = width - 12 - (f->histories ? 0 : side + 64);
         draw_history(f, &readings[i], start, (plot_box){60, top - side, right, top}, i + 1 == rows);
-        if (!f->histories) draw_portrait(f, &readings[i], (plot_box){right + 64, top - side, width - 12, top});
+        if (!f->histories)
+            draw_portrait(f, &readings[i], (plot_box){right + 64, top - side, width - 12, top});
     }
     plot_legend(f->page, f->n, entries, 12, width - 12, legend + 4);
     plot_page_title(f->page, f->common, NULL);

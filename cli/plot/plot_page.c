@@ -1,4 +1,5 @@
-/* The page of a picture: lines, marks and texts in pixels, and the script that has gnuplot draw them. */
+/* The page of a picture: lines, marks and texts in pixels, and the script that has gnuplot draw
+ * them. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -11,15 +12,18 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* Colours of branches: linear modes, asymmetric and symmetric branches, and one of several atlases. Any two of either
- * group stay apart for a reader without one kind of cones, and by lightness alone in grey print (tests/cli). */
+/* Colours of branches: linear modes, asymmetric and symmetric branches, and one of several atlases.
+ * Any two of either group stay apart for a reader without one kind of cones, and by lightness alone
+ * in grey print (tests/cli). */
 static const struct {
     const char *colour, *name;
     const char *text; /* of a label: dark enough for thin letters */
 } branches[PLOT_N_BRANCH] = {
-    {"#a8a8a8", "linear", "#5e5e5e"},  {"#d0701c", "asymmetric", "#a85410"}, {"#16325c", "symmetric", "#16325c"},
-    {"#16325c", "atlas 1", "#16325c"}, {"#ff6f00", "atlas 2", "#b34e00"},    {"#6915b6", "atlas 3", "#6915b6"},
-    {"#51d18a", "atlas 4", "#1d7846"}, {"#9c4e30", "atlas 5", "#8a4026"},    {"#757aba", "atlas 6", "#4b50a0"},
+    {"#a8a8a8", "linear", "#5e5e5e"},    {"#d0701c", "asymmetric", "#a85410"},
+    {"#16325c", "symmetric", "#16325c"}, {"#16325c", "atlas 1", "#16325c"},
+    {"#ff6f00", "atlas 2", "#b34e00"},   {"#6915b6", "atlas 3", "#6915b6"},
+    {"#51d18a", "atlas 4", "#1d7846"},   {"#9c4e30", "atlas 5", "#8a4026"},
+    {"#757aba", "atlas 6", "#4b50a0"},
 };
 
 typedef struct {
@@ -132,7 +136,8 @@ struct plot_page {
     plot_box *boxes; /* texts and marks */
     int n_box, room;
     unsigned char *ink; /* [rows * columns], what colour is under lines; 0: none */
-    unsigned *sums;     /* [(rows + 1) * (columns + 1)] running sums of ink, made when asked for; NULL = stale */
+    unsigned *sums; /* [(rows + 1) * (columns + 1)] running sums of ink, made when asked for; NULL =
+                       stale */
     int columns, rows;
     bool failed;
 };
@@ -195,7 +200,8 @@ static void stain(plot_page *page, unsigned char tint, plot_point a, plot_point 
     const double length = hypot(b.x - a.x, b.y - a.y);
     const int n = 1 + (int)fmin(length, 1e5);
     for (int i = 0; i <= n; i++) {
-        const int column = (int)floor(a.x + (b.x - a.x) * i / n), row = (int)floor(a.y + (b.y - a.y) * i / n);
+        const int column = (int)floor(a.x + (b.x - a.x) * i / n),
+                  row = (int)floor(a.y + (b.y - a.y) * i / n);
         if (column >= 0 && column < page->columns && row >= 0 && row < page->rows)
             page->ink[(size_t)row * (size_t)page->columns + (size_t)column] = tint;
     }
@@ -237,10 +243,12 @@ static int mark_shape(plot_mark mark, plot_point *out)
         int n;
         double turn, size;
     } regular[PLOT_N_MARK] = {
-        [PLOT_SQUARE] = {4, 0.125, 1.2}, [PLOT_TRIANGLE] = {3, 0.25, 1.25}, [PLOT_TRIANGLE_DOWN] = {3, 0.75, 1.25},
-        [PLOT_DIAMOND] = {4, 0, 1.3},    [PLOT_STAR] = {10, 0.25, 1.45},    [PLOT_CROSS] = {12, 0.125, 1},
+        [PLOT_SQUARE] = {4, 0.125, 1.2},        [PLOT_TRIANGLE] = {3, 0.25, 1.25},
+        [PLOT_TRIANGLE_DOWN] = {3, 0.75, 1.25}, [PLOT_DIAMOND] = {4, 0, 1.3},
+        [PLOT_STAR] = {10, 0.25, 1.45},         [PLOT_CROSS] = {12, 0.125, 1},
     };
-    const int n = regular[mark].n ? regular[mark].n : ROUND; /* gnuplot's own circles have a hundred corners */
+    const int n = regular[mark].n ? regular[mark].n
+                                  : ROUND; /* gnuplot's own circles have a hundred corners */
     for (int i = 0; i < n; i++) {
         double radius = regular[mark].n ? regular[mark].size : mark == PLOT_DOT ? 0.8 : 1;
         if (mark == PLOT_STAR && i % 2) radius *= 0.45;
@@ -248,8 +256,9 @@ static int mark_shape(plot_mark mark, plot_point *out)
         out[i] = (plot_point){radius * cos(angle), radius * sin(angle)};
     }
     if (mark == PLOT_CROSS) {
-        static const signed char plus[12][2] = {{1, 3},   {1, 1},   {3, 1},   {3, -1}, {1, -1}, {1, -3},
-                                                {-1, -3}, {-1, -1}, {-3, -1}, {-3, 1}, {-1, 1}, {-1, 3}};
+        static const signed char plus[12][2] = {{1, 3},   {1, 1},  {3, 1},   {3, -1},
+                                                {1, -1},  {1, -3}, {-1, -3}, {-1, -1},
+                                                {-3, -1}, {-3, 1}, {-1, 1},  {-1, 3}};
         for (int i = 0; i < n; i++) out[i] = (plot_point){plus[i][0] * 0.4, plus[i][1] * 0.4};
     }
     return n;
@@ -264,17 +273,18 @@ void plot_page_mark(plot_page *page, plot_mark mark, plot_point at, double radiu
     remember(page, (plot_box){at.x - radius, at.y - radius, at.x + radius, at.y + radius});
     fputs("set object polygon from ", file);
     for (int i = 0; i <= n; i++)
-        fprintf(file, "%s%.2f,%.2f", i ? " to " : "", at.x + radius * shape[i % n].x, at.y + radius * shape[i % n].y);
+        fprintf(file, "%s%.2f,%.2f", i ? " to " : "", at.x + radius * shape[i % n].x,
+                at.y + radius * shape[i % n].y);
     fprintf(file, " front fs solid 1 border rgb '#222222' fc rgb '%s' lw LINE\n", fill);
 }
 
-static void put_label(plot_page *page, plot_point at, const char *anchor, double size, const char *colour, bool upright,
-                      const char *text, size_t n)
+static void put_label(plot_page *page, plot_point at, const char *anchor, double size,
+                      const char *colour, bool upright, const char *text, size_t n)
 {
     FILE *file = page->texts.file;
     fprintf(file, "set label %d '", ++page->n_label);
-    /* gnuplot takes a doubled quote for one quote, but not where a text begins with it: it is added as a text of its
-     * own. Within double quotes it would look for commands. */
+    /* gnuplot takes a doubled quote for one quote, but not where a text begins with it: it is added
+     * as a text of its own. Within double quotes it would look for commands. */
     for (size_t i = 0; i < n; i++) {
         if (text[i] == '\'') fputs("'.\"'\".'", file);
         else fputc((unsigned char)text[i] < ' ' || text[i] == 0x7f ? ' ' : text[i], file);
@@ -284,9 +294,10 @@ static void put_label(plot_page *page, plot_point at, const char *anchor, double
             upright ? "rotate by 90" : "norotate", size, colour);
 }
 
-/* gnuplot sets raised over lowered text too tight, and not at all alike in SVG; so the pieces of such a text are placed
- * one by one. */
-static void put_pieces(plot_page *page, plot_point at, double size, const char *colour, const char *text)
+/* gnuplot sets raised over lowered text too tight, and not at all alike in SVG; so the pieces of
+ * such a text are placed one by one. */
+static void put_pieces(plot_page *page, plot_point at, double size, const char *colour,
+                       const char *text)
 {
     while (*text) {
         const char *end = text;
@@ -300,8 +311,8 @@ static void put_pieces(plot_page *page, plot_point at, double size, const char *
             end = text + 1;
             const char *inner = end + (*end == '{');
             end += *end == '{' ? strcspn(end, "}") : 1;
-            put_label(page, (plot_point){at.x + 0.5, at.y + shift}, "left", small, colour, false, inner,
-                      (size_t)(end - inner));
+            put_label(page, (plot_point){at.x + 0.5, at.y + shift}, "left", small, colour, false,
+                      inner, (size_t)(end - inner));
             widest = fmax(widest, plot_text_exact_width(inner, end, small));
             end += *end == '}';
         }
@@ -309,8 +320,8 @@ static void put_pieces(plot_page *page, plot_point at, double size, const char *
     }
 }
 
-void plot_page_text(plot_page *page, plot_point at, plot_anchor anchor, double size, const char *colour, bool upright,
-                    const char *text)
+void plot_page_text(plot_page *page, plot_point at, plot_anchor anchor, double size,
+                    const char *colour, bool upright, const char *text)
 {
     static const char *const words[] = {"left", "center", "right"};
     remember(page, plot_text_box(at, anchor, size, upright, text));
@@ -331,7 +342,9 @@ bool plot_page_free_box(const plot_page *page, plot_box box)
 {
     for (int i = 0; i < page->n_box; i++) {
         const plot_box *b = &page->boxes[i];
-        if (box.left < b->right && b->left < box.right && box.bottom < b->top && b->bottom < box.top) return false;
+        if (box.left < b->right && b->left < box.right && box.bottom < b->top &&
+            b->bottom < box.top)
+            return false;
     }
     return true;
 }
@@ -353,7 +366,8 @@ static bool sum_ink(plot_page *page)
     for (size_t row = 0; row < rows; row++)
         for (size_t column = 0, line = 0; column < columns; column++) {
             line += page->ink[row * columns + column] != 0;
-            page->sums[(row + 1) * stride + column + 1] = page->sums[row * stride + column + 1] + (unsigned)line;
+            page->sums[(row + 1) * stride + column + 1] = page->sums[row * stride + column + 1] +
+                                                          (unsigned)line;
         }
     return true;
 }
@@ -367,8 +381,10 @@ double plot_page_ink(plot_page *page, plot_box box)
 {
     if (!page->sums && !sum_ink(page)) return 0;
     const size_t stride = (size_t)page->columns + 1;
-    const size_t left = pixel(floor(box.left), page->columns), right = pixel(ceil(box.right), page->columns);
-    const size_t bottom = pixel(floor(box.bottom), page->rows), top = pixel(ceil(box.top), page->rows);
+    const size_t left = pixel(floor(box.left), page->columns),
+                 right = pixel(ceil(box.right), page->columns);
+    const size_t bottom = pixel(floor(box.bottom), page->rows),
+                 top = pixel(ceil(box.top), page->rows);
     const unsigned *s = page->sums;
     return (double)(s[top * stride + right] - s[bottom * stride + right] - s[top * stride + left] +
                     s[bottom * stride + left]);
@@ -418,8 +434,8 @@ void plot_page_title(plot_page *page, const plot_options *common, const char *ow
     if (!common->title && !own) return;
     if (common->title) plot_text_escape(common->title, sizeof title, title);
     else snprintf(title, sizeof title, "%s", own);
-    plot_page_text(page, (plot_point){page->width / 2, page->height - 17}, PLOT_CENTRE, title_type, "#000000", false,
-                   title);
+    plot_page_text(page, (plot_point){page->width / 2, page->height - 17}, PLOT_CENTRE, title_type,
+                   "#000000", false, title);
 }
 
 double plot_page_head(const plot_options *common, const char *own)
@@ -427,15 +443,16 @@ double plot_page_head(const plot_options *common, const char *own)
     return common->title || own ? 34 : 10;
 }
 
-/* A picture in the making: `scale` is how many pixels of the target, of 1/96 inch in PDF, a pixel of the page has. */
+/* A picture in the making: `scale` is how many pixels of the target, of 1/96 inch in PDF, a pixel
+ * of the page has. */
 typedef struct {
     FILE *script;
     plot_format kind;
     double scale;
 } target;
 
-/* The terminals measure type, line widths and dashes in units of their own; the factors to pixels were measured with
- * gnuplot 5.4. */
+/* The terminals measure type, line widths and dashes in units of their own; the factors to pixels
+ * were measured with gnuplot 5.4. */
 static void write_terminal(const target *t, const plot_page *page)
 {
     const double w = page->width * t->scale, h = page->height * t->scale;
@@ -444,17 +461,21 @@ static void write_terminal(const target *t, const plot_page *page)
     case PLOT_FORMAT_PDF:
         type *= 0.5625;
         fprintf(t->script,
-                "set terminal pdfcairo size %.4fin,%.4fin enhanced rounded fontscale 1 linewidth 1.5 font "
+                "set terminal pdfcairo size %.4fin,%.4fin enhanced rounded fontscale 1 linewidth "
+                "1.5 font "
                 "'Helvetica,9'\n",
                 w / 96, h / 96);
         break;
     case PLOT_FORMAT_PNG:
         type *= 0.75;
-        fprintf(t->script, "set terminal pngcairo size %.0f,%.0f enhanced rounded font 'Helvetica,9'\n", w, h);
+        fprintf(t->script,
+                "set terminal pngcairo size %.0f,%.0f enhanced rounded font 'Helvetica,9'\n", w, h);
         break;
     default:
         fprintf(t->script,
-                "set terminal svg size %.0f,%.0f enhanced rounded background '#ffffff' font 'Helvetica,12'\n", w, h);
+                "set terminal svg size %.0f,%.0f enhanced rounded background '#ffffff' font "
+                "'Helvetica,12'\n",
+                w, h);
     }
     fprintf(t->script, "FONT(s) = sprintf('Helvetica,%%.2f', %g * s)\n", type);
 }
@@ -468,7 +489,8 @@ static void write_stroke(const target *t, int stroke)
                         : t->kind == PLOT_FORMAT_PNG ? 0.25 * fmax(1, width)
                                                      : 0.5 * width;
     fprintf(t->script, ", \\\n $l%d with lines lw %g lc rgb '%s' dt ", stroke, width, style.colour);
-    for (int i = 0; i < 4 && dash[i] > 0; i++) fprintf(t->script, "%c%.3f", i ? ',' : '(', dash[i] * t->scale / unit);
+    for (int i = 0; i < 4 && dash[i] > 0; i++)
+        fprintf(t->script, "%c%.3f", i ? ',' : '(', dash[i] * t->scale / unit);
     fprintf(t->script, "%s title '%s'", dash[0] > 0 ? ")" : "solid", style.title);
 }
 
@@ -482,13 +504,15 @@ bool plot_page_script(plot_page *page, plot_format kind, const plot_options *opt
     if (!good) return false;
     if (kind == PLOT_FORMAT_GNUPLOT)
         fputs("# A picture of ricochet for gnuplot: gnuplot FILE.gp > picture.svg\n"
-              "# All is drawn in pixels of the page; styles stand in the last command, the data of each in a block.\n",
+              "# All is drawn in pixels of the page; styles stand in the last command, the data of "
+              "each in a block.\n",
               script);
     fputs("set encoding utf8\n", script);
     fprintf(script, "LINE = %g\n", t.scale); /* marks are written before their width is known */
     write_terminal(&t, page);
     fputs("unset key\nunset border\nunset tics\n"
-          "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen 1\n",
+          "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin "
+          "at screen 1\n",
           script);
     fprintf(script, "set xrange [0:%.10g]\nset yrange [0:%.10g]\n", page->width, page->height);
     for (int i = 0; i < PLOT_N_STROKE; i++)

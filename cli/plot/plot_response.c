@@ -18,7 +18,8 @@ typedef struct {
     plot_page *page;
     plot_panel panel;
     unsigned stability;
-    bool kinds[RIC_RESPONSE_GRAZING + 1], with, without; /* seen: events; curves with impacts, and without */
+    bool kinds[RIC_RESPONSE_GRAZING + 1], with,
+        without; /* seen: events; curves with impacts, and without */
 } picture;
 
 static double across(const picture *p, const ric_response_point *at)
@@ -47,8 +48,12 @@ static bool find_range(const picture *p, double x[2], double y[2])
     ric_response_point at;
     x[0] = y[0] = INFINITY;
     x[1] = y[1] = -INFINITY;
-    for (int id = 1; id <= ric_response_n_curve(p->response) && !ric_response_curve_at(p->response, id, &c); id++)
-        for (int i = 0; wanted(p, &c) && i < c.n_point && !ric_response_point_at(p->response, id, i, &at); i++) {
+    for (int id = 1;
+         id <= ric_response_n_curve(p->response) && !ric_response_curve_at(p->response, id, &c);
+         id++)
+        for (int i = 0;
+             wanted(p, &c) && i < c.n_point && !ric_response_point_at(p->response, id, i, &at);
+             i++) {
             const plot_point q = place(p, &at);
             if (p->logarithmic && !(q.y > 0)) continue;
             x[0] = fmin(x[0], q.x);
@@ -98,7 +103,8 @@ static ric_status draw_curve(picture *p, const ric_response_curve *c)
     if (!status) status = add_end(p, c->from, &track, at.arclength - 1);
     for (int i = 0; i < c->n_point && !status; i++) {
         status = ric_response_point_at(p->response, c->id, i, &at);
-        if (!status && !plot_track_add(&track, place(p, &at), at.arclength, (int)at.stable)) status = RIC_E_NOMEM;
+        if (!status && !plot_track_add(&track, place(p, &at), at.arclength, (int)at.stable))
+            status = RIC_E_NOMEM;
     }
     if (!status) status = add_end(p, c->to, &track, at.arclength + 1);
     const double end = at.arclength + 1;
@@ -108,7 +114,9 @@ static ric_status draw_curve(picture *p, const ric_response_curve *c)
     }
     if (!status) status = add_events(p, c->id, &track);
     if (!status && !plot_track_smooth(&p->panel, &track)) status = RIC_E_NOMEM;
-    if (!status) p->stability |= plot_track_draw(p->page, &p->panel, c->letters ? PLOT_SYMMETRIC : PLOT_LINEAR, &track);
+    if (!status)
+        p->stability |= plot_track_draw(p->page, &p->panel,
+                                        c->letters ? PLOT_SYMMETRIC : PLOT_LINEAR, &track);
     p->with = p->with || c->letters;
     p->without = p->without || !c->letters;
     plot_track_free(&track);
@@ -129,7 +137,8 @@ static ric_status draw_events(picture *p)
     for (int id = 1; id <= ric_response_n_event(p->response) && !status; id++) {
         status = ric_response_event_at(p->response, id, &e);
         if (!status) status = ric_response_curve_at(p->response, e.curve, &c);
-        if (status || !wanted(p, &c) || e.kind == RIC_RESPONSE_FOLD || !plot_panel_inside(&p->panel, place(p, &e.at)))
+        if (status || !wanted(p, &c) || e.kind == RIC_RESPONSE_FOLD ||
+            !plot_panel_inside(&p->panel, place(p, &e.at)))
             continue;
         plot_page_mark(p->page, mark_of(e.kind), plot_panel_at(&p->panel, place(p, &e.at)), 3.6);
         p->kinds[e.kind] = true;
@@ -139,23 +148,28 @@ static ric_status draw_events(picture *p)
 
 static int legend(const picture *p, plot_legend_entry *out)
 {
-    static const char *const names[] = {"fold", "branch point", "doubling", "Neimark–Sacker", "grazing"};
+    static const char *const names[] = {"fold", "branch point", "doubling", "Neimark–Sacker",
+                                        "grazing"};
     static const char *const stabilities[] = {[RIC_STABLE_YES] = "with impacts, stable",
                                               [RIC_STABLE_NO] = "with impacts, unstable",
                                               [RIC_STABLE_UNDECIDED] = "undecided"};
     int n = 0;
     if (p->without) out[n++] = (plot_legend_entry){"no impacts", PLOT_LINEAR + RIC_STABLE_YES, -1};
     for (int s = 0; s < 3; s++)
-        if (p->with && p->stability >> s & 1) out[n++] = (plot_legend_entry){stabilities[s], PLOT_SYMMETRIC + s, -1};
+        if (p->with && p->stability >> s & 1)
+            out[n++] = (plot_legend_entry){stabilities[s], PLOT_SYMMETRIC + s, -1};
     for (int k = 0; k <= RIC_RESPONSE_GRAZING; k++)
-        if (p->kinds[k]) out[n++] = (plot_legend_entry){names[k], -1, (int)mark_of((ric_response_kind)k)};
+        if (p->kinds[k])
+            out[n++] = (plot_legend_entry){names[k], -1, (int)mark_of((ric_response_kind)k)};
     return n;
 }
 
 static int draw(picture *p)
 {
-    const double width = plot_layout_width(p->common, PLOT_WIDTH), height = plot_layout_height(p->common, 500);
-    static const char *const titles[] = {"frequency of the force", "level of the force", "restitution"};
+    const double width = plot_layout_width(p->common, PLOT_WIDTH),
+                 height = plot_layout_height(p->common, 500);
+    static const char *const titles[] = {"frequency of the force", "level of the force",
+                                         "restitution"};
     const ric_response_along along = ric_response_asked(p->response)->along;
     double x[2], y[2];
     char across_title[80], up[80];
@@ -166,14 +180,18 @@ static int draw(picture *p)
     }
     if (!(p->page = plot_page_create(width, height))) return cli_report(RIC_E_NOMEM);
     const double unit = along == RIC_RESPONSE_OMEGA ? p->unit.frequency : 1;
-    p->panel =
-        (plot_panel){{.scale = PLOT_SCALE_LINEAR, .lo = x[0], .hi = x[1], .from = 78, .to = width - 34, .unit = unit},
-                     {.scale = p->logarithmic ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR,
-                      .lo = y[0],
-                      .hi = y[1],
-                      .from = 92,
-                      .to = height - plot_page_head(p->common, NULL),
-                      .unit = p->unit.length}};
+    p->panel = (plot_panel){{.scale = PLOT_SCALE_LINEAR,
+                             .lo = x[0],
+                             .hi = x[1],
+                             .from = 78,
+                             .to = width - 34,
+                             .unit = unit},
+                            {.scale = p->logarithmic ? PLOT_SCALE_LOG : PLOT_SCALE_LINEAR,
+                             .lo = y[0],
+                             .hi = y[1],
+                             .from = 92,
+                             .to = height - plot_page_head(p->common, NULL),
+                             .unit = p->unit.length}};
     ric_response_curve c;
     for (int id = 1; id <= ric_response_n_curve(p->response) && !status; id++) {
         status = ric_response_curve_at(p->response, id, &c);
@@ -184,7 +202,8 @@ static int draw(picture *p)
     snprintf(across_title, sizeof across_title, "%s%s", titles[along],
              along == RIC_RESPONSE_OMEGA ? (p->common->hertz ? " (Hz)" : " Ω (rad/s)") : "");
     const ric_units *units = ric_model_units(ric_response_model(p->response));
-    if (along == RIC_RESPONSE_LEVEL) plot_append_unit(units->force, sizeof across_title, across_title);
+    if (along == RIC_RESPONSE_LEVEL)
+        plot_append_unit(units->force, sizeof across_title, across_title);
     snprintf(up, sizeof up, p->rms ? "rms of x_{%d}" : "max |x_{%d}|", p->dof + 1);
     if (p->common->physical) plot_append_unit(units->length, sizeof up, up);
     plot_panel_frame(p->page, &p->panel, across_title, up);
@@ -215,8 +234,10 @@ int plot_response(int argc, char **argv, const plot_options *common)
     int code = CLI_WRONG;
     p.rms = cli_take_flag(&argc, argv, "--rms");
     p.logarithmic = cli_take_flag(&argc, argv, "--log");
-    if (!cli_take_value(&argc, argv, "--output", &output) || !cli_take_value(&argc, argv, "--window", &window) ||
-        !cli_take_value(&argc, argv, "--level", &level) || !cli_operands(&cli_plot, argc, argv, 1) ||
+    if (!cli_take_value(&argc, argv, "--output", &output) ||
+        !cli_take_value(&argc, argv, "--window", &window) ||
+        !cli_take_value(&argc, argv, "--level", &level) ||
+        !cli_operands(&cli_plot, argc, argv, 1) ||
         (window && !plot_parse_window(window, "--window", p.window)) ||
         (level && !cli_parse_number(level, "--level", &p.level)))
         return code;
@@ -224,7 +245,8 @@ int plot_response(int argc, char **argv, const plot_options *common)
     ric_status status = ric_response_read(argv[1], &p.response);
     if (status) return cli_report(status);
     p.unit = plot_units_of(common, ric_response_model(p.response));
-    if (parse_output(output, ric_model_n_dof(ric_response_model(p.response)), &p.dof)) code = draw(&p);
+    if (parse_output(output, ric_model_n_dof(ric_response_model(p.response)), &p.dof))
+        code = draw(&p);
     plot_page_free(p.page);
     ric_response_free(p.response);
     return code;

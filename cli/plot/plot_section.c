@@ -1,4 +1,5 @@
-/* ricochet plot section: motions of one energy on the section of a face, and the orbits of an atlas there. */
+/* ricochet plot section: motions of one energy on the section of a face, and the orbits of an atlas
+ * there. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,12 +10,14 @@
 
 static const double type = 13;
 
-/* Between the lines that make up the bar of shades, pixels: less than their width, so that none shows through. */
+/* Between the lines that make up the bar of shades, pixels: less than their width, so that none
+ * shows through. */
 #define BAR_STEP 0.7
 
 enum {
     SHADES = 15,
-    MOST_PLACES = 4000, /* in a period of an orbit, under a power law; between contacts the word tells */
+    MOST_PLACES =
+        4000, /* in a period of an orbit, under a power law; between contacts the word tells */
 };
 
 typedef struct {
@@ -32,9 +35,10 @@ typedef struct {
 
 /* ------------------------------------------------------------------ places */
 
-/* The place of an impact on the face that is drawn, or of its mirror image there: displacement and momentum along it.
- */
-static bool place_of(const picture *p, const ric_section *section, int start, long k, double *time, plot_point *out)
+/* The place of an impact on the face that is drawn, or of its mirror image there: displacement and
+ * momentum along it. */
+static bool place_of(const picture *p, const ric_section *section, int start, long k, double *time,
+                     plot_point *out)
 {
     double state[2 * p->n_dof], place[p->size];
     int face;
@@ -70,7 +74,9 @@ static bool find_range(picture *p)
 static plot_stroke shade_of(const picture *p, double value)
 {
     if (isnan(value)) return PLOT_SHADE;
-    const double part = p->range[1] > p->range[0] ? (value - p->range[0]) / (p->range[1] - p->range[0]) : 0;
+    const double part = p->range[1] > p->range[0]
+                            ? (value - p->range[0]) / (p->range[1] - p->range[0])
+                            : 0;
     return (plot_stroke)(PLOT_SHADE + 1 + (int)fmin(SHADES - 1, floor(part * SHADES)));
 }
 
@@ -83,9 +89,12 @@ static long draw_dots(picture *p)
         plot_point place;
         if (ric_section_track_at(section, i, &track)) continue;
         for (long k = 0; k < track.impacts; k++) {
-            if (!place_of(p, section, i, k, NULL, &place) || !plot_panel_inside(&p->panel, place)) continue;
-            const plot_point at = plot_panel_at(&p->panel, place); /* a line without length has two round ends */
-            plot_page_line(p->page, shade_of(p, shaded(p, &track)), 2, (plot_point[]){at, {at.x + 0.02, at.y}});
+            if (!place_of(p, section, i, k, NULL, &place) || !plot_panel_inside(&p->panel, place))
+                continue;
+            const plot_point at =
+                plot_panel_at(&p->panel, place); /* a line without length has two round ends */
+            plot_page_line(p->page, shade_of(p, shaded(p, &track)), 2,
+                           (plot_point[]){at, {at.x + 0.02, at.y}});
             drawn++;
         }
     }
@@ -96,7 +105,9 @@ static long draw_dots(picture *p)
 
 static plot_mark mark_of(ric_stability stable)
 {
-    return stable == RIC_STABLE_YES ? PLOT_CIRCLE : stable == RIC_STABLE_NO ? PLOT_CROSS : PLOT_DIAMOND;
+    return stable == RIC_STABLE_YES  ? PLOT_CIRCLE
+           : stable == RIC_STABLE_NO ? PLOT_CROSS
+                                     : PLOT_DIAMOND;
 }
 
 static void mark_place(picture *p, plot_point place, ric_stability stable)
@@ -154,25 +165,30 @@ static void draw_bar(picture *p)
     const double left = p->panel.x.to + 18, bottom = p->panel.y.from + 30, top = p->panel.y.to - 30;
     char text[40];
     for (double y = bottom; y <= top; y += BAR_STEP) {
-        const double value = p->range[0] + (p->range[1] - p->range[0]) * (y - bottom) / (top - bottom);
+        const double value = p->range[0] +
+                             (p->range[1] - p->range[0]) * (y - bottom) / (top - bottom);
         plot_page_line(p->page, shade_of(p, value), 2, (plot_point[]){{left, y}, {left + 12, y}});
     }
     for (int i = 0; i <= 4; i++) {
         const double y = bottom + (top - bottom) * i / 4;
         snprintf(text, sizeof text, "%.3g", p->range[0] + (p->range[1] - p->range[0]) * i / 4);
-        plot_page_text(p->page, (plot_point){left + 20, y}, PLOT_LEFT, type - 2, "#222222", false, text);
+        plot_page_text(p->page, (plot_point){left + 20, y}, PLOT_LEFT, type - 2, "#222222", false,
+                       text);
     }
-    plot_page_text(p->page, (plot_point){left + 66, (bottom + top) / 2}, PLOT_CENTRE, type - 1, "#222222", true,
+    plot_page_text(p->page, (plot_point){left + 66, (bottom + top) / 2}, PLOT_CENTRE, type - 1,
+                   "#222222", true,
                    p->by_rotation ? "rotation, turns per impact" : "Lyapunov exponent (1/s)");
 }
 
 static void draw_legend(picture *p)
 {
-    static const char *const texts[] = {"hyperbolic orbit", "elliptic orbit", "orbit, stability undecided"};
+    static const char *const texts[] = {"hyperbolic orbit", "elliptic orbit",
+                                        "orbit, stability undecided"};
     plot_legend_entry entries[3];
     int n = 0;
     for (int i = 0; i < 3; i++)
-        if (p->marked[i]) entries[n++] = (plot_legend_entry){texts[i], -1, (int)mark_of((ric_stability)i)};
+        if (p->marked[i])
+            entries[n++] = (plot_legend_entry){texts[i], -1, (int)mark_of((ric_stability)i)};
     if (n) plot_legend(p->page, n, entries, p->panel.x.from, p->panel.x.to, p->panel.y.from - 46);
 }
 
@@ -185,7 +201,8 @@ static void draw_title(picture *p)
 
 static int draw(picture *p)
 {
-    const double width = plot_layout_width(p->common, PLOT_WIDTH), height = plot_layout_height(p->common, 660);
+    const double width = plot_layout_width(p->common, PLOT_WIDTH),
+                 height = plot_layout_height(p->common, 660);
     const double whole[4] = {-1.04, 1.04, -1.04, 1.04}, *w = p->has_window ? p->window : whole;
     p->page = plot_page_create(width, height);
     if (!p->page) return cli_report(RIC_E_NOMEM);
@@ -194,7 +211,8 @@ static int draw(picture *p)
     const bool told = find_range(p);
     const long drawn = draw_dots(p);
     if (drawn == 0) {
-        cli_say("ricochet: nothing to draw: no impact on face %d lies inside the picture\n", p->face);
+        cli_say("ricochet: nothing to draw: no impact on face %d lies inside the picture\n",
+                p->face);
         return CLI_FAILED;
     }
     const ric_status status = p->from.atlas ? draw_orbits(p) : RIC_OK;
@@ -212,8 +230,10 @@ static bool take_request(int *argc, char **argv, picture *p)
     const char *face, *colour, *window;
     long number = 0;
     if (!cli_section_take(argc, argv, "plot section", CLI_SECTION_DRAWN, &p->request) ||
-        !cli_take_value(argc, argv, "--face", &face) || !cli_take_value(argc, argv, "--colour", &colour) ||
-        !cli_take_value(argc, argv, "--window", &window) || !cli_operands(&cli_plot, *argc, argv, 1) ||
+        !cli_take_value(argc, argv, "--face", &face) ||
+        !cli_take_value(argc, argv, "--colour", &colour) ||
+        !cli_take_value(argc, argv, "--window", &window) ||
+        !cli_operands(&cli_plot, *argc, argv, 1) ||
         (face && !cli_parse_integer(face, "--face", 0, 100000, &number)) ||
         (window && !plot_parse_window(window, "--window", p->window)))
         return false;
@@ -231,10 +251,12 @@ int plot_section(int argc, char **argv, const plot_options *common)
     if (!take_request(&argc, argv, &p)) return CLI_WRONG;
     int code = cli_section_open(argv[1], &p.from);
     if (!code && ric_model_n_mode(p.from.model) < 2) {
-        cli_wrong("plot section: a single mode has one motion of each energy: its section is a point");
+        cli_wrong(
+            "plot section: a single mode has one motion of each energy: its section is a point");
         code = CLI_FAILED;
     }
-    if (!code) code = cli_section_follow(&p.request, plot_units_of(common, p.from.model).length, &p.from);
+    if (!code)
+        code = cli_section_follow(&p.request, plot_units_of(common, p.from.model).length, &p.from);
     const bool cut = code == CLI_LIMIT || code == CLI_INTERRUPTED;
     if (code == CLI_DONE || code == CLI_LIMIT) {
         p.n_dof = ric_model_n_dof(p.from.model);

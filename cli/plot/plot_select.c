@@ -1,5 +1,5 @@
-/* Junctions, branches, parts of branches and orbits, named as a reader of a picture names them: C1_32, S6[010101],
- * S6[010101]|C1_33 C3_32, C1_33*2, S4[0011]@E=20. */
+/* Junctions, branches, parts of branches and orbits, named as a reader of a picture names them:
+ * C1_32, S6[010101], S6[010101]|C1_33 C3_32, C1_33*2, S4[0011]@E=20. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <ctype.h>
@@ -27,7 +27,8 @@ static void trim(const char *text, size_t n, char out[NAME])
         n--;
     }
     while (n > 0 && isspace((unsigned char)text[n - 1])) n--;
-    snprintf(out, NAME, "%.*s", (int)(n < NAME ? n : 0), text); /* a part of a name is another name */
+    snprintf(out, NAME, "%.*s", (int)(n < NAME ? n : 0),
+             text); /* a part of a name is another name */
 }
 
 /* ---------------------------------------------------------------- junctions */
@@ -43,8 +44,8 @@ bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *wh
         return ric_atlas_junction(atlas, *id, &j) == RIC_OK ||
                (cli_wrong("%s %s: %s", what, text, ric_detail()), false);
     }
-    for (int round = 0; round < 2; round++) /* a name of the study goes before a label, which may be another point's
-                                             * name */
+    for (int round = 0; round < 2;
+         round++) /* a name of the study goes before a label, which may be another point's name */
         for (int i = 1; i <= total; i++) {
             if (ric_atlas_junction(atlas, i, &j) != RIC_OK) continue;
             const bool named = j.name && *j.name;
@@ -55,7 +56,8 @@ bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *wh
         }
     const int handle = cli_find_handle(atlas, false, text, what, id, NULL);
     if (!handle)
-        cli_wrong("%s %s: no junction has this name, label or key; `ricochet junctions` lists them", what, text);
+        cli_wrong("%s %s: no junction has this name, label or key; `ricochet junctions` lists them",
+                  what, text);
     return handle > 0;
 }
 
@@ -65,10 +67,12 @@ bool plot_find_junction(const ric_atlas *atlas, const char *text, const char *wh
 double plot_junction_at(const ric_atlas *atlas, const ric_branch *b, int junction)
 {
     ric_point p;
-    if (b->from == junction && ric_atlas_point(atlas, b->id, 0, &p, NULL, NULL) == RIC_OK) return p.arclength;
+    if (b->from == junction && ric_atlas_point(atlas, b->id, 0, &p, NULL, NULL) == RIC_OK)
+        return p.arclength;
     for (int i = 0; i < b->n_junction; i++)
         if (b->junctions[i] == junction) return b->junction_at[i];
-    if (b->to == junction && ric_atlas_point(atlas, b->id, b->n_point - 1, &p, NULL, NULL) == RIC_OK)
+    if (b->to == junction &&
+        ric_atlas_point(atlas, b->id, b->n_point - 1, &p, NULL, NULL) == RIC_OK)
         return p.arclength;
     return NAN;
 }
@@ -91,14 +95,16 @@ bool plot_is_branch(const ric_atlas *atlas, const char *label)
         char duplicate[400];
         if (ric_atlas_branch(atlas, id, &b) != RIC_OK) continue;
         for (int k = 1; k <= 100; k++)
-            if (ric_duplicate_label(&b, k, sizeof duplicate, duplicate) == RIC_OK && !strcmp(duplicate, label))
+            if (ric_duplicate_label(&b, k, sizeof duplicate, duplicate) == RIC_OK &&
+                !strcmp(duplicate, label))
                 return true;
     }
     return false;
 }
 
 /* "P1 P2" or "P1" of LABEL|P1 P2. */
-static bool take_ends(const ric_atlas *atlas, const char *text, const char *what, int *n, int junctions[2])
+static bool take_ends(const ric_atlas *atlas, const char *text, const char *what, int *n,
+                      int junctions[2])
 {
     *n = 0;
     while (*text) {
@@ -118,7 +124,8 @@ static bool take_ends(const ric_atlas *atlas, const char *text, const char *what
     return true;
 }
 
-bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what, plot_segment *out)
+bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what,
+                       plot_segment *out)
 {
     const char *bar;
     char label[NAME];
@@ -131,41 +138,52 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
     bar = strchr(body, '|');
     trim(body, bar ? (size_t)(bar - body) : strlen(body), label);
     if (bar && !take_ends(atlas, bar + 1, what, &n_end, junctions)) return false;
-    int handle = plot_is_branch(atlas, label) ? 0 : cli_find_handle(atlas, true, label, what, &by_handle, NULL);
+    int handle = plot_is_branch(atlas, label)
+                     ? 0
+                     : cli_find_handle(atlas, true, label, what, &by_handle, NULL);
     if (handle < 0) return false;
     for (int id = 1; id <= total; id++) {
         ric_branch b;
         double s[2], at[2];
         if (ric_atlas_branch(atlas, id, &b) != RIC_OK || !ends(atlas, &b, s)) continue;
-        if (handle ? by_handle != id : is_number(label) ? atoi(label) != id : strcmp(label, b.label) != 0) continue;
+        if (handle             ? by_handle != id
+            : is_number(label) ? atoi(label) != id
+                               : strcmp(label, b.label) != 0)
+            continue;
         for (int i = 0; i < n_end; i++) at[i] = plot_junction_at(atlas, &b, junctions[i]);
         if ((n_end > 0 && isnan(at[0])) || (n_end > 1 && isnan(at[1]))) continue;
         if (which && ++found != which) continue;
         found += !which;
-        *out = (plot_segment){.branch = id, .s = {n_end == 2 ? at[0] : s[0], n_end == 2 ? at[1] : s[1]}};
+        *out = (plot_segment){.branch = id,
+                              .s = {n_end == 2 ? at[0] : s[0], n_end == 2 ? at[1] : s[1]}};
     }
     if (which ? found >= which : found == 1) return true;
     if (which && found > 0)
-        cli_wrong("%s %s: only %d branch%s fit%s", what, text, found, found == 1 ? "" : "es", found == 1 ? "s" : "");
+        cli_wrong("%s %s: only %d branch%s fit%s", what, text, found, found == 1 ? "" : "es",
+                  found == 1 ? "s" : "");
     else if (found == 0)
-        cli_wrong("%s %s: no branch has this label or key%s; `ricochet branches` lists them", what, text,
-                  n_end ? " and meets these junctions" : "");
+        cli_wrong("%s %s: no branch has this label or key%s; `ricochet branches` lists them", what,
+                  text, n_end ? " and meets these junctions" : "");
     else
-        cli_wrong("%s %s: %d branches fit; name their ends as well, LABEL|P1 P2, or add #N for the Nth", what, text,
-                  found);
+        cli_wrong(
+            "%s %s: %d branches fit; name their ends as well, LABEL|P1 P2, or add #N for the Nth",
+            what, text, found);
     return false;
 }
 
 /* ------------------------------------------------------------------- orbits */
 
-static int keep(plot_choice *out, int impacts, const int *word, const double *state, const double *flights)
+static int keep(plot_choice *out, int impacts, const int *word, const double *state,
+                const double *flights)
 {
-    if (!plot_motion_keep(&out->motion, impacts, word, state, flights)) return cli_report(RIC_E_NOMEM);
+    if (!plot_motion_keep(&out->motion, impacts, word, state, flights))
+        return cli_report(RIC_E_NOMEM);
     out->frequency = 2 * pi / out->motion.period;
     return CLI_DONE;
 }
 
-static int take_junction(const ric_atlas *atlas, const char *text, const char *what, plot_choice *out)
+static int take_junction(const ric_atlas *atlas, const char *text, const char *what,
+                         plot_choice *out)
 {
     ric_junction j;
     int id;
@@ -178,7 +196,8 @@ static int take_junction(const ric_atlas *atlas, const char *text, const char *w
     out->stable = -1;
     out->periods *= j.multiple;
     out->motion.tolerance = j.kind == RIC_KIND_GRAZING ? touch_of_grazing : touch_of_branch;
-    if (!*out->name) snprintf(out->name, sizeof out->name, "%s", j.name && *j.name ? j.name : j.label);
+    if (!*out->name)
+        snprintf(out->name, sizeof out->name, "%s", j.name && *j.name ? j.name : j.label);
     return keep(out, j.letters, j.word, j.state, j.flights);
 }
 
@@ -187,7 +206,8 @@ static int keep_point(const ric_atlas *atlas, const ric_branch *b, int i, plot_c
     double *state = calloc(2 * (size_t)out->motion.n, sizeof *state),
            *flights = calloc((size_t)b->letters + 1, sizeof *flights);
     ric_point p;
-    ric_status status = state && flights ? ric_atlas_point(atlas, b->id, i, &p, state, flights) : RIC_E_NOMEM;
+    ric_status status = state && flights ? ric_atlas_point(atlas, b->id, i, &p, state, flights)
+                                         : RIC_E_NOMEM;
     int code = status == RIC_OK ? CLI_DONE : cli_report(status);
     if (code == CLI_DONE) {
         out->energy = p.energy;
@@ -206,7 +226,8 @@ static int nearest_point(const ric_atlas *atlas, const ric_branch *b, double s)
     double distance = INFINITY;
     for (int i = 0; i < b->n_point; i++) {
         ric_point p;
-        if (ric_atlas_point(atlas, b->id, i, &p, NULL, NULL) == RIC_OK && fabs(p.arclength - s) < distance) {
+        if (ric_atlas_point(atlas, b->id, i, &p, NULL, NULL) == RIC_OK &&
+            fabs(p.arclength - s) < distance) {
             distance = fabs(p.arclength - s);
             best = i;
         }
@@ -215,8 +236,9 @@ static int nearest_point(const ric_atlas *atlas, const ric_branch *b, double s)
 }
 
 /* The orbit at an energy or a frequency on a segment: there must be just one. */
-static int keep_solved(const ric_atlas *atlas, const ric_branch *b, const plot_segment *segment, ric_at at,
-                       double value, const char *text, const char *what, plot_choice *out)
+static int keep_solved(const ric_atlas *atlas, const ric_branch *b, const plot_segment *segment,
+                       ric_at at, double value, const char *text, const char *what,
+                       plot_choice *out)
 {
     const double lo = fmin(segment->s[0], segment->s[1]), hi = fmax(segment->s[0], segment->s[1]);
     int n = 0, chosen = -1, fit = 0;
@@ -255,8 +277,8 @@ static int keep_solved(const ric_atlas *atlas, const ric_branch *b, const plot_s
 }
 
 /* SEGMENT@0.3, SEGMENT@E=20, SEGMENT@F=1.5 */
-static int take_branch(const ric_atlas *atlas, const char *segment_text, const char *place, const char *what,
-                       plot_choice *out)
+static int take_branch(const ric_atlas *atlas, const char *segment_text, const char *place,
+                       const char *what, plot_choice *out)
 {
     plot_segment segment;
     ric_branch b;
@@ -271,28 +293,36 @@ static int take_branch(const ric_atlas *atlas, const char *segment_text, const c
     out->motion.tolerance = touch_of_branch;
     if (!*out->name) snprintf(out->name, sizeof out->name, "%s", b.label);
     if (energy || frequency)
-        return keep_solved(atlas, &b, &segment, energy ? RIC_AT_ENERGY : RIC_AT_FREQUENCY, value, segment_text, what,
-                           out);
+        return keep_solved(atlas, &b, &segment, energy ? RIC_AT_ENERGY : RIC_AT_FREQUENCY, value,
+                           segment_text, what, out);
     if (!(value >= 0 && value <= 1))
-        return cli_wrong("%s %s@%s: a part of the way along a branch lies between 0 and 1", what, segment_text, place);
-    return keep_point(atlas, &b, nearest_point(atlas, &b, segment.s[0] + value * (segment.s[1] - segment.s[0])), out);
+        return cli_wrong("%s %s@%s: a part of the way along a branch lies between 0 and 1", what,
+                         segment_text, place);
+    return keep_point(atlas, &b,
+                      nearest_point(atlas, &b,
+                                    segment.s[0] + value * (segment.s[1] - segment.s[0])),
+                      out);
 }
 
 int plot_choose(const ric_atlas *atlas, const char *text, const char *what, plot_choice *out)
 {
-    const char *colon = strstr(text, ": "), *rest = colon ? colon + 2 : text, *star = strrchr(rest, '*');
+    const char *colon = strstr(text, ": "), *rest = colon ? colon + 2 : text,
+               *star = strrchr(rest, '*');
     char body[2 * NAME], segment[NAME];
     long periods = 1;
     *out = (plot_choice){.periods = 1,
                          .kind = -1,
                          .stable = -1,
-                         .motion = {.model = ric_atlas_model(atlas), .n = ric_model_n_dof(ric_atlas_model(atlas))}};
+                         .motion = {.model = ric_atlas_model(atlas),
+                                    .n = ric_model_n_dof(ric_atlas_model(atlas))}};
     if (colon)
-        snprintf(out->name, sizeof out->name, "%.*s", (int)(colon - text < NAME ? colon - text : NAME - 1), text);
+        snprintf(out->name, sizeof out->name, "%.*s",
+                 (int)(colon - text < NAME ? colon - text : NAME - 1), text);
     if (star && !cli_parse_integer(star + 1, what, 1, 1000, &periods)) return CLI_WRONG;
     out->periods = (int)periods;
     snprintf(body, sizeof body, "%.*s", (int)(star ? star - rest : (long)strlen(rest)), rest);
     const char *at = strchr(body, '@');
     trim(body, at ? (size_t)(at - body) : strlen(body), segment);
-    return at ? take_branch(atlas, segment, at + 1, what, out) : take_junction(atlas, segment, what, out);
+    return at ? take_branch(atlas, segment, at + 1, what, out)
+              : take_junction(atlas, segment, what, out);
 }

@@ -125,7 +125,8 @@ static ric_status sample(simulation *s, double from, double to)
 static ric_status follow_piece(simulation *s, double *now)
 {
     plot_motion *m = &s->motion;
-    const double before = 1e-10 * s->end; /* so near an impact the state is that of the impact, to the eye */
+    const double before =
+        1e-10 * s->end; /* so near an impact the state is that of the impact, to the eye */
     ric_impact impact;
     bool hit = false;
     ric_status status = advance(&s->scout, s->end, &hit, &impact);
@@ -166,7 +167,8 @@ static ric_status follow(simulation *s)
     if (!status && !add_row(m, 0, s->state)) status = RIC_E_NOMEM;
     while (!status && now < s->end && m->n_event <= IMPACTS_MAX) status = follow_piece(s, &now);
     if (m->n_event > IMPACTS_MAX) {
-        cli_wrong("plot simulate: more than %d impacts up to time %.9g; give a shorter --time", IMPACTS_MAX, now);
+        cli_wrong("plot simulate: more than %d impacts up to time %.9g; give a shorter --time",
+                  IMPACTS_MAX, now);
         s->stopped = true;
         return RIC_E_RANGE;
     }
@@ -190,11 +192,12 @@ static int take_state(simulation *s, int count, const char **texts, double lengt
     const int n = s->motion.n;
     s->state = calloc(2 * (size_t)n, sizeof *s->state);
     if (!s->state) return cli_report(RIC_E_NOMEM);
-    return cli_parse_state("plot simulate", n, count, texts, length, s->state) ? CLI_DONE : CLI_WRONG;
+    return cli_parse_state("plot simulate", n, count, texts, length, s->state) ? CLI_DONE
+                                                                               : CLI_WRONG;
 }
 
-static int run(simulation *s, const plot_options *common, const char *path, int count, const char **texts,
-               const char *coordinates, const char *data)
+static int run(simulation *s, const plot_options *common, const char *path, int count,
+               const char **texts, const char *coordinates, const char *data)
 {
     const ric_status read = ric_study_read(path, &s->study);
     if (read) return cli_report(read);
@@ -210,8 +213,8 @@ static int run(simulation *s, const plot_options *common, const char *path, int 
     if (s->stopped) return CLI_FAILED;
     if (status == RIC_E_NOMEM || s->motion.n_row < 2) return cli_report(status);
     if (status) {
-        cli_say("ricochet: the motion ends at %.9g s: %s\n", plot_motion_row(&s->motion, s->motion.n_row - 1)[0],
-                ric_detail());
+        cli_say("ricochet: the motion ends at %.9g s: %s\n",
+                plot_motion_row(&s->motion, s->motion.n_row - 1)[0], ric_detail());
         s->motion.period = fmax(1e-300, plot_motion_row(&s->motion, s->motion.n_row - 1)[0]);
         if (!add_piece(s)) return cli_report(RIC_E_NOMEM);
     }
@@ -226,10 +229,12 @@ int plot_simulate(int argc, char **argv, const plot_options *common)
     simulation s = {0};
     int count = 0, code = CLI_WRONG;
     if (!texts) return cli_report(RIC_E_NOMEM);
-    if (cli_take_value(&argc, argv, "--time", &end) && cli_take_value(&argc, argv, "--coordinates", &coordinates) &&
-        cli_take_value(&argc, argv, "--data", &data) && cli_take_drive(&argc, argv, &s.drive, &code) &&
-        cli_take_state(&argc, argv, "plot simulate", &count, texts) && cli_operands(&cli_plot, argc, argv, 1) &&
-        cli_parse_end("plot simulate", end, &s.end))
+    if (cli_take_value(&argc, argv, "--time", &end) &&
+        cli_take_value(&argc, argv, "--coordinates", &coordinates) &&
+        cli_take_value(&argc, argv, "--data", &data) &&
+        cli_take_drive(&argc, argv, &s.drive, &code) &&
+        cli_take_state(&argc, argv, "plot simulate", &count, texts) &&
+        cli_operands(&cli_plot, argc, argv, 1) && cli_parse_end("plot simulate", end, &s.end))
         code = run(&s, common, argv[1], count, texts, coordinates, data);
     release(&s.sim);
     release(&s.scout);

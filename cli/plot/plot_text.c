@@ -42,7 +42,8 @@ static void plain_word(const char *word, size_t n, size_t size, char *out)
 {
     size_t used = (size_t)snprintf(out, size, "[");
     for (size_t i = 0; i < n && used + 8 < size; i++)
-        used += (size_t)snprintf(out + used, size - used, word[i] == '-' ? "\xe2\x88\x92" : "%c", word[i]);
+        used += (size_t)snprintf(out + used, size - used, word[i] == '-' ? "\xe2\x88\x92" : "%c",
+                                 word[i]);
     snprintf(out + used, size - used, "]");
 }
 
@@ -84,7 +85,8 @@ static bool lettered(const char *label, size_t size, char *out)
     return true;
 }
 
-/* A name in its pieces: S2^{3-}[01] has letters S, digits 2, power 3, mark - and word 01; in C1_32? low is 32?. */
+/* A name in its pieces: S2^{3-}[01] has letters S, digits 2, power 3, mark - and word 01; in C1_32?
+ * low is 32?. */
 typedef struct {
     const char *text;
     int n;
@@ -124,7 +126,8 @@ static bool take_name(const char *c, name_parts *p)
     for (int i = 0; i < p->letters.n; i++)
         if (!isalpha((unsigned char)p->letters.text[i])) return false;
     p->digits = take(&c, strspn(c, "0123456789,"));
-    if (p->letters.n < 1 || p->letters.n > 2 || (p->digits.n && *p->digits.text == ',')) return false;
+    if (p->letters.n < 1 || p->letters.n > 2 || (p->digits.n && *p->digits.text == ','))
+        return false;
     if (*c == '^') { /* the mark stands behind the number of repeats */
         if (c[1] != '{') return false;
         c += 2;
@@ -161,7 +164,9 @@ static void set_name(const char *label, size_t size, char *out)
     int used = snprintf(out, size, "%.*s", p.letters.n, p.letters.text);
     char *rest = out + used;
     const size_t room = size - (size_t)used;
-    if (p.low.n) used += snprintf(rest, room, "@^{%.*s}_{%.*s}", p.digits.n, p.digits.text, p.low.n, p.low.text);
+    if (p.low.n)
+        used += snprintf(rest, room, "@^{%.*s}_{%.*s}", p.digits.n, p.digits.text, p.low.n,
+                         p.low.text);
     else if (p.mark.n || p.power.n) {
         char raised[64];
         const bool minus = p.mark.n == 1 && *p.mark.text == '-';
@@ -169,12 +174,14 @@ static void set_name(const char *label, size_t size, char *out)
                  minus      ? "\xe2\x88\x92"
                  : p.mark.n ? p.mark.text
                             : "");
-        if (p.digits.n) used += snprintf(rest, room, "@^{%s}_{%.*s}", raised, p.digits.n, p.digits.text);
+        if (p.digits.n)
+            used += snprintf(rest, room, "@^{%s}_{%.*s}", raised, p.digits.n, p.digits.text);
         else used += snprintf(rest, room, "^{%s}", raised);
     } else {
         used += snprintf(rest, room, "_{%.*s}", p.digits.n, p.digits.text);
     }
-    if (p.word.text && (size_t)used < size) word_text(p.word.text, (size_t)p.word.n, size - (size_t)used, out + used);
+    if (p.word.text && (size_t)used < size)
+        word_text(p.word.text, (size_t)p.word.n, size - (size_t)used, out + used);
     if (strlen(whole) < given) snprintf(place, given, "%s", whole);
     else plot_text_escape(label, given, place);
 }
@@ -213,7 +220,8 @@ void plot_text_number(double value, int digits, size_t size, char *out)
                  power < 0 ? "\xe2\x88\x92" : "", abs(power));
 }
 
-/* Advance widths of Helvetica in thousandths of an em (Adobe font metrics), for ASCII from the space on. */
+/* Advance widths of Helvetica in thousandths of an em (Adobe font metrics), for ASCII from the
+ * space on. */
 static const short helvetica[95] = {
     278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333,  278, 278, 556, 556, 556,
     556, 556, 556, 556, 556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667,
@@ -266,9 +274,11 @@ double plot_text_width(const char *text, double size)
     return 1.12 * plot_text_exact_width(text, text + strlen(text), size);
 }
 
-plot_box plot_text_box(plot_point at, plot_anchor anchor, double size, bool upright, const char *text)
+plot_box plot_text_box(plot_point at, plot_anchor anchor, double size, bool upright,
+                       const char *text)
 {
-    const double width = plot_text_width(text, size), half = (strpbrk(text, "_^") ? 0.82 : 0.62) * size;
+    const double width = plot_text_width(text, size),
+                 half = (strpbrk(text, "_^") ? 0.82 : 0.62) * size;
     const double start = anchor == PLOT_LEFT ? 0 : anchor == PLOT_CENTRE ? -width / 2 : -width;
     if (upright) return (plot_box){at.x - half, at.y + start, at.x + half, at.y + start + width};
     return (plot_box){at.x + start, at.y - half, at.x + start + width, at.y + half};

@@ -1,16 +1,18 @@
-/* A branch on the way to the page: its stored points with the junctions between them, the curve through them, and its
- * pieces of equal stability. */
+/* A branch on the way to the page: its stored points with the junctions between them, the curve
+ * through them, and its pieces of equal stability. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "plot.h"
 
-/* The curve: points of a branch depend smoothly on its arclength. Slopes come from the polynomial through five stored
- * points (Fornberg, Math. Comp. 51 (1988) 699-706), and a cubic joins two points with theirs (Hermite): the error is of
- * fourth order in the step of the continuation, that of a chord of the second. */
+/* The curve: points of a branch depend smoothly on its arclength. Slopes come from the polynomial
+ * through five stored points (Fornberg, Math. Comp. 51 (1988) 699-706), and a cubic joins two
+ * points with theirs (Hermite): the error is of fourth order in the step of the continuation, that
+ * of a chord of the second. */
 enum { STENCIL = 5, MOST_PIECES = 64 };
 static const double visible = 0.02; /* pixels that a chord may be off */
-static const double crowded = 0.05; /* of the step beside it: so near a point adds noise to a slope, and no more */
+static const double crowded =
+    0.05; /* of the step beside it: so near a point adds noise to a slope, and no more */
 
 bool plot_track_add(plot_track *t, plot_point at, double arclength, int stable)
 {
@@ -21,7 +23,10 @@ bool plot_track_add(plot_track *t, plot_point at, double arclength, int stable)
         t->knots = knots;
         t->room = room;
     }
-    t->knots[t->n++] = (plot_knot){.at = at, .arclength = arclength, .stable = stable, .stored = true};
+    t->knots[t->n++] = (plot_knot){.at = at,
+                                   .arclength = arclength,
+                                   .stable = stable,
+                                   .stored = true};
     return true;
 }
 
@@ -46,15 +51,20 @@ void plot_track_free(plot_track *t)
 static int by_arclength(const void *a, const void *b)
 {
     const plot_knot *s = a, *t = b;
-    if (s->arclength != t->arclength) return (s->arclength > t->arclength) - (s->arclength < t->arclength);
+    if (s->arclength != t->arclength)
+        return (s->arclength > t->arclength) - (s->arclength < t->arclength);
     return (s->stable == PLOT_JOINT) - (t->stable == PLOT_JOINT);
 }
 
 int plot_point_stability(const ric_branch *branch, int i, const ric_point *point)
 {
-    const int stable = point->stable >= 0 && point->stable <= 2 ? point->stable : RIC_STABLE_UNDECIDED;
-    const bool inside = i > 0 && i + 1 < branch->n_point; /* else there may be no neighbour that could say */
-    return (inside || stable == RIC_STABLE_UNDECIDED) && cli_point_at_junction(branch, i, point) ? PLOT_JOINT : stable;
+    const int stable = point->stable >= 0 && point->stable <= 2 ? point->stable
+                                                                : RIC_STABLE_UNDECIDED;
+    const bool inside = i > 0 &&
+                        i + 1 < branch->n_point; /* else there may be no neighbour that could say */
+    return (inside || stable == RIC_STABLE_UNDECIDED) && cli_point_at_junction(branch, i, point)
+               ? PLOT_JOINT
+               : stable;
 }
 
 void plot_track_sort(plot_track *t)
@@ -94,7 +104,8 @@ static int next_stored(const plot_track *t, int from, int step, double least)
         if (step > 0 && t->knots[i].gap) return -1;
         i += step;
         if (i < 0 || i >= t->n || (step < 0 && t->knots[i].gap)) return -1;
-        if (t->knots[i].stored && fabs(t->knots[i].arclength - t->knots[from].arclength) > least) return i;
+        if (t->knots[i].stored && fabs(t->knots[i].arclength - t->knots[from].arclength) > least)
+            return i;
     }
 }
 
@@ -129,7 +140,8 @@ static plot_point stored_slope(const plot_track *t, int own)
 
 static plot_point hermite(const node *a, const node *b, double h, double s)
 {
-    const double r = 1 - s, wa = r * r * (1 + 2 * s), wb = s * s * (3 - 2 * s), va = h * s * r * r, vb = -h * s * s * r;
+    const double r = 1 - s, wa = r * r * (1 + 2 * s), wb = s * s * (3 - 2 * s), va = h * s * r * r,
+                 vb = -h * s * s * r;
     return (plot_point){wa * a->at.x + wb * b->at.x + va * a->slope.x + vb * b->slope.x,
                         wa * a->at.y + wb * b->at.y + va * a->slope.y + vb * b->slope.y};
 }
@@ -141,22 +153,25 @@ static plot_point hermite_slope(const node *a, const node *b, double h, double s
                         w * (b->at.y - a->at.y) + va * a->slope.y + vb * b->slope.y};
 }
 
-/* Slopes of all knots; those of junctions are of the cubic between the stored points around them. */
+/* Slopes of all knots; those of junctions are of the cubic between the stored points around them.
+ */
 static void find_nodes(const plot_track *t, node *nodes)
 {
     for (int i = 0; i < t->n; i++)
-        nodes[i] = (node){t->knots[i].at, t->knots[i].stored ? stored_slope(t, i) : (plot_point){NAN, NAN}};
+        nodes[i] = (node){t->knots[i].at,
+                          t->knots[i].stored ? stored_slope(t, i) : (plot_point){NAN, NAN}};
     for (int i = 0; i < t->n; i++) {
         if (t->knots[i].stored) continue;
         const int a = next_stored(t, i, -1, 0), b = next_stored(t, i, 1, 0);
         if (a < 0 || b < 0) continue;
         const double h = t->knots[b].arclength - t->knots[a].arclength;
-        nodes[i].slope = hermite_slope(&nodes[a], &nodes[b], h, (t->knots[i].arclength - t->knots[a].arclength) / h);
+        nodes[i].slope = hermite_slope(&nodes[a], &nodes[b], h,
+                                       (t->knots[i].arclength - t->knots[a].arclength) / h);
     }
 }
 
-/* Into how many chords the curve between two knots is cut, so that none is visibly off; 1 where it cannot be trusted.
- */
+/* Into how many chords the curve between two knots is cut, so that none is visibly off; 1 where it
+ * cannot be trusted. */
 static int pieces_of(const plot_panel *panel, const node *a, const node *b, double h)
 {
     const plot_point p = plot_panel_at(panel, a->at), q = plot_panel_at(panel, b->at);
@@ -169,14 +184,17 @@ static int pieces_of(const plot_panel *panel, const node *a, const node *b, doub
     for (int i = 1; i < 4; i++) {
         const plot_point m = plot_panel_at(panel, hermite(a, b, h, i / 4.));
         /* the distance from the chord is what is seen, not the place along it */
-        off = fmax(off, fabs((m.x - p.x) * (q.y - p.y) - (m.y - p.y) * (q.x - p.x)) / fmax(length, visible));
+        off = fmax(off, fabs((m.x - p.x) * (q.y - p.y) - (m.y - p.y) * (q.x - p.x)) /
+                            fmax(length, visible));
         if (isnan(m.x + m.y)) off = NAN;
     }
-    if (!(off <= length)) return 1; /* a fold within one step that the cubic cannot know, or no slope */
+    if (!(off <= length))
+        return 1; /* a fold within one step that the cubic cannot know, or no slope */
     return (int)fmin(MOST_PIECES, ceil(sqrt(off / visible)));
 }
 
-/* Stability of what lies behind knot i: that of the next point where a junction has been passed, else of the last. */
+/* Stability of what lies behind knot i: that of the next point where a junction has been passed,
+ * else of the last. */
 static int stable_behind(const plot_track *t, int i)
 {
     const int step = t->knots[i].stable == PLOT_JOINT ? 1 : -1;
@@ -198,12 +216,13 @@ bool plot_track_smooth(const plot_panel *panel, plot_track *t)
         out.knots[out.n - 1] = *a;
         if (i + 1 == t->n || a->gap || !(b->arclength > a->arclength)) continue;
         const double h = b->arclength - a->arclength;
-        const int pieces = pieces_of(panel, &nodes[i], &nodes[i + 1], h), before = stable_behind(t, i);
+        const int pieces = pieces_of(panel, &nodes[i], &nodes[i + 1], h),
+                  before = stable_behind(t, i);
         for (int k = 1; good && k < pieces; k++) {
             const bool late = 2 * k >= pieces && b->stable != PLOT_JOINT;
             const double s = (double)k / pieces;
-            good = plot_track_add(&out, hermite(&nodes[i], &nodes[i + 1], h, s), a->arclength + s * h,
-                                  late ? b->stable : before);
+            good = plot_track_add(&out, hermite(&nodes[i], &nodes[i + 1], h, s),
+                                  a->arclength + s * h, late ? b->stable : before);
             if (good) out.knots[out.n - 1].stored = false;
         }
     }
@@ -215,12 +234,13 @@ bool plot_track_smooth(const plot_panel *panel, plot_track *t)
 
 /* ---------------------------------------------------------------- stability */
 
-/* Where stability changes on the way to knot i: the first junction since the last point, else half way. Returns the
- * knot that the new run starts with, after setting *middle. */
+/* Where stability changes on the way to knot i: the first junction since the last point, else half
+ * way. Returns the knot that the new run starts with, after setting *middle. */
 static int change_before(const plot_track *t, int i, plot_point *middle)
 {
     int first = i;
-    while (first > 0 && t->knots[first - 1].stable == PLOT_JOINT && !t->knots[first - 1].gap) first--;
+    while (first > 0 && t->knots[first - 1].stable == PLOT_JOINT && !t->knots[first - 1].gap)
+        first--;
     if (first < i) {
         *middle = t->knots[first].at;
         return first + 1;
@@ -230,7 +250,8 @@ static int change_before(const plot_track *t, int i, plot_point *middle)
     return i;
 }
 
-unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family, const plot_track *t)
+unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family,
+                         const plot_track *t)
 {
     plot_point *run = malloc(((size_t)t->n + 2) * sizeof *run);
     unsigned seen = 0;

@@ -1,4 +1,5 @@
-/* Units of what a picture shows: as stored, or as the study has them, and frequencies in rad/s or in Hz. */
+/* Units of what a picture shows: as stored, or as the study has them, and frequencies in rad/s or
+ * in Hz. */
 #include <string.h>
 
 #include "plot.h"
@@ -11,7 +12,8 @@ plot_units plot_units_of(const plot_options *options, const ric_model *model)
     return (plot_units){.length = d, .energy = d * d, .frequency = options->hertz ? 1 / turn : 1};
 }
 
-/* E_s of the article is the energy of the masses and springs, H_s adds that of contacts that give way (eq. 11). */
+/* E_s of the article is the energy of the masses and springs, H_s adds that of contacts that give
+ * way (eq. 11). */
 static bool gives_way(const ric_model *model)
 {
     for (int i = 0; i < ric_model_n_contact(model); i++) {
@@ -26,7 +28,8 @@ const char *plot_energy_letter(const ric_model *model)
     return gives_way(model) ? "H" : "E";
 }
 
-void plot_energy_title(const plot_options *options, int n, const ric_model *const *models, size_t size, char *out)
+void plot_energy_title(const plot_options *options, int n, const ric_model *const *models,
+                       size_t size, char *out)
 {
     bool some[2] = {false};
     for (int i = 0; i < n; i++) some[gives_way(models[i])] = true;
@@ -42,8 +45,8 @@ void plot_energy_title(const plot_options *options, int n, const ric_model *cons
     else snprintf(out, size, "scaled energy %s", letters);
 }
 
-void plot_length_title(const plot_options *options, const ric_model *model, const char *what, const char *per,
-                       size_t size, char *out)
+void plot_length_title(const plot_options *options, const ric_model *model, const char *what,
+                       const char *per, size_t size, char *out)
 {
     const char *name = ric_model_units(model)->length;
     if (!options->physical) snprintf(out, size, "scaled %s", what);
@@ -62,12 +65,13 @@ const char *plot_frequency_title(const plot_options *options)
     return options->hertz ? "frequency f (Hz)" : "frequency ω (rad/s)";
 }
 
-void plot_place_text(const plot_options *options, const ric_model *model, double energy, double frequency, size_t size,
-                     char *out)
+void plot_place_text(const plot_options *options, const ric_model *model, double energy,
+                     double frequency, size_t size, char *out)
 {
     const plot_units unit = plot_units_of(options, model);
     snprintf(out, size, "%s = %.6g,  %s = %.6g %s", plot_energy_letter(model), energy * unit.energy,
-             options->hertz ? "f" : "ω", frequency * unit.frequency, options->hertz ? "Hz" : "rad/s");
+             options->hertz ? "f" : "ω", frequency * unit.frequency,
+             options->hertz ? "Hz" : "rad/s");
 }
 
 bool plot_same_length(const plot_options *options, int n, ric_atlas *const *atlases)
@@ -76,7 +80,8 @@ bool plot_same_length(const plot_options *options, int n, ric_atlas *const *atla
         const double first = ric_model_length(ric_atlas_model(atlases[0])),
                      d = ric_model_length(ric_atlas_model(atlases[i]));
         if (d == first) continue;
-        cli_wrong("--physical: the atlases have different units of length, %g and %g: draw one at a time, or leave it "
+        cli_wrong("--physical: the atlases have different units of length, %g and %g: draw one at "
+                  "a time, or leave it "
                   "out",
                   first, d);
         return false;

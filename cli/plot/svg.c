@@ -1,5 +1,6 @@
-/* Makes gnuplot's SVG smaller: pictures are kept in repositories and pages. Coordinates keep two decimals, so that
- * curves stay smooth when they are magnified, runs of blanks become one, and groups without content go. */
+/* Makes gnuplot's SVG smaller: pictures are kept in repositories and pages. Coordinates keep two
+ * decimals, so that curves stay smooth when they are magnified, runs of blanks become one, and
+ * groups without content go. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <ctype.h>
@@ -35,7 +36,8 @@ static size_t empty_group(const char *c)
 {
     static const char head[] = "<g fill=", tail[] = "</g>\n";
     const size_t line = strcspn(c, "\n");
-    return !strncmp(c, head, sizeof head - 1) && c[line] && !strncmp(c + line + 1, tail, sizeof tail - 1)
+    return !strncmp(c, head, sizeof head - 1) && c[line] &&
+                   !strncmp(c + line + 1, tail, sizeof tail - 1)
                ? line + 1 + sizeof tail - 1
                : 0;
 }

@@ -1,6 +1,6 @@
-/* ricochet view: what its files know of each other, in the order of calls. The atlas in memory (view_data.c), answers
- * made from it (view_orbit.c, view_section.c, view_force.c), its extension (view_grow.c), HTTP (view_http.c), the
- * command (cmd_view.c). */
+/* ricochet view: what its files know of each other, in the order of calls. The atlas in memory
+ * (view_data.c), answers made from it (view_orbit.c, view_section.c, view_force.c), its extension
+ * (view_grow.c), HTTP (view_http.c), the command (cmd_view.c). */
 #ifndef VIEW_H
 #define VIEW_H
 
@@ -26,13 +26,13 @@ extern const size_t view_saved_split;
 
 /* ------------------------------------------------------------ atlas (view_data.c) */
 
-/* One reading of the atlas. Requests that have begun with one end with it, also when a newer one has taken its
- * place. */
+/* One reading of the atlas. Requests that have begun with one end with it, also when a newer one
+ * has taken its place. */
 typedef struct {
     ric_atlas *atlas;
     unsigned generation;    /* 1, 2, ...: pages ask for everything anew when it grows */
-    char *points, *outline; /* every branch with its joints, as /api/points gives it; some of that, for the first
-                             * picture, as /api/outline does */
+    char *points, *outline; /* every branch with its joints, as /api/points gives it; some of that,
+                               for the first picture, as /api/outline does */
     size_t points_size, outline_size;
     json_t *rows; /* branches with their places in `points`, as /api/atlas gives them */
     int holders;  /* under the lock of the shelf */
@@ -61,9 +61,10 @@ typedef enum { VIEW_AT_POINT, VIEW_AT_ENERGY, VIEW_AT_FREQUENCY, VIEW_AT_ARCLENG
 /* The orbits that fit, each with its history; *out is an array. */
 ric_status view_orbits(const ric_atlas *atlas, int branch, view_at at, double value, json_t **out);
 
-/* Orbits spread evenly over the arclengths `from` to `to`: {arclength: [], energy: [], frequency: []} without those
- * that are stored, and those that are not found. */
-ric_status view_curve(const ric_atlas *atlas, int branch, double from, double to, int count, json_t **out);
+/* Orbits spread evenly over the arclengths `from` to `to`: {arclength: [], energy: [], frequency:
+ * []} without those that are stored, and those that are not found. */
+ric_status view_curve(const ric_atlas *atlas, int branch, double from, double to, int count,
+                      json_t **out);
 
 /* The orbit of stored point `point`, without its history. */
 ric_status view_stored_orbit(const ric_atlas *atlas, int branch, int point, json_t **out);
@@ -79,8 +80,9 @@ typedef struct {
     double place[2]; /* first displacement and first momentum; the others are 0 */
 } view_section_request;
 
-/* {energy, modes, starts: [{lyapunov, lyapunov_error, rotation, why, faces: [], places: []}], orbits: [the same with
- * branch and stable]}: places are pairs, of faces that x -> -x exchanges on the first one. */
+/* {energy, modes, starts: [{lyapunov, lyapunov_error, rotation, why, faces: [], places: []}],
+ * orbits: [the same with branch and stable]}: places are pairs, of faces that x -> -x exchanges on
+ * the first one. */
 ric_status view_section(const ric_atlas *atlas, const view_section_request *request, json_t **out);
 
 /* ------------------------------------------------------------ force (view_force.c) */
@@ -92,12 +94,13 @@ typedef struct {
     double force[VIEW_FORCE_NUMBERS], ratios[VIEW_FORCE_NUMBERS], restitution;
 } view_force_request;
 
-/* What `ricochet force` says of stored points of a branch, at most VIEW_FORCE_POINTS of them, as columns, and of its
- * --isolas. */
+/* What `ricochet force` says of stored points of a branch, at most VIEW_FORCE_POINTS of them, as
+ * columns, and of its --isolas. */
 enum { VIEW_FORCE_POINTS = 160 };
 ric_status view_force(const ric_atlas *atlas, const view_force_request *request, json_t **out);
-/* The curves of a response along the frequency, and of what: {finished, force: [], damping: [] (ratios; none: a
- * matrix), restitution, curves: [{id, level, impacts, periods, closed, omega: [], stable: [], peaks: [[]]}]}. */
+/* The curves of a response along the frequency, and of what: {finished, force: [], damping: []
+ * (ratios; none: a matrix), restitution, curves: [{id, level, impacts, periods, closed, omega: [],
+ * stable: [], peaks: [[]]}]}. */
 json_t *view_response(const ric_response *response);
 
 /* ------------------------------------------------------------ saved page (view_save.c) */
@@ -113,19 +116,20 @@ typedef struct view_grower view_grower;
 typedef struct {
     int depth, impacts, multiply;
     double seconds; /* stop by itself after so long; 0: never */
-    bool somewhere; /* for departures from junctions within these windows alone; beyond those of the study, branches are
-                     * followed to there */
+    bool somewhere; /* for departures from junctions within these windows alone; beyond those of the
+                       study, branches are followed to there */
     double energy[2], frequency[2];
 } view_budgets;
 
 ric_status view_grower_create(view_shelf *shelf, int workers, view_grower **out);
 /* Asks a running extension to stop, and waits for it. */
 void view_grower_free(view_grower *grower);
-/* RIC_E_BUSY while one is running, RIC_E_INPUT when a budget would shrink, or when the region is none. */
+/* RIC_E_BUSY while one is running, RIC_E_INPUT when a budget would shrink, or when the region is
+ * none. */
 ric_status view_grower_start(view_grower *grower, const view_budgets *budgets);
 void view_grower_stop(view_grower *grower);
-/* Makes the atlas again what it was before the last extension. RIC_E_MISSING: there was none since the server began, or
- * somebody else has changed the atlas since. */
+/* Makes the atlas again what it was before the last extension. RIC_E_MISSING: there was none since
+ * the server began, or somebody else has changed the atlas since. */
 ric_status view_grower_undo(view_grower *grower);
 /* The same, and nothing is begun or written any more: the server ends. */
 void view_grower_leave(view_grower *grower);
@@ -137,7 +141,8 @@ json_t *view_grower_status(view_grower *grower);
 
 enum {
     VIEW_LINES_MAX = 96,
-    VIEW_LINES_SPARE = 24,  /* kept free: whoever waits longest for the rest of its request makes room */
+    VIEW_LINES_SPARE =
+        24, /* kept free: whoever waits longest for the rest of its request makes room */
     VIEW_LINE_SECONDS = 10, /* for all of the head of a request, and as much for its body */
 };
 

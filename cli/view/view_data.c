@@ -10,8 +10,8 @@
 
 #include "view.h"
 
-/* JOINT: the flag of a knot that is a junction, or a point on one; others have their ric_stability. GAP is added to
- * that of a point behind which a tongue was stepped over. */
+/* JOINT: the flag of a knot that is a junction, or a point on one; others have their ric_stability.
+ * GAP is added to that of a point behind which a tongue was stepped over. */
 enum { JOINT = 3, GAP = 4 };
 enum { DRAWN_MOST = 20000 }; /* nodes of a drawing, and lines */
 enum { OUTLINE = 40000 };    /* knots of a first picture, about: a megabyte */
@@ -25,8 +25,8 @@ struct view_shelf {
 
 /* -------------------------------------------------------------------- knots */
 
-/* What a branch is drawn from: its stored points, and its interior junctions between them, so that curves pass through
- * the marks. */
+/* What a branch is drawn from: its stored points, and its interior junctions between them, so that
+ * curves pass through the marks. */
 typedef struct {
     double arclength, energy, frequency;
     int flag;
@@ -61,7 +61,8 @@ static ric_status make_knots(const ric_atlas *atlas, const ric_branch *branch, i
         ric_point p;
         if (!(status = ric_atlas_point(atlas, branch->id, i, &p, NULL, NULL)))
             knots[(*n)++] = (knot){p.arclength, p.energy, p.frequency,
-                                   (p.stable == RIC_STABLE_UNDECIDED && cli_point_at_junction(branch, i, &p)
+                                   (p.stable == RIC_STABLE_UNDECIDED &&
+                                            cli_point_at_junction(branch, i, &p)
                                         ? JOINT
                                         : (int)p.stable) +
                                        (ric_branch_steps_over(atlas, branch->id, i) ? GAP : 0)};
@@ -88,8 +89,9 @@ static json_t *levels(const ric_atlas *atlas, const ric_branch *branch)
 
 /* ------------------------------------------------------------------- points */
 
-/* Layout of /api/points, little-endian: for n knots n energies, n frequencies, n arclengths as 64-bit floats, then n
- * bytes of flags. The place and number of the knots of a branch are in its row. */
+/* Layout of /api/points, little-endian: for n knots n energies, n frequencies, n arclengths as
+ * 64-bit floats, then n bytes of flags. The place and number of the knots of a branch are in its
+ * row. */
 typedef struct {
     double *energy, *frequency, *arclength;
     unsigned char *flags;
@@ -98,7 +100,8 @@ typedef struct {
 static columns columns_of(char *bytes, size_t total)
 {
     double *energy = (double *)(void *)bytes;
-    return (columns){energy, energy + total, energy + 2 * total, (unsigned char *)(energy + 3 * total)};
+    return (columns){energy, energy + total, energy + 2 * total,
+                     (unsigned char *)(energy + 3 * total)};
 }
 
 static ric_status pack(view_data *data)
@@ -124,8 +127,10 @@ static ric_status pack(view_data *data)
             !(status = make_knots(data->atlas, &branch, &n, &knots)))
             status = cli_branch_row(data->atlas, id, 1, row);
         json_object_set_new(row, "linear",
-                            json_boolean(!status && ric_branch_linear(ric_atlas_model(data->atlas), &branch)));
-        json_object_set_new(row, "junction_levels", status ? json_array() : levels(data->atlas, &branch));
+                            json_boolean(!status &&
+                                         ric_branch_linear(ric_atlas_model(data->atlas), &branch)));
+        json_object_set_new(row, "junction_levels",
+                            status ? json_array() : levels(data->atlas, &branch));
         json_object_set_new(row, "place", json_integer((json_int_t)place));
         json_object_set_new(row, "knots", json_integer(n));
         for (int i = 0; !status && i < n; i++, place++) {
@@ -139,15 +144,17 @@ static ric_status pack(view_data *data)
     return status;
 }
 
-/* Of n knots that begin at `place`: ends, junctions, changes of stability, and as many others as there is room for. */
+/* Of n knots that begin at `place`: ends, junctions, changes of stability, and as many others as
+ * there is room for. */
 static bool outlined(const unsigned char *flags, size_t place, size_t n, size_t i, size_t stride)
 {
     const unsigned char *here = flags + place + i;
-    return i % stride == 0 || i + 1 == n || here[0] % GAP == JOINT || here[0] != here[-1] || here[0] != here[1];
+    return i % stride == 0 || i + 1 == n || here[0] % GAP == JOINT || here[0] != here[-1] ||
+           here[0] != here[1];
 }
 
-/* /api/outline: the layout of /api/points, and at its end the number of knots of each branch, 32 bits. All of it if
- * that is little. */
+/* /api/outline: the layout of /api/points, and at its end the number of knots of each branch, 32
+ * bits. All of it if that is little. */
 static ric_status pack_outline(view_data *data)
 {
     const size_t total = data->points_size / 25, n_branch = json_array_size(data->rows),
@@ -240,7 +247,8 @@ ric_status view_shelf_reload(view_shelf *shelf)
     stat(shelf->path, &seen); /* before reading: a change in between is noticed the next time */
     const ric_status status = data_read(shelf->path, &data);
     pthread_mutex_lock(&shelf->lock);
-    shelf->seen = seen; /* also after a failure: one look at a file that cannot be read is enough until it changes */
+    shelf->seen = seen; /* also after a failure: one look at a file that cannot be read is enough
+                           until it changes */
     if (!status) {
         old = shelf->data;
         data->generation = old ? old->generation + 1 : 1;
@@ -258,7 +266,8 @@ bool view_shelf_stale(view_shelf *shelf)
     const struct stat *seen = &shelf->seen;
     const bool stale = !stat(shelf->path, &now) &&
                        (now.st_ino != seen->st_ino || now.st_size != seen->st_size ||
-                        now.st_mtim.tv_sec != seen->st_mtim.tv_sec || now.st_mtim.tv_nsec != seen->st_mtim.tv_nsec);
+                        now.st_mtim.tv_sec != seen->st_mtim.tv_sec ||
+                        now.st_mtim.tv_nsec != seen->st_mtim.tv_nsec);
     pthread_mutex_unlock(&shelf->lock);
     return stale;
 }
@@ -301,9 +310,11 @@ static json_t *contacts(const ric_model *model)
         json_object_set_new(one, "name", json_string(contact.name ? contact.name : ""));
         json_object_set_new(one, "normal", numbers(ric_model_n_dof(model), contact.normal, 1));
         json_object_set_new(one, "clearance",
-                            contact.clearance > 0 ? cli_number(contact.clearance / ric_model_length(model))
-                                                  : json_null());
-        json_object_set_new(one, "sides", json_string(contact.clearance > 0 ? sides[contact.sides] : ""));
+                            contact.clearance > 0
+                                ? cli_number(contact.clearance / ric_model_length(model))
+                                : json_null());
+        json_object_set_new(one, "sides",
+                            json_string(contact.clearance > 0 ? sides[contact.sides] : ""));
         json_array_append_new(array, one);
     }
     return array;
@@ -325,8 +336,9 @@ static json_t *locked(const ric_model *model)
 {
     const int n = ric_model_n_dof(model) - 1;
     double *values = calloc((size_t)n + 1, sizeof *values);
-    json_t *array = values && n > 0 && !ric_model_locked_frequencies(model, 0, values) ? numbers(n, values, 1)
-                                                                                       : json_array();
+    json_t *array = values && n > 0 && !ric_model_locked_frequencies(model, 0, values)
+                        ? numbers(n, values, 1)
+                        : json_array();
     free(values);
     return array;
 }
@@ -351,12 +363,14 @@ static json_t *describe_model(const ric_model *model)
     json_object_set_new(object, "onset", cli_number(ric_model_onset(model, NULL)));
     json_object_set_new(object, "symmetric", json_boolean(ric_model_symmetric(model)));
     json_object_set_new(object, "frequencies",
-                        frequencies && !ric_model_frequencies(model, frequencies) ? numbers(n, frequencies, 1)
-                                                                                  : json_array());
+                        frequencies && !ric_model_frequencies(model, frequencies)
+                            ? numbers(n, frequencies, 1)
+                            : json_array());
     json_object_set_new(object, "locked", locked(model));
     json_object_set_new(object, "mass", numbers(n * n, ric_model_mass(model), 1));
     json_object_set_new(object, "stiffness", numbers(n * n, ric_model_stiffness(model), 1));
-    if (shapes && !ric_model_modes(model, shapes)) json_object_set_new(object, "shapes", numbers(n * n, shapes, 1));
+    if (shapes && !ric_model_modes(model, shapes))
+        json_object_set_new(object, "shapes", numbers(n * n, shapes, 1));
     json_object_set_new(object, "contacts", contacts(model));
     json_object_set_new(object, "faces", faces(model));
     free(frequencies);
@@ -364,7 +378,8 @@ static json_t *describe_model(const ric_model *model)
     return object;
 }
 
-/* Nodes and lines of the drawing in the study; null if there is none, or more than a page draws in motion. */
+/* Nodes and lines of the drawing in the study; null if there is none, or more than a page draws in
+ * motion. */
 static json_t *drawing(const ric_study *study)
 {
     const int n_node = ric_study_n_node(study), n_line = ric_study_n_line(study);
@@ -373,20 +388,24 @@ static json_t *drawing(const ric_study *study)
     for (int i = 0; i < n_node; i++) {
         ric_drawing_node node;
         if (!ric_study_node(study, i, &node))
-            json_array_append_new(nodes, json_pack("{s:[f,f,f],s:[i,i,i]}", "at", node.at[0], node.at[1], node.at[2],
-                                                   "moves", node.moves[0], node.moves[1], node.moves[2]));
+            json_array_append_new(nodes, json_pack("{s:[f,f,f],s:[i,i,i]}", "at", node.at[0],
+                                                   node.at[1], node.at[2], "moves", node.moves[0],
+                                                   node.moves[1], node.moves[2]));
     }
     for (int i = 0; i < n_line; i++) {
         int ends[2];
-        if (!ric_study_line(study, i, ends)) json_array_append_new(lines, json_pack("[i,i]", ends[0], ends[1]));
+        if (!ric_study_line(study, i, ends))
+            json_array_append_new(lines, json_pack("[i,i]", ends[0], ends[1]));
     }
     return json_pack("{s:o,s:o}", "nodes", nodes, "lines", lines);
 }
 
-static json_t *budgets(int depth, int impacts, int multiply, const double *energy, const double *frequency)
+static json_t *budgets(int depth, int impacts, int multiply, const double *energy,
+                       const double *frequency)
 {
-    return json_pack("{s:i,s:i,s:i,s:[f,f],s:[f,f]}", "depth", depth, "impacts", impacts, "multiply", multiply,
-                     "energy", energy[0], energy[1], "frequency", frequency[0], frequency[1]);
+    return json_pack("{s:i,s:i,s:i,s:[f,f],s:[f,f]}", "depth", depth, "impacts", impacts,
+                     "multiply", multiply, "energy", energy[0], energy[1], "frequency",
+                     frequency[0], frequency[1]);
 }
 
 static json_t *describe_budgets(const ric_explore_options *o)
@@ -400,7 +419,8 @@ static json_t *describe_regions(const ric_explore_options *o)
     json_t *array = json_array();
     for (int i = 0; i < o->n_region; i++) {
         const ric_region *r = &o->region[i];
-        json_array_append_new(array, budgets(r->depth, r->impacts, r->multiply, r->energy, r->frequency));
+        json_array_append_new(array,
+                              budgets(r->depth, r->impacts, r->multiply, r->energy, r->frequency));
     }
     return array;
 }
@@ -412,9 +432,9 @@ static json_t *describe_forcing(const ric_study *study)
     if (!ric_study_forcing(study, &f)) return json_null();
     const ric_shaking *s = &f.shaking;
     return json_pack("{s:o,s:o,s:o,s:o,s:o}", "force", numbers(s->n_force, s->force, 1), "damping",
-                     numbers(s->n_ratio, s->ratios, 1), "restitution", cli_number(s->restitution), "harmonic",
-                     json_integer(f.harmonic.n ? (json_int_t)f.harmonic.value[0] : 1), "levels",
-                     numbers(f.amplitude.n, f.amplitude.value, 1));
+                     numbers(s->n_ratio, s->ratios, 1), "restitution", cli_number(s->restitution),
+                     "harmonic", json_integer(f.harmonic.n ? (json_int_t)f.harmonic.value[0] : 1),
+                     "levels", numbers(f.amplitude.n, f.amplitude.value, 1));
 }
 
 static json_t *junctions(const ric_atlas *atlas)

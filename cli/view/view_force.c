@@ -1,5 +1,5 @@
-/* What a harmonic force and small losses make of the orbits of a branch, for the page of `ricochet view`
- * (docs/forcing.md). */
+/* What a harmonic force and small losses make of the orbits of a branch, for the page of `ricochet
+ * view` (docs/forcing.md). */
 #include <math.h>
 #include <stdlib.h>
 
@@ -17,7 +17,8 @@ static ric_status add_orbit(const columns *c, const ric_orbit *orbit)
     ric_point point;
     const int n = ric_model_n_dof(ric_force_model(c->force));
     double *amplitudes = calloc((size_t)n, sizeof *amplitudes);
-    ric_status status = amplitudes ? ric_force_predict(c->force, c->ask->branch, orbit, c->ask->harmonic, 0, &p)
+    ric_status status = amplitudes ? ric_force_predict(c->force, c->ask->branch, orbit,
+                                                       c->ask->harmonic, 0, &p)
                                    : RIC_E_NOMEM;
     if (!status) status = ric_orbit_amplitudes(orbit, amplitudes);
     if (!status) {
@@ -61,13 +62,16 @@ static ric_status add_turns(const columns *c, json_t *turns)
 {
     ric_force_extreme *list = NULL;
     int n = 0;
-    const ric_status status = ric_force_extremes(c->force, c->ask->branch, c->ask->harmonic, &n, &list);
+    const ric_status status = ric_force_extremes(c->force, c->ask->branch, c->ask->harmonic, &n,
+                                                 &list);
     for (int i = 0; i < n; i++) {
         const ric_prediction *p = &list[i].at;
-        json_array_append_new(turns, json_pack("{s:b,s:o,s:o,s:o,s:o,s:s,s:o}", "birth", list[i].birth, "arclength",
-                                               cli_number(list[i].arclength), "energy", cli_number(p->energy), "omega",
-                                               cli_number(p->omega), "threshold", cli_number(p->threshold), "why",
-                                               p->why, "error", cli_number(list[i].error)));
+        json_array_append_new(turns,
+                              json_pack("{s:b,s:o,s:o,s:o,s:o,s:s,s:o}", "birth", list[i].birth,
+                                        "arclength", cli_number(list[i].arclength), "energy",
+                                        cli_number(p->energy), "omega", cli_number(p->omega),
+                                        "threshold", cli_number(p->threshold), "why", p->why,
+                                        "error", cli_number(list[i].error)));
     }
     ric_force_extremes_free(list);
     return status;
@@ -95,9 +99,9 @@ ric_status view_force(const ric_atlas *atlas, const view_force_request *r, json_
     json_t *turns = json_array();
     if (!status) status = add_turns(&c, turns);
     ric_force_free(force);
-    *out = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "turns", turns, "arclength", c.arclength, "energy", c.energy,
-                     "omega", c.omega, "threshold", c.threshold, "stable", c.stable, "why", c.trusted, "amplitudes",
-                     c.amplitudes);
+    *out = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "turns", turns, "arclength", c.arclength,
+                     "energy", c.energy, "omega", c.omega, "threshold", c.threshold, "stable",
+                     c.stable, "why", c.trusted, "amplitudes", c.amplitudes);
     if (!status) return RIC_OK;
     json_decref(*out);
     *out = NULL;
@@ -118,21 +122,25 @@ static json_t *response_curve(const ric_response *r, int id)
     for (int i = 0; i < c.n_point && !ric_response_point_at(r, id, i, &p); i++) {
         json_array_append_new(omega, cli_number(p.omega));
         json_array_append_new(stable, json_integer(p.stable));
-        for (int j = 0; j < n; j++) json_array_append_new(json_array_get(peaks, (size_t)j), cli_number(p.peak[j]));
+        for (int j = 0; j < n; j++)
+            json_array_append_new(json_array_get(peaks, (size_t)j), cli_number(p.peak[j]));
     }
-    return json_pack("{s:i,s:o,s:i,s:i,s:b,s:o,s:o,s:o}", "id", c.id, "level", cli_number(c.level), "impacts",
-                     c.impacts, "periods", c.harmonic, "closed", c.end == RIC_RESPONSE_CLOSED, "omega", omega, "stable",
-                     stable, "peaks", peaks);
+    return json_pack("{s:i,s:o,s:i,s:i,s:b,s:o,s:o,s:o}", "id", c.id, "level", cli_number(c.level),
+                     "impacts", c.impacts, "periods", c.harmonic, "closed",
+                     c.end == RIC_RESPONSE_CLOSED, "omega", omega, "stable", stable, "peaks",
+                     peaks);
 }
 
 json_t *view_response(const ric_response *r)
 {
     json_t *curves = json_array();
-    for (int id = 1; id <= ric_response_n_curve(r); id++) json_array_append_new(curves, response_curve(r, id));
+    for (int id = 1; id <= ric_response_n_curve(r); id++)
+        json_array_append_new(curves, response_curve(r, id));
     const ric_shaking *s = &ric_response_asked(r)->shaking;
     json_t *force = json_array(), *damping = json_array();
     for (int i = 0; i < s->n_force; i++) json_array_append_new(force, cli_number(s->force[i]));
     for (int i = 0; i < s->n_ratio; i++) json_array_append_new(damping, cli_number(s->ratios[i]));
-    return json_pack("{s:o,s:b,s:o,s:o,s:o}", "curves", curves, "finished", ric_response_finished(r), "force", force,
-                     "damping", damping, "restitution", cli_number(s->restitution));
+    return json_pack("{s:o,s:b,s:o,s:o,s:o}", "curves", curves, "finished",
+                     ric_response_finished(r), "force", force, "damping", damping, "restitution",
+                     cli_number(s->restitution));
 }

@@ -1,4 +1,5 @@
-/* The living atlas: further departures with larger budgets, in a thread of their own, saved into the atlas. */
+/* The living atlas: further departures with larger budgets, in a thread of their own, saved into
+ * the atlas. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <math.h>
@@ -14,7 +15,8 @@
 #include "study/study.h"
 #include "view.h"
 
-#define SHARE 1.25 /* an extension lasts at least so many times as long as it takes to come to something new */
+/* SHARE: an extension lasts at least so many times as long as it takes to come to something new */
+#define SHARE 1.25
 
 enum { UNDO_MOST = 16 };
 
@@ -28,14 +30,17 @@ struct view_grower {
     int workers;
     pthread_t thread;
     pthread_mutex_t lock;
-    bool begun, running, stop; /* a thread was started and not joined; it works; it is asked to stop */
-    bool leaving;              /* the server ends */
-    bool undoing;              /* the running thread goes back */
-    step undo[UNDO_MOST];      /* the extensions that can be taken back, the last one at the end */
+    bool begun, running,
+        stop;             /* a thread was started and not joined; it works; it is asked to stop */
+    bool leaving;         /* the server ends */
+    bool undoing;         /* the running thread goes back */
+    step undo[UNDO_MOST]; /* the extensions that can be taken back, the last one at the end */
     int n_undo;
-    const ric_atlas *before; /* of the running thread: what is extended, and whether it was left as it is */
+    const ric_atlas
+        *before; /* of the running thread: what is extended, and whether it was left as it is */
     bool kept;
-    double news; /* seconds until the extension came to something that was not done before; 0: not yet */
+    double news; /* seconds until the extension came to something that was not done before; 0: not
+                    yet */
     double seconds;
     view_budgets budgets;
     ric_progress progress;
@@ -102,8 +107,10 @@ static bool report(const ric_progress *now, void *user)
     pthread_mutex_lock(&g->lock);
     g->progress = *now;
     if (now->fresh && g->news == 0) g->news = now->seconds;
-    /* as `ricochet run --seconds`: whoever is stopped on the way to where he was never comes further */
-    const bool over = g->budgets.seconds > 0 && now->fresh && now->seconds > fmax(g->budgets.seconds, SHARE * g->news);
+    /* as `ricochet run --seconds`: whoever is stopped on the way to where he was never comes
+     * further */
+    const bool over = g->budgets.seconds > 0 && now->fresh &&
+                      now->seconds > fmax(g->budgets.seconds, SHARE * g->news);
     const bool stop = g->stop || over;
     pthread_mutex_unlock(&g->lock);
     return stop;
@@ -112,7 +119,8 @@ static bool report(const ric_progress *now, void *user)
 /* The study that the atlas holds; to go back, the one that it held before. */
 static ric_status study_of(view_grower *g, const view_data *data, ric_study **out)
 {
-    const char *text = g->undoing ? g->undo[g->n_undo - 1].before : ric_study_text(ric_atlas_study(data->atlas));
+    const char *text = g->undoing ? g->undo[g->n_undo - 1].before
+                                  : ric_study_text(ric_atlas_study(data->atlas));
     return ric_study_parse(text, view_shelf_path(g->shelf), ".", out);
 }
 
@@ -131,19 +139,21 @@ static int wanted(int budget)
 static ric_status raise_budgets(ric_study *study, const view_budgets *b)
 {
     if (b->somewhere)
-        return ric_study_add_region(study, &(ric_region){.energy = {b->energy[0], b->energy[1]},
-                                                         .frequency = {b->frequency[0], b->frequency[1]},
-                                                         .depth = wanted(b->depth),
-                                                         .impacts = wanted(b->impacts),
-                                                         .multiply = wanted(b->multiply)});
+        return ric_study_add_region(study,
+                                    &(ric_region){.energy = {b->energy[0], b->energy[1]},
+                                                  .frequency = {b->frequency[0], b->frequency[1]},
+                                                  .depth = wanted(b->depth),
+                                                  .impacts = wanted(b->impacts),
+                                                  .multiply = wanted(b->multiply)});
     ric_status status = raise_budget(study, "depth", b->depth);
     if (!status) status = raise_budget(study, "impacts", b->impacts);
     return status ? status : raise_budget(study, "multiply", b->multiply);
 }
 
-/* What an extension has found until it is stopped may lack branches that were there, because larger budgets shape them
- * anew: then the atlas stays as it was, and the finished work is kept in the file for the next time. So it does when
- * the server ends, which shall not take the time to write. */
+/* What an extension has found until it is stopped may lack branches that were there, because larger
+ * budgets shape them anew: then the atlas stays as it was, and the finished work is kept in the
+ * file for the next time. So it does when the server ends, which shall not take the time to write.
+ */
 static bool worth(void *user, const ric_atlas *unfinished)
 {
     view_grower *g = user;
@@ -184,14 +194,16 @@ static void remember(view_grower *g, const char *before)
     pthread_mutex_unlock(&g->lock);
 }
 
-/* The last of a thread is the lock under which it says that it runs no more: the next one waits for its end in there.
- */
+/* The last of a thread is the lock under which it says that it runs no more: the next one waits for
+ * its end in there. */
 static void finish(view_grower *g, ric_status status, const view_data *before)
 {
     char message[sizeof g->message];
     view_data *data = NULL;
     snprintf(message, sizeof message, "%s",
-             status && status != RIC_E_INTERRUPTED ? (ric_detail()[0] ? ric_detail() : ric_status_text(status)) : "");
+             status && status != RIC_E_INTERRUPTED
+                 ? (ric_detail()[0] ? ric_detail() : ric_status_text(status))
+                 : "");
     if (!message[0] && (status = view_shelf_reload(g->shelf) ? RIC_E_IO : status) == RIC_E_IO)
         snprintf(message, sizeof message, "%s", ric_detail());
     const bool failed = message[0];
@@ -200,10 +212,13 @@ static void finish(view_grower *g, ric_status status, const view_data *before)
         const int n = ric_atlas_n_branch(data->atlas) - ric_atlas_n_branch(before->atlas);
         if (g->kept)
             snprintf(message, sizeof message,
-                     "stopped early: the atlas is as before, and the work that was finished is kept in it for the next "
+                     "stopped early: the atlas is as before, and the work that was finished is "
+                     "kept in it for the next "
                      "time");
         else if (g->undoing) snprintf(message, sizeof message, "undone: %d branches less", -n);
-        else snprintf(message, sizeof message, "%s%d new branch%s", status ? "stopped: " : "", n, n == 1 ? "" : "es");
+        else
+            snprintf(message, sizeof message, "%s%d new branch%s", status ? "stopped: " : "", n,
+                     n == 1 ? "" : "es");
         view_data_release(g->shelf, data);
         if (!g->kept) remember(g, text_of(before));
     }
@@ -223,7 +238,8 @@ static void *work(void *user)
     g->kept = false;
     /* a run would begin a new one */
     ric_status status = access(view_shelf_path(g->shelf), F_OK)
-                            ? ric_fail(RIC_E_IO, "%s: the file is gone, and there is nothing to extend",
+                            ? ric_fail(RIC_E_IO,
+                                       "%s: the file is gone, and there is nothing to extend",
                                        view_shelf_path(g->shelf))
                             : study_of(g, data, &larger);
     if (!status && !g->undoing) status = raise_budgets(larger, &g->budgets);
@@ -243,20 +259,23 @@ static bool shrinks(int wanted, int present)
 
 static bool is_window(const double window[2])
 {
-    return window[0] >= 0 && window[0] < window[1] && window[1] <= 1e12; /* as a study has it; false for NaN */
+    return window[0] >= 0 && window[0] < window[1] &&
+           window[1] <= 1e12; /* as a study has it; false for NaN */
 }
 
-/* Only larger ones: smaller budgets would take branches out of the atlas. In a region the larger of its own and the
- * study's holds. */
+/* Only larger ones: smaller budgets would take branches out of the atlas. In a region the larger of
+ * its own and the study's holds. */
 static ric_status check(view_grower *g, const view_budgets *b)
 {
     if (b->somewhere)
-        return is_window(b->energy) && is_window(b->frequency) && b->frequency[0] > 0 ? RIC_OK : RIC_E_INPUT;
+        return is_window(b->energy) && is_window(b->frequency) && b->frequency[0] > 0 ? RIC_OK
+                                                                                      : RIC_E_INPUT;
     view_data *data = view_data_take(g->shelf);
     const ric_explore_options o = *ric_study_options(ric_atlas_study(data->atlas));
     view_data_release(g->shelf, data);
     const bool depth = b->depth && (o.depth == 0 || shrinks(b->depth, o.depth));
-    return depth || shrinks(b->impacts, o.impacts) || shrinks(b->multiply, o.multiply) ? RIC_E_INPUT : RIC_OK;
+    return depth || shrinks(b->impacts, o.impacts) || shrinks(b->multiply, o.multiply) ? RIC_E_INPUT
+                                                                                       : RIC_OK;
 }
 
 static ric_status begin(view_grower *g, const view_budgets *budgets, bool undoing)
@@ -302,9 +321,10 @@ json_t *view_grower_status(view_grower *g)
 {
     pthread_mutex_lock(&g->lock);
     const ric_progress *p = &g->progress;
-    json_t *object = json_pack("{s:b,s:i,s:b,s:b,s:s,s:i,s:i,s:i,s:i,s:i,s:f}", "running", g->running, "undo",
-                               g->n_undo, "stopping", g->stop && g->running, "failed", g->failed, "message", g->message,
-                               "branches", p->branches, "junctions", p->junctions, "open", p->open, "labels", p->labels,
+    json_t *object = json_pack("{s:b,s:i,s:b,s:b,s:s,s:i,s:i,s:i,s:i,s:i,s:f}", "running",
+                               g->running, "undo", g->n_undo, "stopping", g->stop && g->running,
+                               "failed", g->failed, "message", g->message, "branches", p->branches,
+                               "junctions", p->junctions, "open", p->open, "labels", p->labels,
                                "depth", p->depth, "seconds", p->seconds);
     pthread_mutex_unlock(&g->lock);
     return object;

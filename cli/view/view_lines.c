@@ -1,5 +1,5 @@
-/* Who is connected to the server of `ricochet view`, and for how long: a connection that has nothing to say keeps
- * nobody else out. */
+/* Who is connected to the server of `ricochet view`, and for how long: a connection that has
+ * nothing to say keeps nobody else out. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <pthread.h>
@@ -111,8 +111,8 @@ void view_line_waits(view_lines *lines, view_line *line, bool waits)
 void view_lines_tidy(view_lines *lines)
 {
     pthread_mutex_lock(&lines->lock);
-    for (view_line *line = lines->oldest; line && cli_seconds_since(&line->since) > VIEW_LINE_SECONDS;
-         line = line->last)
+    for (view_line *line = lines->oldest;
+         line && cli_seconds_since(&line->since) > VIEW_LINE_SECONDS; line = line->last)
         if (!line->answering) hang_up(line);
     pthread_mutex_unlock(&lines->lock);
 }

@@ -8,11 +8,12 @@
 static const double two_pi = 6.283185307179586;
 
 enum {
-    SAMPLES_PER_CYCLE = 24,  /* of the highest mode */
-    SAMPLES_AT_LEAST = 6,    /* of one flight */
-    SAMPLES_ALONE = 300,     /* of the only flight of an orbit: under a power law it has more harmonics than the linear
-                              * modes tell */
-    NUMBERS_AT_MOST = 200000 /* in one history; long orbits of large models are sampled more coarsely */
+    SAMPLES_PER_CYCLE = 24, /* of the highest mode */
+    SAMPLES_AT_LEAST = 6,   /* of one flight */
+    SAMPLES_ALONE = 300, /* of the only flight of an orbit: under a power law it has more harmonics
+                            than the linear modes tell */
+    NUMBERS_AT_MOST =
+        200000 /* in one history; long orbits of large models are sampled more coarsely */
 };
 
 /* ------------------------------------------------------------------ history */
@@ -34,8 +35,9 @@ static void add_sample(history *h, double t, double at)
     }
 }
 
-/* One period, flight by flight. Each impact appears twice, with the velocity before and after it: the last sample of a
- * flight is taken just before its end, where it differs from the limit by less than a pixel of any picture. */
+/* One period, flight by flight. Each impact appears twice, with the velocity before and after it:
+ * the last sample of a flight is taken just before its end, where it differs from the limit by less
+ * than a pixel of any picture. */
 static void add_flights(history *h, int n_flight, const double *flights, double highest)
 {
     const double before = 1 - 1e-10;
@@ -55,7 +57,8 @@ static void add_flights(history *h, int n_flight, const double *flights, double 
     }
 }
 
-static json_t *make_history(const ric_orbit *orbit, const ric_model *model, int n_flight, const double *flights)
+static json_t *make_history(const ric_orbit *orbit, const ric_model *model, int n_flight,
+                            const double *flights)
 {
     const int n = ric_model_n_dof(model);
     double *work = calloc(3 * (size_t)n, sizeof *work);
@@ -85,8 +88,8 @@ static json_t *make_history(const ric_orbit *orbit, const ric_model *model, int 
 
 /* --------------------------------------------------------------------- rows */
 
-/* Time and face of each impact, or closing of a spring; speeds and impulses are in the row already. Where a spring
- * opens is no impact. */
+/* Time and face of each impact, or closing of a spring; speeds and impulses are in the row already.
+ * Where a spring opens is no impact. */
 static void add_impacts(json_t *row, int n, const int *word, const double *flights, int n_face)
 {
     json_t *times = json_array(), *faces = json_array();
@@ -102,7 +105,8 @@ static void add_impacts(json_t *row, int n, const int *word, const double *fligh
     json_object_set_new(row, "impact_faces", faces);
 }
 
-static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, bool moving, json_t *rows)
+static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, bool moving,
+                            json_t *rows)
 {
     const ric_model *model = ric_atlas_model(atlas);
     const int n = ric_orbit_letters(orbit);
@@ -114,13 +118,16 @@ static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, bool
         json_t *row = json_array_get(rows, json_array_size(rows) - 1);
         ric_orbit_data(orbit, &point, NULL, flights, word);
         json_object_set_new(row, "arclength", cli_number(point.arclength));
-        json_object_set_new(row, "trace", isfinite(point.trace) ? cli_number(2 * sinh(point.trace)) : json_null());
+        json_object_set_new(row, "trace",
+                            isfinite(point.trace) ? cli_number(2 * sinh(point.trace))
+                                                  : json_null());
         json_object_set_new(row, "rotation", cli_number(point.rotation));
         json_object_set_new(row, "reach", cli_number(point.reach));
         json_object_set_new(row, "approach", cli_number(point.approach));
         json_object_set_new(row, "residual", cli_number((double)point.residual));
         add_impacts(row, n, word, flights, ric_model_n_face(model));
-        if (moving) json_object_set_new(row, "history", make_history(orbit, model, n > 0 ? n : 1, flights));
+        if (moving)
+            json_object_set_new(row, "history", make_history(orbit, model, n > 0 ? n : 1, flights));
     }
     free(flights);
     free(word);
@@ -129,9 +136,9 @@ static ric_status add_orbit(const ric_atlas *atlas, const ric_orbit *orbit, bool
 
 /* ------------------------------------------------------------------- places */
 
-/* An arclength between stored points i and i + 1 as what ric_orbit_find can be asked for: the energy or the frequency
- * at that part of the interval, whichever differs more between the points, so that neither an extremum nor a level
- * branch is asked for what it does not have. */
+/* An arclength between stored points i and i + 1 as what ric_orbit_find can be asked for: the
+ * energy or the frequency at that part of the interval, whichever differs more between the points,
+ * so that neither an extremum nor a level branch is asked for what it does not have. */
 typedef struct {
     ric_at at[2];
     double value[2], from, to;
@@ -159,7 +166,8 @@ static ric_status locate(const ric_atlas *atlas, const ric_branch *b, double s, 
     }
     if (status) return status;
     *out = (place){.from = p.arclength, .to = q.arclength};
-    const double part = q.arclength > p.arclength ? (s - p.arclength) / (q.arclength - p.arclength) : 0;
+    const double part = q.arclength > p.arclength ? (s - p.arclength) / (q.arclength - p.arclength)
+                                                  : 0;
     /* where a tongue was stepped over there are no orbits in between */
     if (part <= 0 || part >= 1 || ric_branch_steps_over(atlas, b->id, i)) {
         out->n = 1;
@@ -168,7 +176,8 @@ static ric_status locate(const ric_atlas *atlas, const ric_branch *b, double s, 
         return RIC_OK;
     }
     const bool linear = ric_branch_linear(ric_atlas_model(atlas), b);
-    const bool by_energy = linear || fabs(q.energy / p.energy - 1) > fabs(q.frequency / p.frequency - 1);
+    const bool by_energy = linear ||
+                           fabs(q.energy / p.energy - 1) > fabs(q.frequency / p.frequency - 1);
     const double energy = linear ? q.energy * (s / q.arclength) * (s / q.arclength)
                                  : p.energy + part * (q.energy - p.energy);
     const double frequency = p.frequency + part * (q.frequency - p.frequency);
@@ -180,7 +189,8 @@ static ric_status locate(const ric_atlas *atlas, const ric_branch *b, double s, 
     return RIC_OK;
 }
 
-/* Of the orbits that fit the one whose arclength is nearest to s, if it lies between the two points. */
+/* Of the orbits that fit the one whose arclength is nearest to s, if it lies between the two
+ * points. */
 static const ric_orbit *nearest(int n, ric_orbit *const *orbits, const place *where, double s)
 {
     const ric_orbit *best = NULL;
@@ -210,17 +220,20 @@ static void add_proof(const ric_atlas *atlas, int branch, int point, json_t *row
                                          proof.state == RIC_PROOF_DONE));
 }
 
-static ric_status orbit_at_arclength(const ric_atlas *atlas, const ric_branch *b, double s, json_t *rows)
+static ric_status orbit_at_arclength(const ric_atlas *atlas, const ric_branch *b, double s,
+                                     json_t *rows)
 {
     place where = {0};
     ric_status status = locate(atlas, b, s, &where);
     for (int k = 0; !status && k < where.n; k++) {
         ric_orbit **orbits = NULL;
         int n = 0;
-        const ric_status found = ric_orbit_find(atlas, b->id, where.at[k], where.value[k], &n, &orbits);
+        const ric_status found = ric_orbit_find(atlas, b->id, where.at[k], where.value[k], &n,
+                                                &orbits);
         const ric_orbit *best = found ? NULL : nearest(n, orbits, &where, s);
         if (best) status = add_orbit(atlas, best, true, rows);
-        if (best && !status && where.at[k] == RIC_AT_POINT) add_proof(atlas, b->id, (int)where.value[k], rows);
+        if (best && !status && where.at[k] == RIC_AT_POINT)
+            add_proof(atlas, b->id, (int)where.value[k], rows);
         ric_orbits_free(n, orbits);
         if (best || (found && found != RIC_E_NUMERIC)) return best ? status : found;
     }
@@ -235,7 +248,8 @@ ric_status view_orbits(const ric_atlas *atlas, int id, view_at at, double value,
     ric_branch branch;
     int n = 0;
     ric_status status = ric_atlas_branch(atlas, id, &branch);
-    if (!status && at == VIEW_AT_ARCLENGTH) status = orbit_at_arclength(atlas, &branch, value, rows);
+    if (!status && at == VIEW_AT_ARCLENGTH)
+        status = orbit_at_arclength(atlas, &branch, value, rows);
     else if (!status) status = ric_orbit_find(atlas, id, kinds[at], value, &n, &orbits);
     for (int i = 0; !status && i < n; i++) status = add_orbit(atlas, orbits[i], true, rows);
     if (!status && at == VIEW_AT_POINT) add_proof(atlas, id, (int)value, rows);
@@ -248,8 +262,10 @@ ric_status view_orbits(const ric_atlas *atlas, int id, view_at at, double value,
     return status;
 }
 
-/* The orbit by the first way of `locate` alone, so that arclengths between two stored points keep their order. */
-static ric_status add_place(const ric_atlas *atlas, const ric_branch *b, double s, json_t *const columns[3])
+/* The orbit by the first way of `locate` alone, so that arclengths between two stored points keep
+ * their order. */
+static ric_status add_place(const ric_atlas *atlas, const ric_branch *b, double s,
+                            json_t *const columns[3])
 {
     place where = {0};
     ric_orbit **orbits = NULL;
@@ -269,14 +285,17 @@ static ric_status add_place(const ric_atlas *atlas, const ric_branch *b, double 
     return status == RIC_E_NUMERIC ? RIC_OK : status;
 }
 
-ric_status view_curve(const ric_atlas *atlas, int id, double from, double to, int count, json_t **out)
+ric_status view_curve(const ric_atlas *atlas, int id, double from, double to, int count,
+                      json_t **out)
 {
     json_t *const columns[3] = {json_array(), json_array(), json_array()};
     ric_branch branch;
     ric_status status = ric_atlas_branch(atlas, id, &branch);
     for (int i = 0; !status && i < count; i++)
-        status = add_place(atlas, &branch, from + (to - from) * i / (count > 1 ? count - 1 : 1), columns);
-    *out = json_pack("{s:o,s:o,s:o}", "arclength", columns[0], "energy", columns[1], "frequency", columns[2]);
+        status = add_place(atlas, &branch, from + (to - from) * i / (count > 1 ? count - 1 : 1),
+                           columns);
+    *out = json_pack("{s:o,s:o,s:o}", "arclength", columns[0], "energy", columns[1], "frequency",
+                     columns[2]);
     if (!status) return RIC_OK;
     json_decref(*out);
     *out = NULL;

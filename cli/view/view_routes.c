@@ -1,5 +1,5 @@
-/* What a request to the server of `ricochet view` asks to compute: its arguments, read without trust, and the answer.
- */
+/* What a request to the server of `ricochet view` asks to compute: its arguments, read without
+ * trust, and the answer. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <microhttpd.h>
@@ -32,7 +32,8 @@ static bool read_number(const char *text, double *out)
 static bool read_integer(const char *text, int most, int *out)
 {
     double value;
-    if (!read_number(text, &value) || !(value >= 0 && value <= most) || value != (double)(int)value) return false;
+    if (!read_number(text, &value) || !(value >= 0 && value <= most) || value != (double)(int)value)
+        return false;
     *out = (int)value;
     return true;
 }
@@ -56,7 +57,8 @@ static unsigned http_status(ric_status status)
 view_answer view_answer_of(ric_status status, json_t *json)
 {
     if (status)
-        return (view_answer){http_status(status), NULL, ric_detail()[0] ? ric_detail() : ric_status_text(status)};
+        return (view_answer){http_status(status), NULL,
+                             ric_detail()[0] ? ric_detail() : ric_status_text(status)};
     return (view_answer){MHD_HTTP_OK, json, NULL};
 }
 
@@ -76,10 +78,10 @@ static view_answer get_orbit(struct MHD_Connection *connection, const view_data 
     if (!read_integer(argument(connection, "branch"), 1 << 30, &branch) || n != 1 ||
         !read_number(argument(connection, names[at]), &value) ||
         (at == VIEW_AT_POINT && !read_integer(argument(connection, names[at]), 1 << 30, &point)))
-        return (
-            view_answer){MHD_HTTP_BAD_REQUEST, NULL,
-                         "branch and one of point, energy, frequency and arclength are needed, as numbers, the first "
-                         "two as whole ones"};
+        return (view_answer){MHD_HTTP_BAD_REQUEST, NULL,
+                             "branch and one of point, energy, frequency and arclength are needed, "
+                             "as numbers, the first "
+                             "two as whole ones"};
     const ric_status status = view_orbits(data->atlas, branch, at, value, &rows);
     return view_answer_of(status, rows);
 }
@@ -91,10 +93,13 @@ static view_answer get_curve(struct MHD_Connection *connection, const view_data 
     double from, to;
     json_t *columns = NULL;
     if (!read_integer(argument(connection, "branch"), 1 << 30, &branch) ||
-        !read_number(argument(connection, "from"), &from) || !read_number(argument(connection, "to"), &to) ||
-        !read_integer(argument(connection, "count"), CURVE_MOST, &count) || count < 1 || !(from <= to))
-        return (view_answer){MHD_HTTP_BAD_REQUEST, NULL,
-                             "branch, from, to and count are needed, as numbers, the last one from 1 to 32"};
+        !read_number(argument(connection, "from"), &from) ||
+        !read_number(argument(connection, "to"), &to) ||
+        !read_integer(argument(connection, "count"), CURVE_MOST, &count) || count < 1 ||
+        !(from <= to))
+        return (view_answer){
+            MHD_HTTP_BAD_REQUEST, NULL,
+            "branch, from, to and count are needed, as numbers, the last one from 1 to 32"};
     const ric_status status = view_curve(data->atlas, branch, from, to, count, &columns);
     return view_answer_of(status, columns);
 }
@@ -109,19 +114,21 @@ static view_answer get_section(struct MHD_Connection *connection, const view_dat
     for (int i = 0; i < 3; i++) n += argument(connection, names[i]) != NULL;
     r.from_place = n == 3;
     const bool right = read_number(argument(connection, "energy"), &r.energy) && r.energy > 0 &&
-                       read_integer(argument(connection, "starts"), SECTION_MOST, &r.starts) && r.starts > 0 &&
-                       read_integer(argument(connection, "impacts"), SECTION_MOST, &r.impacts) && r.impacts > 1 &&
-                       r.starts * r.impacts <= SECTION_MOST &&
-                       (!argument(connection, "orbits") || read_integer(argument(connection, "orbits"), 1, &orbits)) &&
+                       read_integer(argument(connection, "starts"), SECTION_MOST, &r.starts) &&
+                       r.starts > 0 &&
+                       read_integer(argument(connection, "impacts"), SECTION_MOST, &r.impacts) &&
+                       r.impacts > 1 && r.starts * r.impacts <= SECTION_MOST &&
+                       (!argument(connection, "orbits") ||
+                        read_integer(argument(connection, "orbits"), 1, &orbits)) &&
                        (n == 0 || n == 3) &&
                        (n == 0 || (read_integer(argument(connection, "face"), 1 << 20, &r.face) &&
                                    read_number(argument(connection, "u"), &r.place[0]) &&
                                    read_number(argument(connection, "v"), &r.place[1])));
     if (!right)
-        return (
-            view_answer){MHD_HTTP_BAD_REQUEST, NULL,
-                         "energy, starts and impacts are needed, as numbers, at most 30000 impacts in all; face, u and "
-                         "v together"};
+        return (view_answer){MHD_HTTP_BAD_REQUEST, NULL,
+                             "energy, starts and impacts are needed, as numbers, at most 30000 "
+                             "impacts in all; face, u and "
+                             "v together"};
     r.orbits = orbits;
     const ric_status status = view_section(data->atlas, &r, &section);
     return view_answer_of(status, section);
@@ -157,10 +164,10 @@ static view_answer get_force(struct MHD_Connection *connection, const view_data 
     const ric_status status = right ? view_force(data->atlas, r, &columns) : RIC_OK;
     free(r);
     if (!right)
-        return (view_answer){
-            MHD_HTTP_BAD_REQUEST, NULL,
-            "branch, harmonic, restitution, force and damping are needed, numbers, the last two lists such "
-            "as 1,0"};
+        return (view_answer){MHD_HTTP_BAD_REQUEST, NULL,
+                             "branch, harmonic, restitution, force and damping are needed, "
+                             "numbers, the last two lists such "
+                             "as 1,0"};
     return view_answer_of(status, columns);
 }
 
@@ -198,8 +205,9 @@ view_route *view_route_of(const char *path)
     static const struct {
         const char *path;
         view_route *what;
-    } all[] = {{"/api/orbit", get_orbit}, {"/api/curve", get_curve}, {"/api/section", get_section},
-               {"/api/force", get_force}, {"/api/bases", get_bases}, {"/api/cascades", get_cascades}};
+    } all[] = {{"/api/orbit", get_orbit},     {"/api/curve", get_curve},
+               {"/api/section", get_section}, {"/api/force", get_force},
+               {"/api/bases", get_bases},     {"/api/cascades", get_cascades}};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         if (!strcmp(path, all[i].path)) return all[i].what;
     return NULL;

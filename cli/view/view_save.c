@@ -1,7 +1,8 @@
 /* ricochet view --save: the page with its atlas in one file, which asks nobody for anything.
  *
- * Per stored point the file has what no page computes, as 64-bit floats in base64 (RFC 4648): numbers of the orbit,
- * state and flight times. The motion between rigid stops follows from these in closed form (web/src/motion.ts). */
+ * Per stored point the file has what no page computes, as 64-bit floats in base64 (RFC 4648):
+ * numbers of the orbit, state and flight times. The motion between rigid stops follows from these
+ * in closed form (web/src/motion.ts). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,7 +50,8 @@ static char *base64(const void *data, size_t n)
     const unsigned char *b = data;
     char *text = malloc((n + 2) / 3 * 4 + 1), *to = text;
     for (size_t i = 0; text && i < n; i += 3) {
-        const unsigned long word = (unsigned long)b[i] << 16 | (i + 1 < n ? (unsigned long)b[i + 1] << 8 : 0) |
+        const unsigned long word = (unsigned long)b[i] << 16 |
+                                   (i + 1 < n ? (unsigned long)b[i + 1] << 8 : 0) |
                                    (i + 2 < n ? b[i + 2] : 0);
         for (size_t k = 0; k < 4; k++) *to++ = i + k <= n ? digit[word >> (18 - 6 * k) & 63] : '=';
     }
@@ -71,8 +73,10 @@ static void add_orbit(numbers *to, const json_t *row, const ric_model *model)
 {
     const int n = ric_model_n_dof(model), n_pair = 2 * (ric_model_n_mode(model) - 1);
     const char *stable = json_string_value(json_object_get(row, "stable"));
-    const json_t *pairs = json_object_get(row, "multipliers"), *flights = json_object_get(row, "flights");
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) add_value(to, json_object_get(row, columns[i]));
+    const json_t *pairs = json_object_get(row, "multipliers"),
+                 *flights = json_object_get(row, "flights");
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
+        add_value(to, json_object_get(row, columns[i]));
     add(to, !strcmp(stable, "yes") ? 1 : !strcmp(stable, "no") ? 0 : 2);
     add_list(to, json_object_get(row, "amplitudes"), n);
     for (int i = 0; i < n_pair; i++) add_list(to, json_array_get(pairs, (size_t)i), 2);
@@ -105,12 +109,15 @@ static ric_status save_branch(const ric_atlas *atlas, int id, bool rigid, json_t
             json_object_set(saved, "word", json_object_get(row, "word"));
             json_object_set(saved, "faces", json_object_get(row, "impact_faces"));
             json_object_set_new(saved, "flights",
-                                json_integer((json_int_t)json_array_size(json_object_get(row, "flights"))));
+                                json_integer(
+                                    (json_int_t)json_array_size(json_object_get(row, "flights"))));
         }
         json_decref(rows);
     }
     if (!status && values.lost) status = RIC_E_NOMEM;
-    if (!status) json_object_set_new(saved, "numbers", packed(values.values, values.n * sizeof *values.values));
+    if (!status)
+        json_object_set_new(saved, "numbers",
+                            packed(values.values, values.n * sizeof *values.values));
     free(values.values);
     return status;
 }
@@ -145,7 +152,8 @@ static ric_status collect(const view_data *data, json_t **out)
 static bool write_json(const char *text, FILE *file)
 {
     for (const char *next; (next = strchr(text, '<')); text = next + 1)
-        if (fwrite(text, 1, (size_t)(next - text), file) != (size_t)(next - text) || fputs("\\u003c", file) < 0)
+        if (fwrite(text, 1, (size_t)(next - text), file) != (size_t)(next - text) ||
+            fputs("\\u003c", file) < 0)
             return false;
     return fputs(text, file) >= 0;
 }
@@ -156,8 +164,9 @@ ric_status view_save(const view_data *data, FILE *file, bool *written)
     ric_status status = collect(data, &object);
     char *text = status ? NULL : json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(17));
     *written = text && fwrite(view_saved_page, 1, view_saved_split, file) == view_saved_split &&
-               fputs("<script type=\"application/json\" id=\"saved\">", file) >= 0 && write_json(text, file) &&
-               fputs("</script>", file) >= 0 && fputs((const char *)view_saved_page + view_saved_split, file) >= 0;
+               fputs("<script type=\"application/json\" id=\"saved\">", file) >= 0 &&
+               write_json(text, file) && fputs("</script>", file) >= 0 &&
+               fputs((const char *)view_saved_page + view_saved_split, file) >= 0;
     if (!status && !text) status = RIC_E_NOMEM;
     free(text);
     json_decref(object);

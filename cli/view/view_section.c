@@ -1,5 +1,5 @@
-/* Motions of one energy on the section of a face, and the orbits of the atlas there, for the page of `ricochet view`
- * (docs/sections.md). */
+/* Motions of one energy on the section of a face, and the orbits of the atlas there, for the page
+ * of `ricochet view` (docs/sections.md). */
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,10 +14,12 @@ typedef struct {
     double *state; /* [2 n], and a place [size] behind it */
 } places;
 
-/* Displacement and momentum of a place that are drawn: the first of each. Faces that x -> -x exchanges are one. */
+/* Displacement and momentum of a place that are drawn: the first of each. Faces that x -> -x
+ * exchanges are one. */
 static void add_place(const places *p, int face, json_t *faces, json_t *list)
 {
-    const int image = ric_section_image(p->section, face), shown = image >= 0 && image < face ? image : face;
+    const int image = ric_section_image(p->section, face),
+              shown = image >= 0 && image < face ? image : face;
     double *place = p->state + 2 * p->n;
     for (int i = 0; i < 2 * p->n && shown != face; i++) p->state[i] = -p->state[i];
     if (ric_section_place(p->section, shown, p->state, p->state + p->n, place)) return;
@@ -46,8 +48,8 @@ static bool stopped(double part, void *user)
 }
 
 /* Follows the starts and makes a row of each; `row` has what is known of it before. */
-static ric_status follow(const ric_model *model, const ric_section_options *options, const cli_section_orbits *orbits,
-                         json_t *rows)
+static ric_status follow(const ric_model *model, const ric_section_options *options,
+                         const cli_section_orbits *orbits, json_t *rows)
 {
     ric_section *section = NULL;
     const int n = ric_model_n_dof(model), size = 2 * (ric_model_n_mode(model) - 1);
@@ -84,15 +86,16 @@ static ric_status add_orbits(const ric_atlas *atlas, ric_section_options options
     options.given = orbits.states;
     options.impacts = 2;
     for (int i = 0; i < orbits.n; i++)
-        if (orbits.orbits[i].impacts + 1 > options.impacts) options.impacts = orbits.orbits[i].impacts + 1;
+        if (orbits.orbits[i].impacts + 1 > options.impacts)
+            options.impacts = orbits.orbits[i].impacts + 1;
     if (!status && orbits.n > 0) status = follow(ric_atlas_model(atlas), &options, &orbits, rows);
     cli_section_release(&orbits);
     return status;
 }
 
 /* One motion, from a place. */
-static ric_status add_motion(const ric_model *model, ric_section_options options, const view_section_request *r,
-                             json_t *rows)
+static ric_status add_motion(const ric_model *model, ric_section_options options,
+                             const view_section_request *r, json_t *rows)
 {
     ric_section *section = NULL;
     const int n = ric_model_n_dof(model), size = 2 * (ric_model_n_mode(model) - 1);
@@ -123,10 +126,11 @@ ric_status view_section(const ric_atlas *atlas, const view_section_request *r, j
     options.impacts = r->impacts;
     options.rows = true;
     options.progress = stopped;
-    ric_status status = r->from_place ? add_motion(model, options, r, starts) : follow(model, &options, NULL, starts);
+    ric_status status = r->from_place ? add_motion(model, options, r, starts)
+                                      : follow(model, &options, NULL, starts);
     if (!status && r->orbits) status = add_orbits(atlas, options, orbits);
-    *out = json_pack("{s:f,s:i,s:o,s:o}", "energy", r->energy, "modes", ric_model_n_mode(model), "starts", starts,
-                     "orbits", orbits);
+    *out = json_pack("{s:f,s:i,s:o,s:o}", "energy", r->energy, "modes", ric_model_n_mode(model),
+                     "starts", starts, "orbits", orbits);
     if (!status) return RIC_OK;
     json_decref(*out);
     *out = NULL;

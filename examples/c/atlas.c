@@ -37,8 +37,8 @@ int main(int argc, char **argv)
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch branch;
         check(ric_atlas_branch(atlas, id, &branch));
-        printf("%3d  %-12s %4d points  energy %.6g to %.6g\n", id, branch.label, branch.n_point, branch.energy_min,
-               branch.energy_max);
+        printf("%3d  %-12s %4d points  energy %.6g to %.6g\n", id, branch.label, branch.n_point,
+               branch.energy_min, branch.energy_max);
     }
     ric_atlas_free(atlas);
     ric_study_free(study);

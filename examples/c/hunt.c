@@ -1,4 +1,5 @@
-/* What an atlas lacks: all orbits of one energy that a search by brute force finds, and which of them it has.
+/* What an atlas lacks: all orbits of one energy that a search by brute force finds, and which of
+ * them it has.
  *
  *     cc hunt.c $(pkg-config --cflags --libs ricochet) -o hunt && ./hunt two-masses.ricochet 5
  */
@@ -13,7 +14,8 @@ static void check(ric_status status)
     exit(1);
 }
 
-static void print(const ric_model *model, const ric_hunt *hunt, const ric_comparison *comparison, int i)
+static void print(const ric_model *model, const ric_hunt *hunt, const ric_comparison *comparison,
+                  int i)
 {
     ric_found found;
     ric_finding finding;
@@ -22,8 +24,8 @@ static void print(const ric_model *model, const ric_hunt *hunt, const ric_compar
     check(ric_hunt_found(hunt, i, &found, word, NULL, NULL));
     check(ric_comparison_finding(comparison, i, &finding));
     check(ric_word_format(model, found.impacts, word, sizeof text, text));
-    printf("%-8s period %.10f s  trace %12.6g  %s %s\n", text, found.period, found.trace, ric_found_text(finding.state),
-           finding.why);
+    printf("%-8s period %.10f s  trace %12.6g  %s %s\n", text, found.period, found.trace,
+           ric_found_text(finding.state), finding.why);
 }
 
 int main(int argc, char **argv)
@@ -42,7 +44,8 @@ int main(int argc, char **argv)
     check(ric_hunt_create(ric_atlas_model(atlas), &options, &hunt));
     check(ric_hunt_run(hunt));
     check(ric_hunt_compare(hunt, atlas, &comparison));
-    for (int i = 0; i < ric_hunt_n_found(hunt); i++) print(ric_atlas_model(atlas), hunt, comparison, i);
+    for (int i = 0; i < ric_hunt_n_found(hunt); i++)
+        print(ric_atlas_model(atlas), hunt, comparison, i);
     ric_comparison_free(comparison);
     ric_hunt_free(hunt);
     ric_atlas_free(atlas);

@@ -10,7 +10,8 @@
 #include "base/room.h"
 #include "store.h"
 
-static_assert(sizeof(ric_point) % sizeof(double) == 0, "points lie one after the other in an array of doubles");
+static_assert(sizeof(ric_point) % sizeof(double) == 0,
+              "points lie one after the other in an array of doubles");
 
 /* ----------------------------------------------------------------- records */
 
@@ -45,7 +46,8 @@ void ric_atlas_junction_record_free(ric_junction_record *junction)
 
 size_t ric_atlas_point_stride(int n_dof, int letters)
 {
-    return sizeof(ric_point) / sizeof(double) + 2 * (size_t)n_dof + (size_t)(letters > 0 ? letters : 1);
+    return sizeof(ric_point) / sizeof(double) + 2 * (size_t)n_dof +
+           (size_t)(letters > 0 ? letters : 1);
 }
 
 /* ------------------------------------------------------------------- atlas */
@@ -63,7 +65,8 @@ ric_status ric_atlas_read(const char *path, ric_atlas **out)
 void ric_atlas_free(ric_atlas *atlas)
 {
     if (!atlas) return;
-    for (int i = 0; atlas->branches && i < atlas->n_branch; i++) ric_atlas_branch_record_free(&atlas->branches[i]);
+    for (int i = 0; atlas->branches && i < atlas->n_branch; i++)
+        ric_atlas_branch_record_free(&atlas->branches[i]);
     for (int i = 0; atlas->junctions && i < atlas->n_junction; i++)
         ric_atlas_junction_record_free(&atlas->junctions[i]);
     for (int i = 0; i < atlas->n_proof; i++) free(atlas->proofs[i].certificate);
@@ -135,7 +138,8 @@ ric_status ric_atlas_junction(const ric_atlas *atlas, int id, ric_junction *out)
 ric_point_row ric_atlas_point_row(const ric_atlas *atlas, int branch, int i)
 {
     const ric_branch_record *record = &atlas->branches[branch - 1];
-    const double *at = record->points + (size_t)i * record->stride, *state = at + sizeof(ric_point) / sizeof *at;
+    const double *at = record->points + (size_t)i * record->stride,
+                 *state = at + sizeof(ric_point) / sizeof *at;
     ric_point_row row = {.branch = branch,
                          .number = i,
                          .letters = record->row.letters,
@@ -145,19 +149,22 @@ ric_point_row ric_atlas_point_row(const ric_atlas *atlas, int branch, int i)
     return row;
 }
 
-ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point *point, double *state, double *flights)
+ric_status ric_atlas_point(const ric_atlas *atlas, int branch, int i, ric_point *point,
+                           double *state, double *flights)
 {
     ric_status status = check_id("branch", branch, atlas->n_branch);
     if (status) return status;
     const ric_branch_record *record = &atlas->branches[branch - 1];
     int n_point = record->row.n_point;
     if (i < 0 || i >= n_point)
-        return n_point ? ric_fail(RIC_E_RANGE, "no point %d: branch %d has points 0 to %d", i, branch, n_point - 1)
+        return n_point ? ric_fail(RIC_E_RANGE, "no point %d: branch %d has points 0 to %d", i,
+                                  branch, n_point - 1)
                        : ric_fail(RIC_E_RANGE, "no point %d: branch %d has no points", i, branch);
     const ric_point_row row = ric_atlas_point_row(atlas, branch, i);
     if (point) *point = row.point;
     if (state) memcpy(state, row.state, (size_t)(row.flights - row.state) * sizeof *state);
-    if (flights) memcpy(flights, row.flights, (size_t)(row.letters > 0 ? row.letters : 1) * sizeof *flights);
+    if (flights)
+        memcpy(flights, row.flights, (size_t)(row.letters > 0 ? row.letters : 1) * sizeof *flights);
     return RIC_OK;
 }
 
@@ -180,12 +187,14 @@ static ric_status find_column(const char *name, const ric_column **out)
     for (*out = table->column; *out < table->column + table->n; ++*out) {
         if ((*out)->type == RIC_COLUMN_OF_BRANCH || (*out)->type == RIC_COLUMN_PLACE) continue;
         if (!strcmp(name, (*out)->name)) return RIC_OK;
-        snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", *all ? ", " : "", (*out)->name);
+        snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", *all ? ", " : "",
+                 (*out)->name);
     }
     return ric_fail(RIC_E_RANGE, "no column '%s': a point has %s", name, all);
 }
 
-ric_status ric_atlas_column(const ric_atlas *atlas, int branch, const char *name, int *width, double *out)
+ric_status ric_atlas_column(const ric_atlas *atlas, int branch, const char *name, int *width,
+                            double *out)
 {
     const ric_column *c = NULL;
     ric_status status = check_id("branch", branch, atlas->n_branch);
@@ -198,7 +207,8 @@ ric_status ric_atlas_column(const ric_atlas *atlas, int branch, const char *name
     for (int i = 0; out && i < row->n_point; i++) {
         const ric_point_row at = ric_atlas_point_row(atlas, branch, i);
         if (c->type == RIC_COLUMN_STATE) memcpy(out + (size_t)i * n, at.state, n * sizeof *out);
-        else if (c->type == RIC_COLUMN_FLIGHTS) memcpy(out + (size_t)i * n, at.flights, n * sizeof *out);
+        else if (c->type == RIC_COLUMN_FLIGHTS)
+            memcpy(out + (size_t)i * n, at.flights, n * sizeof *out);
         else out[i] = ric_column_number(c, &at);
     }
     return RIC_OK;

@@ -4,13 +4,14 @@
 
 #include "columns.h"
 
-/* A tongue that a branch has stepped over, between a point and the next one: a mode, from 1, with its turns in a
- * period, and how many other resonances lie in the gap. */
+/* A tongue that a branch has stepped over, between a point and the next one: a mode, from 1, with
+ * its turns in a period, and how many other resonances lie in the gap. */
 typedef struct {
     int point, mode, turns, others;
 } ric_atlas_gap;
 
-/* A branch that owns its arrays. `row` is what the public interface hands out; its pointers lead into this struct. */
+/* A branch that owns its arrays. `row` is what the public interface hands out; its pointers lead
+ * into this struct. */
 typedef struct {
     ric_branch row;
     char *key, *label, *mirror, *why;
@@ -35,8 +36,9 @@ typedef struct {
     char *certificate; /* "": none */
 } ric_proof_record;
 
-/* Of a curve, or a junction: integers are its branch, bits, tubes, and whether its ends are on it; numbers the
- * distance, both radii, energy and period, the stable and unstable shares and the approach, NaN where there is none. */
+/* Of a curve, or a junction: integers are its branch, bits, tubes, and whether its ends are on it;
+ * numbers the distance, both radii, energy and period, the stable and unstable shares and the
+ * approach, NaN where there is none. */
 typedef enum { RIC_GRAPH_CURVE, RIC_GRAPH_JUNCTION } ric_graph_kind;
 typedef struct {
     ric_graph_kind kind;
@@ -54,7 +56,8 @@ struct ric_atlas {
     int n_branch, n_junction;
     ric_branch_record *branches;    /* [n_branch], id = index + 1 */
     ric_junction_record *junctions; /* [n_junction], id = index + 1 */
-    char *labels; /* lines "KEY LABEL" of all that finished atlases of this file have shown, or NULL */
+    char *labels; /* lines "KEY LABEL" of all that finished atlases of this file have shown, or NULL
+                   */
     int n_proof;
     ric_proof_record *proofs; /* by branch and point */
     int n_graph_proof;

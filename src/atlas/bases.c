@@ -1,10 +1,11 @@
 /* The fractal bases F_i^j of the article (docs/theory.md section 9).
  *
- * A *drawn* branch is a pair of a branch and k, its k-duplicate. Drawn branches meet at a junction in all its
- * duplicates: at the K-duplicate of an orbit there are the K / m-duplicates of what leaves its junction of multiple m,
- * and the K-duplicate of the branch that a multiplication lies on. What hangs together without the backbones is a
- * *cluster*; it belongs to F_i^j of every j-duplicate of a backbone that it touches, of the lowest mode i alone. Union
- * and find, linear in the number of meetings times the largest K. */
+ * A *drawn* branch is a pair of a branch and k, its k-duplicate. Drawn branches meet at a junction
+ * in all its duplicates: at the K-duplicate of an orbit there are the K / m-duplicates of what
+ * leaves its junction of multiple m, and the K-duplicate of the branch that a multiplication lies
+ * on. What hangs together without the backbones is a *cluster*; it belongs to F_i^j of every
+ * j-duplicate of a backbone that it touches, of the lowest mode i alone. Union and find, linear in
+ * the number of meetings times the largest K. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -27,7 +28,7 @@ typedef struct {
     meeting *meetings; /* by site: the least junction id of those at one orbit */
     int *mode;         /* [n_branch] of a backbone or linear mode, else 0 */
     int *parent;       /* [n_branch * largest] drawn branches: (id - 1) * largest + k - 1 */
-    int *lowest;       /* the same; of the root of a cluster: the lowest mode that it touches, 0 = none */
+    int *lowest; /* the same; of the root of a cluster: the lowest mode that it touches, 0 = none */
     int n_touch, room;
     touch *touches;
 } web;
@@ -66,13 +67,15 @@ static ric_status gather_meetings(web *w)
     ric_branch branch;
     for (int id = 1; id <= ric_atlas_n_junction(w->atlas); id++)
         n += ric_atlas_junction(w->atlas, id, &junction) ? 0 : junction.n_branch;
-    if (!(w->meetings = ric_calloc((size_t)n + 1, sizeof *w->meetings))) return ric_no_memory("the fractal bases");
+    if (!(w->meetings = ric_calloc((size_t)n + 1, sizeof *w->meetings)))
+        return ric_no_memory("the fractal bases");
     for (int id = 1; id <= ric_atlas_n_junction(w->atlas); id++) {
         ric_status status = ric_atlas_junction(w->atlas, id, &junction);
         const int site = status ? 0 : site_of(w->atlas, &junction);
         for (int i = 0; !status && i < junction.n_branch; i++) {
             if ((status = ric_atlas_branch(w->atlas, junction.branches[i], &branch))) break;
-            w->meetings[w->n_meeting++] = (meeting){site, branch.id, ric_junction_level(&junction, &branch),
+            w->meetings[w->n_meeting++] = (meeting){site, branch.id,
+                                                    ric_junction_level(&junction, &branch),
                                                     junction.multiple};
         }
         if (status) return status;
@@ -121,7 +124,8 @@ static ric_status join_at(web *w, int n, const meeting *list, int K)
     }
     for (int i = 0; first >= 0 && i < n; i++) {
         const int drawn = drawn_at(w, &list[i], K), mode = w->mode[list[i].branch - 1];
-        ric_status status = drawn < 0 || !mode ? RIC_OK : add_touch(w, mode, drawn % w->largest + 1, first);
+        ric_status status = drawn < 0 || !mode ? RIC_OK
+                                               : add_touch(w, mode, drawn % w->largest + 1, first);
         if (status) return status;
     }
     return RIC_OK;
@@ -158,7 +162,8 @@ static ric_status join_all(web *w, int largest)
 static int count_left(const web *w)
 {
     int n = 0;
-    for (int b = 0; b < w->n_branch; b++) n += !w->mode[b] && !w->lowest[find_root(w, b * w->largest)];
+    for (int b = 0; b < w->n_branch; b++)
+        n += !w->mode[b] && !w->lowest[find_root(w, b * w->largest)];
     return n;
 }
 
@@ -197,14 +202,17 @@ static ric_status fill_base(const web *w, int mode, int j, bool *chosen, base_re
     for (int i = 0; i < n; i++) chosen[i] = false;
     for (int i = 0; i < w->n_touch; i++) {
         const int root = find_root(w, w->touches[i].drawn);
-        if (w->touches[i].mode == mode && w->touches[i].j == j && w->lowest[root] == mode) chosen[root] = true;
+        if (w->touches[i].mode == mode && w->touches[i].j == j && w->lowest[root] == mode)
+            chosen[root] = true;
     }
     for (int i = 0; i < n; i++) { /* a backbone is never in a cluster: its root is itself */
         const int b = i / w->largest;
-        chosen[i] = w->mode[b] ? w->mode[b] == mode && i % w->largest == j - 1 : chosen[find_root(w, i)];
+        chosen[i] = w->mode[b] ? w->mode[b] == mode && i % w->largest == j - 1
+                               : chosen[find_root(w, i)];
         count += chosen[i];
     }
-    *out = (base_record){.row = {.mode = mode, .j = j, .energy = {NAN, NAN}, .frequency = {NAN, NAN}}};
+    *out = (base_record){
+        .row = {.mode = mode, .j = j, .energy = {NAN, NAN}, .frequency = {NAN, NAN}}};
     out->branches = ric_malloc(((size_t)count + 1) * sizeof *out->branches);
     out->duplicates = ric_malloc((2 * (size_t)count + 1) * sizeof *out->duplicates);
     if (!out->branches || !out->duplicates) return ric_no_memory("the fractal bases");
@@ -231,7 +239,8 @@ static void mark_elementary(ric_bases *bases)
     for (int i = 0; i < bases->n; i++) {
         const ric_base *base = &bases->bases[i].row;
         const bool part = base->j == 1 || (base->j == 2 && base->mode > bases->bases[0].row.mode);
-        for (int k = 0; part && k < base->n_branch; k++) bases->elementary[base->branches[k] - 1] = true;
+        for (int k = 0; part && k < base->n_branch; k++)
+            bases->elementary[base->branches[k] - 1] = true;
     }
 }
 
@@ -279,7 +288,8 @@ ric_status ric_bases_find(const ric_atlas *atlas, int largest, ric_bases **out)
     ric_status status = RIC_OK;
     *out = NULL;
     if (largest < 0 || largest > MOST_DUPLICATES)
-        status = ric_fail(RIC_E_RANGE, "no %d-duplicates: bases are found for 1 to %d", largest, MOST_DUPLICATES);
+        status = ric_fail(RIC_E_RANGE, "no %d-duplicates: bases are found for 1 to %d", largest,
+                          MOST_DUPLICATES);
     else if (!bases || !(w.mode = ric_calloc((size_t)w.n_branch + 1, sizeof *w.mode)))
         status = ric_no_memory("the fractal bases");
     for (int b = 0; !status && b < w.n_branch; b++) {
@@ -318,7 +328,8 @@ int ric_bases_n(const ric_bases *bases)
 
 ric_status ric_bases_get(const ric_bases *bases, int i, ric_base *out)
 {
-    if (i < 0 || i >= bases->n) return ric_fail(RIC_E_RANGE, "no base %d: there are %d, counted from 0", i, bases->n);
+    if (i < 0 || i >= bases->n)
+        return ric_fail(RIC_E_RANGE, "no base %d: there are %d, counted from 0", i, bases->n);
     *out = bases->bases[i].row;
     return RIC_OK;
 }

@@ -1,5 +1,6 @@
-/* What a row of the atlas says, column by column: the one list that the schema, what is written, read, digested and
- * checked, ric_atlas_column, what commands list and docs/atlas-format.md are made from. A new column is one line. */
+/* What a row of the atlas says, column by column: the one list that the schema, what is written,
+ * read, digested and checked, ric_atlas_column, what commands list and docs/atlas-format.md are
+ * made from. A new column is one line. */
 #ifndef RIC_ATLAS_COLUMNS_H
 #define RIC_ATLAS_COLUMNS_H
 
@@ -26,15 +27,16 @@ typedef enum {
     RIC_COLUMN_REAL,        /* double */
     RIC_COLUMN_MAYBE,       /* double; NULL is NaN */
     RIC_COLUMN_SINGLE,      /* float */
-    RIC_COLUMN_DERIVED,     /* from the other numbers of a point, for other readers: NULL where it is not finite */
-    RIC_COLUMN_TEXT,        /* const char * */
-    RIC_COLUMN_WORD,        /* const int *, and how many letters */
-    RIC_COLUMN_STOP,        /* ric_stop */
-    RIC_COLUMN_KIND,        /* ric_kind */
-    RIC_COLUMN_STATE,       /* const double *, 2 n_dof */
-    RIC_COLUMN_FLIGHTS,     /* const double *, as many as letters, or one */
-    RIC_COLUMN_INTEGERS,    /* const int *, and how many: only listed */
-    RIC_COLUMN_NUMBERS,     /* const double *, likewise */
+    RIC_COLUMN_DERIVED,  /* from the other numbers of a point, for other readers: NULL where it is
+                            not finite */
+    RIC_COLUMN_TEXT,     /* const char * */
+    RIC_COLUMN_WORD,     /* const int *, and how many letters */
+    RIC_COLUMN_STOP,     /* ric_stop */
+    RIC_COLUMN_KIND,     /* ric_kind */
+    RIC_COLUMN_STATE,    /* const double *, 2 n_dof */
+    RIC_COLUMN_FLIGHTS,  /* const double *, as many as letters, or one */
+    RIC_COLUMN_INTEGERS, /* const int *, and how many: only listed */
+    RIC_COLUMN_NUMBERS,  /* const double *, likewise */
     RIC_N_COLUMN_TYPE
 } ric_column_type;
 
@@ -75,8 +77,8 @@ typedef struct {
     const ric_column *column;
 } ric_table;
 
-extern const ric_table ric_table_branch, ric_table_branch_junction, ric_table_point, ric_table_junction,
-    ric_table_junction_branch;
+extern const ric_table ric_table_branch, ric_table_branch_junction, ric_table_point,
+    ric_table_junction, ric_table_junction_branch;
 
 /* A row of the table point; the pointers lead elsewhere. */
 typedef struct {
@@ -91,7 +93,8 @@ typedef struct {
     double arclength;
 } ric_link_row;
 
-/* Declaration of a column in SQL, "" for numbers with a fraction: with REAL the file would keep -0.0 as 0. */
+/* Declaration of a column in SQL, "" for numbers with a fraction: with REAL the file would keep
+ * -0.0 as 0. */
 const char *ric_column_declaration(const ric_column *column);
 /* How many of what it counts a row has: letters, junctions, branches. */
 int ric_column_count(const ric_column *column, const void *row);
@@ -99,7 +102,8 @@ int ric_column_count(const ric_column *column, const void *row);
 size_t ric_column_width(const ric_column *column, const void *row, int n_dof);
 /* The value of a column with one number; NaN: it is no number. */
 double ric_column_number(const ric_column *column, const void *row);
-/* Column k of those that are listed; a word comes before how many impacts it has. NULL: there are no more. */
+/* Column k of those that are listed; a word comes before how many impacts it has. NULL: there are
+ * no more. */
 const ric_column *ric_column_listed(const ric_table *table, int k);
 /* Its rows in docs/atlas-format.md. */
 void ric_column_document(const ric_table *table, FILE *out);

@@ -1,5 +1,6 @@
-/* Keys. That of a junction is made from its kind, its word and its place; that of a branch from the least junction on
- * it and the form of its orbits. Ids and labels count what an atlas has found, keys do not. */
+/* Keys. That of a junction is made from its kind, its word and its place; that of a branch from the
+ * least junction on it and the form of its orbits. Ids and labels count what an atlas has found,
+ * keys do not. */
 #include "keys.h"
 
 #include <math.h>
@@ -11,28 +12,33 @@
 #include "model/room.h"
 
 enum {
-    LETTERS = 8,  /* of a key: 40 bits, so that a million pairs meet by chance with odds of one in a million */
+    LETTERS = 8,  /* of a key: 40 bits, so that a million pairs meet by chance with odds of one in a
+                     million */
     LONGER = 4,   /* that are added where two are alike */
     SIZE = 32,    /* of the text of a key, its end and a number included */
     UNPLACED = -1 /* junction that is none */
 };
 
-/* Cells of a place, per factor of two. Places are located to 1e-12 or better whatever the way to them, so that one in a
- * million lies so near to the border of two cells that its last digits matter; the finer ones tell apart what shares a
- * coarse one, only then. */
+/* Cells of a place, per factor of two. Places are located to 1e-12 or better whatever the way to
+ * them, so that one in a million lies so near to the border of two cells that its last digits
+ * matter; the finer ones tell apart what shares a coarse one, only then. */
 static const double coarse = 0x1p23, fine = 0x1p32;
-/* Of the size of a state, which is known to fewer digits: it tells apart orbits of one energy and one period. */
+/* Of the size of a state, which is known to fewer digits: it tells apart orbits of one energy and
+ * one period. */
 static const double rough = 0x1p13;
-/* Borders of cells lie beside all round numbers, which people ask for: the golden section of a cell. */
+/* Borders of cells lie beside all round numbers, which people ask for: the golden section of a
+ * cell. */
 static const double border = 0.3819660112501051;
-/* Relative: energies of two ends that are one, and the frequency at which a family leaves a linear mode. */
+/* Relative: energies of two ends that are one, and the frequency at which a family leaves a linear
+ * mode. */
 static const double alike = 1e-6, leaving = 1e-4;
 
 /* ----------------------------------------------------------------- identity */
 
 static uint64_t mixed(uint64_t hash, int64_t number)
 {
-    for (int i = 0; i < 64; i += 8) hash = (hash ^ ((uint64_t)number >> i & 255)) * 1099511628211u; /* FNV-1a */
+    for (int i = 0; i < 64; i += 8)
+        hash = (hash ^ ((uint64_t)number >> i & 255)) * 1099511628211u; /* FNV-1a */
     return hash;
 }
 
@@ -58,7 +64,8 @@ static uint64_t mixed_word(uint64_t hash, const ric_model *m, int n, const int *
     return hash;
 }
 
-/* The linear mode, from 1, out of which a family starts; its first energy depends on the step. 0: none. */
+/* The linear mode, from 1, out of which a family starts; its first energy depends on the step. 0:
+ * none. */
 static int start_mode(const ric_model *m, const ric_junction *j)
 {
     for (int i = 0; i < m->n_dof && j->kind == RIC_KIND_START; i++)
@@ -66,7 +73,8 @@ static int start_mode(const ric_model *m, const ric_junction *j)
     return 0;
 }
 
-/* The size of the state, with a weight of velocities for which no two states of one orbit have the same by a rule. */
+/* The size of the state, with a weight of velocities for which no two states of one orbit have the
+ * same by a rule. */
 static double state_size(const ric_model *m, const ric_junction *j)
 {
     double x = 0, v = 0, omega = j->frequency * j->multiple;
@@ -99,15 +107,17 @@ static bool of_its_own(const ric_branch *b, const ric_junction *j)
 
 static int compare_places(const ric_junction *a, const ric_junction *b)
 {
-    if (fabs(a->energy - b->energy) > alike * fmax(a->energy, b->energy)) return a->energy < b->energy ? -1 : 1;
+    if (fabs(a->energy - b->energy) > alike * fmax(a->energy, b->energy))
+        return a->energy < b->energy ? -1 : 1;
     if (a->multiple != b->multiple) return a->multiple - b->multiple;
-    if (fabs(a->frequency - b->frequency) > alike * a->frequency) return a->frequency < b->frequency ? -1 : 1;
+    if (fabs(a->frequency - b->frequency) > alike * a->frequency)
+        return a->frequency < b->frequency ? -1 : 1;
     if (a->kind != b->kind) return (int)a->kind - (int)b->kind;
     return a->letters - b->letters;
 }
 
-/* The junction from which a branch has its key, `but` for one: the lowest in energy that is its own, else the lowest
- * multiplication. An index, UNPLACED: there is none. */
+/* The junction from which a branch has its key, `but` for one: the lowest in energy that is its
+ * own, else the lowest multiplication. An index, UNPLACED: there is none. */
 static int least_junction(const ric_atlas *atlas, const ric_branch *b, int but)
 {
     int least = UNPLACED;
@@ -118,22 +128,27 @@ static int least_junction(const ric_atlas *atlas, const ric_branch *b, int but)
         const ric_junction *j = &atlas->junctions[id - 1].row;
         const bool mine = of_its_own(b, j);
         if (j->kind == RIC_KIND_USER || mine < own) continue;
-        if (least == UNPLACED || mine > own || compare_places(j, &atlas->junctions[least].row) < 0) least = id - 1;
+        if (least == UNPLACED || mine > own || compare_places(j, &atlas->junctions[least].row) < 0)
+            least = id - 1;
         own = mine;
     }
     return least;
 }
 
 /* `junctions`: the identities of the junctions. Longer: with the next junction, too. */
-static uint64_t branch_identity(const ric_atlas *atlas, const ric_branch *b, const uint64_t *junctions, bool longer)
+static uint64_t branch_identity(const ric_atlas *atlas, const ric_branch *b,
+                                const uint64_t *junctions, bool longer)
 {
     const ric_model *m = ric_atlas_model(atlas);
-    const int least = least_junction(atlas, b, UNPLACED), next = longer ? least_junction(atlas, b, least) : UNPLACED;
+    const int least = least_junction(atlas, b, UNPLACED),
+              next = longer ? least_junction(atlas, b, least) : UNPLACED;
     uint64_t hash = mixed_word(mixed_text(14695981039346656037u, "branch"), m, b->letters, b->word);
     hash = mixed_text(mixed(mixed(hash, b->symmetric), b->reversible), b->mirror);
-    if (!b->impacts && b->mode) return mixed(hash, b->mode); /* linear, or the backbone under a power law */
+    if (!b->impacts && b->mode)
+        return mixed(hash, b->mode); /* linear, or the backbone under a power law */
     if (least == UNPLACED)
-        return mixed(mixed(mixed(hash, b->mode), cell(b->energy_min, coarse)), cell(b->frequency_min, coarse));
+        return mixed(mixed(mixed(hash, b->mode), cell(b->energy_min, coarse)),
+                     cell(b->frequency_min, coarse));
     hash = mixed(hash, (int64_t)junctions[least]);
     return next == UNPLACED ? hash : mixed(hash, (int64_t)junctions[next]);
 }
@@ -149,9 +164,11 @@ typedef struct {
 
 static void spell(uint64_t hash, int n, char *out)
 {
-    static const char letters[] = "0123456789abcdefghjkmnpqrstvwxyz"; /* none that looks like another */
+    static const char letters[] =
+        "0123456789abcdefghjkmnpqrstvwxyz"; /* none that looks like another */
     hash ^= hash >> 33;
-    hash *= 0xff51afd7ed558ccdu; /* the finaliser of MurmurHash3 (Appleby): every bit reaches every letter */
+    hash *= 0xff51afd7ed558ccdu; /* the finaliser of MurmurHash3 (Appleby): every bit reaches every
+                                    letter */
     hash ^= hash >> 33;
     for (int i = 0; i < n; i++, hash >>= 5) out[i] = letters[hash & 31];
     out[n] = '\0';
@@ -164,7 +181,8 @@ static int compare_texts(const void *p, const void *q)
     return order ? order : a->index - b->index;
 }
 
-/* First those that are alike get more letters, then what is still alike a number, which counts what is there. */
+/* First those that are alike get more letters, then what is still alike a number, which counts what
+ * is there. */
 static void tell_apart(int n, holder *all, bool numbered)
 {
     qsort(all, (size_t)n, sizeof *all, compare_texts);
@@ -240,7 +258,8 @@ ric_status ric_keys_make(ric_atlas *atlas)
     holder *all = ric_calloc((size_t)most + 1, sizeof *all);
     uint64_t *junctions = ric_calloc((size_t)atlas->n_junction + 1, sizeof *junctions),
              *longer = ric_calloc((size_t)atlas->n_junction + 1, sizeof *longer);
-    ric_status status = all && junctions && longer ? junction_keys(atlas, all) : ric_no_memory("keys");
+    ric_status status = all && junctions && longer ? junction_keys(atlas, all)
+                                                   : ric_no_memory("keys");
     for (int i = 0; i < atlas->n_junction && !status; i++) {
         junctions[all[i].index] = all[i].identity;
         longer[all[i].index] = all[i].longer;

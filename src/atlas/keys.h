@@ -1,5 +1,5 @@
-/* Keys of branches and junctions: short texts made from what no budget, order of work or machine changes.
- * docs/atlas-format.md says what goes into them and how far they last. */
+/* Keys of branches and junctions: short texts made from what no budget, order of work or machine
+ * changes. docs/atlas-format.md says what goes into them and how far they last. */
 #ifndef RIC_ATLAS_KEYS_H
 #define RIC_ATLAS_KEYS_H
 

@@ -1,5 +1,5 @@
-/* Families of branches: what a chain of junctions joins. Those that have no linear mode are islands, which nothing but
- * a search over an energy finds (docs/theory.md section 7). */
+/* Families of branches: what a chain of junctions joins. Those that have no linear mode are
+ * islands, which nothing but a search over an energy finds (docs/theory.md section 7). */
 #include "links.h"
 
 #include <stdlib.h>
@@ -7,7 +7,8 @@
 #include "base/room.h"
 #include "query.h"
 
-/* The least branch, or its place in `up`, of the set that i belongs to (Tarjan 1975, with halving of paths). */
+/* The least branch, or its place in `up`, of the set that i belongs to (Tarjan 1975, with halving
+ * of paths). */
 static int root_of(int *up, int i)
 {
     while (up[i] != i) i = up[i] = up[up[i]];
@@ -22,8 +23,8 @@ static void join(int *up, int i, int j)
     else up[i] = j;
 }
 
-/* Branch ids and, behind them, junction ids, both from 1. A grazing of which more than one multiple is listed is one
- * touch, gone through several times. */
+/* Branch ids and, behind them, junction ids, both from 1. A grazing of which more than one multiple
+ * is listed is one touch, gone through several times. */
 static void join_all(const ric_atlas *a, int *up)
 {
     for (int i = 0; i < a->n_branch; i++) {

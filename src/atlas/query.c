@@ -1,4 +1,5 @@
-/* Duplicates and segments of branches: read off the atlas by counting, never solved (docs/theory.md section 9). */
+/* Duplicates and segments of branches: read off the atlas by counting, never solved (docs/theory.md
+ * section 9). */
 #include "query.h"
 
 #include <ctype.h>
@@ -8,15 +9,16 @@
 
 #include "base/room.h"
 
-#define AT_CUT 1e-6 /* of the length of a segment: a stored point this near to its end is the junction itself */
+/* AT_CUT: of the length of a segment: a stored point this near to its end is the junction itself */
+#define AT_CUT 1e-6
 
 int ric_junction_level(const ric_junction *junction, const ric_branch *branch)
 {
     double once = junction->frequency, slack = RIC_TIE * once;
     if (junction->kind != RIC_KIND_MULTIPLICATION || branch->impacts != junction->impacts) return 1;
     if (branch->impacts > 0) return junction->multiple;
-    /* under a power law impacts do not tell; what ends here has left, and of the others the range of frequencies
-     * tells */
+    /* under a power law impacts do not tell; what ends here has left, and of the others the range
+     * of frequencies tells */
     if (branch->from == junction->id || branch->to == junction->id) return 1;
     if (junction->multiple * (once + slack) >= branch->frequency_min &&
         junction->multiple * (once - slack) <= branch->frequency_max)
@@ -66,14 +68,15 @@ const char *ric_duplicate_origin_text(ric_duplicate_origin origin)
     return "unknown";
 }
 
-/* A junction of the branch as the k-duplicate has it; false if the k-duplicate does not: a q-tupling is on those with q
- * | k. */
-static bool on_duplicate(const ric_atlas *atlas, const ric_branch *branch, const ric_junction *junction, int k,
-                         ric_duplicate_point *out)
+/* A junction of the branch as the k-duplicate has it; false if the k-duplicate does not: a
+ * q-tupling is on those with q | k. */
+static bool on_duplicate(const ric_atlas *atlas, const ric_branch *branch,
+                         const ric_junction *junction, int k, ric_duplicate_point *out)
 {
     const int level = ric_junction_level(junction, branch);
     if (k % level) return false;
-    const int times = level > 1 ? k : k * junction->multiple, twin = k > 1 ? ric_query_twin(atlas, junction, times) : 0;
+    const int times = level > 1 ? k : k * junction->multiple,
+              twin = k > 1 ? ric_query_twin(atlas, junction, times) : 0;
     *out = (ric_duplicate_point){.branch = branch->id,
                                  .k = k,
                                  .junction = twin ? twin : junction->id,
@@ -87,7 +90,8 @@ static bool on_duplicate(const ric_atlas *atlas, const ric_branch *branch, const
     return true;
 }
 
-ric_status ric_duplicate_points(const ric_atlas *atlas, int id, int k, int *n, ric_duplicate_point *out)
+ric_status ric_duplicate_points(const ric_atlas *atlas, int id, int k, int *n,
+                                ric_duplicate_point *out)
 {
     ric_branch branch;
     ric_junction junction;
@@ -95,7 +99,9 @@ ric_status ric_duplicate_points(const ric_atlas *atlas, int id, int k, int *n, r
     if (k < 1) return ric_fail(RIC_E_RANGE, "no %d-duplicate: k runs from 1", k);
     ric_status status = ric_atlas_branch(atlas, id, &branch);
     for (int i = -1; !status && i <= branch.n_junction; i++) {
-        const int at = i < 0 ? branch.from : i < branch.n_junction ? branch.junctions[i] : branch.to;
+        const int at = i < 0                   ? branch.from
+                       : i < branch.n_junction ? branch.junctions[i]
+                                               : branch.to;
         if (!at || (status = ric_atlas_junction(atlas, at, &junction))) continue;
         *n += on_duplicate(atlas, &branch, &junction, k, &out[*n]);
     }
@@ -108,7 +114,8 @@ ric_status ric_duplicate_label(const ric_branch *branch, int k, size_t size, cha
     while (*mark && (isalpha((unsigned char)*mark) || isdigit((unsigned char)*mark))) mark++;
     const int head = (int)(mark - label), length = (int)strcspn(mark, "[");
     const int used = k == 1 ? snprintf(out, size, "%s", label)
-                            : snprintf(out, size, "%.*s^{%d%.*s}%s", head, label, k, length, mark, mark + length);
+                            : snprintf(out, size, "%.*s^{%d%.*s}%s", head, label, k, length, mark,
+                                       mark + length);
     if (used < 0 || (size_t)used >= size)
         return ric_fail(RIC_E_RANGE, "a label of %d characters does not fit in %zu", used, size);
     return RIC_OK;
@@ -133,20 +140,24 @@ static ric_status find_cut(const ric_atlas *atlas, const ric_branch *branch, int
     const bool inner = place >= 0 && place < branch->n_junction;
     ric_point point;
     ric_junction junction;
-    *out = (cut){.junction = inner ? branch->junctions[place] : place < 0 ? branch->from : branch->to};
-    ric_status status = ric_atlas_point(atlas, branch->id, place < 0 ? 0 : branch->n_point - 1, &point, NULL, NULL);
+    *out = (cut){.junction = inner       ? branch->junctions[place]
+                             : place < 0 ? branch->from
+                                         : branch->to};
+    ric_status status = ric_atlas_point(atlas, branch->id, place < 0 ? 0 : branch->n_point - 1,
+                                        &point, NULL, NULL);
     if (status) return status;
     out->arclength = inner ? branch->junction_at[place] : point.arclength;
     out->energy = point.energy;
     out->frequency = point.frequency;
-    if (!out->junction || (status = ric_atlas_junction(atlas, out->junction, &junction))) return status;
+    if (!out->junction || (status = ric_atlas_junction(atlas, out->junction, &junction)))
+        return status;
     out->energy = junction.energy;
     out->frequency = junction.frequency * ric_junction_level(&junction, branch);
     return RIC_OK;
 }
 
-static ric_status measure(const ric_atlas *atlas, const ric_branch *branch, const cut *a, const cut *b,
-                          ric_segment *out)
+static ric_status measure(const ric_atlas *atlas, const ric_branch *branch, const cut *a,
+                          const cut *b, ric_segment *out)
 {
     const double margin = AT_CUT * (b->arclength - a->arclength);
     int n = 0, stable = 0, undecided = 0;
@@ -161,7 +172,8 @@ static ric_status measure(const ric_atlas *atlas, const ric_branch *branch, cons
         ric_point point;
         ric_status status = ric_atlas_point(atlas, branch->id, i, &point, NULL, NULL);
         if (status) return status;
-        if (!(point.arclength > a->arclength + margin && point.arclength < b->arclength - margin)) continue;
+        if (!(point.arclength > a->arclength + margin && point.arclength < b->arclength - margin))
+            continue;
         widen(out->energy, point.energy);
         widen(out->frequency, point.frequency);
         n++;
@@ -182,7 +194,9 @@ ric_status ric_branch_segments(const ric_atlas *atlas, int id, int *n, ric_segme
     if (status || !branch.n_point) return status;
     status = find_cut(atlas, &branch, -1, &a);
     for (int i = 0; !status && i <= branch.n_junction; i++) {
-        if ((status = find_cut(atlas, &branch, i, &b)) || (status = measure(atlas, &branch, &a, &b, &out[*n]))) break;
+        if ((status = find_cut(atlas, &branch, i, &b)) ||
+            (status = measure(atlas, &branch, &a, &b, &out[*n])))
+            break;
         (*n)++;
         a = b;
     }

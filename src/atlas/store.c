@@ -12,9 +12,9 @@
 
 enum { WRITER_WAIT = 60000 }; /* ms that a run waits for readers */
 
-static const char schema[] =
-    "CREATE TABLE meta (key TEXT PRIMARY KEY NOT NULL, value TEXT NOT NULL) WITHOUT ROWID;CREATE TABLE trace (key TEXT "
-    "PRIMARY KEY NOT NULL, blob BLOB NOT NULL, digest INTEGER NOT NULL)";
+static const char schema[] = "CREATE TABLE meta (key TEXT PRIMARY KEY NOT NULL, value TEXT NOT "
+                             "NULL) WITHOUT ROWID;CREATE TABLE trace (key TEXT "
+                             "PRIMARY KEY NOT NULL, blob BLOB NOT NULL, digest INTEGER NOT NULL)";
 
 struct ric_store {
     ric_database file;
@@ -33,12 +33,14 @@ static void roll_back(ric_database file)
     if (!sqlite3_get_autocommit(file.db)) sqlite3_exec(file.db, "ROLLBACK", NULL, NULL, NULL);
 }
 
-/* A transaction holds what it changes in memory until it commits, so that readers wait only for the commit itself.
- * Leaving the mode PERSIST removes a journal that a killed run has left without any effect. */
+/* A transaction holds what it changes in memory until it commits, so that readers wait only for the
+ * commit itself. Leaving the mode PERSIST removes a journal that a killed run has left without any
+ * effect. */
 static ric_status set_up_writer(ric_database file)
 {
-    return ric_store_sqlite_run(file, "PRAGMA journal_mode = PERSIST; PRAGMA journal_mode = DELETE; "
-                                      "PRAGMA synchronous = FULL; PRAGMA cache_spill = 0");
+    return ric_store_sqlite_run(file,
+                                "PRAGMA journal_mode = PERSIST; PRAGMA journal_mode = DELETE; "
+                                "PRAGMA synchronous = FULL; PRAGMA cache_spill = 0");
 }
 
 /* Until something is to be written the file is only read: the mode of its journal is part of it. */
@@ -47,7 +49,9 @@ static ric_status begin(ric_store *store)
     ric_status status = store->writes ? RIC_OK : set_up_writer(store->file);
     if (status) return status;
     store->writes = true;
-    return sqlite3_get_autocommit(store->file.db) ? ric_store_sqlite_run(store->file, "BEGIN IMMEDIATE") : RIC_OK;
+    return sqlite3_get_autocommit(store->file.db)
+               ? ric_store_sqlite_run(store->file, "BEGIN IMMEDIATE")
+               : RIC_OK;
 }
 
 ric_status ric_store_begin(ric_store *store, ric_database *file)
@@ -56,20 +60,24 @@ ric_status ric_store_begin(ric_store *store, ric_database *file)
     return begin(store);
 }
 
-/* An empty file of ours, which SQLite then fills: what another has just laid there is neither filled nor removed. */
+/* An empty file of ours, which SQLite then fills: what another has just laid there is neither
+ * filled nor removed. */
 static ric_status lay_file(const char *path)
 {
-    int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644); /* as SQLite makes its files */
+    int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
+                    0644); /* as SQLite makes its files */
     if (file < 0)
-        return ric_fail(RIC_E_IO, "%s: cannot be made (%s); choose another file with -o", path, strerror(errno));
+        return ric_fail(RIC_E_IO, "%s: cannot be made (%s); choose another file with -o", path,
+                        strerror(errno));
     close(file);
     return RIC_OK;
 }
 
 static ric_status create_tables(ric_database file)
 {
-    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction, &ric_table_point,
-                                              &ric_table_junction, &ric_table_junction_branch};
+    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction,
+                                              &ric_table_point, &ric_table_junction,
+                                              &ric_table_junction_branch};
     ric_status status = ric_store_sqlite_run(file, schema);
     for (size_t i = 0; !status && i < sizeof tables / sizeof *tables; i++) {
         sqlite3_stmt *create;
@@ -89,8 +97,8 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
     if (!status) status = begin(store);
     if (!status) status = create_tables(store->file);
-    snprintf(numbers, sizeof numbers, "PRAGMA application_id = %d; PRAGMA user_version = %d", RIC_APPLICATION_ID,
-             RIC_FORMAT_VERSION);
+    snprintf(numbers, sizeof numbers, "PRAGMA application_id = %d; PRAGMA user_version = %d",
+             RIC_APPLICATION_ID, RIC_FORMAT_VERSION);
     if (!status) status = ric_store_sqlite_run(store->file, numbers);
     if (!status) status = ric_store_put_study(store->file, study, false, 0, 0);
     if (!status) status = ric_store_put_digest(store->file);
@@ -103,7 +111,8 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     return status;
 }
 
-/* All that the file holds, before anything is written to it: what a run finds out later it finds out in between. */
+/* All that the file holds, before anything is written to it: what a run finds out later it finds
+ * out in between. */
 static ric_status check_whole(ric_database file, const ric_study *study)
 {
     ric_atlas *before = NULL;
@@ -118,15 +127,17 @@ static ric_status check_whole(ric_database file, const ric_study *study)
 static ric_status open_file(ric_store *store, const ric_study *study)
 {
     ric_status status = ric_store_check_identity(store->path);
-    if (!status) status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
+    if (!status)
+        status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT,
+                                       &store->file);
     if (!status) status = check_whole(store->file, study);
     if (!status && sqlite3_db_readonly(store->file.db, "main"))
         status = ric_store_sqlite_fail(store->file, SQLITE_READONLY);
     return status;
 }
 
-/* A power failure can leave a journal that takes the file back to the state before it was made, which is no atlas but
- * an empty file. */
+/* A power failure can leave a journal that takes the file back to the state before it was made,
+ * which is no atlas but an empty file. */
 static ric_status recover(ric_store *store, bool *exists, bool *empty)
 {
     ric_database file = {0};
@@ -134,7 +145,8 @@ static ric_status recover(ric_store *store, bool *exists, bool *empty)
     sprintf(journal, "%s-journal", store->path);
     /* what is wrong is said later */
     if (*empty || access(journal, F_OK) || ric_store_check_identity(store->path)) return RIC_OK;
-    ric_status status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &file);
+    ric_status status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT,
+                                              &file);
     if (!status) status = ric_store_sqlite_run(file, "SELECT count(*) FROM sqlite_master");
     sqlite3_close(file.db);
     return status ? status : ric_store_look(store->path, exists, empty);
@@ -158,16 +170,23 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
     status = ric_store_look(store->path, &exists, &empty);
     if (!status) status = ric_store_lock_take(store->path, store->lock_path, &store->lock);
     if (!status) status = ric_store_check_beside(store->path);
-    if (!status) status = ric_store_look(store->path, &exists, &empty); /* again, now that nobody else creates it */
-    if (!status && exists) status = recover(store, &exists, &empty);
-    if (!status) status = exists && !empty ? open_file(store, study) : create_file(store, study, exists);
     if (!status)
-        status = ric_store_sqlite_prepare(store->file, "SELECT blob, digest FROM trace WHERE key = ?", &store->get);
+        status = ric_store_look(store->path, &exists,
+                                &empty); /* again, now that nobody else creates it */
+    if (!status && exists) status = recover(store, &exists, &empty);
+    if (!status)
+        status = exists && !empty ? open_file(store, study) : create_file(store, study, exists);
     if (!status)
         status = ric_store_sqlite_prepare(store->file,
-                                          "INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)",
-                                          &store->put);
-    if (!status) status = ric_store_sqlite_prepare(store->file, "DELETE FROM trace WHERE key = ?", &store->drop);
+                                          "SELECT blob, digest FROM trace WHERE key = ?",
+                                          &store->get);
+    if (!status)
+        status = ric_store_sqlite_prepare(
+            store->file, "INSERT OR REPLACE INTO trace (key, blob, digest) VALUES (?, ?, ?)",
+            &store->put);
+    if (!status)
+        status = ric_store_sqlite_prepare(store->file, "DELETE FROM trace WHERE key = ?",
+                                          &store->drop);
 out:
     store->sound = !status;
     if (status) ric_store_close(store);
@@ -181,7 +200,8 @@ void ric_store_close(ric_store *store)
     sqlite3_finalize(store->get);
     sqlite3_finalize(store->put);
     sqlite3_finalize(store->drop);
-    if (store->sound && !store->writes) set_up_writer(store->file); /* no journal without effect stays behind */
+    if (store->sound && !store->writes)
+        set_up_writer(store->file); /* no journal without effect stays behind */
     /* What was put is worth keeping; if the disk refuses, the last commit still stands. */
     if (store->file.db && !sqlite3_get_autocommit(store->file.db) &&
         sqlite3_exec(store->file.db, "COMMIT", NULL, NULL, NULL))
@@ -204,7 +224,8 @@ ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, s
         size_t n = (size_t)sqlite3_column_bytes(store->get, 0);
         const void *bytes = sqlite3_column_blob(store->get, 0);
         if (sqlite3_column_int64(store->get, 1) != (sqlite3_int64)ric_store_digest(bytes, n))
-            status = ric_store_fail_row(store->path, "trace", key, "the bytes do not match their digest");
+            status = ric_store_fail_row(store->path, "trace", key,
+                                        "the bytes do not match their digest");
         else if (!(*blob = ric_malloc(n + 1))) status = ric_store_fail_memory();
         else if (n) memcpy(*blob, bytes, n);
         *size = status ? 0 : n;
@@ -223,17 +244,20 @@ ric_status ric_store_trace_put(ric_store *store, const char *key, const void *bl
     int code = size ? sqlite3_bind_blob64(store->put, 2, blob, size, SQLITE_STATIC)
                     : sqlite3_bind_zeroblob(store->put, 2, 0);
     sqlite3_bind_int64(store->put, 3, (sqlite3_int64)ric_store_digest(blob, size));
-    status = code ? ric_store_sqlite_fail(store->file, code) : ric_store_sqlite_step(store->file, store->put, &row);
+    status = code ? ric_store_sqlite_fail(store->file, code)
+                  : ric_store_sqlite_step(store->file, store->put, &row);
     sqlite3_clear_bindings(store->put);
     return status;
 }
 
-ric_status ric_store_trace_keys(ric_store *store, const char *ending, ric_status (*each)(void *user, const char *key),
-                                void *user)
+ric_status ric_store_trace_keys(ric_store *store, const char *ending,
+                                ric_status (*each)(void *user, const char *key), void *user)
 {
     sqlite3_stmt *query = NULL;
     bool row = false;
-    ric_status status = ric_store_sqlite_prepare(store->file, "SELECT key FROM trace WHERE key LIKE '%' || ?", &query);
+    ric_status status = ric_store_sqlite_prepare(store->file,
+                                                 "SELECT key FROM trace WHERE key LIKE '%' || ?",
+                                                 &query);
     if (status) return status;
     sqlite3_bind_text(query, 1, ending, -1, SQLITE_STATIC);
     while (!(status = ric_store_sqlite_step(store->file, query, &row)) && row)
@@ -255,7 +279,8 @@ ric_status ric_store_trace_drop(ric_store *store, const char *key)
 
 ric_status ric_store_commit(ric_store *store)
 {
-    return sqlite3_get_autocommit(store->file.db) ? RIC_OK : ric_store_sqlite_run(store->file, "COMMIT");
+    return sqlite3_get_autocommit(store->file.db) ? RIC_OK
+                                                  : ric_store_sqlite_run(store->file, "COMMIT");
 }
 
 ric_status ric_store_starts_get(ric_store *store, char **text)
@@ -272,7 +297,8 @@ static ric_status labels_of_tables(ric_database file, char **text)
     if (!status && !ric_buffer_open(&out)) status = ric_store_fail_memory();
     if (!status) {
         for (int i = 0; i < atlas->n_junction; i++)
-            fprintf(out.file, "%s %s\n", atlas->junctions[i].row.key, atlas->junctions[i].row.label);
+            fprintf(out.file, "%s %s\n", atlas->junctions[i].row.key,
+                    atlas->junctions[i].row.label);
         if (!(*text = ric_buffer_take(&out))) status = ric_store_fail_memory();
     }
     ric_atlas_free(atlas);
@@ -289,7 +315,8 @@ ric_status ric_store_labels_get(ric_store *store, char **text)
     return status;
 }
 
-/* The end of a transaction that changed the tables: all of it, with the digest that goes with them, or nothing. */
+/* The end of a transaction that changed the tables: all of it, with the digest that goes with them,
+ * or nothing. */
 static ric_status conclude(ric_database file, ric_status status)
 {
     if (!status) status = ric_store_put_digest(file);
@@ -330,7 +357,8 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines)
     ric_database file = store->file;
     char *old = NULL, *all = NULL;
     ric_status status = ric_store_starts_get(store, &old);
-    if (!status && !(all = ric_malloc((old ? strlen(old) : 0) + strlen(lines) + 1))) status = ric_store_fail_memory();
+    if (!status && !(all = ric_malloc((old ? strlen(old) : 0) + strlen(lines) + 1)))
+        status = ric_store_fail_memory();
     if (!status) {
         sprintf(all, "%s%s", old ? old : "", lines);
         status = begin(store);
@@ -346,13 +374,14 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines)
 ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas)
 {
     ric_database file = store->file;
-    ric_status status = ric_store_commit(store); /* the work itself is kept even if the tables cannot be written */
+    ric_status status = ric_store_commit(
+        store); /* the work itself is kept even if the tables cannot be written */
     if (!status) status = begin(store);
     store->tables_begun = !status;
     if (!status)
-        status = ric_store_sqlite_run(file,
-                                      "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM junction_branch; "
-                                      "DELETE FROM branch; DELETE FROM junction");
+        status = ric_store_sqlite_run(
+            file, "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM junction_branch; "
+                  "DELETE FROM branch; DELETE FROM junction");
     return status ? status : ric_store_put_branches(file, atlas);
 }
 
@@ -364,7 +393,9 @@ ric_status ric_store_write_junctions(ric_store *store, ric_status before, const 
         return status;
     store->tables_begun = false;
     if (!status) status = ric_store_put_junctions(file, atlas);
-    if (!status) status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced, atlas->n_blind);
+    if (!status)
+        status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced,
+                                     atlas->n_blind);
     if (!status) status = ric_store_put_gaps(file, atlas);
     if (!status && atlas->labels) status = ric_store_put_meta(file, "labels", atlas->labels);
     return conclude(file, status);

@@ -6,10 +6,11 @@
 
 typedef struct ric_store ric_store;
 
-/* Creates or opens `path` for a run of `study` and takes the lock. Refuses a foreign, damaged, newer or busy file, and
- * one of another model (model = the text of `study` from its `model:` section, compared by the exact numbers), and one
- * with a row that no run can have written, in the tables or in the work that is kept. Nothing is changed on refusal,
- * nor before something is put, added or written. */
+/* Creates or opens `path` for a run of `study` and takes the lock. Refuses a foreign, damaged,
+ * newer or busy file, and one of another model (model = the text of `study` from its `model:`
+ * section, compared by the exact numbers), and one with a row that no run can have written, in the
+ * tables or in the work that is kept. Nothing is changed on refusal, nor before something is put,
+ * added or written. */
 ric_status ric_store_open(const char *path, const ric_study *study, ric_store **out);
 void ric_store_close(ric_store *store);
 
@@ -17,41 +18,41 @@ void ric_store_close(ric_store *store);
 ric_status ric_store_is_solver(ric_store *store, const char *version, bool *same);
 /* Refuses the file for a row that it keeps: closing it leaves it as it is. */
 ric_status ric_store_refuse(ric_store *store, const char *table, const char *key, const char *what);
-/* What another version of the solver has done so far is dropped, and the atlas is unfinished then: it never mixes
- * two. */
+/* What another version of the solver has done so far is dropped, and the atlas is unfinished then:
+ * it never mixes two. */
 ric_status ric_store_set_solver(ric_store *store, const char *version);
-/* Traces done so far, by key: a bag of bytes that survives a kill. `get` returns RIC_OK with *blob = NULL when there is
- * none; free(*blob). */
+/* Traces done so far, by key: a bag of bytes that survives a kill. `get` returns RIC_OK with *blob
+ * = NULL when there is none; free(*blob). */
 ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, size_t *size);
 ric_status ric_store_trace_put(ric_store *store, const char *key, const void *blob, size_t size);
 /* Calls `each` for every key that ends with this text, until one fails. */
-ric_status ric_store_trace_keys(ric_store *store, const char *ending, ric_status (*each)(void *user, const char *key),
-                                void *user);
+ric_status ric_store_trace_keys(ric_store *store, const char *ending,
+                                ric_status (*each)(void *user, const char *key), void *user);
 ric_status ric_store_trace_drop(ric_store *store, const char *key);
 /* Makes what was put so far durable. */
 ric_status ric_store_commit(ric_store *store);
 
-/* The starts that were added to an atlas, as start.h reads them: *text = NULL where there are none; free(*text). Adding
- * makes the atlas unfinished. */
+/* The starts that were added to an atlas, as start.h reads them: *text = NULL where there are none;
+ * free(*text). Adding makes the atlas unfinished. */
 ric_status ric_store_starts_get(ric_store *store, char **text);
 ric_status ric_store_starts_add(ric_store *store, const char *lines);
 
-/* What finished atlases of this file have called their junctions, as lines "KEY LABEL": *text = NULL where there are
- * none; free(*text). */
+/* What finished atlases of this file have called their junctions, as lines "KEY LABEL": *text =
+ * NULL where there are none; free(*text). */
 ric_status ric_store_labels_get(ric_store *store, char **text);
 
 /* Replaces the tables of branches, points and junctions by those of `atlas` in one transaction. */
 ric_status ric_store_write(ric_store *store, const ric_atlas *atlas);
-/* The same in two steps, so that the junctions need not be known yet when the branches are written. The second one ends
- * what the first began, also where that, or anything in between, has failed: then nothing is changed, and it returns
- * that failure, `before`. */
+/* The same in two steps, so that the junctions need not be known yet when the branches are written.
+ * The second one ends what the first began, also where that, or anything in between, has failed:
+ * then nothing is changed, and it returns that failure, `before`. */
 ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas);
 ric_status ric_store_write_junctions(ric_store *store, ric_status before, const ric_atlas *atlas);
 
-/* Keeps proofs of points of `atlas`, and their certificates, NULL if there is none, outside the digest of the tables;
- * in place of those of the same points. */
-ric_status ric_store_put_proofs(ric_store *store, const ric_atlas *atlas, int n, const ric_proof *proofs,
-                                const char *const *certificates);
+/* Keeps proofs of points of `atlas`, and their certificates, NULL if there is none, outside the
+ * digest of the tables; in place of those of the same points. */
+ric_status ric_store_put_proofs(ric_store *store, const ric_atlas *atlas, int n,
+                                const ric_proof *proofs, const char *const *certificates);
 
 /* Reads the tables back into a new atlas (study parsed from the file). */
 ric_status ric_store_read(const char *path, ric_atlas **out);

@@ -1,5 +1,5 @@
-/* Whether a file is an atlas of ours, whole, and of the model of a study. A foreign, damaged or newer one is refused
- * and left as it is. */
+/* Whether a file is an atlas of ours, whole, and of the model of a study. A foreign, damaged or
+ * newer one is refused and left as it is. */
 #include "store_parts.h"
 #include "base/room.h"
 
@@ -18,8 +18,12 @@ ric_status ric_store_look(const char *path, bool *exists, bool *empty)
     if (stat(path, &found)) {
         if (errno == ENOENT && !lstat(path, &found))
             return ric_fail(RIC_E_IO,
-                            "%s: a symbolic link to a file that is not there; remove it, or choose another name", path);
-        return errno == ENOENT ? RIC_OK : ric_fail(RIC_E_IO, "%s: %s; choose another file", path, strerror(errno));
+                            "%s: a symbolic link to a file that is not there; remove it, or choose "
+                            "another name",
+                            path);
+        return errno == ENOENT
+                   ? RIC_OK
+                   : ric_fail(RIC_E_IO, "%s: %s; choose another file", path, strerror(errno));
     }
     if (!S_ISREG(found.st_mode))
         return ric_fail(RIC_E_IO, "%s: not a file but %s; choose another name", path,
@@ -29,8 +33,8 @@ ric_status ric_store_look(const char *path, bool *exists, bool *empty)
     return RIC_OK;
 }
 
-/* Damage is left for the full check to find, because what looks like it may be a transaction that opening the file will
- * undo. */
+/* Damage is left for the full check to find, because what looks like it may be a transaction that
+ * opening the file will undo. */
 ric_status ric_store_check_identity(const char *path)
 {
     ric_database file;
@@ -47,7 +51,8 @@ ric_status ric_store_check_identity(const char *path)
     else if (application != RIC_APPLICATION_ID) status = ric_store_fail_foreign(path);
     else if (version > RIC_FORMAT_VERSION)
         status = ric_fail(RIC_E_FORMAT,
-                          "%s: atlas of format %lld, and ricochet %s knows formats up to %d; use a newer ricochet",
+                          "%s: atlas of format %lld, and ricochet %s knows formats up to %d; use a "
+                          "newer ricochet",
                           path, (long long)version, ric_version(), RIC_FORMAT_VERSION);
     else if (version < 1) status = ric_store_fail_damaged(path, "its format has no number");
 out:
@@ -79,15 +84,16 @@ uint64_t ric_store_digest_model(const ric_model *m)
     for (int i = 0; i < ric_model_n_contact(m); i++) {
         ric_contact c;
         if (ric_model_contact(m, i, &c)) return 0;
-        const double numbers[] = {c.clearance, (double)c.sides, c.stiffness, c.exponent, c.length, c.reference};
+        const double numbers[] = {c.clearance, (double)c.sides, c.stiffness,
+                                  c.exponent,  c.length,        c.reference};
         digest = digest_bytes(digest, c.normal, n * size);
         digest = digest_bytes(digest, numbers, sizeof numbers);
     }
     return digest;
 }
 
-/* Eight bytes, the lowest first. A zero leaves its mark by the prime alone; half of all that is digested are numbers
- * that are zero. */
+/* Eight bytes, the lowest first. A zero leaves its mark by the prime alone; half of all that is
+ * digested are numbers that are zero. */
 static uint64_t digest_number(uint64_t digest, uint64_t value)
 {
     const uint64_t p2 = digest_prime * digest_prime, p4 = p2 * p2;
@@ -96,8 +102,8 @@ static uint64_t digest_number(uint64_t digest, uint64_t value)
     return digest;
 }
 
-/* Its type, an integer or the length of a text or blob, and the bits of a real number or the bytes of the text or
- * blob. */
+/* Its type, an integer or the length of a text or blob, and the bits of a real number or the bytes
+ * of the text or blob. */
 static uint64_t digest_column(uint64_t digest, sqlite3_stmt *row, int column)
 {
     unsigned char type = (unsigned char)sqlite3_column_type(row, column);
@@ -108,9 +114,11 @@ static uint64_t digest_column(uint64_t digest, sqlite3_stmt *row, int column)
         size_t n = (size_t)sqlite3_column_bytes(row, column);
         return digest_bytes(digest_number(digest, n), bytes, n);
     }
-    if (type == SQLITE_FLOAT) memcpy(&bits, &(double){sqlite3_column_double(row, column)}, sizeof bits);
-    return digest_number(digest_number(digest,
-                                       type == SQLITE_INTEGER ? (uint64_t)sqlite3_column_int64(row, column) : 0),
+    if (type == SQLITE_FLOAT)
+        memcpy(&bits, &(double){sqlite3_column_double(row, column)}, sizeof bits);
+    return digest_number(digest_number(digest, type == SQLITE_INTEGER
+                                                   ? (uint64_t)sqlite3_column_int64(row, column)
+                                                   : 0),
                          bits);
 }
 
@@ -131,12 +139,15 @@ static ric_status digest_rows(ric_database file, sqlite3_stmt *query, uint64_t *
 /* Over every value that a reader may rely on, derived columns included. */
 static ric_status digest_contents(ric_database file, uint64_t *digest)
 {
-    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction, &ric_table_point,
-                                              &ric_table_junction, &ric_table_junction_branch};
+    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction,
+                                              &ric_table_point, &ric_table_junction,
+                                              &ric_table_junction_branch};
     sqlite3_stmt *query = NULL;
     *digest = digest_start;
-    ric_status status = ric_store_sqlite_prepare(file, "SELECT key, value FROM meta WHERE key <> 'digest' ORDER BY key",
-                                                 &query);
+    ric_status status =
+        ric_store_sqlite_prepare(file,
+                                 "SELECT key, value FROM meta WHERE key <> 'digest' ORDER BY key",
+                                 &query);
     if (!status) status = digest_rows(file, query, digest);
     for (size_t i = 0; !status && i < sizeof tables / sizeof *tables; i++) {
         status = ric_store_sqlite_table(file, tables[i], RIC_SQL_SELECT, &query);
@@ -152,7 +163,8 @@ ric_status ric_store_get_meta(ric_database file, const char *key, char **value)
     sqlite3_stmt *query = NULL;
     bool row = false;
     *value = NULL;
-    ric_status status = ric_store_sqlite_prepare(file, "SELECT value FROM meta WHERE key = ?", &query);
+    ric_status status = ric_store_sqlite_prepare(file, "SELECT value FROM meta WHERE key = ?",
+                                                 &query);
     if (!status) {
         sqlite3_bind_text(query, 1, key, -1, SQLITE_STATIC);
         status = ric_store_sqlite_step(file, query, &row);
@@ -161,7 +173,8 @@ ric_status ric_store_get_meta(ric_database file, const char *key, char **value)
         bool is_text = sqlite3_column_type(query, 0) == SQLITE_TEXT;
         const char *text = is_text ? (const char *)sqlite3_column_text(query, 0) : NULL;
         *value = text ? ric_strdup(text) : NULL;
-        if (!is_text) status = ric_store_fail_damaged(file.path, "table meta: a value is not a text");
+        if (!is_text)
+            status = ric_store_fail_damaged(file.path, "table meta: a value is not a text");
         else if (!*value) status = ric_store_fail_memory();
     }
     sqlite3_finalize(query);
@@ -172,8 +185,9 @@ ric_status ric_store_put_meta(ric_database file, const char *key, const char *va
 {
     sqlite3_stmt *insert = NULL;
     bool row;
-    ric_status status = ric_store_sqlite_prepare(file, "INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)",
-                                                 &insert);
+    ric_status status =
+        ric_store_sqlite_prepare(file, "INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)",
+                                 &insert);
     if (!status) {
         int code = sqlite3_bind_text(insert, 1, key, -1, SQLITE_STATIC) |
                    sqlite3_bind_text(insert, 2, value, -1, SQLITE_STATIC);
@@ -224,13 +238,14 @@ ric_status ric_store_check_contents(ric_database file)
     }
     sqlite3_finalize(query);
     if (status) return status;
-    int code =
-        ric_store_sqlite_ask(file.db,
-                             "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 AND name IN "
-                             "('meta', 'trace', 'branch', 'branch_junction', 'point', 'junction', 'junction_branch')",
-                             &tables);
+    int code = ric_store_sqlite_ask(
+        file.db,
+        "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 AND name IN "
+        "('meta', 'trace', 'branch', 'branch_junction', 'point', 'junction', 'junction_branch')",
+        &tables);
     if (code) return ric_store_sqlite_fail(file, code);
-    return tables == 7 ? check_digest(file) : ric_store_fail_damaged(file.path, "a table is missing");
+    return tables == 7 ? check_digest(file)
+                       : ric_store_fail_damaged(file.path, "a table is missing");
 }
 
 /* ------------------------------------------------------------- stored work */
@@ -251,15 +266,19 @@ static const char *wrong_work(sqlite3_stmt *row, const char *last)
                : "the bytes do not match their digest";
 }
 
-/* Rows without a type of their own are compared in the order of their keys, so that a key that comes twice shows. */
+/* Rows without a type of their own are compared in the order of their keys, so that a key that
+ * comes twice shows. */
 ric_status ric_store_check_work(ric_database file)
 {
     sqlite3_stmt *query = NULL;
     char *last = NULL;
     bool row = false;
-    ric_status status = ric_store_sqlite_prepare(file, "SELECT key, blob, digest FROM trace ORDER BY key", &query);
+    ric_status status = ric_store_sqlite_prepare(file,
+                                                 "SELECT key, blob, digest FROM trace ORDER BY key",
+                                                 &query);
     while (!status && !(status = ric_store_sqlite_step(file, query, &row)) && row) {
-        const char *wrong = wrong_work(query, last), *key = (const char *)sqlite3_column_text(query, 0);
+        const char *wrong = wrong_work(query, last),
+                   *key = (const char *)sqlite3_column_text(query, 0);
         if (sqlite3_errcode(file.db) == SQLITE_NOMEM) status = ric_store_fail_memory();
         else if (wrong) status = ric_store_fail_row(file.path, "trace", key, wrong);
         free(last);
@@ -307,9 +326,11 @@ ric_status ric_store_compare_models(const char *path, const char *stored, const 
         size_t n_a = next_token(&stored), n_b = next_token(&given);
         if (!same_token(stored, n_a, given, n_b))
             return ric_fail(RIC_E_CONFLICT,
-                            "%s: the atlas of another model (it has `%.*s` where the study has `%.*s`); choose another "
+                            "%s: the atlas of another model (it has `%.*s` where the study has "
+                            "`%.*s`); choose another "
                             "file with -o",
-                            path, (int)(n_a > 40 ? 40 : n_a), stored, (int)(n_b > 40 ? 40 : n_b), given);
+                            path, (int)(n_a > 40 ? 40 : n_a), stored, (int)(n_b > 40 ? 40 : n_b),
+                            given);
         if (!n_a) return RIC_OK;
         stored += n_a;
         given += n_b;

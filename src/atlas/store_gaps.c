@@ -1,5 +1,5 @@
-/* Tongues that branches have stepped over, as lines of one text of the file: a reader that does not know of them finds
- * the same tables as ever, and an atlas without them has no such text. */
+/* Tongues that branches have stepped over, as lines of one text of the file: a reader that does not
+ * know of them finds the same tables as ever, and an atlas without them has no such text. */
 #include <ctype.h>
 #include <limits.h>
 #include <math.h>
@@ -24,7 +24,8 @@ ric_status ric_store_put_gaps(ric_database file, const ric_atlas *atlas)
     for (int k = 0; k < atlas->n_branch; k++)
         for (int i = 0; i < atlas->branches[k].n_gap; i++) {
             const ric_atlas_gap *gap = &atlas->branches[k].gaps[i];
-            fprintf(out.file, "%d %d %d %d %d\n", k + 1, gap->point, gap->mode, gap->turns, gap->others);
+            fprintf(out.file, "%d %d %d %d %d\n", k + 1, gap->point, gap->mode, gap->turns,
+                    gap->others);
         }
     char *text = ric_buffer_take(&out);
     if (!text) return ric_store_fail_memory();
@@ -39,25 +40,31 @@ static const char *take_line(const char *at, int out[NUMBERS])
     for (int i = 0; i < NUMBERS; i++) {
         long value = 0;
         if (!isdigit((unsigned char)*at)) return NULL;
-        for (; isdigit((unsigned char)*at) && value <= INT_MAX; at++) value = 10 * value + (*at - '0');
+        for (; isdigit((unsigned char)*at) && value <= INT_MAX; at++)
+            value = 10 * value + (*at - '0');
         if (value > INT_MAX || *at++ != (i + 1 < NUMBERS ? ' ' : '\n')) return NULL;
         out[i] = (int)value;
     }
     return at;
 }
 
-/* Whether the mode passes its turns between the two points, and the gap lies behind those before it. */
+/* Whether the mode passes its turns between the two points, and the gap lies behind those before
+ * it. */
 static bool fits(const ric_atlas *atlas, int branch, const ric_atlas_gap *gap)
 {
     const ric_model *m = ric_atlas_model(atlas);
-    if (branch < 1 || branch > atlas->n_branch || gap->mode < 1 || gap->mode > m->n_dof || gap->turns < 1) return false;
+    if (branch < 1 || branch > atlas->n_branch || gap->mode < 1 || gap->mode > m->n_dof ||
+        gap->turns < 1)
+        return false;
     const ric_branch_record *r = &atlas->branches[branch - 1];
     if (gap->point < 0 || gap->point > r->row.n_point - 2) return false;
     if (r->n_gap && gap->point <= r->gaps[r->n_gap - 1].point) return false;
     double turns[2];
     for (int i = 0; i < 2; i++)
-        turns[i] = m->frequency[gap->mode - 1] / ric_atlas_point_row(atlas, branch, gap->point + i).point.frequency;
-    return fmin(turns[0], turns[1]) - OFF <= gap->turns && gap->turns <= fmax(turns[0], turns[1]) + OFF;
+        turns[i] = m->frequency[gap->mode - 1] /
+                   ric_atlas_point_row(atlas, branch, gap->point + i).point.frequency;
+    return fmin(turns[0], turns[1]) - OFF <= gap->turns &&
+           gap->turns <= fmax(turns[0], turns[1]) + OFF;
 }
 
 ric_status ric_store_read_gaps(ric_database file, ric_atlas *atlas)
@@ -67,7 +74,10 @@ ric_status ric_store_read_gaps(ric_database file, ric_atlas *atlas)
     ric_status status = ric_store_get_meta(file, "gaps", &text);
     for (const char *at = text; !status && at && *at;) {
         at = take_line(at, line);
-        const ric_atlas_gap gap = {.point = line[1], .mode = line[2], .turns = line[3], .others = line[4]};
+        const ric_atlas_gap gap = {.point = line[1],
+                                   .mode = line[2],
+                                   .turns = line[3],
+                                   .others = line[4]};
         if (!at || line[0] < last || !fits(atlas, line[0], &gap)) {
             status = ric_store_fail_damaged(file.path, "table meta, row gaps: no gap of a branch");
             break;

@@ -1,5 +1,5 @@
-/* Proofs of curves and junctions that are kept in the file, beside those of points (store_proofs.c) and like them
- * outside its digest: each row has a digest over itself and over what it is of. */
+/* Proofs of curves and junctions that are kept in the file, beside those of points (store_proofs.c)
+ * and like them outside its digest: each row has a digest over itself and over what it is of. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,16 +16,21 @@ enum {
     COLUMNS = FIRST + INTEGERS + NUMBERS + 1,
 };
 
-static const char create[] =
-    "CREATE TABLE IF NOT EXISTS proof_graph (kind TEXT NOT NULL, id INTEGER NOT NULL, verdict INTEGER NOT NULL, why "
-    "TEXT NOT NULL, how TEXT NOT NULL, branch INTEGER NOT NULL, bits INTEGER NOT NULL, tubes INTEGER NOT NULL, begins "
-    "INTEGER NOT NULL, ends INTEGER NOT NULL, distance, exists_within, unique_within, energy_low, energy_high, "
-    "period_low, period_high, stable, unstable, approach, digest INTEGER NOT NULL, PRIMARY KEY (kind, id)) WITHOUT "
-    "ROWID";
-static const char insert[] = "INSERT OR REPLACE INTO proof_graph VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)";
-static const char select_all[] =
-    "SELECT kind, id, verdict, why, how, branch, bits, tubes, begins, ends, distance, exists_within, unique_within, "
-    "energy_low, energy_high, period_low, period_high, stable, unstable, approach, digest FROM proof_graph";
+static const char create[] = "CREATE TABLE IF NOT EXISTS proof_graph (kind TEXT NOT NULL, id "
+                             "INTEGER NOT NULL, verdict INTEGER NOT NULL, why "
+                             "TEXT NOT NULL, how TEXT NOT NULL, branch INTEGER NOT NULL, bits "
+                             "INTEGER NOT NULL, tubes INTEGER NOT NULL, begins "
+                             "INTEGER NOT NULL, ends INTEGER NOT NULL, distance, exists_within, "
+                             "unique_within, energy_low, energy_high, "
+                             "period_low, period_high, stable, unstable, approach, digest INTEGER "
+                             "NOT NULL, PRIMARY KEY (kind, id)) WITHOUT "
+                             "ROWID";
+static const char insert[] =
+    "INSERT OR REPLACE INTO proof_graph VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)";
+static const char select_all[] = "SELECT kind, id, verdict, why, how, branch, bits, tubes, begins, "
+                                 "ends, distance, exists_within, unique_within, "
+                                 "energy_low, energy_high, period_low, period_high, stable, "
+                                 "unstable, approach, digest FROM proof_graph";
 
 static double finite_or_nan(double x)
 {
@@ -51,8 +56,9 @@ static ric_graph_proof of_curve(const ric_curve_proof *p)
 static ric_graph_proof of_junction(const ric_junction_proof *p)
 {
     ric_graph_proof g = {.kind = RIC_GRAPH_JUNCTION, .id = p->junction, .state = p->state};
-    const double numbers[NUMBERS] = {p->distance,  p->exists,    p->unique, p->energy[0], p->energy[1],
-                                     p->period[0], p->period[1], NAN,       NAN,          NAN};
+    const double numbers[NUMBERS] = {p->distance,  p->exists,    p->unique,    p->energy[0],
+                                     p->energy[1], p->period[0], p->period[1], NAN,
+                                     NAN,          NAN};
     snprintf(g.why, sizeof g.why, "%s", p->why);
     snprintf(g.how, sizeof g.how, "%s", p->how);
     g.integer[0] = p->branch;
@@ -64,7 +70,8 @@ static ric_graph_proof of_junction(const ric_junction_proof *p)
 static const ric_graph_proof *find(const ric_atlas *atlas, ric_graph_kind kind, int id)
 {
     for (int i = 0; i < atlas->n_graph_proof; i++)
-        if (atlas->graph_proofs[i].kind == kind && atlas->graph_proofs[i].id == id) return &atlas->graph_proofs[i];
+        if (atlas->graph_proofs[i].kind == kind && atlas->graph_proofs[i].id == id)
+            return &atlas->graph_proofs[i];
     return NULL;
 }
 
@@ -112,7 +119,8 @@ static void print_numbers(FILE *f, int n, const double *x)
 static void print_junction(FILE *f, const ric_atlas *atlas, int id)
 {
     const ric_junction *j = &atlas->junctions[id - 1].row;
-    fprintf(f, "junction %s %d %d %a %a", ric_kind_text(j->kind), j->multiple, j->rotation[0], j->energy, j->frequency);
+    fprintf(f, "junction %s %d %d %a %a", ric_kind_text(j->kind), j->multiple, j->rotation[0],
+            j->energy, j->frequency);
     for (int i = 0; i < j->letters; i++) fprintf(f, " %d", j->word[i]);
     for (int i = 0; i < j->n_branch; i++) fprintf(f, " %d", j->branches[i]);
     print_numbers(f, 2 * ric_model_n_dof(ric_atlas_model(atlas)), j->state);
@@ -141,8 +149,8 @@ static ric_status digest_of(const ric_atlas *atlas, const ric_graph_proof *g, ui
 {
     ric_buffer b;
     if (!ric_buffer_open(&b)) return ric_store_fail_memory();
-    fprintf(b.file, "%d %" PRIx64 " %d %d", VERSION, ric_store_digest_model(ric_atlas_model(atlas)), g->id,
-            (int)g->state);
+    fprintf(b.file, "%d %" PRIx64 " %d %d", VERSION, ric_store_digest_model(ric_atlas_model(atlas)),
+            g->id, (int)g->state);
     for (int i = 0; i < INTEGERS; i++) fprintf(b.file, " %d", g->integer[i]);
     print_numbers(b.file, NUMBERS, g->number);
     fprintf(b.file, "\n%s\n%s\n", g->why, g->how);
@@ -178,7 +186,9 @@ static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_graph_proof 
     for (int i = 0; i < INTEGERS; i++) g->integer[i] = sqlite3_column_int(row, FIRST + i);
     for (int i = 0; i < NUMBERS; i++) {
         const int column = FIRST + INTEGERS + i;
-        g->number[i] = sqlite3_column_type(row, column) == SQLITE_NULL ? NAN : sqlite3_column_double(row, column);
+        g->number[i] = sqlite3_column_type(row, column) == SQLITE_NULL
+                           ? NAN
+                           : sqlite3_column_double(row, column);
     }
     return true;
 }
@@ -190,12 +200,14 @@ static ric_status add_row(ric_atlas *atlas, sqlite3_stmt *row)
     if (!take_row(atlas, row, &g)) return RIC_OK;
     const ric_status status = digest_of(atlas, &g, &digest);
     if (status || sqlite3_column_int64(row, COLUMNS - 1) != (sqlite3_int64)digest) return status;
-    ric_graph_proof *more = ric_realloc(atlas->graph_proofs, ((size_t)atlas->n_graph_proof + 1) * sizeof *more);
+    ric_graph_proof *more = ric_realloc(atlas->graph_proofs,
+                                        ((size_t)atlas->n_graph_proof + 1) * sizeof *more);
     if (!more) return ric_store_fail_memory();
     atlas->graph_proofs = more;
     more[atlas->n_graph_proof++] = g;
     if (g.kind == RIC_GRAPH_CURVE)
-        atlas->branches[g.id - 1].row.curve_proved = g.state == RIC_PROOF_DONE && g.integer[3] && g.integer[4];
+        atlas->branches[g.id - 1].row.curve_proved = g.state == RIC_PROOF_DONE && g.integer[3] &&
+                                                     g.integer[4];
     else atlas->junctions[g.id - 1].row.proved = g.state == RIC_PROOF_DONE;
     return RIC_OK;
 }
@@ -206,7 +218,8 @@ ric_status ric_store_read_graph(ric_database file, ric_atlas *atlas)
     bool row = false;
     ric_status status = ric_store_sqlite_prepare_there(file, "proof_graph", select_all, &query);
     if (!query) return status;
-    /* one row of each is written: a table without its key may have any number, each of which is read with its branch */
+    /* one row of each is written: a table without its key may have any number, each of which is
+     * read with its branch */
     for (int left = atlas->n_branch + atlas->n_junction; left > 0 && !status; left--) {
         if ((status = ric_store_sqlite_step(file, query, &row)) || !row) break;
         status = add_row(atlas, query);
@@ -217,29 +230,34 @@ ric_status ric_store_read_graph(ric_database file, ric_atlas *atlas)
 
 /* -------------------------------------------------------------------- write */
 
-static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atlas *atlas, const ric_graph_proof *g)
+static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atlas *atlas,
+                          const ric_graph_proof *g)
 {
     uint64_t digest;
     bool row;
     ric_status status = digest_of(atlas, g, &digest);
     if (status) return status;
-    int code = sqlite3_bind_text(query, 1, g->kind == RIC_GRAPH_CURVE ? "curve" : "junction", -1, SQLITE_STATIC);
+    int code = sqlite3_bind_text(query, 1, g->kind == RIC_GRAPH_CURVE ? "curve" : "junction", -1,
+                                 SQLITE_STATIC);
     code |= sqlite3_bind_int(query, 2, g->id);
     code |= sqlite3_bind_int(query, 3, (int)g->state);
     code |= sqlite3_bind_text(query, 4, g->why, -1, SQLITE_STATIC);
     code |= sqlite3_bind_text(query, 5, g->how, -1, SQLITE_STATIC);
-    for (int i = 0; i < INTEGERS; i++) code |= sqlite3_bind_int(query, FIRST + i + 1, g->integer[i]);
+    for (int i = 0; i < INTEGERS; i++)
+        code |= sqlite3_bind_int(query, FIRST + i + 1, g->integer[i]);
     for (int i = 0; i < NUMBERS; i++)
-        code |= isnan(g->number[i]) ? sqlite3_bind_null(query, FIRST + INTEGERS + i + 1)
-                                    : sqlite3_bind_double(query, FIRST + INTEGERS + i + 1, g->number[i]);
+        code |= isnan(g->number[i])
+                    ? sqlite3_bind_null(query, FIRST + INTEGERS + i + 1)
+                    : sqlite3_bind_double(query, FIRST + INTEGERS + i + 1, g->number[i]);
     code |= sqlite3_bind_int64(query, COLUMNS, (sqlite3_int64)digest);
     status = code ? ric_store_fail_memory() : ric_store_sqlite_step(file, query, &row);
     sqlite3_clear_bindings(query);
     return status;
 }
 
-static ric_status put_all(ric_store *store, const ric_atlas *atlas, int n_curve, const ric_curve_proof *curves,
-                          int n_junction, const ric_junction_proof *junctions)
+static ric_status put_all(ric_store *store, const ric_atlas *atlas, int n_curve,
+                          const ric_curve_proof *curves, int n_junction,
+                          const ric_junction_proof *junctions)
 {
     sqlite3_stmt *query = NULL;
     ric_database file;
@@ -247,14 +265,16 @@ static ric_status put_all(ric_store *store, const ric_atlas *atlas, int n_curve,
     if (!status) status = ric_store_sqlite_run(file, create);
     if (!status) status = ric_store_sqlite_prepare(file, insert, &query);
     for (int i = 0; !status && i < n_curve + n_junction; i++) {
-        const ric_graph_proof g = i < n_curve ? of_curve(&curves[i]) : of_junction(&junctions[i - n_curve]);
+        const ric_graph_proof g = i < n_curve ? of_curve(&curves[i])
+                                              : of_junction(&junctions[i - n_curve]);
         status = put_row(file, query, atlas, &g);
     }
     sqlite3_finalize(query);
     return status ? status : ric_store_commit(store);
 }
 
-ric_status ric_curve_proof_keep(const char *path, const ric_atlas *atlas, int n, const ric_curve_proof *proofs)
+ric_status ric_curve_proof_keep(const char *path, const ric_atlas *atlas, int n,
+                                const ric_curve_proof *proofs)
 {
     ric_store *store = NULL;
     ric_status status = ric_store_open(path, ric_atlas_study(atlas), &store);
@@ -263,7 +283,8 @@ ric_status ric_curve_proof_keep(const char *path, const ric_atlas *atlas, int n,
     return status;
 }
 
-ric_status ric_junction_proof_keep(const char *path, const ric_atlas *atlas, int n, const ric_junction_proof *proofs)
+ric_status ric_junction_proof_keep(const char *path, const ric_atlas *atlas, int n,
+                                   const ric_junction_proof *proofs)
 {
     ric_store *store = NULL;
     ric_status status = ric_store_open(path, ric_atlas_study(atlas), &store);

@@ -1,7 +1,7 @@
-/* The files beside an atlas, whose names the program and SQLite choose: the lock of a run and the journals. Somebody
- * else may have laid something of that name, a link to a file that is dear or a file with contents of its own: nothing
- * is opened that is not a plain file of the right owner, and nothing is changed or removed that we have not written
- * (CWE-59, following links). */
+/* The files beside an atlas, whose names the program and SQLite choose: the lock of a run and the
+ * journals. Somebody else may have laid something of that name, a link to a file that is dear or a
+ * file with contents of its own: nothing is opened that is not a plain file of the right owner, and
+ * nothing is changed or removed that we have not written (CWE-59, following links). */
 #include "store_parts.h"
 
 #include <errno.h>
@@ -55,17 +55,22 @@ const char *ric_store_file_kind(mode_t mode)
 static ric_status not_ours(const char *path, const char *what, const char *purpose)
 {
     return ric_fail(RIC_E_IO,
-                    "%s: it is %s and not %s; nothing was changed. Look at it and move it away, or choose another name "
+                    "%s: it is %s and not %s; nothing was changed. Look at it and move it away, or "
+                    "choose another name "
                     "for the atlas",
                     path, what, purpose);
 }
 
 /* A plain file under this name alone. `owner`: another user to whom it may belong. */
-static ric_status check_plain(const char *path, const struct stat *found, uid_t owner, const char *purpose)
+static ric_status check_plain(const char *path, const struct stat *found, uid_t owner,
+                              const char *purpose)
 {
-    if (!S_ISREG(found->st_mode)) return not_ours(path, ric_store_file_kind(found->st_mode), purpose);
-    if (found->st_nlink > 1) return not_ours(path, "a file with a second name (a hard link)", purpose);
-    if (found->st_uid != geteuid() && found->st_uid != owner) return not_ours(path, "a file of another user", purpose);
+    if (!S_ISREG(found->st_mode))
+        return not_ours(path, ric_store_file_kind(found->st_mode), purpose);
+    if (found->st_nlink > 1)
+        return not_ours(path, "a file with a second name (a hard link)", purpose);
+    if (found->st_uid != geteuid() && found->st_uid != owner)
+        return not_ours(path, "a file of another user", purpose);
     return RIC_OK;
 }
 
@@ -73,9 +78,9 @@ static ric_status check_plain(const char *path, const struct stat *found, uid_t 
 
 static const char lock_purpose[] = "the lock of a run of ours";
 
-/* The lock lies on a file beside the atlas, PATH-lock: closing any descriptor of the atlas itself would end the locks
- * of SQLite. The system releases it when the process ends, however it ends; a file left over by a kill locks
- * nothing. */
+/* The lock lies on a file beside the atlas, PATH-lock: closing any descriptor of the atlas itself
+ * would end the locks of SQLite. The system releases it when the process ends, however it ends; a
+ * file left over by a kill locks nothing. */
 static void sign_lock(int lock)
 {
     char host[65] = "this machine", when[32] = "", text[160];
@@ -83,7 +88,8 @@ static void sign_lock(int lock)
     struct tm local;
     gethostname(host, sizeof host - 1);
     if (localtime_r(&now, &local)) strftime(when, sizeof when, "%Y-%m-%d %H:%M", &local);
-    int size = snprintf(text, sizeof text, "process %ld on %s since %s", (long)getpid(), host, when);
+    int size = snprintf(text, sizeof text, "process %ld on %s since %s", (long)getpid(), host,
+                        when);
     /* a disk that takes no more leaves the lock without a name */
     if (ftruncate(lock, 0) == 0 && size > 0 && pwrite(lock, text, (size_t)size, 0) < 0) return;
 }
@@ -106,12 +112,15 @@ static bool is_signed(int lock, off_t size)
     if (length != size) return false;
     text[length] = 0;
     const char *on = strstr(text, " on "), *since = strstr(text, " since ");
-    if (strncmp(text, "process ", 8) || !on || !since || since < on || strlen(text) != (size_t)length) return false;
+    if (strncmp(text, "process ", 8) || !on || !since || since < on ||
+        strlen(text) != (size_t)length)
+        return false;
     return strspn(text + 8, "0123456789") == (size_t)(on - text) - 8 && !strpbrk(text, "\r\n\t") &&
            strspn(since + 7, "0123456789-: ") == strlen(since + 7);
 }
 
-/* Opens without waiting, following or changing anything. A file that vanishes in between is tried again: *out = -1. */
+/* Opens without waiting, following or changing anything. A file that vanishes in between is tried
+ * again: *out = -1. */
 static ric_status open_lock(const char *path, const char *atlas, int *out)
 {
     struct stat found;
@@ -123,7 +132,8 @@ static ric_status open_lock(const char *path, const char *atlas, int *out)
     int lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0666);
     if (lock < 0 && errno == ELOOP) return not_ours(path, "a symbolic link", lock_purpose);
     if (lock < 0)
-        return ric_fail(RIC_E_IO, "%s: cannot write in its folder (%s); choose another file with -o", atlas,
+        return ric_fail(RIC_E_IO,
+                        "%s: cannot write in its folder (%s); choose another file with -o", atlas,
                         strerror(errno));
     if (fstat(lock, &found) || found.st_nlink == 0) {
         close(lock);
@@ -135,11 +145,13 @@ static ric_status open_lock(const char *path, const char *atlas, int *out)
     return status;
 }
 
-/* Whether the descriptor is what others find under that name: a run removes the file when it ends. */
+/* Whether the descriptor is what others find under that name: a run removes the file when it ends.
+ */
 static bool is_named(int lock, const char *path, struct stat *held)
 {
     struct stat named;
-    return !fstat(lock, held) && !lstat(path, &named) && held->st_ino == named.st_ino && held->st_dev == named.st_dev;
+    return !fstat(lock, held) && !lstat(path, &named) && held->st_ino == named.st_ino &&
+           held->st_dev == named.st_dev;
 }
 
 static ric_status refuse_lock(int lock, int reason, const char *atlas)
@@ -148,9 +160,11 @@ static ric_status refuse_lock(int lock, int reason, const char *atlas)
     read_signature(lock, holder, sizeof holder);
     return reason == EWOULDBLOCK
                ? ric_fail(RIC_E_BUSY,
-                          "%s: in use by another run (%s); wait for its end, or choose another file with -o", atlas,
-                          *holder ? holder : "it did not sign")
-               : ric_fail(RIC_E_IO, "%s: cannot be locked (%s); choose a file on another disk with -o", atlas,
+                          "%s: in use by another run (%s); wait for its end, or choose another "
+                          "file with -o",
+                          atlas, *holder ? holder : "it did not sign")
+               : ric_fail(RIC_E_IO,
+                          "%s: cannot be locked (%s); choose a file on another disk with -o", atlas,
                           strerror(reason));
 }
 
@@ -194,12 +208,13 @@ static const unsigned char journal_magic[8] = {0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa
 static bool starts_or_ends(int file, off_t size, off_t at, const void *bytes, size_t n)
 {
     unsigned char found[8];
-    return at >= 0 && at + (off_t)n <= size && pread(file, found, n, at) == (ssize_t)n && !memcmp(found, bytes, n);
+    return at >= 0 && at + (off_t)n <= size && pread(file, found, n, at) == (ssize_t)n &&
+           !memcmp(found, bytes, n);
 }
 
-/* SQLite removes a journal that it takes for one, with another file that the journal names at its end (super-journal),
- * of which an atlas has no need. A journal that was not finished starts with zeros. Format: www.sqlite.org/fileformat
- * sections 3 and 4. */
+/* SQLite removes a journal that it takes for one, with another file that the journal names at its
+ * end (super-journal), of which an atlas has no need. A journal that was not finished starts with
+ * zeros. Format: www.sqlite.org/fileformat sections 3 and 4. */
 static const char *wrong_journal(int file, off_t size, bool log)
 {
     static const unsigned char zeros[8] = {0};
@@ -209,10 +224,12 @@ static const char *wrong_journal(int file, off_t size, bool log)
                        starts_or_ends(file, size, 0, "\x37\x7f\x06\x83", 4)
                    ? NULL
                    : "a file with other contents";
-    if (!starts_or_ends(file, size, 0, journal_magic, 8) && !starts_or_ends(file, size, 0, zeros, 8))
+    if (!starts_or_ends(file, size, 0, journal_magic, 8) &&
+        !starts_or_ends(file, size, 0, zeros, 8))
         return "a file with other contents";
-    return starts_or_ends(file, size, size - 8, journal_magic, 8) && size > 8 ? "a journal that names further files"
-                                                                              : NULL;
+    return starts_or_ends(file, size, size - 8, journal_magic, 8) && size > 8
+               ? "a journal that names further files"
+               : NULL;
 }
 
 static ric_status check_journal(const char *path, uid_t owner, bool log)

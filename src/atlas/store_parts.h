@@ -1,4 +1,5 @@
-/* What the files of the store share: its database, its checks and its rows. No other file needs it. */
+/* What the files of the store share: its database, its checks and its rows. No other file needs it.
+ */
 #ifndef RIC_ATLAS_STORE_PARTS_H
 #define RIC_ATLAS_STORE_PARTS_H
 
@@ -24,26 +25,30 @@ typedef struct {
 ric_status ric_store_fail_memory(void);
 ric_status ric_store_fail_damaged(const char *path, const char *what);
 /* The row of a table with this key. */
-ric_status ric_store_fail_row(const char *path, const char *table, const char *key, const char *what);
+ric_status ric_store_fail_row(const char *path, const char *table, const char *key,
+                              const char *what);
 ric_status ric_store_fail_foreign(const char *path);
 
 /* A result code of SQLite as one of our kinds. */
 ric_status ric_store_sqlite_fail(ric_database file, int code);
 /* `wait`: ms until a locked file is given up. */
 ric_status ric_store_sqlite_open(const char *path, int flags, int wait, ric_database *out);
-/* The file as it lies there: no locks, no journals, nothing is made beside it. Only for what nobody writes
- * meanwhile. */
+/* The file as it lies there: no locks, no journals, nothing is made beside it. Only for what nobody
+ * writes meanwhile. */
 ric_status ric_store_sqlite_open_still(const char *path, ric_database *out);
 ric_status ric_store_sqlite_run(ric_database file, const char *sql);
 ric_status ric_store_sqlite_prepare(ric_database file, const char *sql, sqlite3_stmt **out);
 /* The same of a table that a file need not have: *out stays NULL if it has none. */
-ric_status ric_store_sqlite_prepare_there(ric_database file, const char *table, const char *sql, sqlite3_stmt **out);
+ric_status ric_store_sqlite_prepare_there(ric_database file, const char *table, const char *sql,
+                                          sqlite3_stmt **out);
 /* One row further; *row = false at the end, and then the query may run again. */
 ric_status ric_store_sqlite_step(ric_database file, sqlite3_stmt *query, bool *row);
 /* What is asked of a table; the columns of other readers, which are derived, come last. */
 typedef enum { RIC_SQL_CREATE, RIC_SQL_INSERT, RIC_SQL_SELECT, RIC_SQL_COUNT } ric_sql;
-ric_status ric_store_sqlite_table(ric_database file, const ric_table *table, ric_sql what, sqlite3_stmt **out);
-/* Columns in that order, NULL behind the last: of what is stored, and where all is false, not derived. */
+ric_status ric_store_sqlite_table(ric_database file, const ric_table *table, ric_sql what,
+                                  sqlite3_stmt **out);
+/* Columns in that order, NULL behind the last: of what is stored, and where all is false, not
+ * derived. */
 const ric_column *ric_store_next_column(const ric_table *table, const ric_column *before, bool all);
 /* The number in a one-row answer, as a result code of SQLite. */
 int ric_store_sqlite_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out);
@@ -61,8 +66,8 @@ const char *ric_store_file_kind(mode_t mode);
 /* The lock `path` beside the atlas `atlas`, and its descriptor; released, *lock = -1. */
 ric_status ric_store_lock_take(const char *atlas, const char *path, int *lock);
 void ric_store_lock_release(const char *path, int *lock);
-/* Whether another program has left the file in write-ahead mode without anything waiting beside it: SQLite would make
- * files beside it for whoever only reads, and a run takes it out of that mode. */
+/* Whether another program has left the file in write-ahead mode without anything waiting beside it:
+ * SQLite would make files beside it for whoever only reads, and a run takes it out of that mode. */
 bool ric_store_left_ahead(const char *atlas);
 /* Refuses what SQLite would take for journals of the atlas and is none, before it is opened. */
 ric_status ric_store_check_beside(const char *atlas);
@@ -80,8 +85,8 @@ ric_status ric_store_check_work(ric_database file);
 /* That the file is of the model of `study`. */
 ric_status ric_store_check_model(ric_database file, const ric_study *study);
 
-/* The model of a study: from the line `model:` to the next top-level key, as a copy; "" if there is none. NULL without
- * memory. */
+/* The model of a study: from the line `model:` to the next top-level key, as a copy; "" if there is
+ * none. NULL without memory. */
 char *ric_store_model_text(const char *study);
 /* 9 and 9.0 are the same model. */
 ric_status ric_store_compare_models(const char *path, const char *stored, const char *given);
@@ -109,7 +114,8 @@ ric_status ric_store_check_numbers(const char *path, const ric_atlas *atlas);
 
 /* ------------------------------------------------------------- store_write.c */
 
-ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced, int n_blind);
+ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished,
+                               int n_unplaced, int n_blind);
 ric_status ric_store_put_branches(ric_database file, const ric_atlas *atlas);
 ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas);
 

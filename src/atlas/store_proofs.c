@@ -1,6 +1,7 @@
-/* Proofs that are kept in the file, in a table of their own outside its digest. Each row has a digest over itself, the
- * structure and the point that it is of, so that a point that has changed since has none, and a damaged row is none. It
- * is no signature: who wants to believe a proof checks its certificate. */
+/* Proofs that are kept in the file, in a table of their own outside its digest. Each row has a
+ * digest over itself, the structure and the point that it is of, so that a point that has changed
+ * since has none, and a damaged row is none. It is no signature: who wants to believe a proof
+ * checks its certificate. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,18 +17,23 @@ enum {
     FIRST = 8,
 };
 
-static const char create[] =
-    "CREATE TABLE IF NOT EXISTS proof (branch INTEGER NOT NULL, point INTEGER NOT NULL, verdict INTEGER NOT NULL, why "
-    "TEXT "
-    "NOT NULL, bits INTEGER NOT NULL, stable INTEGER NOT NULL, symmetric INTEGER NOT NULL, reversible INTEGER NOT "
-    "NULL, "
-    "distance, exists_within, unique_within, energy_low, energy_high, period_low, period_high, trace_low, trace_high, "
-    "approach, certificate TEXT NOT NULL, digest INTEGER NOT NULL, PRIMARY KEY (branch, point)) WITHOUT ROWID";
-static const char insert[] = "INSERT OR REPLACE INTO proof VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)";
-static const char select_all[] =
-    "SELECT branch, point, verdict, why, bits, stable, symmetric, reversible, distance, exists_within, unique_within, "
-    "energy_low, energy_high, period_low, period_high, trace_low, trace_high, approach, certificate, digest FROM proof "
-    "ORDER BY branch, point";
+static const char create[] = "CREATE TABLE IF NOT EXISTS proof (branch INTEGER NOT NULL, point "
+                             "INTEGER NOT NULL, verdict INTEGER NOT NULL, why "
+                             "TEXT "
+                             "NOT NULL, bits INTEGER NOT NULL, stable INTEGER NOT NULL, symmetric "
+                             "INTEGER NOT NULL, reversible INTEGER NOT "
+                             "NULL, "
+                             "distance, exists_within, unique_within, energy_low, energy_high, "
+                             "period_low, period_high, trace_low, trace_high, "
+                             "approach, certificate TEXT NOT NULL, digest INTEGER NOT NULL, "
+                             "PRIMARY KEY (branch, point)) WITHOUT ROWID";
+static const char insert[] =
+    "INSERT OR REPLACE INTO proof VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)";
+static const char select_all[] = "SELECT branch, point, verdict, why, bits, stable, symmetric, "
+                                 "reversible, distance, exists_within, unique_within, "
+                                 "energy_low, energy_high, period_low, period_high, trace_low, "
+                                 "trace_high, approach, certificate, digest FROM proof "
+                                 "ORDER BY branch, point";
 
 /* The numbers of a proof in the order of the columns. */
 static const size_t numbers[NUMBERS] = {
@@ -45,9 +51,10 @@ static double stored_number(const ric_proof *p, int i)
     return isfinite(value) ? value : NAN;
 }
 
-/* Over the point as it is stored, and what is said of it; NULL cannot be told from other numbers that are not finite.
- */
-static ric_status digest_row(const ric_atlas *atlas, const ric_proof *p, const char *certificate, uint64_t *out)
+/* Over the point as it is stored, and what is said of it; NULL cannot be told from other numbers
+ * that are not finite. */
+static ric_status digest_row(const ric_atlas *atlas, const ric_proof *p, const char *certificate,
+                             uint64_t *out)
 {
     const ric_branch *branch = &atlas->branches[p->branch - 1].row;
     const ric_point_row row = ric_atlas_point_row(atlas, p->branch, p->point);
@@ -55,10 +62,12 @@ static ric_status digest_row(const ric_atlas *atlas, const ric_proof *p, const c
     ric_buffer b;
     if (!ric_buffer_open(&b)) return ric_store_fail_memory();
     fprintf(b.file, "%d %" PRIx64 " %d %d %d %d %d %d %d %d %d", VERSION,
-            ric_store_digest_model(ric_atlas_model(atlas)), p->branch, p->point, (int)p->state, p->bits, (int)p->stable,
-            p->symmetric, p->reversible, branch->symmetric, branch->reversible);
+            ric_store_digest_model(ric_atlas_model(atlas)), p->branch, p->point, (int)p->state,
+            p->bits, (int)p->stable, p->symmetric, p->reversible, branch->symmetric,
+            branch->reversible);
     for (int i = 0; i < branch->letters; i++) fprintf(b.file, " %d", branch->word[i]);
-    fprintf(b.file, " %a %a %a %d", row.point.energy, row.point.frequency, row.point.trace, (int)row.point.stable);
+    fprintf(b.file, " %a %a %a %d", row.point.energy, row.point.frequency, row.point.trace,
+            (int)row.point.stable);
     for (int i = 0; i < 2 * n_dof; i++) fprintf(b.file, " %a", row.state[i]);
     for (int i = 0; i < branch->letters; i++) fprintf(b.file, " %a", row.flights[i]);
     for (int i = 0; i < NUMBERS; i++) fprintf(b.file, " %a", stored_number(p, i));
@@ -79,12 +88,14 @@ static int compare(const void *a, const void *b)
     return (p->point > q->point) - (p->point < q->point);
 }
 
-bool ric_proof_kept(const ric_atlas *atlas, int branch, int i, ric_proof *out, const char **certificate)
+bool ric_proof_kept(const ric_atlas *atlas, int branch, int i, ric_proof *out,
+                    const char **certificate)
 {
     const ric_proof key = {.branch = branch, .point = i};
-    const ric_proof_record *found = atlas->n_proof ? bsearch(&key, atlas->proofs, (size_t)atlas->n_proof,
-                                                             sizeof *atlas->proofs, compare)
-                                                   : NULL;
+    const ric_proof_record *found = atlas->n_proof
+                                        ? bsearch(&key, atlas->proofs, (size_t)atlas->n_proof,
+                                                  sizeof *atlas->proofs, compare)
+                                        : NULL;
     if (!found) return false;
     if (out) *out = found->proof;
     if (certificate) *certificate = found->certificate;
@@ -99,7 +110,8 @@ static bool in_range(sqlite3_stmt *row, int column, int least, int most)
 
 static double number(sqlite3_stmt *row, int column)
 {
-    return sqlite3_column_type(row, column) == SQLITE_NULL ? NAN : sqlite3_column_double(row, column);
+    return sqlite3_column_type(row, column) == SQLITE_NULL ? NAN
+                                                           : sqlite3_column_double(row, column);
 }
 
 /* false: it is no row that was written. */
@@ -109,7 +121,8 @@ static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_proof *p)
     *p = (ric_proof){.branch = sqlite3_column_int(row, 0)};
     if (!in_range(row, 1, 0, atlas->branches[p->branch - 1].row.n_point - 1)) return false;
     if (!in_range(row, 2, RIC_PROOF_DONE, RIC_PROOF_LEFT_OUT) || !in_range(row, 4, 0, 1 << 20) ||
-        !in_range(row, 5, RIC_STABLE_NO, RIC_STABLE_UNDECIDED) || !in_range(row, 6, 0, 1) || !in_range(row, 7, 0, 1))
+        !in_range(row, 5, RIC_STABLE_NO, RIC_STABLE_UNDECIDED) || !in_range(row, 6, 0, 1) ||
+        !in_range(row, 7, 0, 1))
         return false;
     p->point = sqlite3_column_int(row, 1);
     p->state = (ric_proof_state)sqlite3_column_int(row, 2);
@@ -134,7 +147,8 @@ static ric_status add_row(ric_atlas *atlas, sqlite3_stmt *row)
     if (!certificate || !take_row(atlas, row, &proof)) return RIC_OK;
     const ric_status status = digest_row(atlas, &proof, certificate, &digest);
     if (status || sqlite3_column_int64(row, 19) != (sqlite3_int64)digest) return status;
-    ric_proof_record *more = ric_realloc(atlas->proofs, ((size_t)atlas->n_proof + 1) * sizeof *more);
+    ric_proof_record *more = ric_realloc(atlas->proofs,
+                                         ((size_t)atlas->n_proof + 1) * sizeof *more);
     if (!more) return ric_store_fail_memory();
     atlas->proofs = more;
     more[atlas->n_proof] = (ric_proof_record){proof, ric_strdup(certificate)};
@@ -150,15 +164,16 @@ ric_status ric_store_read_proofs(ric_database file, ric_atlas *atlas)
     bool row = false;
     ric_status status = ric_store_sqlite_prepare_there(file, "proof", select_all, &query);
     if (!query) return status;
-    while (!status && !(status = ric_store_sqlite_step(file, query, &row)) && row) status = add_row(atlas, query);
+    while (!status && !(status = ric_store_sqlite_step(file, query, &row)) && row)
+        status = add_row(atlas, query);
     sqlite3_finalize(query);
     return status;
 }
 
 /* -------------------------------------------------------------------- write */
 
-static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atlas *atlas, const ric_proof *p,
-                          const char *certificate)
+static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atlas *atlas,
+                          const ric_proof *p, const char *certificate)
 {
     const int integers[] = {p->branch, p->point, (int)p->state};
     const int more[] = {p->bits, (int)p->stable, p->symmetric, p->reversible};
@@ -182,8 +197,8 @@ static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atla
     return status;
 }
 
-ric_status ric_store_put_proofs(ric_store *store, const ric_atlas *atlas, int n, const ric_proof *proofs,
-                                const char *const *certificates)
+ric_status ric_store_put_proofs(ric_store *store, const ric_atlas *atlas, int n,
+                                const ric_proof *proofs, const char *const *certificates)
 {
     sqlite3_stmt *query = NULL;
     ric_database file;

@@ -17,8 +17,8 @@ enum {
     READER_WAIT = 60000, /* ms that a reader waits for a run that is just writing */
 };
 
-/* Takes the values of one row from left to right. A value of the wrong type, range or size makes the row `wrong`, once
- * and for all; the first that does is named. */
+/* Takes the values of one row from left to right. A value of the wrong type, range or size makes
+ * the row `wrong`, once and for all; the first that does is named. */
 typedef struct {
     sqlite3_stmt *query;
     int column;
@@ -38,7 +38,8 @@ static int take_integer(row_reader *row, int min, int max)
 {
     int column = row->column++;
     sqlite3_int64 value = sqlite3_column_int64(row->query, column);
-    if (sqlite3_column_type(row->query, column) == SQLITE_INTEGER && value >= min && value <= max) return (int)value;
+    if (sqlite3_column_type(row->query, column) == SQLITE_INTEGER && value >= min && value <= max)
+        return (int)value;
     fault(row, column, "not a whole number in its range");
     return min;
 }
@@ -53,7 +54,8 @@ static double take_real(row_reader *row)
 
 static int take_id(row_reader *row, int max)
 {
-    if (sqlite3_column_type(row->query, row->column) != SQLITE_NULL) return take_integer(row, 1, max);
+    if (sqlite3_column_type(row->query, row->column) != SQLITE_NULL)
+        return take_integer(row, 1, max);
     row->column++;
     return 0;
 }
@@ -64,13 +66,18 @@ static bool is_text(const unsigned char *byte, size_t n)
     for (size_t i = 0; i < n;) {
         static const uint32_t least[] = {1, 1, 0x80, 0x800, 0x10000};
         unsigned char first = byte[i++];
-        int length = first < 0x80 ? 1 : first >> 5 == 6 ? 2 : first >> 4 == 14 ? 3 : first >> 3 == 30 ? 4 : 0;
+        int length = first < 0x80       ? 1
+                     : first >> 5 == 6  ? 2
+                     : first >> 4 == 14 ? 3
+                     : first >> 3 == 30 ? 4
+                                        : 0;
         uint32_t code = length < 2 ? first : first & (0x7fu >> length);
         for (int k = 1; k < length; k++, i++) {
             if (i >= n || byte[i] >> 6 != 2) return false;
             code = code << 6 | (byte[i] & 0x3f);
         }
-        if (!length || code < least[length] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return false;
+        if (!length || code < least[length] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000))
+            return false;
     }
     return true;
 }
@@ -81,7 +88,8 @@ static char *take_text(row_reader *row)
     const char *text = sqlite3_column_type(row->query, column) == SQLITE_TEXT
                            ? (const char *)sqlite3_column_text(row->query, column)
                            : NULL;
-    if (!text || !is_text((const unsigned char *)text, (size_t)sqlite3_column_bytes(row->query, column))) {
+    if (!text ||
+        !is_text((const unsigned char *)text, (size_t)sqlite3_column_bytes(row->query, column))) {
         fault(row, column, "not a text in UTF-8");
         text = "";
     }
@@ -104,8 +112,9 @@ static int take_choice(row_reader *row, int n, const char *(*text_of)(int))
 static void take_float64s(row_reader *row, size_t n, double *values)
 {
     int column = row->column++;
-    const void *blob = sqlite3_column_type(row->query, column) == SQLITE_BLOB ? sqlite3_column_blob(row->query, column)
-                                                                              : NULL;
+    const void *blob = sqlite3_column_type(row->query, column) == SQLITE_BLOB
+                           ? sqlite3_column_blob(row->query, column)
+                           : NULL;
     if (values && blob && (size_t)sqlite3_column_bytes(row->query, column) == 8 * n)
         ric_store_take_float64(blob, n, values);
     else fault(row, column, "not as many bytes as the model and the word ask for");
@@ -119,7 +128,8 @@ static int *take_word(row_reader *row, const ric_model *model, int impacts, int 
     int *word = text ? ric_word_read(model, text, n) : NULL;
     row->no_memory |= text && !word;
     if (!text || (word && *n < 0)) fault(row, column, "no word of faces of the model");
-    else if (word && ric_word_impacts(model, *n, word) != impacts) fault(row, column, "not as long as its impacts");
+    else if (word && ric_word_impacts(model, *n, word) != impacts)
+        fault(row, column, "not as long as its impacts");
     if (row->wrong || !word) *n = 0;
     free(text);
     return word;
@@ -130,12 +140,14 @@ static ric_status reader_status(const row_reader *row, ric_database file, const 
     char what[200], sub[32] = "";
     if (row->no_memory) return ric_store_fail_memory();
     if (!row->wrong) return RIC_OK;
-    if (sqlite3_errcode(file.db) == SQLITE_NOMEM) /* a value that SQLite could not hand out is no fault of the file */
+    if (sqlite3_errcode(file.db) ==
+        SQLITE_NOMEM) /* a value that SQLite could not hand out is no fault of the file */
         return ric_store_fail_memory();
     if (sqlite3_column_count(row->query) > 1 && strcmp(sqlite3_column_name(row->query, 0), "id"))
         snprintf(sub, sizeof sub, ", %lld", (long long)sqlite3_column_int64(row->query, 1));
-    snprintf(what, sizeof what, "table %s, row %lld%s, %s: %s", table, (long long)sqlite3_column_int64(row->query, 0),
-             sub, sqlite3_column_name(row->query, row->at), row->wrong);
+    snprintf(what, sizeof what, "table %s, row %lld%s, %s: %s", table,
+             (long long)sqlite3_column_int64(row->query, 0), sub,
+             sqlite3_column_name(row->query, row->at), row->wrong);
     return ric_store_fail_damaged(file.path, what);
 }
 
@@ -145,7 +157,8 @@ static ric_status count_rows(ric_database file, const char *query, int *n)
     int code = ric_store_sqlite_ask(file.db, query, &count);
     *n = (int)(count <= INT_MAX ? count : 0);
     if (code) return ric_store_sqlite_fail(file, code);
-    return count > INT_MAX ? ric_store_fail_damaged(file.path, "a table has too many rows") : RIC_OK;
+    return count > INT_MAX ? ric_store_fail_damaged(file.path, "a table has too many rows")
+                           : RIC_OK;
 }
 
 /* How many rows each of n_owner owners has, counts[0..n_owner-1]; there are no rows without one. */
@@ -158,15 +171,16 @@ static ric_status count_owned(ric_database file, const ric_table *table, int n_o
     while (!status && !(status = ric_store_sqlite_step(file, row.query, &more)) && more) {
         row.column = 0;
         int owner = take_integer(&row, 1, n_owner), count = take_integer(&row, 1, INT_MAX);
-        if (row.wrong) status = ric_store_fail_damaged(file.path, "rows belong to no branch or junction");
+        if (row.wrong)
+            status = ric_store_fail_damaged(file.path, "rows belong to no branch or junction");
         else counts[owner - 1] = count;
     }
     sqlite3_finalize(row.query);
     return status;
 }
 
-/* Takes as many rows as were counted: n, or those of each owner. A row is the i-th of its list, or of its owner, whose
- * number is its first value. */
+/* Takes as many rows as were counted: n, or those of each owner. A row is the i-th of its list, or
+ * of its owner, whose number is its first value. */
 static ric_status take_rows(ric_database file, const ric_table *table, int n, const int *counts,
                             void (*take)(row_reader *, int i, ric_atlas *), ric_atlas *atlas)
 {
@@ -206,7 +220,8 @@ static void take_vector(row_reader *row, size_t n, const double **at)
     *at = values;
 }
 
-/* One value into its row, which has its own number and that of its owner, and the impacts of its word. */
+/* One value into its row, which has its own number and that of its owner, and the impacts of its
+ * word. */
 static void take_column(row_reader *in, const ric_column *c, const ric_atlas *atlas, void *row)
 {
     const ric_model *model = ric_atlas_model(atlas);
@@ -229,8 +244,12 @@ static void take_column(row_reader *in, const ric_column *c, const ric_atlas *at
         *(const int **)at = take_word(in, model, *(int *)(void *)((char *)row + c[-1].offset),
                                       (void *)((char *)row + c->count));
         break;
-    case RIC_COLUMN_STOP: *(ric_stop *)at = (ric_stop)take_choice(in, RIC_STOP_FAILED + 1, stop_text); break;
-    case RIC_COLUMN_KIND: *(ric_kind *)at = (ric_kind)take_choice(in, RIC_KIND_USER + 1, kind_text); break;
+    case RIC_COLUMN_STOP:
+        *(ric_stop *)at = (ric_stop)take_choice(in, RIC_STOP_FAILED + 1, stop_text);
+        break;
+    case RIC_COLUMN_KIND:
+        *(ric_kind *)at = (ric_kind)take_choice(in, RIC_KIND_USER + 1, kind_text);
+        break;
     case RIC_COLUMN_STATE:
     case RIC_COLUMN_FLIGHTS:
         take_vector(in, ric_column_width(c, row, ric_model_n_dof(model)), (const double **)at);
@@ -241,7 +260,8 @@ static void take_column(row_reader *in, const ric_column *c, const ric_atlas *at
 
 static void take_columns(row_reader *in, const ric_table *table, const ric_atlas *atlas, void *row)
 {
-    for (const ric_column *c = NULL; (c = ric_store_next_column(table, c, false));) take_column(in, c, atlas, row);
+    for (const ric_column *c = NULL; (c = ric_store_next_column(table, c, false));)
+        take_column(in, c, atlas, row);
 }
 
 static void take_branch(row_reader *row, int i, ric_atlas *atlas)
@@ -254,7 +274,8 @@ static void take_branch(row_reader *row, int i, ric_atlas *atlas)
     record->word = ric_own(branch->word);
     record->mirror = ric_own(branch->mirror);
     record->why = ric_own(branch->why);
-    record->stride = ric_atlas_point_stride(ric_model_n_dof(ric_atlas_model(atlas)), branch->letters);
+    record->stride = ric_atlas_point_stride(ric_model_n_dof(ric_atlas_model(atlas)),
+                                            branch->letters);
 }
 
 /* Its state and flights go where they belong. */
@@ -263,7 +284,8 @@ static void take_point(row_reader *row, int i, ric_atlas *atlas)
     const int branch = sqlite3_column_int(row->query, 0); /* has been looked at */
     ric_point_row point = ric_atlas_point_row(atlas, branch, i);
     take_columns(row, &ric_table_point, atlas, &point);
-    memcpy((double *)ric_own(point.state) - sizeof(ric_point) / sizeof(double), &point.point, sizeof(ric_point));
+    memcpy((double *)ric_own(point.state) - sizeof(ric_point) / sizeof(double), &point.point,
+           sizeof(ric_point));
 }
 
 static void take_branch_junction(row_reader *row, int i, ric_atlas *atlas)
@@ -285,7 +307,8 @@ static ric_status read_points(ric_database file, ric_atlas *atlas, int *counts)
         record->points = ric_calloc((size_t)counts[k] + 1, record->stride * sizeof *record->points);
         if (!record->points) return ric_store_fail_memory();
     }
-    return status ? status : take_rows(file, &ric_table_point, atlas->n_branch, counts, take_point, atlas);
+    return status ? status
+                  : take_rows(file, &ric_table_point, atlas->n_branch, counts, take_point, atlas);
 }
 
 static ric_status read_branch_junctions(ric_database file, ric_atlas *atlas, int *counts)
@@ -294,17 +317,21 @@ static ric_status read_branch_junctions(ric_database file, ric_atlas *atlas, int
     for (int k = 0; !status && k < atlas->n_branch; k++) {
         ric_branch_record *record = &atlas->branches[k];
         record->row.n_junction = counts[k];
-        record->row.junctions = record->junctions = ric_calloc((size_t)counts[k] + 1, sizeof *record->junctions);
-        record->row.junction_at = record->junction_at = ric_calloc((size_t)counts[k] + 1, sizeof *record->junction_at);
+        record->row.junctions = record->junctions = ric_calloc((size_t)counts[k] + 1,
+                                                               sizeof *record->junctions);
+        record->row.junction_at = record->junction_at = ric_calloc((size_t)counts[k] + 1,
+                                                                   sizeof *record->junction_at);
         if (!record->junctions || !record->junction_at) return ric_store_fail_memory();
     }
     return status ? status
-                  : take_rows(file, &ric_table_branch_junction, atlas->n_branch, counts, take_branch_junction, atlas);
+                  : take_rows(file, &ric_table_branch_junction, atlas->n_branch, counts,
+                              take_branch_junction, atlas);
 }
 
 static ric_status read_branches(ric_database file, ric_atlas *atlas, int *counts)
 {
-    ric_status status = take_rows(file, &ric_table_branch, atlas->n_branch, NULL, take_branch, atlas);
+    ric_status status = take_rows(file, &ric_table_branch, atlas->n_branch, NULL, take_branch,
+                                  atlas);
     if (!status) status = read_points(file, atlas, counts);
     return status ? status : read_branch_junctions(file, atlas, counts);
 }
@@ -333,16 +360,19 @@ static void take_junction_branch(row_reader *row, int i, ric_atlas *atlas)
 
 static ric_status read_junctions(ric_database file, ric_atlas *atlas, int *counts)
 {
-    ric_status status = take_rows(file, &ric_table_junction, atlas->n_junction, NULL, take_junction, atlas);
+    ric_status status = take_rows(file, &ric_table_junction, atlas->n_junction, NULL, take_junction,
+                                  atlas);
     if (!status) status = count_owned(file, &ric_table_junction_branch, atlas->n_junction, counts);
     for (int k = 0; !status && k < atlas->n_junction; k++) {
         ric_junction_record *record = &atlas->junctions[k];
         record->row.n_branch = counts[k];
-        record->row.branches = record->branches = ric_calloc((size_t)counts[k] + 1, sizeof *record->branches);
+        record->row.branches = record->branches = ric_calloc((size_t)counts[k] + 1,
+                                                             sizeof *record->branches);
         if (!record->branches) return ric_store_fail_memory();
     }
     return status ? status
-                  : take_rows(file, &ric_table_junction_branch, atlas->n_junction, counts, take_junction_branch, atlas);
+                  : take_rows(file, &ric_table_junction_branch, atlas->n_junction, counts,
+                              take_junction_branch, atlas);
 }
 
 /* A count from 0; `missing` where an older program did not count. */
@@ -369,7 +399,8 @@ static ric_status check_study(ric_database file, const char *study, const ric_mo
     ric_status status = text ? ric_store_get_meta(file, "model", &stored) : ric_store_fail_memory();
     if (!status) status = read_count(file, "n_dof", ric_model_n_dof(model), &n_dof);
     if (!status && (!stored || strcmp(stored, text)))
-        status = ric_store_fail_damaged(file.path, "table meta, row model: not the model of its study");
+        status = ric_store_fail_damaged(file.path,
+                                        "table meta, row model: not the model of its study");
     if (!status && n_dof != ric_model_n_dof(model))
         status = ric_store_fail_damaged(file.path, "table meta, row n_dof: not that of its study");
     free(text);
@@ -384,7 +415,8 @@ static ric_status read_study(ric_database file, ric_atlas *atlas)
     if (!status) status = ric_store_get_meta(file, "finished", &finished);
     if (!status) status = read_count(file, "unplaced", 0, &atlas->n_unplaced);
     if (!status) status = read_count(file, "blind", 0, &atlas->n_blind);
-    if (!status && (!study || !finished)) status = ric_store_fail_damaged(file.path, "its study is missing");
+    if (!status && (!study || !finished))
+        status = ric_store_fail_damaged(file.path, "its study is missing");
     if (status) goto out;
     atlas->finished = !strcmp(finished, "1");
     if (!atlas->finished && strcmp(finished, "0")) {
@@ -393,7 +425,8 @@ static ric_status read_study(ric_database file, ric_atlas *atlas)
     }
     if ((status = ric_store_get_meta(file, "labels", &atlas->labels))) goto out;
     status = ric_study_parse(study, file.path, ".", &atlas->study);
-    if (status && status != RIC_E_NOMEM) status = ric_store_fail_damaged(file.path, "its study cannot be read");
+    if (status && status != RIC_E_NOMEM)
+        status = ric_store_fail_damaged(file.path, "its study cannot be read");
     if (!status) status = check_study(file, study, ric_study_model(atlas->study));
 out:
     free(study);
@@ -410,7 +443,8 @@ static ric_status read_atlas(ric_database file, ric_atlas *atlas)
     if (status) return status;
     atlas->branches = ric_calloc((size_t)n_branch + 1, sizeof *atlas->branches);
     atlas->junctions = ric_calloc((size_t)n_junction + 1, sizeof *atlas->junctions);
-    int *counts = ric_calloc((size_t)(n_branch > n_junction ? n_branch : n_junction) + 1, sizeof *counts);
+    int *counts = ric_calloc((size_t)(n_branch > n_junction ? n_branch : n_junction) + 1,
+                             sizeof *counts);
     if (!atlas->branches || !atlas->junctions || !counts) {
         status = ric_store_fail_memory();
         goto out;
@@ -465,9 +499,11 @@ ric_status ric_store_read(const char *path, ric_atlas **out)
     *out = NULL;
     status = ric_store_look(path, &exists, &empty);
     if (!status && !exists)
-        status = ric_fail(RIC_E_MISSING, "%s: no such file; make an atlas with `ricochet run`", path);
+        status = ric_fail(RIC_E_MISSING, "%s: no such file; make an atlas with `ricochet run`",
+                          path);
     else if (!status && empty)
-        status = ric_fail(RIC_E_FORMAT, "%s: the file is empty; make an atlas with `ricochet run`", path);
+        status = ric_fail(RIC_E_FORMAT, "%s: the file is empty; make an atlas with `ricochet run`",
+                          path);
     if (!status) status = ric_store_check_identity(path);
     if (!status) status = ric_store_check_beside(path);
     if (!status) status = open_reader(path, &file);

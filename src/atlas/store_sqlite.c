@@ -16,11 +16,14 @@ ric_status ric_store_fail_memory(void)
 
 ric_status ric_store_fail_damaged(const char *path, const char *what)
 {
-    return ric_fail(RIC_E_FORMAT,
-                    "%s: damaged atlas (%s); restore it from a copy, or remove it and run the study again", path, what);
+    return ric_fail(
+        RIC_E_FORMAT,
+        "%s: damaged atlas (%s); restore it from a copy, or remove it and run the study again",
+        path, what);
 }
 
-ric_status ric_store_fail_row(const char *path, const char *table, const char *key, const char *what)
+ric_status ric_store_fail_row(const char *path, const char *table, const char *key,
+                              const char *what)
 {
     char all[240];
     snprintf(all, sizeof all, "table %s, row %.100s: %s", table, key ? key : "without a key", what);
@@ -29,8 +32,10 @@ ric_status ric_store_fail_row(const char *path, const char *table, const char *k
 
 ric_status ric_store_fail_foreign(const char *path)
 {
-    return ric_fail(RIC_E_FORMAT,
-                    "%s: not an atlas; name a file made by `ricochet run`, or another file for a new atlas", path);
+    return ric_fail(
+        RIC_E_FORMAT,
+        "%s: not an atlas; name a file made by `ricochet run`, or another file for a new atlas",
+        path);
 }
 
 ric_status ric_store_sqlite_fail(ric_database file, int code)
@@ -40,28 +45,39 @@ ric_status ric_store_sqlite_fail(ric_database file, int code)
     case SQLITE_NOTADB: return ric_store_fail_foreign(file.path);
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-        return ric_fail(RIC_E_BUSY, "%s: another program keeps the atlas locked; close it and try again", file.path);
-    case SQLITE_FULL:
-        return ric_fail(RIC_E_IO, "%s: disk full; make room and give the same command again, what was done is kept",
+        return ric_fail(RIC_E_BUSY,
+                        "%s: another program keeps the atlas locked; close it and try again",
                         file.path);
+    case SQLITE_FULL:
+        return ric_fail(
+            RIC_E_IO,
+            "%s: disk full; make room and give the same command again, what was done is kept",
+            file.path);
     case SQLITE_READONLY:
         return code == SQLITE_READONLY_ROLLBACK
                    ? ric_fail(RIC_E_IO,
-                              "%s: a run was killed while it wrote, and the atlas is read-only; copy it together with "
+                              "%s: a run was killed while it wrote, and the atlas is read-only; "
+                              "copy it together with "
                               "the file ending in -journal to a folder that can be written",
                               file.path)
-                   : ric_fail(RIC_E_IO, "%s: cannot be written; check its permissions and those of its folder",
-                              file.path);
+                   : ric_fail(
+                         RIC_E_IO,
+                         "%s: cannot be written; check its permissions and those of its folder",
+                         file.path);
     case SQLITE_PERM:
     case SQLITE_CANTOPEN:
     case SQLITE_AUTH:
-        return ric_fail(RIC_E_IO, "%s: cannot be opened; check that its folder exists, and the permissions of both",
-                        file.path);
+        return ric_fail(
+            RIC_E_IO,
+            "%s: cannot be opened; check that its folder exists, and the permissions of both",
+            file.path);
     case SQLITE_IOERR:
         return ric_fail(RIC_E_IO, "%s: cannot be read or written (%s); check the disk", file.path,
                         sqlite3_errstr(code));
     case SQLITE_TOOBIG:
-        return ric_fail(RIC_E_RANGE, "%s: one record is larger than the file can hold; use a smaller study", file.path);
+        return ric_fail(RIC_E_RANGE,
+                        "%s: one record is larger than the file can hold; use a smaller study",
+                        file.path);
     default: return ric_store_fail_damaged(file.path, sqlite3_errmsg(file.db));
     }
 }
@@ -86,7 +102,8 @@ const ric_column *ric_store_next_column(const ric_table *table, const ric_column
     bool derived = before && before->type == RIC_COLUMN_DERIVED;
     for (;; c = table->column, derived = true) {
         for (; c < end; c++)
-            if (!(c->flags & RIC_NOT_STORED) && (c->type == RIC_COLUMN_DERIVED) == derived) return c;
+            if (!(c->flags & RIC_NOT_STORED) && (c->type == RIC_COLUMN_DERIVED) == derived)
+                return c;
         if (derived || !all) return NULL;
     }
 }
@@ -116,12 +133,14 @@ static void write_insert(const ric_table *table, FILE *out)
     fprintf(out, "INSERT INTO %s (", table->name);
     write_names(table, out);
     fputs(") VALUES (?", out);
-    for (const ric_column *c = ric_store_next_column(table, NULL, true); (c = ric_store_next_column(table, c, true));)
+    for (const ric_column *c = ric_store_next_column(table, NULL, true);
+         (c = ric_store_next_column(table, c, true));)
         fputs(",?", out);
     fputs(")", out);
 }
 
-ric_status ric_store_sqlite_table(ric_database file, const ric_table *table, ric_sql what, sqlite3_stmt **out)
+ric_status ric_store_sqlite_table(ric_database file, const ric_table *table, ric_sql what,
+                                  sqlite3_stmt **out)
 {
     const char *owner = table->column->name;
     ric_buffer sql;
@@ -143,7 +162,9 @@ ric_status ric_store_sqlite_table(ric_database file, const ric_table *table, ric
 ric_status ric_store_sqlite_step(ric_database file, sqlite3_stmt *query, bool *row)
 {
     int code = sqlite3_step(query);
-    ric_status status = code == SQLITE_ROW || code == SQLITE_DONE ? RIC_OK : ric_store_sqlite_fail(file, code);
+    ric_status status = code == SQLITE_ROW || code == SQLITE_DONE
+                            ? RIC_OK
+                            : ric_store_sqlite_fail(file, code);
     *row = code == SQLITE_ROW;
     if (!*row) sqlite3_reset(query);
     return status;
@@ -162,12 +183,14 @@ int ric_store_sqlite_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out)
     return code;
 }
 
-ric_status ric_store_sqlite_prepare_there(ric_database file, const char *table, const char *sql, sqlite3_stmt **out)
+ric_status ric_store_sqlite_prepare_there(ric_database file, const char *table, const char *sql,
+                                          sqlite3_stmt **out)
 {
     char there[120];
     sqlite3_int64 tables = 0;
     *out = NULL;
-    snprintf(there, sizeof there, "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = '%s'", table);
+    snprintf(there, sizeof there,
+             "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = '%s'", table);
     const int code = ric_store_sqlite_ask(file.db, there, &tables);
     if (code) return ric_store_sqlite_fail(file, code);
     return tables ? ric_store_sqlite_prepare(file, sql, out) : RIC_OK;
@@ -176,7 +199,8 @@ ric_status ric_store_sqlite_prepare_there(ric_database file, const char *table, 
 ric_status ric_store_sqlite_open(const char *path, int flags, int wait, ric_database *out)
 {
     *out = (ric_database){NULL, path};
-    int code = sqlite3_open_v2(path, &out->db, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, NULL);
+    int code = sqlite3_open_v2(path, &out->db, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
+                               NULL);
     if (code) {
         sqlite3_close(out->db);
         out->db = NULL;
@@ -191,7 +215,8 @@ ric_status ric_store_sqlite_open(const char *path, int flags, int wait, ric_data
     return ric_store_sqlite_run(*out, "PRAGMA cell_size_check = 1");
 }
 
-/* An address that makes SQLite read the file as it lies there, without locks, journals or changes. */
+/* An address that makes SQLite read the file as it lies there, without locks, journals or changes.
+ */
 static char *immutable_uri(const char *path)
 {
     char *uri = ric_malloc(3 * strlen(path) + sizeof "file:?immutable=1"), *out = uri;

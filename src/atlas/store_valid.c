@@ -1,6 +1,7 @@
-/* Whether the numbers of an atlas that was read can be those of an atlas: finite, in their ranges, of the model, and in
- * agreement with each other. What commands do with them, they may then do without asking: a number that is none is
- * never decided by a bisection, and a time of 1e300 s is searched for ever. The digest finds damage, not forgery. */
+/* Whether the numbers of an atlas that was read can be those of an atlas: finite, in their ranges,
+ * of the model, and in agreement with each other. What commands do with them, they may then do
+ * without asking: a number that is none is never decided by a bisection, and a time of 1e300 s is
+ * searched for ever. The digest finds damage, not forgery. */
 #include "store_parts.h"
 
 #include <math.h>
@@ -13,15 +14,17 @@
 #include "study/room.h"
 #include "base/room.h"
 
-/* Largest relative difference between numbers that say the same: the stored ones agree to 1e-12 and better. */
+/* Largest relative difference between numbers that say the same: the stored ones agree to 1e-12 and
+ * better. */
 #define AGREE 1e-6
-/* Digits that the energy of a state loses where elastic forces balance, relative to the sum of its terms. */
+/* Digits that the energy of a state loses where elastic forces balance, relative to the sum of its
+ * terms. */
 #define CANCEL 1e-12
 /* Largest phase of a mode in one period, ten times what a run admits in its window. */
 #define PHASE 1e8
-/* Longest period, of the longest in the windows of the study and its regions, where branches end, and of the linear
- * modes, which are listed wherever they lie: a border is met to rounding, and this allows for more than a step beyond.
- * What takes longer would be integrated for as long. */
+/* Longest period, of the longest in the windows of the study and its regions, where branches end,
+ * and of the linear modes, which are listed wherever they lie: a border is met to rounding, and
+ * this allows for more than a step beyond. What takes longer would be integrated for as long. */
 #define BEYOND 2
 /* Where a multiplier lies exactly at -1 older files have a rotation of minus a half. */
 #define HALF -0.5
@@ -53,18 +56,21 @@ static ric_status refuse(const judge *j, const char *field, const char *format, 
 static ric_status check_column(const judge *j, const ric_column *c, const void *row)
 {
     const double value = ric_column_number(c, row);
-    if (isnan(value)) return c->type == RIC_COLUMN_MAYBE ? RIC_OK : refuse(j, c->name, "not a number");
+    if (isnan(value))
+        return c->type == RIC_COLUMN_MAYBE ? RIC_OK : refuse(j, c->name, "not a number");
     return (value >= c->min && value <= c->max) || (value == HALF && !strcmp(c->name, "rotation"))
                ? RIC_OK
                : refuse(j, c->name, "%.6g is not between %g and %g", value, c->min, c->max);
 }
 
-/* Whether the numbers with a fraction are in the ranges of their columns; whole ones have been looked at. */
+/* Whether the numbers with a fraction are in the ranges of their columns; whole ones have been
+ * looked at. */
 static ric_status check_columns(const judge *j, const ric_table *table, const void *row)
 {
     ric_status status = RIC_OK;
     for (const ric_column *c = NULL; !status && (c = ric_store_next_column(table, c, false));)
-        if (c->type == RIC_COLUMN_REAL || c->type == RIC_COLUMN_MAYBE || c->type == RIC_COLUMN_SINGLE)
+        if (c->type == RIC_COLUMN_REAL || c->type == RIC_COLUMN_MAYBE ||
+            c->type == RIC_COLUMN_SINGLE)
             status = check_column(j, c, row);
     return status;
 }
@@ -82,7 +88,8 @@ static double size_of_terms(const ric_model *m, const double *x, const double *v
     double sum = 0;
     for (int i = 0; i < m->n_dof; i++)
         for (int k = 0; k < m->n_dof; k++)
-            sum += fabs(x[i] * m->K[i * m->n_dof + k] * x[k]) + fabs(v[i] * m->M[i * m->n_dof + k] * v[k]);
+            sum += fabs(x[i] * m->K[i * m->n_dof + k] * x[k]) +
+                   fabs(v[i] * m->M[i * m->n_dof + k] * v[k]);
     return sum / 2;
 }
 
@@ -98,7 +105,8 @@ static ric_status check_state(const judge *j, const double *state, double energy
                : refuse(j, "state", "its energy is %.6g where the row says %.6g", found, energy);
 }
 
-/* Flights of an orbit of frequency omega: none goes back in time, and together they make a period. */
+/* Flights of an orbit of frequency omega: none goes back in time, and together they make a period.
+ */
 static ric_status check_flights(const judge *j, int n, const double *flights, double omega)
 {
     double sum = 0, period = RIC_TWO_PI / omega;
@@ -106,15 +114,19 @@ static ric_status check_flights(const judge *j, int n, const double *flights, do
         return refuse(j, "flights", "a number in it is not finite, or beyond %g", RIC_LARGEST);
     for (int i = 0; i < n; i++) {
         sum += flights[i];
-        if (flights[i] < -RIC_SLACK * period) return refuse(j, "flights", "%.6g s is less than no time", flights[i]);
+        if (flights[i] < -RIC_SLACK * period)
+            return refuse(j, "flights", "%.6g s is less than no time", flights[i]);
     }
     if (fabs(sum - period) > AGREE * period)
         return refuse(j, "flights", "together %.6g s where the period is %.6g s", sum, period);
     if (period > j->longest)
-        return refuse(j, "flights", "a period of %.6g s, where the windows and the modes of the study end at %.6g s",
-                      period, j->longest / BEYOND);
+        return refuse(
+            j, "flights",
+            "a period of %.6g s, where the windows and the modes of the study end at %.6g s",
+            period, j->longest / BEYOND);
     if (j->fastest * period > PHASE)
-        return refuse(j, "flights", "the fastest mode turns %.3g times in a period", j->fastest * period / RIC_TWO_PI);
+        return refuse(j, "flights", "the fastest mode turns %.3g times in a period",
+                      j->fastest * period / RIC_TWO_PI);
     return RIC_OK;
 }
 
@@ -123,7 +135,9 @@ static ric_status check_point(const judge *j, const ric_point_row *row)
     const ric_point *p = &row->point;
     ric_status status = check_columns(j, &ric_table_point, row);
     if (!status) status = check_state(j, row->state, p->energy);
-    return status ? status : check_flights(j, row->letters > 0 ? row->letters : 1, row->flights, p->frequency);
+    return status
+               ? status
+               : check_flights(j, row->letters > 0 ? row->letters : 1, row->flights, p->frequency);
 }
 
 static ric_status check_points(judge *j, const ric_atlas *atlas, const ric_branch *branch)
@@ -161,8 +175,10 @@ static ric_status check_branch(judge *j, const ric_branch *b)
     j->sub = -1;
     ric_status status = check_columns(j, &ric_table_branch, b);
     if (!status && (b->energy_min > b->energy_max || b->frequency_min > b->frequency_max))
-        status = refuse(j, b->energy_min > b->energy_max ? "energy_min" : "frequency_min", "more than the largest");
-    if (!status && linear && b->mode == 0) status = refuse(j, "mode", "0 where nothing is hit, which a linear mode is");
+        status = refuse(j, b->energy_min > b->energy_max ? "energy_min" : "frequency_min",
+                        "more than the largest");
+    if (!status && linear && b->mode == 0)
+        status = refuse(j, "mode", "0 where nothing is hit, which a linear mode is");
     if (!status && b->n_point == 0) status = refuse(j, "points", "a branch has no point");
     return status;
 }
@@ -176,7 +192,8 @@ static ric_status check_junction(judge *j, const ric_junction *at)
         status = refuse(j, "rotation_p", "%d of %d", at->rotation[0], at->rotation[1]);
     if (!status) status = check_state(j, at->state, at->energy);
     if (!status)
-        status = check_flights(j, at->letters > 0 ? at->letters : 1, at->flights, at->frequency * at->multiple);
+        status = check_flights(j, at->letters > 0 ? at->letters : 1, at->flights,
+                               at->frequency * at->multiple);
     return status;
 }
 
@@ -193,13 +210,15 @@ static bool lists(const ric_junction *at, int branch)
     return from < at->n_branch && at->branches[from] == branch;
 }
 
-/* A junction that a branch names lists that branch. `met` counts, once for each branch, what lists each junction. */
-static ric_status check_named(judge *j, const ric_atlas *atlas, const ric_branch *b, int id, const char *field,
-                              int *met, int *last)
+/* A junction that a branch names lists that branch. `met` counts, once for each branch, what lists
+ * each junction. */
+static ric_status check_named(judge *j, const ric_atlas *atlas, const ric_branch *b, int id,
+                              const char *field, int *met, int *last)
 {
     if (!id) return RIC_OK;
     if (!lists(&atlas->junctions[id - 1].row, b->id))
-        return refuse(j, field, "junction %d does not list branch %d in table junction_branch", id, b->id);
+        return refuse(j, field, "junction %d does not list branch %d in table junction_branch", id,
+                      b->id);
     met[id - 1] += last[id - 1] != b->id;
     last[id - 1] = b->id;
     return RIC_OK;
@@ -207,7 +226,8 @@ static ric_status check_named(judge *j, const ric_atlas *atlas, const ric_branch
 
 static ric_status check_references(judge *j, const ric_atlas *atlas)
 {
-    int *met = ric_calloc(2 * (size_t)atlas->n_junction + 1, sizeof *met), *last = met ? met + atlas->n_junction : NULL;
+    int *met = ric_calloc(2 * (size_t)atlas->n_junction + 1, sizeof *met),
+        *last = met ? met + atlas->n_junction : NULL;
     ric_status status = met ? RIC_OK : ric_store_fail_memory();
     for (int k = 0; !status && k < atlas->n_branch; k++) {
         const ric_branch *b = &atlas->branches[k].row;

@@ -41,14 +41,16 @@ static void put_id(row_writer *row, int id)
 
 static void put_text(row_writer *row, const char *text)
 {
-    row->code |= sqlite3_bind_text(row->insert, ++row->column, text ? text : "", -1, SQLITE_TRANSIENT);
+    row->code |= sqlite3_bind_text(row->insert, ++row->column, text ? text : "", -1,
+                                   SQLITE_TRANSIENT);
 }
 
 static void put_float64s(row_writer *row, size_t n, const double *values)
 {
     unsigned char *blob = ric_malloc(8 * n + 1);
     if (blob) ric_store_put_float64(blob, n, values);
-    row->code |= blob ? sqlite3_bind_blob64(row->insert, ++row->column, blob, 8 * n, free) : SQLITE_NOMEM;
+    row->code |= blob ? sqlite3_bind_blob64(row->insert, ++row->column, blob, 8 * n, free)
+                      : SQLITE_NOMEM;
 }
 
 static void put_word(row_writer *row, const ric_model *model, int n, const int *word)
@@ -61,7 +63,8 @@ static void put_word(row_writer *row, const ric_model *model, int n, const int *
 }
 
 /* Derived columns are only read by others, who are spared infinities. */
-static void put_column(row_writer *out, const ric_column *c, const ric_model *model, const void *row)
+static void put_column(row_writer *out, const ric_column *c, const ric_model *model,
+                       const void *row)
 {
     const void *at = (const char *)row + c->offset;
     double number = ric_column_number(c, row);
@@ -73,22 +76,28 @@ static void put_column(row_writer *out, const ric_column *c, const ric_model *mo
     case RIC_COLUMN_SINGLE: put_real(out, number); break;
     case RIC_COLUMN_DERIVED: put_real(out, isfinite(number) ? number : NAN); break;
     case RIC_COLUMN_TEXT: put_text(out, *(const char *const *)at); break;
-    case RIC_COLUMN_WORD: put_word(out, model, ric_column_count(c, row), *(const int *const *)at); break;
+    case RIC_COLUMN_WORD:
+        put_word(out, model, ric_column_count(c, row), *(const int *const *)at);
+        break;
     case RIC_COLUMN_STOP: put_text(out, ric_stop_text(*(const ric_stop *)at)); break;
     case RIC_COLUMN_KIND: put_text(out, ric_kind_text(*(const ric_kind *)at)); break;
     case RIC_COLUMN_STATE:
     case RIC_COLUMN_FLIGHTS:
-        put_float64s(out, ric_column_width(c, row, ric_model_n_dof(model)), *(const double *const *)at);
+        put_float64s(out, ric_column_width(c, row, ric_model_n_dof(model)),
+                     *(const double *const *)at);
         break;
     default: put_integer(out, *(const int *)at);
     }
 }
 
-static ric_status write_row(row_writer *out, const ric_table *table, const ric_model *model, const void *row)
+static ric_status write_row(row_writer *out, const ric_table *table, const ric_model *model,
+                            const void *row)
 {
-    for (const ric_column *c = NULL; (c = ric_store_next_column(table, c, true));) put_column(out, c, model, row);
+    for (const ric_column *c = NULL; (c = ric_store_next_column(table, c, true));)
+        put_column(out, c, model, row);
     bool ignored;
-    ric_status status = out->code ? ric_store_fail_memory() : ric_store_sqlite_step(out->file, out->insert, &ignored);
+    ric_status status = out->code ? ric_store_fail_memory()
+                                  : ric_store_sqlite_step(out->file, out->insert, &ignored);
     out->column = 0;
     return status;
 }
@@ -136,11 +145,13 @@ ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas)
     return status;
 }
 
-ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished, int n_unplaced, int n_blind)
+ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished,
+                               int n_unplaced, int n_blind)
 {
     char text[64];
     char *model = ric_store_model_text(ric_study_text(study));
-    ric_status status = model ? ric_store_put_meta(file, "study", ric_study_text(study)) : ric_store_fail_memory();
+    ric_status status = model ? ric_store_put_meta(file, "study", ric_study_text(study))
+                              : ric_store_fail_memory();
     if (!status) status = ric_store_put_meta(file, "model", model);
     if (!status) status = ric_store_put_meta(file, "program", "ricochet " RIC_VERSION);
     ric_c_print(text, sizeof text, "%.17g", ric_study_options(study)->tolerance);

@@ -1,7 +1,7 @@
-/* Internal resonances along a branch (docs/theory.md section 12): where its orbits follow a mode that turns m times
- * while the motion goes round n times, and where an exploration has stepped over such a tongue. What is followed is
- * read off the stored orbits: the share of the energy that a mode has, and how near it is to whole turns in a
- * period. */
+/* Internal resonances along a branch (docs/theory.md section 12): where its orbits follow a mode
+ * that turns m times while the motion goes round n times, and where an exploration has stepped over
+ * such a tongue. What is followed is read off the stored orbits: the share of the energy that a
+ * mode has, and how near it is to whole turns in a period. */
 #include "atlas.h"
 
 #include <float.h>
@@ -14,20 +14,25 @@
 #include "model/room.h"
 #include "orbit/room.h"
 
-/* Share of the energy from which on a mode counts as part of a motion, and that it comes to on a tongue. */
+/* Share of the energy from which on a mode counts as part of a motion, and that it comes to on a
+ * tongue. */
 #define TAKES_PART 0.1
 #define RULES 0.5
-/* How much of its largest share a mode has at the foot of a tongue, at most: a family of the mode itself has no foot.
- */
+/* How much of its largest share a mode has at the foot of a tongue, at most: a family of the mode
+ * itself has no foot. */
 #define FOOT 0.7
-/* TURNS: distance from whole turns: springs that are closed for a while move a resonance by about that, and a tongue
- * keeps its distance to many more digits. */
+/* TURNS: distance from whole turns: springs that are closed for a while move a resonance by about
+ * that, and a tongue keeps its distance to many more digits. */
 #define TURNS 0.05
 /* A tongue is steep: its frequency stays while its energy grows. Logarithms. */
 #define GROWS 0.1
 #define STAYS 0.02
-enum { MOST_TURNS = 1000000000 }; /* of a file that may say any number: the phase is lost long before */
-enum { PIECES = 16 }; /* of a flight that is no plain rotation, and for every turn of the mode as many again */
+enum {
+    MOST_TURNS = 1000000000
+}; /* of a file that may say any number: the phase is lost long before */
+enum {
+    PIECES = 16
+}; /* of a flight that is no plain rotation, and for every turn of the mode as many again */
 
 typedef struct {
     const ric_atlas *atlas;
@@ -55,13 +60,15 @@ static ric_status survey_make(const ric_atlas *atlas, const ric_branch *b, surve
     s->turns = ric_calloc(n, sizeof *s->turns);
     s->energy = ric_calloc(n, sizeof *s->energy);
     s->frequency = ric_calloc(n, sizeof *s->frequency);
-    if (!s->share || !s->turns || !s->energy || !s->frequency) return ric_no_memory("resonances along a branch");
+    if (!s->share || !s->turns || !s->energy || !s->frequency)
+        return ric_no_memory("resonances along a branch");
     for (int i = 0; i < b->n_point; i++) {
         const ric_point_row row = ric_atlas_point_row(atlas, b->id, i);
         double w[2 * m->n], sum = DBL_MIN, *share = s->share + (size_t)i * n_mode;
         ric_model_from_state(m, row.state, row.state + m->n_dof, w);
         for (int k = 0; k < m->n; k++) {
-            share[k] = m->omega[k] > 0 ? w[k] * w[k] + w[m->n + k] * w[m->n + k] : w[m->n + k] * w[m->n + k];
+            share[k] = m->omega[k] > 0 ? w[k] * w[k] + w[m->n + k] * w[m->n + k]
+                                       : w[m->n + k] * w[m->n + k];
             sum += share[k];
         }
         for (int k = 0; k < m->n; k++) share[k] /= sum;
@@ -74,7 +81,8 @@ static ric_status survey_make(const ric_atlas *atlas, const ric_branch *b, surve
 
 /* ------------------------------------------------------------------ winding */
 
-/* The angle by which (a, p) of a mode turns from one state to another, the short way, in the direction of flight. */
+/* The angle by which (a, p) of a mode turns from one state to another, the short way, in the
+ * direction of flight. */
 static double turned(const ric_model *m, int mode, const double *from, const double *to)
 {
     const double a0 = from[mode], p0 = from[m->n + mode], a1 = to[mode], p1 = to[m->n + mode];
@@ -82,10 +90,13 @@ static double turned(const ric_model *m, int mode, const double *from, const dou
 }
 
 /* The same over a flight; w [2n] becomes its end. */
-static double turned_in_flight(const ric_model *m, uint64_t closed, int event, double tau, int mode, double *w)
+static double turned_in_flight(const ric_model *m, uint64_t closed, int event, double tau, int mode,
+                               double *w)
 {
     const double turn = m->omega[mode] * tau;
-    const int pieces = ric_flight_dense(m, closed) ? PIECES * (1 + (int)fmin(turn / RIC_TWO_PI, 1000)) : 1;
+    const int pieces = ric_flight_dense(m, closed)
+                           ? PIECES * (1 + (int)fmin(turn / RIC_TWO_PI, 1000))
+                           : 1;
     double from[2 * m->n], next[2 * m->n], sum = 0;
     memcpy(from, w, sizeof from);
     for (int i = 1; i <= pieces; i++) {
@@ -113,7 +124,8 @@ static ric_status winding(const survey *s, int point, int mode, int *out)
         for (int k = 0; k < c->N; k++) {
             double w[2 * m->n];
             memcpy(w, W + (size_t)k * size, sizeof w);
-            sum += turned_in_flight(m, ric_periodic_closed(m, c, k), c->face[k], c->tau[k], mode, w);
+            sum += turned_in_flight(m, ric_periodic_closed(m, c, k), c->face[k], c->tau[k], mode,
+                                    w);
             sum += turned(m, mode, w, W + (size_t)((k + 1) % c->N) * size);
         }
     }
@@ -148,8 +160,9 @@ static void set_place(const survey *s, int first, int last, ric_tongue *t)
     }
 }
 
-/* Whether points first to last climb along mode k, which has more of the energy the more there is; `low`: the point
- * where it has least. The mode that rules at the foot loses as much, and is not the one that is followed. */
+/* Whether points first to last climb along mode k, which has more of the energy the more there is;
+ * `low`: the point where it has least. The mode that rules at the foot loses as much, and is not
+ * the one that is followed. */
 static bool climbs(const survey *s, int k, int first, int last, int *low)
 {
     const size_t n = (size_t)s->model->n;
@@ -167,8 +180,8 @@ static bool climbs(const survey *s, int k, int first, int last, int *low)
         frequency[1] = fmax(frequency[1], s->frequency[i]);
     }
     const double growth = log(energy[1] / energy[0]);
-    return most >= RULES && least <= FOOT * most && growth >= GROWS && s->energy[high] > s->energy[*low] &&
-           log(frequency[1] / frequency[0]) <= STAYS * growth;
+    return most >= RULES && least <= FOOT * most && growth >= GROWS &&
+           s->energy[high] > s->energy[*low] && log(frequency[1] / frequency[0]) <= STAYS * growth;
 }
 
 /* Whether a mode takes part at a point, next to whole turns; how many. */
@@ -176,8 +189,8 @@ static bool resonates(const survey *s, int k, int i, double *turns)
 {
     const double now = s->turns[i] * s->model->omega[k];
     *turns = round(now);
-    return s->share[(size_t)i * (size_t)s->model->n + (size_t)k] >= TAKES_PART && fabs(now - *turns) <= TURNS &&
-           *turns >= 1 && *turns < MOST_TURNS;
+    return s->share[(size_t)i * (size_t)s->model->n + (size_t)k] >= TAKES_PART &&
+           fabs(now - *turns) <= TURNS && *turns >= 1 && *turns < MOST_TURNS;
 }
 
 static ric_status follow(const survey *s, int k, int *n, ric_tongue *out)
@@ -187,8 +200,10 @@ static ric_status follow(const survey *s, int k, int *n, ric_tongue *out)
         double turns, next;
         int last = i, low = i, per;
         if (!resonates(s, k, i, &turns)) continue;
-        while (last + 1 < s->branch.n_point && resonates(s, k, last + 1, &next) && next == turns) last++;
-        if (climbs(s, k, i, last, &low) && !(status = motion(s, low, k, &per)) && per != (int)turns) {
+        while (last + 1 < s->branch.n_point && resonates(s, k, last + 1, &next) && next == turns)
+            last++;
+        if (climbs(s, k, i, last, &low) && !(status = motion(s, low, k, &per)) &&
+            per != (int)turns) {
             ric_tongue *t = &out[(*n)++];
             *t = (ric_tongue){.mode = s->model->mode[k] + 1, .turns = (int)turns, .per = per};
             set_place(s, i, last, t);
@@ -232,7 +247,8 @@ ric_status ric_branch_tongues(const ric_atlas *atlas, int id, int *n, ric_tongue
     ric_status status = ric_atlas_branch(atlas, id, &b);
     if (status || ric_branch_linear(ric_atlas_model(atlas), &b) || b.n_point == 0) return status;
     status = survey_make(atlas, &b, &s);
-    /* where a mode rules it has half of the energy, which two modes can, and a gap lies behind a point */
+    /* where a mode rules it has half of the energy, which two modes can, and a gap lies behind a
+     * point */
     *out = status ? NULL : ric_calloc(3 * (size_t)b.n_point + 1, sizeof **out);
     if (!status && !*out) status = ric_no_memory("resonances along a branch");
     for (int k = 0; k < ric_model_n_mode(ric_atlas_model(atlas)) && !status; k++)
@@ -269,14 +285,15 @@ void ric_tongues_free(ric_tongue *tongues)
 ric_status ric_tongue_text(const ric_tongue *t, double unit, size_t size, char *out)
 {
     const double from = unit * t->energy[0], to = unit * t->energy[1];
-    int used = snprintf(out, size, "%s %d : %d with mode %d", t->crossed ? "steps over" : "follows", t->turns, t->per,
-                        t->mode);
+    int used = snprintf(out, size, "%s %d : %d with mode %d", t->crossed ? "steps over" : "follows",
+                        t->turns, t->per, t->mode);
     if (used >= 0 && (size_t)used < size && t->others)
         used += snprintf(out + used, size - (size_t)used, " and %d more", t->others);
     if (used >= 0 && (size_t)used < size)
         used += snprintf(out + used, size - (size_t)used, " from E %.6g to E %.6g", from, to);
     if (used >= 0 && (size_t)used < size && t->crossed)
-        used += snprintf(out + used, size - (size_t)used, ", omega %.8g to %.8g", t->frequency[0], t->frequency[1]);
+        used += snprintf(out + used, size - (size_t)used, ", omega %.8g to %.8g", t->frequency[0],
+                         t->frequency[1]);
     if (used < 0 || (size_t)used >= size)
         return ric_fail(RIC_E_RANGE, "a text of %d characters does not fit in %zu", used, size);
     return RIC_OK;

@@ -1,5 +1,5 @@
-/* A text that grows in memory as it is printed. open_memstream would do, but that of glibc drops what it finds no
- * memory for without a word: neither ferror nor fclose tells. */
+/* A text that grows in memory as it is printed. open_memstream would do, but that of glibc drops
+ * what it finds no memory for without a word: neither ferror nor fclose tells. */
 #ifndef RIC_BASE_BUFFER_H
 #define RIC_BASE_BUFFER_H
 

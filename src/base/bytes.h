@@ -1,5 +1,5 @@
-/* Values one after the other as bytes of one machine. What writes them and what reads them is one function, which
- * passes each value once: so both know one layout, and how long it is. */
+/* Values one after the other as bytes of one machine. What writes them and what reads them is one
+ * function, which passes each value once: so both know one layout, and how long it is. */
 #ifndef RIC_BASE_BYTES_H
 #define RIC_BASE_BYTES_H
 
@@ -10,7 +10,8 @@ typedef struct {
     char *at;     /* where the next value lies; NULL: they are only counted */
     size_t size;  /* counted or written so far; when reading, what is left */
     bool reading; /* what is at `at` is only read */
-    bool lost;    /* there are fewer bytes than were asked for, and what was read is 0; or something is wrong with it */
+    bool lost; /* there are fewer bytes than were asked for, and what was read is 0; or something is
+                  wrong with it */
 } ric_bytes;
 
 ric_bytes ric_bytes_of(const void *bytes, size_t size);

@@ -9,7 +9,8 @@
 locale_t ric_c_locale_enter(void)
 {
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    return plain ? uselocale(plain) : (locale_t)0; /* glibc and musl have it at hand and need no memory for it */
+    return plain ? uselocale(plain)
+                 : (locale_t)0; /* glibc and musl have it at hand and need no memory for it */
 }
 
 void ric_c_locale_leave(locale_t before)

@@ -39,7 +39,8 @@ static void release(entry *e)
     free(e);
 }
 
-void ric_cache_drain(ric_cache *memo, void (*each)(const void *, size_t, const void *, size_t, void *), void *user)
+void ric_cache_drain(ric_cache *memo,
+                     void (*each)(const void *, size_t, const void *, size_t, void *), void *user)
 {
     pthread_mutex_lock(&memo->lock);
     for (size_t i = 0; i < memo->n_slot; i++)
@@ -74,7 +75,8 @@ static uint64_t hash_of(const void *key, size_t size)
 static entry **find(ric_cache *memo, uint64_t hash, const void *key, size_t key_size)
 {
     entry **link = &memo->slots[hash & (memo->n_slot - 1)];
-    while (*link && !((*link)->hash == hash && (*link)->key_size == key_size && !memcmp((*link)->key, key, key_size)))
+    while (*link && !((*link)->hash == hash && (*link)->key_size == key_size &&
+                      !memcmp((*link)->key, key, key_size)))
         link = &(*link)->next;
     return link;
 }
@@ -96,7 +98,8 @@ static void grow(ric_cache *memo)
     memo->n_slot = n_slot;
 }
 
-void ric_cache_put(ric_cache *memo, const void *key, size_t key_size, const void *value, size_t size)
+void ric_cache_put(ric_cache *memo, const void *key, size_t key_size, const void *value,
+                   size_t size)
 {
     uint64_t hash = hash_of(key, key_size);
     entry *e = ric_malloc(sizeof *e + key_size);

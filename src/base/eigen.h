@@ -12,19 +12,22 @@ static inline double ric_moved(unsigned *bits, double move)
     return way;
 }
 
-/* re, im of the eigenvalues of A [k * k], destroyed: out [2k]. False: A is not finite, or LAPACK failed. */
+/* re, im of the eigenvalues of A [k * k], destroyed: out [2k]. False: A is not finite, or LAPACK
+ * failed. */
 bool ric_eigen(int k, double *A, double *out);
 
-/* The same with the condition [k] of each: by how much more than the 2-norm of a small change of A it moves, 1 / |y' x|
- * of its left and right vectors of length one (Golub and Van Loan, Matrix Computations, section 7.2.2). A stays. False
- * also where there is no memory. */
+/* The same with the condition [k] of each: by how much more than the 2-norm of a small change of A
+ * it moves, 1 / |y' x| of its left and right vectors of length one (Golub and Van Loan, Matrix
+ * Computations, section 7.2.2). A stays. False also where there is no memory. */
 bool ric_eigen_conditions(int k, const double *A, double *out, double *condition);
 
-/* mu [2m] = eigenvalues of B C, [m * m] each, sorted, and the error [m] of each, measured on entries that are moved by
- * `rounding` in three ways. The product knows small eigenvalues no better than the rounding of the large ones, as it
- * has the square of their size. With B = Q R P' (pivoted) R P' C Q is similar to it, and its rows are graded from the
- * large ones down, to which the QR algorithm keeps: what cancels has the size of the factors, not of the product. H [3
- * m^2] is workspace. */
-bool ric_eigen_product(int m, const double *B, const double *C, double rounding, double *H, double *mu, double *error);
+/* mu [2m] = eigenvalues of B C, [m * m] each, sorted, and the error [m] of each, measured on
+ * entries that are moved by `rounding` in three ways. The product knows small eigenvalues no better
+ * than the rounding of the large ones, as it has the square of their size. With B = Q R P'
+ * (pivoted) R P' C Q is similar to it, and its rows are graded from the large ones down, to which
+ * the QR algorithm keeps: what cancels has the size of the factors, not of the product. H [3 m^2]
+ * is workspace. */
+bool ric_eigen_product(int m, const double *B, const double *C, double rounding, double *H,
+                       double *mu, double *error);
 
 #endif

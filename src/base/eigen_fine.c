@@ -8,10 +8,11 @@
 typedef long double real;
 typedef long double _Complex complex_t;
 
-#define STEPS 8              /* of inverse iteration: its error is squared by each */
-#define MOVES 3              /* by which an error is measured: a single one may lie across */
-#define MEASURED 4.0L        /* its margin */
-#define SINGULAR 0x1p-16000L /* in place of a pivot that is zero: mu is then an eigenvalue to the last digit */
+#define STEPS 8       /* of inverse iteration: its error is squared by each */
+#define MOVES 3       /* by which an error is measured: a single one may lie across */
+#define MEASURED 4.0L /* its margin */
+/* SINGULAR: in place of a pivot that is zero: mu is then an eigenvalue to the last digit */
+#define SINGULAR 0x1p-16000L
 
 /* The factors as they are, or moved in one of several ways. */
 typedef struct {
@@ -71,7 +72,8 @@ static void solve(int size, complex_t *A, complex_t *r)
     }
 }
 
-/* (B C - mu) x' = x changes mu by x / x' where x' is largest. x [m] is the vector so far. False: no number. */
+/* (B C - mu) x' = x changes mu by x / x' where x' is largest. x [m] is the vector so far. False: no
+ * number. */
 static bool iterate(const product *p, complex_t *work, complex_t *x, complex_t *mu)
 {
     const int m = p->of->m, size = p->of->C ? 2 * m : m;
@@ -88,15 +90,17 @@ static bool iterate(const product *p, complex_t *work, complex_t *x, complex_t *
         if (!isfinite(cabsl(change)) || !isfinite(cabsl(scale))) return false;
         for (int i = 0; i < m; i++) x[i] = z[i] * scale;
         *mu += change;
-        /* the first steps turn the vector, and from some step on there is nothing left but rounding */
-        if (step > 1 && (cabsl(change) >= last || cabsl(change) <= LDBL_EPSILON * cabsl(*mu))) return true;
+        /* the first steps turn the vector, and from some step on there is nothing left but rounding
+         */
+        if (step > 1 && (cabsl(change) >= last || cabsl(change) <= LDBL_EPSILON * cabsl(*mu)))
+            return true;
         last = cabsl(change);
     }
     return true;
 }
 
-bool ric_eigen_fine(const ric_eigen_factors *factors, double apart, long double _Complex *work, double *mu,
-                    double *error)
+bool ric_eigen_fine(const ric_eigen_factors *factors, double apart, long double _Complex *work,
+                    double *mu, double *error)
 {
     const int m = factors->m;
     complex_t x[m], found = mu[0] + mu[1] * I;
@@ -112,7 +116,8 @@ bool ric_eigen_fine(const ric_eigen_factors *factors, double apart, long double 
         off = fmaxl(off, MEASURED * cabsl(again - found));
     }
     off += 2 * DBL_EPSILON * cabsl(found);
-    if (!(cabsl(found - given) <= *error) || !(*error + cabsl(found - given) < apart / 2) || !(off < *error))
+    if (!(cabsl(found - given) <= *error) || !(*error + cabsl(found - given) < apart / 2) ||
+        !(off < *error))
         return false;
     /* one that is real in double has no other beside it, and is real */
     mu[0] = (double)creall(found);

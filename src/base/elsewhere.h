@@ -1,5 +1,6 @@
-/* What the GNU library has and the C library of macOS has not, made of what both have. Meson includes it before all
- * else where that is so; a test compiles it where it is not (tests/cli/cli_install.sh). */
+/* What the GNU library has and the C library of macOS has not, made of what both have. Meson
+ * includes it before all else where that is so; a test compiles it where it is not
+ * (tests/cli/cli_install.sh). */
 #ifndef RIC_BASE_ELSEWHERE_H
 #define RIC_BASE_ELSEWHERE_H
 

@@ -1,4 +1,5 @@
-/* Extremes of numbers where loops ask for them: calls of fmax and fmin take longer than the comparison. */
+/* Extremes of numbers where loops ask for them: calls of fmax and fmin take longer than the
+ * comparison. */
 #ifndef RIC_BASE_EXTREMES_H
 #define RIC_BASE_EXTREMES_H
 

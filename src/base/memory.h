@@ -1,6 +1,6 @@
-/* Running out of memory is not an answer. The library allocates by these functions only, which remember, per thread,
- * when one failed. Functions may then give up in any way, "does not converge" among
- * them; whoever keeps results asks ric_memory_failed() before it does. */
+/* Running out of memory is not an answer. The library allocates by these functions only, which
+ * remember, per thread, when one failed. Functions may then give up in any way, "does not converge"
+ * among them; whoever keeps results asks ric_memory_failed() before it does. */
 #ifndef RIC_BASE_MEMORY_H
 #define RIC_BASE_MEMORY_H
 

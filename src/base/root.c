@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-/* A jump takes 55 to the last digit, a zero of order three 60 to ten digits: what is left is rounding. */
+/* A jump takes 55 to the last digit, a zero of order three 60 to ten digits: what is left is
+ * rounding. */
 enum { PASSES_MOST = 60 };
 /* Of the first bracket: steps below it need not shrink, as what moves them is rounding. */
 #define SHORT 1e-8
@@ -82,7 +83,12 @@ bool ric_root_next(ric_root *r)
 ric_root_slope ric_root_slope_between(double low, double high, bool rises, double first)
 {
     double whole = high - low;
-    return (ric_root_slope){.low = low, .high = high, .whole = whole, .x = first, .step = whole, .rises = rises};
+    return (ric_root_slope){.low = low,
+                            .high = high,
+                            .whole = whole,
+                            .x = first,
+                            .step = whole,
+                            .rises = rises};
 }
 
 bool ric_root_slope_next(ric_root_slope *r, double f, double slope)

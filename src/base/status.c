@@ -8,11 +8,16 @@
 
 static _Thread_local char detail[1024];
 
-/* What did not converge while memory ran out, or after a stop was asked for, might have converged without. */
+/* What did not converge while memory ran out, or after a stop was asked for, might have converged
+ * without. */
 ric_status ric_fail(ric_status status, const char *format, ...)
 {
-    bool starved = status == RIC_E_NUMERIC && ric_memory_failed(), halted = status == RIC_E_NUMERIC && ric_halted();
-    int n = snprintf(detail, sizeof detail, "%s", starved ? "out of memory: " : halted ? "stopped on request: " : "");
+    bool starved = status == RIC_E_NUMERIC && ric_memory_failed(),
+         halted = status == RIC_E_NUMERIC && ric_halted();
+    int n = snprintf(detail, sizeof detail, "%s",
+                     starved  ? "out of memory: "
+                     : halted ? "stopped on request: "
+                              : "");
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(detail + n, sizeof detail - (size_t)n, format, arguments);

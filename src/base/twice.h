@@ -1,7 +1,8 @@
-/* Numbers of twice the digits of a double: the sum of two, of which the second is at most half a unit of the last place
- * of the first (Dekker, Numer. Math. 18 (1971) 224-242). Sums and products are off by a few units of 2^-105, relative;
- * no number may be near the ends of the range of a double. Ten times as fast as quadruple precision by the compiler's
- * library, and the same bits on every machine, as only sums and products of doubles are rounded. */
+/* Numbers of twice the digits of a double: the sum of two, of which the second is at most half a
+ * unit of the last place of the first (Dekker, Numer. Math. 18 (1971) 224-242). Sums and products
+ * are off by a few units of 2^-105, relative; no number may be near the ends of the range of a
+ * double. Ten times as fast as quadruple precision by the compiler's library, and the same bits on
+ * every machine, as only sums and products of doubles are rounded. */
 #ifndef RIC_BASE_TWICE_H
 #define RIC_BASE_TWICE_H
 

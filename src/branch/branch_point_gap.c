@@ -8,9 +8,9 @@
 #define GAP_STEPS 3 /* Newton steps towards a crossing: they converge quadratically from 1e-3 */
 #define LEFT 1e-3   /* distance, relative, from a crossing at which another one is looked at */
 
-/* Newton's method in the range of the Jacobian without its smallest singular values, of which two are those of the
- * kernel: the right hand side that remains is the reduced equation of Lyapunov and Schmidt at its saddle, up to the
- * square of the distance from it. */
+/* Newton's method in the range of the Jacobian without its smallest singular values, of which two
+ * are those of the kernel: the right hand side that remains is the reduced equation of Lyapunov and
+ * Schmidt at its saddle, up to the square of the distance from it. */
 double ric_branch_point_gap(ric_shooting *c, const double *u)
 {
     int n = c->n_unknown, rank = n - 2;

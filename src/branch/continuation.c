@@ -13,40 +13,52 @@
 #include "model/room.h"
 #include "multiple_cover.h"
 
-#define STEP_ANGLE 0.08     /* turning angle that a step aims at, rad: cubic prediction then leaves one Newton step */
-#define SOFT_STEP 0.1       /* first step from the grazing of a spring, of its compliance */
-#define FIRST_STEP 3e-5     /* of the size of the unknowns */
-#define SHORTEST 1e-8       /* of the size: a first step that is shorter shows rounding */
-#define SMALLEST_STEP 1e-11 /* of the size of the unknowns: below it the branch counts as failed */
-#define STRAIGHT 1e-12      /* angle of a step, rad, that is rounding */
-/* STEEP: rounding of a flight beyond which inner nodes are asked for: what verify asks of a stored start */
+/* STEP_ANGLE: turning angle that a step aims at, rad: cubic prediction then leaves one Newton step
+ */
+#define STEP_ANGLE 0.08
+#define SOFT_STEP 0.1   /* first step from the grazing of a spring, of its compliance */
+#define FIRST_STEP 3e-5 /* of the size of the unknowns */
+#define SHORTEST 1e-8   /* of the size: a first step that is shorter shows rounding */
+#define SMALLEST_STEP                                                                              \
+    1e-11              /* of the size of the unknowns: below it the branch counts as failed        \
+                        */
+#define STRAIGHT 1e-12 /* angle of a step, rad, that is rounding */
+/* STEEP: rounding of a flight beyond which inner nodes are asked for: what verify asks of a stored
+ * start */
 #define STEEP 1e-11
-#define ALIKE 1e-8        /* length, of the size of the unknowns, of a step in which resonances are not told apart */
+/* ALIKE: length, of the size of the unknowns, of a step in which resonances are not told apart */
+#define ALIKE 1e-8
 #define PERIODS 8         /* points of a step at which its period is looked at */
 #define SEEN_TO 1e-9      /* error of rho, over 1 + |rho|, beside which what is passed is seen */
 #define BRANCH_POINT 1e-7 /* smallest end pivot at the start below which it is one */
-/* LAST_STEP: of the size, towards a zero of the bordered determinant: crossings are read off from there (event.c) */
+/* LAST_STEP: of the size, towards a zero of the bordered determinant: crossings are read off from
+ * there (event.c) */
 #define LAST_STEP 1e-3
-#define BORDER 5e-13   /* slack of a window: what lies on its border is inside, whatever the rounding */
-#define AT_LOWEST 1e-9 /* relative: a start this near to the lower end of the energy window lies on it */
-/* MERGED: scaled time: two impacts of a ghost nearer than this are one, or none; beside it the orbit is known to
- * rounding / time */
+/* BORDER: slack of a window: what lies on its border is inside, whatever the rounding */
+#define BORDER 5e-13
+/* AT_LOWEST: relative: a start this near to the lower end of the energy window lies on it */
+#define AT_LOWEST 1e-9
+/* MERGED: scaled time: two impacts of a ghost nearer than this are one, or none; beside it the
+ * orbit is known to rounding / time */
 #define MERGED 1e-5
 
-ric_limits ric_continuation_limits(const ric_model *m, const double energy[2], const double frequency[2],
-                                   double max_step, int max_points)
+ric_limits ric_continuation_limits(const ric_model *m, const double energy[2],
+                                   const double frequency[2], double max_step, int max_points)
 {
     double lowest = fmax(energy[0], m->linear_energy);
     double longest = frequency[0] > 0 ? RIC_TWO_PI / frequency[0] * m->omega_ref : HUGE_VAL;
-    return (ric_limits){.energy = {lowest / m->energy_unit * (1 - BORDER), energy[1] / m->energy_unit * (1 + BORDER)},
-                        .period = {RIC_TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER), longest * (1 + BORDER)},
+    return (ric_limits){.energy = {lowest / m->energy_unit * (1 - BORDER),
+                                   energy[1] / m->energy_unit * (1 + BORDER)},
+                        .period = {RIC_TWO_PI / frequency[1] * m->omega_ref * (1 - BORDER),
+                                   longest * (1 + BORDER)},
                         .max_step = max_step,
                         .max_points = max_points};
 }
 
 /* ------------------------------------------------------------------ stations */
 
-/* Smallest time between two switches of one spring: it vanishes where an impact would lose its speed, at a grazing. */
+/* Smallest time between two switches of one spring: it vanishes where an impact would lose its
+ * speed, at a grazing. */
 static double smallest_touch(const ric_shooting *c, const double *u)
 {
     double least = HUGE_VAL;
@@ -55,9 +67,9 @@ static double smallest_touch(const ric_shooting *c, const double *u)
     return least;
 }
 
-/* Flights between different contacts; between mirror points in flight there is no such thing. Two impacts on one
- * contact cannot come together without losing their speed, which ends a branch; a ghost goes on without, so that there
- * all flights count. */
+/* Flights between different contacts; between mirror points in flight there is no such thing. Two
+ * impacts on one contact cannot come together without losing their speed, which ends a branch; a
+ * ghost goes on without, so that there all flights count. */
 static double smallest_flight(const ric_shooting *c, const double *u, bool ghost)
 {
     const ric_model *m = c->model;
@@ -66,12 +78,14 @@ static double smallest_flight(const ric_shooting *c, const double *u, bool ghost
         int f = c->face[k], g = c->face[k + 1];
         double tau = u[c->n_start + k];
         if (ric_shooting_touches(c, k)) continue;
-        if (ghost || f < 0 || g < 0 || m->face[f].contact != m->face[g].contact) least = fmin(least, tau);
+        if (ghost || f < 0 || g < 0 || m->face[f].contact != m->face[g].contact)
+            least = fmin(least, tau);
     }
     return least;
 }
 
-/* Pairs in ascending order, so that each is continuous as long as they do not meet; what is lost comes last. */
+/* Pairs in ascending order, so that each is continuous as long as they do not meet; what is lost
+ * comes last. */
 static void sort_pairs(int n_pair, const double *rho, double *out)
 {
     for (int i = 0; i < n_pair; i++) {
@@ -96,7 +110,8 @@ const ric_resonance *ric_continuation_resonance(const ric_continuation *tr, int 
 
 bool ric_continuation_resonances(ric_continuation *tr)
 {
-    tr->resonances = ric_resonance_list(ric_shooting_halves(tr->chain), tr->limits->multiply, &tr->n_resonance);
+    tr->resonances = ric_resonance_list(ric_shooting_halves(tr->chain), tr->limits->multiply,
+                                        &tr->n_resonance);
     return tr->n_resonance >= 0;
 }
 
@@ -111,11 +126,12 @@ static double definite(double value, double error)
     return fabs(value) > error ? value : 0;
 }
 
-/* Below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like distance^(q-2)).
- * The orbit is known to rounding / pivot at every impact alike, and moves the factors of the map, whose kicks go with 1
- * / speed, by that much. Where this bound leaves the sign open although it is not the one expected, the error is
- * measured: unknowns moved by more than they are uncertain, twice this way and that. The tests are the determinants
- * over their size, which grows without bound near a grazing and with instability. */
+/* Below its error a determinant has no sign: beside a q-tupling it stays there for a long way (like
+ * distance^(q-2)). The orbit is known to rounding / pivot at every impact alike, and moves the
+ * factors of the map, whose kicks go with 1 / speed, by that much. Where this bound leaves the sign
+ * open although it is not the one expected, the error is measured: unknowns moved by more than they
+ * are uncertain, twice this way and that. The tests are the determinants over their size, which
+ * grows without bound near a grazing and with instability. */
 static void keep_definite(ric_continuation *tr, ric_station *p, double approach)
 {
     ric_shooting *c = tr->chain;
@@ -123,15 +139,16 @@ static void keep_definite(ric_continuation *tr, ric_station *p, double approach)
     double blur = 1 + (1 + 1 / fabs(approach)) * c->scale / c->smallest,
            move = ric_continuation_rounding(c) * c->scale * (1 + 1 / c->smallest);
     const ric_floquet *f = &tr->floquet;
-    double value[3] = {f->det_a, f->det_b, f->det_d}, error[3] = {f->error_a, f->error_b, f->error_d}, seen[3] = {0},
-           size_of[3];
+    double value[3] = {f->det_a, f->det_b, f->det_d},
+           error[3] = {f->error_a, f->error_b, f->error_d}, seen[3] = {0}, size_of[3];
     const double most[3] = {f->size_a, f->size_b, f->size_d};
     bool open = false;
     for (int i = 0; i < 3; i++) {
         bool expected = value[i] * tr->definite[RIC_TEST_A + i] > 0 && p != &tr->mid;
         size_of[i] = error[i] > 0 ? error[i] / DBL_EPSILON : 1;
         p->factor[i] = value[i] / most[i];
-        p->test[RIC_TEST_A + i] = (expected ? value[i] : definite(value[i], error[i] * blur)) / size_of[i];
+        p->test[RIC_TEST_A + i] = (expected ? value[i] : definite(value[i], error[i] * blur)) /
+                                  size_of[i];
         p->hidden[i] = error[i] * blur / size_of[i];
         open |= p->test[RIC_TEST_A + i] == 0 && value[i] != 0;
     }
@@ -142,11 +159,13 @@ static void keep_definite(ric_continuation *tr, ric_station *p, double approach)
         ric_shooting_fly(c, tr->guess);
         ric_floquet_factors(c, &tr->floquet);
         double moved[3] = {f->det_a, f->det_b, f->det_d};
-        for (int i = 0; i < 3; i++) seen[i] = fmax(seen[i], RIC_MEASURED * fabs(moved[i] - value[i]));
+        for (int i = 0; i < 3; i++)
+            seen[i] = fmax(seen[i], RIC_MEASURED * fabs(moved[i] - value[i]));
     }
     ric_shooting_fly(c, p->u);
     for (int i = 0; i < 3; i++) {
-        if (p->test[RIC_TEST_A + i] == 0) p->test[RIC_TEST_A + i] = definite(value[i], seen[i]) / size_of[i];
+        if (p->test[RIC_TEST_A + i] == 0)
+            p->test[RIC_TEST_A + i] = definite(value[i], seen[i]) / size_of[i];
         p->hidden[i] = fmin(p->hidden[i], seen[i] / size_of[i]);
     }
 }
@@ -165,7 +184,8 @@ ric_margins ric_continuation_margins(const ric_shooting *c, const double *u)
     return margins(c, u, true);
 }
 
-ric_point ric_continuation_point(const ric_shooting *c, const ric_floquet *f, const ric_margins *of, double arclength)
+ric_point ric_continuation_point(const ric_shooting *c, const ric_floquet *f, const ric_margins *of,
+                                 double arclength)
 {
     const ric_model *m = c->model;
     return (ric_point){.arclength = arclength,
@@ -174,13 +194,15 @@ ric_point ric_continuation_point(const ric_shooting *c, const ric_floquet *f, co
                        .trace = f->trace_asinh,
                        .rotation = f->rotation,
                        .reach = of->reach > 0 ? of->reach : NAN,
-                       .approach = of->closing < HUGE_VAL ? of->closing * m->length * m->omega_ref : NAN,
+                       .approach = of->closing < HUGE_VAL ? of->closing * m->length * m->omega_ref
+                                                          : NAN,
                        .residual = (float)c->residual,
                        .stable = (int32_t)f->stable};
 }
 
 /* All of a row at u, where the chain has been flown: nothing of it is taken from elsewhere. */
-static ric_status measure(ric_continuation *tr, double s, const double *u, ric_station *p, ric_margins *out)
+static ric_status measure(ric_continuation *tr, double s, const double *u, ric_station *p,
+                          ric_margins *out)
 {
     ric_shooting *c = tr->chain;
     ric_status status = tr->floquet.work ? RIC_OK : ric_floquet_create(c->n, &tr->floquet);
@@ -213,7 +235,8 @@ static double definite_slope(ric_shooting *c, int test, const ric_station *p)
 }
 
 /* The tests that need no map; p->row has no stability. */
-static void examine_orbit(ric_continuation *tr, ric_station *p, double orientation, const ric_margins *now)
+static void examine_orbit(ric_continuation *tr, ric_station *p, double orientation,
+                          const ric_margins *now)
 {
     ric_shooting *c = tr->chain;
     const ric_limits *lim = tr->limits;
@@ -230,9 +253,12 @@ static void examine_orbit(ric_continuation *tr, ric_station *p, double orientati
     F[RIC_TEST_F_MIN] = lim->period[1] - now->time;
 }
 
-ric_status ric_continuation_look(ric_continuation *tr, ric_station *p, double orientation, unsigned at)
+ric_status ric_continuation_look(ric_continuation *tr, ric_station *p, double orientation,
+                                 unsigned at)
 {
-    static const ric_floquet none = {.trace_asinh = NAN, .rotation = NAN, .stable = RIC_STABLE_UNDECIDED};
+    static const ric_floquet none = {.trace_asinh = NAN,
+                                     .rotation = NAN,
+                                     .stable = RIC_STABLE_UNDECIDED};
     ric_shooting *c = tr->chain;
     const ric_floquet *of = at & RIC_LOOK_PAIRS ? &tr->floquet : &none;
     const ric_margins now = margins(c, p->u, at & RIC_LOOK_REACH);
@@ -272,12 +298,14 @@ static void station_free(ric_station *p)
 
 int ric_continuation_watched(const ric_continuation *tr)
 {
-    return RIC_N_TEST + tr->n_resonance + (int)(sizeof tr->now.factor / sizeof *tr->now.factor) + tr->chain->n;
+    return RIC_N_TEST + tr->n_resonance + (int)(sizeof tr->now.factor / sizeof *tr->now.factor) +
+           tr->chain->n;
 }
 
 static bool samples_create(ric_continuation *tr)
 {
-    tr->samples.values = ric_calloc(RIC_MOST_SAMPLES * (size_t)ric_continuation_watched(tr), sizeof(double));
+    tr->samples.values = ric_calloc(RIC_MOST_SAMPLES * (size_t)ric_continuation_watched(tr),
+                                    sizeof(double));
     tr->known.own = ric_calloc(RIC_MOST_KNOWN * 2 * (size_t)tr->chain->n, sizeof(double));
     tr->solved.u = ric_calloc(RIC_MOST_SOLVED * (size_t)tr->chain->n_unknown, sizeof(double));
     return tr->samples.values && tr->known.own && tr->solved.u;
@@ -292,9 +320,10 @@ static void write_point(ric_continuation *tr, int i, const ric_point *row, const
     memcpy(out + sizeof *row / sizeof *out, u, (size_t)tr->chain->n_unknown * sizeof *out);
 }
 
-/* Where events fall together, as at a grazing of a spring or at a corner, a flight of no length is solved for to its
- * rounding, on either side of zero. What is kept lasts no negative time: the point is that with zero in its place, and
- * filled anew, so that all that is said is said of what is stored. */
+/* Where events fall together, as at a grazing of a spring or at a corner, a flight of no length is
+ * solved for to its rounding, on either side of zero. What is kept lasts no negative time: the
+ * point is that with zero in its place, and filled anew, so that all that is said is said of what
+ * is stored. */
 static ric_status without_negative_flights(ric_continuation *tr, ric_station *p)
 {
     const ric_shooting *c = tr->chain;
@@ -328,7 +357,8 @@ ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *statio
     if (status || !p->solved || (inadmissible && !tr->limits->ghost)) return status;
     if (p->doubtful && (status = ric_trust(ric_continuation_fill(tr, p->s, p)))) return status;
     if (tr->n_point == tr->point_capacity) {
-        int capacity = tr->point_capacity + tr->point_capacity / 2 + 64; /* one point, too, may be a full array */
+        int capacity = tr->point_capacity + tr->point_capacity / 2 +
+                       64; /* one point, too, may be a full array */
         double *grown = ric_realloc(tr->points, (size_t)capacity * tr->stride * sizeof *grown);
         if (!grown) return ric_fail(RIC_E_NOMEM, "no memory for %d points of a branch", capacity);
         tr->points = grown;
@@ -345,7 +375,8 @@ ric_status ric_continuation_end_at(ric_continuation *tr, const double *u)
     ric_station p = {.u = own};
     ric_status status = ric_continuation_fill(tr, tr->end.s, &p);
     if (!status && p.solved) status = without_negative_flights(tr, &p);
-    const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
+    const ric_point *last = (const ric_point *)(tr->points +
+                                                (size_t)(tr->n_point - 1) * tr->stride);
     if (status || !p.solved || ric_continuation_goes_wrong(tr, &p)) return status;
     p.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
     memcpy(tr->end.u, own, sizeof own);
@@ -364,36 +395,72 @@ ric_status ric_continuation_equip(ric_continuation *tr)
     tr->guess = ric_calloc(size, sizeof(double));
     tr->start_u = ric_calloc(size, sizeof(double));
     tr->start_t = ric_calloc(size, sizeof(double));
-    if (!tr->du || !tr->guess || !tr->start_u || !tr->start_t || !station_create(&tr->now, n, n_pair) ||
-        !station_create(&tr->next, n, n_pair) || !station_create(&tr->mid, n, n_pair) ||
-        !station_create(&tr->past, n, n_pair) || !samples_create(tr))
+    if (!tr->du || !tr->guess || !tr->start_u || !tr->start_t ||
+        !station_create(&tr->now, n, n_pair) || !station_create(&tr->next, n, n_pair) ||
+        !station_create(&tr->mid, n, n_pair) || !station_create(&tr->past, n, n_pair) ||
+        !samples_create(tr))
         return ric_no_memory("a branch");
     tr->may_gain = ric_symmetric_end_may_gain(tr->chain);
     return ric_floquet_create(tr->chain->n, &tr->floquet);
 }
 
-/* The length of the first step from a start; `length` of the caller's direction where that is singular. */
+/* The length of the first step from a start; `length` of the caller's direction where that is
+ * singular. */
 static double first_step(const ric_continuation *tr, bool regular, double length)
 {
     const ric_shooting *c = tr->chain;
     double step = regular                           ? fmin(FIRST_STEP * c->scale, tr->step_max)
                   : tr->ignore & RIC_SINGULAR_START ? length
                                                     : RIC_LEAVING * c->scale;
-    /* where contacts of springs begin the first step goes without dE/ds and dT/ds, which vanish at its start: it stays
-     * short of the extrema that follow at the inverse of the stiffness, the square of the frequency
-     * (theory section 10) */
+    /* where contacts of springs begin the first step goes without dE/ds and dT/ds, which vanish at
+     * its start: it stays short of the extrema that follow at the inverse of the stiffness, the
+     * square of the frequency (theory section 10) */
     if (c->fastest > 0 && tr->ignore & 1u << RIC_TEST_REACH)
         step = fmin(step, SOFT_STEP / (1 + c->fastest * c->fastest) * c->scale);
     return step;
 }
 
-ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const double *t0, unsigned ignore,
-                                   const ric_limits *limits, ric_continuation **out)
+/* Solves the first orbit from the guess u0, and prepares the first step along t0. */
+static ric_status begin(ric_continuation *tr, const double *u0, const double *t0)
+{
+    ric_status status;
+    ric_shooting *chain = tr->chain;
+    const size_t size = (size_t)chain->n_unknown;
+    int iterations;
+    memcpy(tr->now.u, u0, size * sizeof *u0);
+    ric_shooting_evaluate(chain, u0);
+    /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the
+     * direction is the caller's. The smallest pivot does not always show it */
+    bool regular = chain->smallest > BRANCH_POINT && !(tr->ignore & RIC_SINGULAR_START);
+    if (regular && !ric_continuation_correct(chain, tr->now.u, NULL, NULL, 0, tr->du, &iterations))
+        return ric_fail(RIC_E_NUMERIC, "the start of a branch does not converge: residual %g",
+                        chain->residual);
+    double sign = 1, norm = sqrt(ric_dot(chain->n_unknown, t0, t0));
+    if (regular) sign = ric_continuation_tangent(chain, t0, tr->now.t);
+    for (size_t i = 0; !regular && i < size; i++) tr->now.t[i] = t0[i] / norm;
+    /* families that reach into the window begin below it */
+    if (ric_shooting_energy(chain) < tr->limits->energy[0] * (1 - AT_LOWEST)) tr->lowest = -1;
+    if ((status = ric_continuation_look(tr, &tr->now, sign, RIC_LOOK_ALL))) return status;
+    if (!tr->now.solved)
+        return ric_fail(RIC_E_NUMERIC, "the start of a branch is no orbit: residual %g",
+                        chain->residual);
+    for (int i = 0; i < RIC_N_TEST; i++)
+        tr->definite[i] = tr->ignore & 1u << i ? 0 : tr->now.test[i];
+    memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
+    memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
+    tr->longest = HUGE_VAL;
+    tr->step_max = tr->limits->max_step * chain->scale;
+    tr->step = first_step(tr, regular, norm);
+    return RIC_OK;
+}
+
+ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const double *t0,
+                                   unsigned ignore, const ric_limits *limits,
+                                   ric_continuation **out)
 {
     ric_status status = RIC_OK;
     size_t size = (size_t)chain->n_unknown;
     ric_continuation *tr = ric_calloc(1, sizeof *tr);
-    int iterations;
     *out = NULL;
     if (!tr) {
         ric_shooting_free(chain);
@@ -410,35 +477,14 @@ ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const 
         goto out;
     }
     if ((status = ric_continuation_equip(tr))) goto out;
-    memcpy(tr->now.u, u0, size * sizeof *u0);
-    ric_shooting_evaluate(chain, u0);
-    /* at a branch point the kernel has two dimensions: a Newton step would go anywhere, and the direction is the
-     * caller's. The smallest pivot does not always show it */
-    bool regular = chain->smallest > BRANCH_POINT && !(ignore & RIC_SINGULAR_START);
-    if (regular && !ric_continuation_correct(chain, tr->now.u, NULL, NULL, 0, tr->du, &iterations)) {
-        status = ric_fail(RIC_E_NUMERIC, "the start of a branch does not converge: residual %g", chain->residual);
-        goto out;
-    }
-    double sign = 1, norm = sqrt(ric_dot(chain->n_unknown, t0, t0));
-    if (regular) sign = ric_continuation_tangent(chain, t0, tr->now.t);
-    for (size_t i = 0; !regular && i < size; i++) tr->now.t[i] = t0[i] / norm;
-    /* families that reach into the window begin below it */
-    if (ric_shooting_energy(chain) < limits->energy[0] * (1 - AT_LOWEST)) tr->lowest = -1;
-    if ((status = ric_continuation_look(tr, &tr->now, sign, RIC_LOOK_ALL))) goto out;
-    if (!tr->now.solved) {
-        status = ric_fail(RIC_E_NUMERIC, "the start of a branch is no orbit: residual %g", chain->residual);
-        goto out;
-    }
-    for (int i = 0; i < RIC_N_TEST; i++) tr->definite[i] = ignore & 1u << i ? 0 : tr->now.test[i];
-    memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
-    memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
-    tr->longest = HUGE_VAL;
-    tr->step_max = limits->max_step * chain->scale;
-    tr->step = first_step(tr, regular, norm);
-    bool still = ric_continuation_approach(chain, false) < ric_continuation_rounding(chain) * chain->scale;
+    if ((status = begin(tr, u0, t0))) goto out;
+    bool still = ric_continuation_approach(chain, false) <
+                 ric_continuation_rounding(chain) * chain->scale;
     if ((status = ric_continuation_keep(tr, &tr->now))) goto out;
-    /* where impacts without speed drive no motion across the orbit their saltation is 0/0, and any trace would do */
-    if (still && ignore & RIC_SINGULAR_START && tr->n_point > 0) ((ric_point *)tr->points)->trace = NAN;
+    /* where impacts without speed drive no motion across the orbit their saltation is 0/0, and any
+     * trace would do */
+    if (still && ignore & RIC_SINGULAR_START && tr->n_point > 0)
+        ((ric_point *)tr->points)->trace = NAN;
     *out = tr;
     tr = NULL;
 out:
@@ -477,14 +523,15 @@ void ric_continuation_free(ric_continuation *tr)
 
 /* --------------------------------------------------------------------- step */
 
-/* Whether more than one resonance of modes that the contacts hardly feel lies within the step: tests that change their
- * sign twice do not show it. The period between the two points is that of the cubic through both. */
+/* Whether more than one resonance of modes that the contacts hardly feel lies within the step:
+ * tests that change their sign twice do not show it. The period between the two points is that of
+ * the cubic through both. */
 static bool crowded(const ric_continuation *tr, double h)
 {
     const ric_shooting *c = tr->chain;
     const ric_station *a = &tr->now, *b = &tr->next;
-    double T[2] = {ric_shooting_time(c, a->u), ric_shooting_time(c, b->u)}, slope[2] = {0}, low = HUGE_VAL, high = 0,
-           H = b->s - a->s;
+    double T[2] = {ric_shooting_time(c, a->u), ric_shooting_time(c, b->u)}, slope[2] = {0},
+           low = HUGE_VAL, high = 0, H = b->s - a->s;
     if (tr->limits->ghost || h < ALIKE * c->scale) return false;
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) {
         slope[0] += c->multiple * a->t[k];
@@ -510,19 +557,20 @@ static void adapt(ric_continuation *tr, double h, const ric_course *way)
     tr->after = 0;
 }
 
-/* An event ends a branch where a margin goes through zero; what the first step ignores at the start must have come out
- * on the right side, and not stay at zero: contacts that stay together, or impacts that stay without speed, are no
- * branch. */
+/* An event ends a branch where a margin goes through zero; what the first step ignores at the start
+ * must have come out on the right side, and not stay at zero: contacts that stay together, or
+ * impacts that stay without speed, are no branch. */
 static bool margins_hold(const ric_station *p, unsigned ignored)
 {
     static const int margins[] = {RIC_TEST_REACH, RIC_TEST_APPROACH, RIC_TEST_FLIGHT};
     for (int i = 0; i < 3; i++)
-        if (!(p->test[margins[i]] > (ignored & 1u << margins[i] ? RIC_MARGIN : -RIC_MARGIN))) return false;
+        if (!(p->test[margins[i]] > (ignored & 1u << margins[i] ? RIC_MARGIN : -RIC_MARGIN)))
+            return false;
     return true;
 }
 
-/* Whether a first step has left a branch that is shorter: between two grazings with slow impacts some are, and of what
- * vanishes at the start no crossing is seen within it. */
+/* Whether a first step has left a branch that is shorter: between two grazings with slow impacts
+ * some are, and of what vanishes at the start no crossing is seen within it. */
 static bool over_the_end(const ric_continuation *tr, double h)
 {
     return !tr->has_past && !tr->limits->ghost && h > SHORTEST * tr->chain->scale &&
@@ -538,25 +586,27 @@ static void swap_stations(ric_continuation *tr)
     tr->has_past = true;
 }
 
-/* The two halves of the period of an orbit between two mirror points of one kind are images of each other: then its
- * branch is another one. */
+/* The two halves of the period of an orbit between two mirror points of one kind are images of each
+ * other: then its branch is another one. */
 static bool symmetric_after_all(const ric_shooting *c)
 {
     int n = c->n;
     double off = 0;
-    if (ric_periodic_has_events(c->model) || c->start != c->end || c->start == RIC_MIRROR_NONE) return false;
+    if (ric_periodic_has_events(c->model) || c->start != c->end || c->start == RIC_MIRROR_NONE)
+        return false;
     for (int i = 0; i < 2 * n; i++) off = fmax(off, fabs(c->w[i] + c->w[2 * n + i]));
     return off < RIC_SAME_SOLVED * c->scale;
 }
 
-/* Under a power law a branch may come to another one at a small angle, and a step that is long for what is left slips
- * over to it. The bordered determinant tells: its zero ahead, by the secant, is approached by steps that leave some of
- * the way. */
+/* Under a power law a branch may come to another one at a small angle, and a step that is long for
+ * what is left slips over to it. The bordered determinant tells: its zero ahead, by the secant, is
+ * approached by steps that leave some of the way. */
 static double before_crossing(const ric_continuation *tr, double h)
 {
-    double f0 = tr->past.test[RIC_TEST_DET], f1 = tr->now.test[RIC_TEST_DET], least = LAST_STEP * tr->chain->scale;
-    if (!ric_flight_law_of(tr->chain->model)->integrated || !tr->has_past || tr->ignore || !(f0 * f1 > 0) ||
-        fabs(f1) >= fabs(f0) || h <= least)
+    double f0 = tr->past.test[RIC_TEST_DET], f1 = tr->now.test[RIC_TEST_DET],
+           least = LAST_STEP * tr->chain->scale;
+    if (!ric_flight_law_of(tr->chain->model)->integrated || !tr->has_past || tr->ignore ||
+        !(f0 * f1 > 0) || fabs(f1) >= fabs(f0) || h <= least)
         return h;
     double x = (tr->now.s - tr->past.s) * f1 / (f0 - f1);
     return fmin(h, fmax(x / 3, least));
@@ -581,8 +631,8 @@ const char *ric_continuation_why_text(ric_why why)
     return text[why];
 }
 
-/* What is known of a step before it is taken: a tongue that is stepped over, branches of several periods ahead. *over:
- * there is no step to take. */
+/* What is known of a step before it is taken: a tongue that is stepped over, branches of several
+ * periods ahead. *over: there is no step to take. */
 static ric_status look_ahead(ric_continuation *tr, double *h, bool *over, bool *done)
 {
     int order;
@@ -616,14 +666,15 @@ static ric_status move_on(ric_continuation *tr, bool *done)
     for (int i = 0; i < RIC_N_TEST; i++)
         if (tr->next.test[i] != 0) tr->definite[i] = tr->next.test[i];
     if (!tr->limits->ghost && !margins_hold(&tr->next, tr->ignore))
-        return ric_fail(
-            RIC_E_NUMERIC,
-            "the branch is not admissible beside its start: margins %.3g in flight, %.3g in speed, %.3g in time",
-            tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH], tr->next.test[RIC_TEST_FLIGHT]);
+        return ric_fail(RIC_E_NUMERIC,
+                        "the branch is not admissible beside its start: margins %.3g in flight, "
+                        "%.3g in speed, %.3g in time",
+                        tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH],
+                        tr->next.test[RIC_TEST_FLIGHT]);
     ric_status status = ric_leap_leave(tr, done);
     if (status || *done) return status;
-    /* what is broken off here is done again: nothing that a stop may reach comes behind the first change of a station
-     */
+    /* what is broken off here is done again: nothing that a stop may reach comes behind the first
+     * change of a station */
     if ((status = ric_trust(ric_continuation_keep(tr, &tr->next)))) return status;
     tr->ignore = 0;
     tr->approaches = 0;
@@ -638,7 +689,8 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
     ric_status status = RIC_OK;
     double h = tr->step, size = tr->chain->scale;
     *done = false;
-    if (tr->n_point >= tr->limits->max_points) return stop_with(tr, RIC_STOP_BUDGET, RIC_WHY_POINTS, done);
+    if (tr->n_point >= tr->limits->max_points)
+        return stop_with(tr, RIC_STOP_BUDGET, RIC_WHY_POINTS, done);
     bool over;
     if ((status = look_ahead(tr, &h, &over, done)) || over) return status;
     for (;;) {
@@ -656,7 +708,8 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
             continue;
         }
         if (good && !crowded(tr, h)) {
-            if ((status = ric_continuation_look(tr, &tr->next, way.orientation, RIC_LOOK_ALL))) return status;
+            if ((status = ric_continuation_look(tr, &tr->next, way.orientation, RIC_LOOK_ALL)))
+                return status;
             if (over_the_end(tr, h)) {
                 h *= 0.125;
                 continue;
@@ -692,6 +745,7 @@ ric_status ric_continuation_run(ric_continuation *tr)
         if (status == RIC_E_INTERRUPTED) ric_continuation_return(tr, &here);
         else if (tr->limits->stepped) tr->limits->stepped(tr->limits->user);
     }
-    if (!status && tr->n_point == 0) return ric_fail(RIC_E_NUMERIC, "no orbit of the branch can be solved for");
+    if (!status && tr->n_point == 0)
+        return ric_fail(RIC_E_NUMERIC, "no orbit of the branch can be solved for");
     return status;
 }

@@ -1,5 +1,5 @@
-/* How far slopes and multipliers of an orbit may be off: the orbit itself is known to rounding, and its map moves with
- * it. */
+/* How far slopes and multipliers of an orbit may be off: the orbit itself is known to rounding, and
+ * its map moves with it. */
 #include "continuation.h"
 
 #include <float.h>
@@ -9,27 +9,33 @@
 #include "base/room.h"
 #include "flow/room.h"
 
-#define NEAR_BORDER 100  /* of the error of rho: nearer to the border of stability it is measured */
-#define NEARLY_LOST 1e-5 /* error of rho of the map in use, over 1 + |rho|, from which on it is measured */
-#define SHARP 1e-10      /* the same, to which each pair is brought where multipliers are asked for */
-/* OFF_BORDER: of the distance from there: multipliers that are known to that tell the side; and where orbits that are
- * the same but for rounding move them by less than CLEAR of it, the first two ways to move them tell (of 70,000 orbits
- * between springs the others moved them by 350 times as much, at most) */
+#define NEAR_BORDER                                                                                \
+    100 /* of the error of rho: nearer to the border of stability it is measured                   \
+         */
+/* NEARLY_LOST: error of rho of the map in use, over 1 + |rho|, from which on it is measured */
+#define NEARLY_LOST 1e-5
+/* SHARP: the same, to which each pair is brought where multipliers are asked for */
+#define SHARP 1e-10
+/* OFF_BORDER: of the distance from there: multipliers that are known to that tell the side; and
+ * where orbits that are the same but for rounding move them by less than CLEAR of it, the first two
+ * ways to move them tell (of 70,000 orbits between springs the others moved them by 350 times as
+ * much, at most) */
 #define OFF_BORDER 0.01
 #define CLEAR 1e-6
-/* BESIDE: of the size, under a power law: what is farther from an orbit is another one of another energy, which says
- * nothing of this one, and whose flight may take seconds */
+/* BESIDE: of the size, under a power law: what is farther from an orbit is another one of another
+ * energy, which says nothing of this one, and whose flight may take seconds */
 #define BESIDE 0.1
-#define UNKNOWN (4 * DBL_EPSILON) /* of the size: error of an unknown, in the frame of the modes or as it is stored */
+/* UNKNOWN: of the size: error of an unknown, in the frame of the modes or as it is stored */
+#define UNKNOWN (4 * DBL_EPSILON)
 
-/* UNCLEAR: times its bound by the smallest pivot, and PLAIN times that by the second singular value, from which on a
- * slope is clear of its error */
+/* UNCLEAR: times its bound by the smallest pivot, and PLAIN times that by the second singular
+ * value, from which on a slope is clear of its error */
 #define UNCLEAR 1e6
 #define PLAIN 100
 /* TURNED: radians by which rounding turns the kernel vector, from which on no slope is known */
 #define TURNED 0.01
-/* LEFT: of the tolerance without what springs make of displacements, which are met better than they may be: what a
- * flight has been seen to round to; its constants are three times that */
+/* LEFT: of the tolerance without what springs make of displacements, which are met better than they
+ * may be: what a flight has been seen to round to; its constants are three times that */
 #define LEFT (1 / 3.0)
 
 double ric_continuation_approach(const ric_shooting *c, bool springs)
@@ -39,18 +45,22 @@ double ric_continuation_approach(const ric_shooting *c, bool springs)
     if (c->start == RIC_MIRROR_IMPACT) least = c->approach[0];
     for (int k = 1; k <= c->n_flight; k++) {
         if (c->face[k] < 0) continue;
-        bool spring = m->face[c->face[k]].spring > 0, closes = spring && c->closed[k] >> c->face[k] & 1;
-        if (!spring || springs) least = fmin(least, !spring || closes ? c->approach[k] : -c->approach[k]);
+        bool spring = m->face[c->face[k]].spring > 0,
+             closes = spring && c->closed[k] >> c->face[k] & 1;
+        if (!spring || springs)
+            least = fmin(least, !spring || closes ? c->approach[k] : -c->approach[k]);
     }
     return least;
 }
 
-/* Of the size: error of each unknown. Where springs close, velocities are as wrong as the displacement at which they
- * did makes them, and touches that are short pass all stabilities within that. A part of the tolerance, whose own
- * safety RIC_MEASURED gives back. */
+/* Of the size: error of each unknown. Where springs close, velocities are as wrong as the
+ * displacement at which they did makes them, and touches that are short pass all stabilities within
+ * that. A part of the tolerance, whose own safety RIC_MEASURED gives back. */
 static double of_unknown(const ric_shooting *c)
 {
-    return ric_flight_law_of(c->model)->closes ? fmax(UNKNOWN, ric_continuation_tolerance(c) / RIC_MEASURED) : UNKNOWN;
+    return ric_flight_law_of(c->model)->closes
+               ? fmax(UNKNOWN, ric_continuation_tolerance(c) / RIC_MEASURED)
+               : UNKNOWN;
 }
 
 bool ric_continuation_move(const ric_shooting *c, const double *u, double *out)
@@ -58,9 +68,10 @@ bool ric_continuation_move(const ric_shooting *c, const double *u, double *out)
     int size = c->n_unknown;
     double plane[2 * size], second;
     if (!ric_shooting_plane(c, plane, &second)) return false;
-    /* beside another branch the two directions are exchanged by as little as is known of the orbit; elsewhere the one
-     * along the branch counts for nothing */
-    const double far = ric_continuation_tolerance(c) * c->scale / second, each = of_unknown(c) * c->scale;
+    /* beside another branch the two directions are exchanged by as little as is known of the orbit;
+     * elsewhere the one along the branch counts for nothing */
+    const double far = ric_continuation_tolerance(c) * c->scale / second,
+                 each = of_unknown(c) * c->scale;
     for (int way = 1; way <= RIC_TRACE_WAYS; way++, out += size) {
         unsigned bits = (unsigned)way * 2654435769u;
         const double across = way & 1 ? far : -far, along = way & 2 ? far : -far;
@@ -70,12 +81,14 @@ bool ric_continuation_move(const ric_shooting *c, const double *u, double *out)
     return far <= (ric_flight_law_of(c->model)->integrated ? BESIDE * c->scale : DBL_MAX);
 }
 
-/* Beside a branch point the kernel vector t mixes with the direction v of the second smallest singular value: by
- * rounding / sigma, and by the distance rounding / sigma, towards the other branch, at which the orbit is, over that
- * from the branch point, of which sigma is a measure. The slope is off by that times the slope along v. The smallest
- * pivot may be 10^4 times sigma, and the slope along v changes within that distance: where the bound by the pivot is
- * not clear of the slope, what it is off by is measured. */
-double ric_continuation_slope_error(ric_shooting *c, const double *u, const double *t, int test, double slope)
+/* Beside a branch point the kernel vector t mixes with the direction v of the second smallest
+ * singular value: by rounding / sigma, and by the distance rounding / sigma, towards the other
+ * branch, at which the orbit is, over that from the branch point, of which sigma is a measure. The
+ * slope is off by that times the slope along v. The smallest pivot may be 10^4 times sigma, and the
+ * slope along v changes within that distance: where the bound by the pivot is not clear of the
+ * slope, what it is off by is measured. */
+double ric_continuation_slope_error(ric_shooting *c, const double *u, const double *t, int test,
+                                    double slope)
 {
     const int size = c->n_unknown;
     const double pivot = ric_continuation_blur(c, test);
@@ -102,13 +115,15 @@ double ric_continuation_slope_error(ric_shooting *c, const double *u, const doub
 static double off_pair(int count, const double *rho, const double *one)
 {
     double off = HUGE_VAL;
-    for (int i = 0; i < count; i++) off = fmin(off, hypot(rho[2 * i] - one[0], rho[2 * i + 1] - one[1]));
+    for (int i = 0; i < count; i++)
+        off = fmin(off, hypot(rho[2 * i] - one[0], rho[2 * i + 1] - one[1]));
     return off;
 }
 
-/* How far inside the stable region all rho of the map in use are, or, negative, how far outside the farthest is, x, as
- * 2 x / (2 + x): beside a grazing rho runs through infinity, and is outside on both sides of it. *pair, unless NULL:
- * the one that is nearest to the border, or farthest beyond it. */
+/* How far inside the stable region all rho of the map in use are, or, negative, how far outside the
+ * farthest is, x, as 2 x / (2 + x): beside a grazing rho runs through infinity, and is outside on
+ * both sides of it. *pair, unless NULL: the one that is nearest to the border, or farthest beyond
+ * it. */
 static double stable_margin(const ric_floquet *f, int *pair)
 {
     double least = HUGE_VAL;
@@ -136,15 +151,18 @@ static double tells_side(const ric_floquet *f)
     return OFF_BORDER * fabs(margin) / (steepness(margin) * (1 + most));
 }
 
-/* The flag and, in seen [n_pair] unless NULL, the error of each pair, by orbits that are the same but for rounding, of
- * which `enough` is known: f is again that of u afterwards, undecided where one of them, with a margin, may be on the
- * other side of the border. */
-static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, double enough, double *seen)
+/* The flag and, in seen [n_pair] unless NULL, the error of each pair, by orbits that are the same
+ * but for rounding, of which `enough` is known: f is again that of u afterwards, undecided where
+ * one of them, with a margin, may be on the other side of the border. */
+static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, double enough,
+                          double *seen)
 {
     enum { WAYS = RIC_TRACE_WAYS };
-    static const int order[WAYS] = {0, 2, 1, 3}; /* the first two are moved to either side of both directions */
+    static const int order[WAYS] =
+        {0, 2, 1, 3}; /* the first two are moved to either side of both directions */
     int k = f->n_pair, size = c->n_unknown, worst = 0;
-    double at[2 * k], own[2 * k], each[k], moved[WAYS * size], margin = stable_margin(f, &worst), off = 0;
+    double at[2 * k], own[2 * k], each[k], moved[WAYS * size], margin = stable_margin(f, &worst),
+                                                               off = 0;
     ric_floquet kept = *f;
     /* one pair outside is enough: the others may be known less */
     double error = (margin < 0 ? f->each[worst] : f->error) * steepness(margin);
@@ -158,13 +176,15 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
     for (int sample = 0; sample < 2 * WAYS && known && !status; sample++) {
         double *v = moved + order[sample / 2] * size;
         if (!seen && sample == 4 && error + off < CLEAR * fabs(margin)) break;
-        /* where several impacts are slow at once the equations leave more directions open than the two that
-         * ric_continuation_move knows, and the orbit at which Newton's method ends lies along all of them */
+        /* where several impacts are slow at once the equations leave more directions open than the
+         * two that ric_continuation_move knows, and the orbit at which Newton's method ends lies
+         * along all of them */
         if (sample % 2 && !ric_continuation_correct_beside(c, v)) continue;
         ric_shooting_fly(c, v);
         if ((status = ric_floquet_compute(c, f))) break;
         off = fmax(off, RIC_MEASURED * fabs(stable_margin(f, NULL) - margin));
-        for (int i = 0; i < k && seen; i++) seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, at + 2 * i));
+        for (int i = 0; i < k && seen; i++)
+            seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, at + 2 * i));
     }
     ric_shooting_fly(c, u);
     memcpy(f->rho, at, sizeof at);
@@ -176,33 +196,40 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
     return status;
 }
 
-/* The bounds of floquet.c are those of the map at the orbit as it is written down. The orbit itself is known to
- * rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is slow or a spring is hardly
- * closed. What is so near to the border that this may count is measured, and a trace of which it may leave less than
- * three digits, as at a grazing, is lost if it does: where the map is known, too, the speed of an impact may be known
- * to no more than that. Where branches meet at no slow impact it stays: there it is 2 or -2. */
+/* The bounds of floquet.c are those of the map at the orbit as it is written down. The orbit itself
+ * is known to rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is
+ * slow or a spring is hardly closed. What is so near to the border that this may count is measured,
+ * and a trace of which it may leave less than three digits, as at a grazing, is lost if it does:
+ * where the map is known, too, the speed of an impact may be known to no more than that. Where
+ * branches meet at no slow impact it stays: there it is 2 or -2. */
 typedef struct {
     bool flag, trace; /* what may be wrong */
 } doubt;
 
 static doubt doubt_of(const ric_shooting *c, const ric_floquet *f)
 {
-    double approach = fmax(fabs(ric_continuation_approach(c, true)), DBL_MIN), margin = stable_margin(f, NULL);
-    const double error = f->rough * (1 + (1 + 1 / approach) * c->scale / c->smallest), slow = f->rough / approach;
-    const bool far = !ric_flight_law_of(c->model)->closes && !(fabs(margin) <= NEAR_BORDER * error * steepness(margin)),
+    double approach = fmax(fabs(ric_continuation_approach(c, true)), DBL_MIN),
+           margin = stable_margin(f, NULL);
+    const double error = f->rough * (1 + (1 + 1 / approach) * c->scale / c->smallest),
+                 slow = f->rough / approach;
+    const bool far = !ric_flight_law_of(c->model)->closes &&
+                     !(fabs(margin) <= NEAR_BORDER * error * steepness(margin)),
                touched = !(UNKNOWN * c->scale <= NEARLY_LOST * approach);
     return (doubt){.flag = f->stable != RIC_STABLE_UNDECIDED && !far,
-                   .trace = f->n_pair == 1 && (touched || !(slow <= NEARLY_LOST * (1 + fabs(f->own[0]))))};
+                   .trace = f->n_pair == 1 &&
+                            (touched || !(slow <= NEARLY_LOST * (1 + fabs(f->own[0]))))};
 }
 
 bool ric_continuation_doubtful(const ric_shooting *c, const ric_floquet *f)
 {
     const doubt d = doubt_of(c, f);
-    return f->n_pair > 0 && (d.flag || d.trace || (f->n_pair > 1 && f->stable == RIC_STABLE_UNDECIDED));
+    return f->n_pair > 0 &&
+           (d.flag || d.trace || (f->n_pair > 1 && f->stable == RIC_STABLE_UNDECIDED));
 }
 
-/* The flag of multipliers each of which is found again by itself, and of orbits that are known as well: where several
- * are near the border, or near each other, what is known of all may not say on which side one is. */
+/* The flag of multipliers each of which is found again by itself, and of orbits that are known as
+ * well: where several are near the border, or near each other, what is known of all may not say on
+ * which side one is. */
 static ric_status judge_sharply(ric_shooting *c, const double *u, ric_floquet *f)
 {
     ric_shooting_evaluate(c, u);

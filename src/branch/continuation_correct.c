@@ -10,13 +10,16 @@
 #define HOPELESS 1e3 /* residual, of the size, from which no Newton step leads back */
 #define FLOOR 0.03   /* of the tolerance: where another Newton step changes nothing */
 #define ACCEPTED 4   /* tolerances: the largest residual of an orbit that is stored */
-/* LOST: the same over ACCEPTED where the tolerance is larger: where more is rounding, nothing is known of an orbit */
+/* LOST: the same over ACCEPTED where the tolerance is larger: where more is rounding, nothing is
+ * known of an orbit */
 #define LOST 2.5e-10
-/* BESIDE: of the size, a step of Newton's method to an orbit that is the same but for rounding, at most: where the
- * equations are singular the first one leads anywhere, and flights through the energies there may take seconds */
+/* BESIDE: of the size, a step of Newton's method to an orbit that is the same but for rounding, at
+ * most: where the equations are singular the first one leads anywhere, and flights through the
+ * energies there may take seconds */
 #define BESIDE 0.1
 
-/* Rounding of n_flight rotations adds up like a random walk; the constants are three times what was measured. */
+/* Rounding of n_flight rotations adds up like a random walk; the constants are three times what was
+ * measured. */
 static double of_flights(const ric_shooting *c)
 {
     return 24 * DBL_EPSILON * (1 + 0.25 * sqrt(c->n_flight)) * (1 + 0.1 * c->n);
@@ -33,9 +36,9 @@ double ric_continuation_tolerance(const ric_shooting *c)
     return ric_continuation_rounding(c) * c->share + DBL_EPSILON * c->grain;
 }
 
-/* The kernel vector is lost by rounding / pivot as it stands; and the orbit is known to what its residual leaves /
- * pivot, towards the other branch, where the field of directions turns by 1 / distance, that is, by 1 / pivot once
- * more. */
+/* The kernel vector is lost by rounding / pivot as it stands; and the orbit is known to what its
+ * residual leaves / pivot, towards the other branch, where the field of directions turns by 1 /
+ * distance, that is, by 1 / pivot once more. */
 double ric_continuation_blur(const ric_shooting *c, int test)
 {
     double kernel = ric_continuation_rounding(c) / c->smallest * (1 + FLOOR / c->smallest);
@@ -55,8 +58,8 @@ bool ric_continuation_solved(const ric_shooting *c)
     return c->residual <= ACCEPTED * fmin(ric_continuation_tolerance(c), LOST);
 }
 
-/* The plane normal . (u - origin) = target, or, normal NULL, none; and the longest step, beyond which there is another
- * orbit. */
+/* The plane normal . (u - origin) = target, or, normal NULL, none; and the longest step, beyond
+ * which there is another orbit. */
 typedef struct {
     const double *origin, *normal;
     double target, longest;
@@ -84,11 +87,14 @@ static bool correct(ric_shooting *c, double *u, const aim *to, double *du, int *
         *iterations = i;
         ric_shooting_evaluate(c, u);
         if (c->singular || !(c->residual < HOPELESS)) return false;
-        /* at rounding level, and not merely passing through it: an unstable orbit needs every digit */
+        /* at rounding level, and not merely passing through it: an unstable orbit needs every digit
+         */
         double tolerance = fmin(ric_continuation_tolerance(c), LOST);
         /* with springs most displacements are met better than they may be */
         double floor = FLOOR * of_flights(c) * c->share;
-        if (i > 0 && (c->residual <= floor || (c->residual <= tolerance && c->residual > 0.1 * last))) return true;
+        if (i > 0 &&
+            (c->residual <= floor || (c->residual <= tolerance && c->residual > 0.1 * last)))
+            return true;
         if (i > 2 && c->residual > 0.5 * last) return ric_continuation_solved(c);
         last = c->residual;
         ric_shooting_step(c, true, 0, du);
@@ -99,8 +105,8 @@ static bool correct(ric_shooting *c, double *u, const aim *to, double *du, int *
     return false;
 }
 
-bool ric_continuation_correct(ric_shooting *c, double *u, const double *origin, const double *normal, double target,
-                              double *du, int *iterations)
+bool ric_continuation_correct(ric_shooting *c, double *u, const double *origin,
+                              const double *normal, double target, double *du, int *iterations)
 {
     const aim to = {.origin = origin, .normal = normal, .target = target, .longest = HUGE_VAL};
     return correct(c, u, &to, du, iterations);

@@ -7,15 +7,16 @@
 #include "orbit/room.h"
 #include "base/room.h"
 
-/* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and what another version has
- * stored is dropped when a run begins (ric_continuation_version). */
+/* The layout is private to one version on one machine type: PACK_FORMAT changes with it, and what
+ * another version has stored is dropped when a run begins (ric_continuation_version). */
 #define PACK_FORMAT 11
 #define TEXT_OF(value) #value
 #define TEXT(macro) TEXT_OF(macro)
 #define SANE 10000000
 
 typedef struct {
-    int32_t format, start, end, sigma, n_flight, parts, n_point, n_event, stop, why, arrival, end_test, n_gap;
+    int32_t format, start, end, sigma, n_flight, parts, n_point, n_event, stop, why, arrival,
+        end_test, n_gap;
 } header;
 
 const char *ric_continuation_version(void)
@@ -57,7 +58,8 @@ static void pass_found(ric_bytes *b, ric_continuation *tr)
 {
     const int n_test = RIC_N_TEST + tr->n_resonance + tr->limits->n_asked;
     ric_bytes_pass(b, tr->points, (size_t)tr->n_point * tr->stride * sizeof *tr->points);
-    for (int i = 0; i < tr->n_event && !b->lost; i++) pass_event(b, &tr->events[i], tr->chain->n_unknown, n_test);
+    for (int i = 0; i < tr->n_event && !b->lost; i++)
+        pass_event(b, &tr->events[i], tr->chain->n_unknown, n_test);
     pass_event(b, &tr->end, tr->chain->n_unknown, n_test);
     ric_bytes_pass(b, tr->gaps, (size_t)tr->n_gap * sizeof *tr->gaps);
 }
@@ -66,8 +68,10 @@ static void pack(ric_bytes *b, void *user)
 {
     ric_continuation *tr = user;
     const ric_shooting *c = tr->chain;
-    header h = {PACK_FORMAT, (int32_t)c->start, (int32_t)c->end,  c->sigma,    c->n_flight,  c->parts, tr->n_point,
-                tr->n_event, (int32_t)tr->stop, (int32_t)tr->why, tr->arrival, tr->end.test, tr->n_gap};
+    header h = {PACK_FORMAT,       (int32_t)c->start, (int32_t)c->end, c->sigma,
+                c->n_flight,       c->parts,          tr->n_point,     tr->n_event,
+                (int32_t)tr->stop, (int32_t)tr->why,  tr->arrival,     tr->end.test,
+                tr->n_gap};
     ric_bytes_pass(b, &h, sizeof h);
     ric_bytes_pass(b, c->face, ((size_t)c->n_flight + 1) * sizeof *c->face);
     pass_findings(b, tr, c->closed);
@@ -84,9 +88,10 @@ ric_status ric_continuation_pack(const ric_continuation *tr, void **blob, size_t
 static bool sane(const header *h, const ric_model *m)
 {
     return h->format == PACK_FORMAT && h->n_flight >= 1 && h->n_flight <= SANE && h->parts >= 1 &&
-           h->parts <= RIC_PARTS_MOST && (h->parts == 1 || ric_flight_law_of(m)->integrated) && h->n_point >= 1 &&
-           h->n_point <= SANE && h->n_event >= 0 && h->n_event <= SANE && h->n_gap >= 0 && h->n_gap <= h->n_point &&
-           h->start >= 0 && h->start <= RIC_MIRROR_CENTRE && h->end >= 0 && h->end <= RIC_MIRROR_CENTRE &&
+           h->parts <= RIC_PARTS_MOST && (h->parts == 1 || ric_flight_law_of(m)->integrated) &&
+           h->n_point >= 1 && h->n_point <= SANE && h->n_event >= 0 && h->n_event <= SANE &&
+           h->n_gap >= 0 && h->n_gap <= h->n_point && h->start >= 0 &&
+           h->start <= RIC_MIRROR_CENTRE && h->end >= 0 && h->end <= RIC_MIRROR_CENTRE &&
            h->stop >= 0 && h->stop <= RIC_STOP_FAILED && h->why >= 0 && h->why < RIC_N_WHY;
 }
 
@@ -102,7 +107,8 @@ static bool sane_event(const ric_event *e, int size)
     return e->test < 0 || (isfinite(e->s) && is_finite(size, e->u) && is_finite(size, e->t));
 }
 
-/* Whether what was found is made of numbers: rows are made of it, and an atlas with others is refused. */
+/* Whether what was found is made of numbers: rows are made of it, and an atlas with others is
+ * refused. */
 static bool sane_found(const ric_continuation *tr)
 {
     const int size = tr->chain->n_unknown;
@@ -110,8 +116,9 @@ static bool sane_found(const ric_continuation *tr)
     for (int i = 0; i < tr->n_point; i++) {
         const double *at = tr->points + (size_t)i * tr->stride;
         const ric_point *p = (const ric_point *)at;
-        if (!(p->arclength >= last && isfinite(p->arclength) && isfinite(p->energy) && p->frequency > 0 &&
-              isfinite(p->frequency) && p->stable >= RIC_STABLE_NO && p->stable <= RIC_STABLE_UNDECIDED &&
+        if (!(p->arclength >= last && isfinite(p->arclength) && isfinite(p->energy) &&
+              p->frequency > 0 && isfinite(p->frequency) && p->stable >= RIC_STABLE_NO &&
+              p->stable <= RIC_STABLE_UNDECIDED &&
               is_finite(size, at + sizeof(ric_point) / sizeof(double))))
             return false;
         last = p->arclength;
@@ -122,21 +129,24 @@ static bool sane_found(const ric_continuation *tr)
 }
 
 /* The form of the orbits; RIC_E_FORMAT where it can be none. */
-static ric_status unpack_chain(ric_bytes *b, const ric_model *m, const header *h, ric_shooting **out)
+static ric_status unpack_chain(ric_bytes *b, const ric_model *m, const header *h,
+                               ric_shooting **out)
 {
     const size_t n = (size_t)h->n_flight + 1, bytes = n * sizeof(int);
     int *face = ric_bytes_have(b, bytes) ? ric_malloc(bytes) : NULL;
     if (!face) return RIC_E_FORMAT;
     ric_bytes_pass(b, face, bytes);
     for (size_t i = 0; i < n; i++) b->lost |= face[i] < -1 || face[i] >= m->n_face;
-    ric_status status = b->lost ? RIC_E_FORMAT
-                                : ric_shooting_create(m, (ric_mirror)h->start, (ric_mirror)h->end,
-                                                      h->sigma < 0 ? -1 : 1, h->n_flight, face, out);
+    ric_status status = b->lost
+                            ? RIC_E_FORMAT
+                            : ric_shooting_create(m, (ric_mirror)h->start, (ric_mirror)h->end,
+                                                  h->sigma < 0 ? -1 : 1, h->n_flight, face, out);
     free(face);
     return status;
 }
 
-/* Room for the points and events that follow; false: there are not as many, or there is no memory. */
+/* Room for the points and events that follow; false: there are not as many, or there is no memory.
+ */
 static bool make_room(const ric_bytes *b, const header *h, ric_continuation *tr)
 {
     tr->stride = sizeof(ric_point) / sizeof(double) + (size_t)tr->chain->n_unknown;
@@ -153,8 +163,8 @@ static bool make_room(const ric_bytes *b, const header *h, ric_continuation *tr)
     return true;
 }
 
-ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits, const void *blob, size_t size,
-                                   ric_continuation **out)
+ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits, const void *blob,
+                                   size_t size, ric_continuation **out)
 {
     ric_bytes b = ric_bytes_of(blob, size);
     header h;
@@ -169,13 +179,14 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
     if (status) goto out;
     pass_findings(&b, tr, &closed);
     ric_shooting_close(tr->chain, closed);
-    if (!b.lost && h.parts > 1 && (status = ric_shooting_nodes_divide(tr->chain, h.parts))) goto out;
+    if (!b.lost && h.parts > 1 && (status = ric_shooting_nodes_divide(tr->chain, h.parts)))
+        goto out;
     status = RIC_E_FORMAT;
     if (b.lost || !ric_continuation_resonances(tr) || !make_room(&b, &h, tr)) goto out;
     pass_found(&b, tr);
     for (int i = 0; i < tr->n_gap; i++)
-        b.lost |= tr->gaps[i].point < 0 || tr->gaps[i].point + 1 >= tr->n_point || tr->gaps[i].mode < 1 ||
-                  tr->gaps[i].mode > m->n_dof;
+        b.lost |= tr->gaps[i].point < 0 || tr->gaps[i].point + 1 >= tr->n_point ||
+                  tr->gaps[i].mode < 1 || tr->gaps[i].mode > m->n_dof;
     if (b.lost || !sane_found(tr)) goto out;
     tr->stop = (ric_stop)h.stop;
     tr->arrival = h.arrival;
@@ -184,7 +195,8 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
     return RIC_OK;
 out:
     ric_continuation_free(tr);
-    return status == RIC_E_FORMAT ? ric_fail(status, "the atlas holds finished work that cannot be read: the file is "
-                                                     "damaged; move it away and run again")
-                                  : status;
+    return status == RIC_E_FORMAT
+               ? ric_fail(status, "the atlas holds finished work that cannot be read: the file is "
+                                  "damaged; move it away and run again")
+               : status;
 }

@@ -8,7 +8,7 @@
 const char *ric_continuation_version(void);
 /* A trace as bytes that another run can take up, and back (bit for bit). */
 ric_status ric_continuation_pack(const ric_continuation *trace, void **blob, size_t *size);
-ric_status ric_continuation_unpack(const ric_model *model, const ric_limits *limits, const void *blob, size_t size,
-                                   ric_continuation **out);
+ric_status ric_continuation_unpack(const ric_model *model, const ric_limits *limits,
+                                   const void *blob, size_t size, ric_continuation **out);
 
 #endif

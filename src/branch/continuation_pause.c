@@ -7,7 +7,8 @@
 #include "continuation_pack.h"
 #include "base/room.h"
 
-#define PAUSE_FORMAT 6 /* changes with the layout, which is private to one version on one type of machine */
+/* PAUSE_FORMAT: changes with the layout, which is private to one version on one type of machine */
+#define PAUSE_FORMAT 6
 
 /* -------------------------------------------------------------------- bytes */
 
@@ -37,7 +38,8 @@ static void pass_stations(ric_bytes *b, ric_continuation *tr, ric_continuation_p
     ric_bytes_pass(b, tr->start_u, (size_t)size * sizeof *tr->start_u);
     ric_bytes_pass(b, tr->start_t, (size_t)size * sizeof *tr->start_t);
     ric_bytes_pass(b, tr->samples.s, sizeof tr->samples.s);
-    ric_bytes_pass(b, tr->samples.values, RIC_PAST_SAMPLES * (size_t)ric_continuation_watched(tr) * sizeof(double));
+    ric_bytes_pass(b, tr->samples.values,
+                   RIC_PAST_SAMPLES * (size_t)ric_continuation_watched(tr) * sizeof(double));
 }
 
 typedef struct {
@@ -56,7 +58,8 @@ static void pass_paused(ric_bytes *b, void *user)
     pass_stations(b, &p->trace, &place);
 }
 
-ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void **blob, size_t *size)
+ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void **blob,
+                                  size_t *size)
 {
     paused p = {.head = {.format = PAUSE_FORMAT, .parts = parts, .begun = trace != NULL}};
     size_t n_trace = 0;
@@ -79,27 +82,28 @@ ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void
 static bool sane(const ric_continuation *tr, const ric_continuation_place *p)
 {
     const ric_carried *c = &p->carried;
-    double sum = c->step + c->step_max + c->wanted + c->after + c->blind + c->lowest + p->scale + tr->now.s +
-                 (c->has_past ? tr->past.s : 0);
+    double sum = c->step + c->step_max + c->wanted + c->after + c->blind + c->lowest + p->scale +
+                 tr->now.s + (c->has_past ? tr->past.s : 0);
     for (int i = 0; i < tr->chain->n_unknown; i++) {
         sum += tr->now.u[i] + tr->now.t[i] + tr->start_u[i] + tr->start_t[i];
         if (c->has_past) sum += tr->past.u[i] + tr->past.t[i];
     }
-    return isfinite(sum) && c->step > 0 && c->step_max > 0 && c->wanted >= 0 && c->after >= 0 && c->longest > 0 &&
-           p->scale >= 1 && p->n_point == tr->n_point && p->n_event == tr->n_event && tr->n_point > 0 &&
-           p->n_past >= 0 && p->n_past <= RIC_PAST_SAMPLES && (!c->has_past || tr->now.s > tr->past.s);
+    return isfinite(sum) && c->step > 0 && c->step_max > 0 && c->wanted >= 0 && c->after >= 0 &&
+           c->longest > 0 && p->scale >= 1 && p->n_point == tr->n_point &&
+           p->n_event == tr->n_event && tr->n_point > 0 && p->n_past >= 0 &&
+           p->n_past <= RIC_PAST_SAMPLES && (!c->has_past || tr->now.s > tr->past.s);
 }
 
 /* A trace that had begun, and its place. */
-static ric_status take_up(ric_bytes *b, const head *h, const ric_model *model, const ric_limits *limits,
-                          ric_continuation **out)
+static ric_status take_up(ric_bytes *b, const head *h, const ric_model *model,
+                          const ric_limits *limits, ric_continuation **out)
 {
     ric_continuation_place place;
     if (!ric_bytes_have(b, h->n_trace)) return RIC_E_FORMAT;
     ric_status status = ric_continuation_unpack(model, limits, b->at, h->n_trace, out);
     ric_continuation *tr = *out;
-    if (!status &&
-        (tr->chain->n_unknown != h->n_unknown || tr->chain->n - 1 != h->n_pair || tr->n_resonance != h->n_resonance))
+    if (!status && (tr->chain->n_unknown != h->n_unknown || tr->chain->n - 1 != h->n_pair ||
+                    tr->n_resonance != h->n_resonance))
         return RIC_E_FORMAT;
     if (!status) status = ric_continuation_equip(tr);
     if (status) return status;
@@ -110,15 +114,17 @@ static ric_status take_up(ric_bytes *b, const head *h, const ric_model *model, c
     return RIC_OK;
 }
 
-ric_status ric_continuation_resume(const ric_model *model, const ric_limits *limits, const void *blob, size_t size,
-                                   int *parts, ric_continuation **out)
+ric_status ric_continuation_resume(const ric_model *model, const ric_limits *limits,
+                                   const void *blob, size_t size, int *parts,
+                                   ric_continuation **out)
 {
     ric_bytes b = ric_bytes_of(blob, size);
     head h;
     *parts = 0;
     *out = NULL;
     ric_bytes_pass(&b, &h, sizeof h);
-    if (b.lost || h.format != PAUSE_FORMAT || h.parts < 0 || h.parts > RIC_PARTS_MOST) return RIC_E_FORMAT;
+    if (b.lost || h.format != PAUSE_FORMAT || h.parts < 0 || h.parts > RIC_PARTS_MOST)
+        return RIC_E_FORMAT;
     ric_status status = h.begun ? take_up(&b, &h, model, limits, out) : RIC_OK;
     if (status) {
         ric_continuation_free(*out);

@@ -5,10 +5,14 @@
 
 #include "continuation.h"
 
-/* A trace between two steps, NULL: one that has not begun, and which attempt it is (graph_follow.c). */
-ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void **blob, size_t *size);
-/* *out = NULL for one that has not begun. RIC_E_FORMAT: these are no such bytes; then *parts is 0. */
-ric_status ric_continuation_resume(const ric_model *model, const ric_limits *limits, const void *blob, size_t size,
-                                   int *parts, ric_continuation **out);
+/* A trace between two steps, NULL: one that has not begun, and which attempt it is
+ * (graph_follow.c). */
+ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void **blob,
+                                  size_t *size);
+/* *out = NULL for one that has not begun. RIC_E_FORMAT: these are no such bytes; then *parts is 0.
+ */
+ric_status ric_continuation_resume(const ric_model *model, const ric_limits *limits,
+                                   const void *blob, size_t size, int *parts,
+                                   ric_continuation **out);
 
 #endif

@@ -9,87 +9,100 @@
 #include "model/room.h"
 #include "base/room.h"
 
-/* A step, relative to the size of the orbit, in which a factor of the map that changes its sign without a zero has
- * jumped. */
+/* A step, relative to the size of the orbit, in which a factor of the map that changes its sign
+ * without a zero has jumped. */
 #define JUMP 1e-7
-/* How far the sign of a factor that was never seen may come out of rounding in one step, over the least that is
- * seen. */
+/* How far the sign of a factor that was never seen may come out of rounding in one step, over the
+ * least that is seen. */
 #define EMERGED 100
 /* Looks for a better place of an arrival: on sharp turns the zero of the determinant is off. */
 #define ASIDE_STEPS 12
 /* Of the size: the start of a closed branch again. */
 #define SAME_PLACE 1e-8
-/* The same at a branch point, of the step over it: the cubic is off by its fourth power, and another branch through
- * that point has another heading. */
+/* The same at a branch point, of the step over it: the cubic is off by its fourth power, and
+ * another branch through that point has another heading. */
 #define ON_CUBIC 1e-4
-/* Attempts to place a step over it well: the secant has settled by then, or the determinant only touches zero. */
+/* Attempts to place a step over it well: the secant has settled by then, or the determinant only
+ * touches zero. */
 #define APPROACHES 4
 /* What may keep two branches apart (ric_branch_point_gap) that cross: rounding. */
 #define CROSSED 1e-11
 #define FLAT 4 /* periods of a multiplication from which on its order is none below four */
-/* dE/ds at a multiplication, of that at 1/2 RIC_CROSSING beside it, below which it counts as zero. */
+/* dE/ds at a multiplication, of that at 1/2 RIC_CROSSING beside it, below which it counts as zero.
+ */
 #define ON_SLOPE 0.02
 
-/* POLE: of 1, its largest value: the test of a resonance that is above it where it has changed its sign has no zero
- * there; lambda + 1/lambda went through infinity, or rounding made it jump */
+/* POLE: of 1, its largest value: the test of a resonance that is above it where it has changed its
+ * sign has no zero there; lambda + 1/lambda went through infinity, or rounding made it jump */
 #define POLE 0.1
 #define RATIO_NEAREST 20 /* of the first distance from there that is looked at, at most */
-#define PASSES 4         /* looks at one step, the later ones with the events of the one before among the points */
-#define BRIDGED 6        /* pieces of a step over a branch point */
-/* NEAREST: distance from an end with poles, of the size of the orbit, up to which events are looked for: nearer by
- * orbits are known to rounding over the distance */
+/* PASSES: looks at one step, the later ones with the events of the one before among the points */
+#define PASSES 4
+#define BRIDGED 6 /* pieces of a step over a branch point */
+/* NEAREST: distance from an end with poles, of the size of the orbit, up to which events are looked
+ * for: nearer by orbits are known to rounding over the distance */
 #define NEAREST 1e-7
-#define SHORTEST 3e-7 /* step, of the size, that is not made shorter for a sign that comes out of rounding */
+/* SHORTEST: step, of the size, that is not made shorter for a sign that comes out of rounding */
+#define SHORTEST 3e-7
 /* SHORT_OF: of the size of the orbit: what is seen so far before a zero is seen before it. */
 #define SHORT_OF 1e-12
 #define SHORTENED 8 /* times that an end is taken back before its touch */
 
-static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT |
-                                 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX |
-                                 1u << RIC_TEST_F_MIN;
-/* What ghosts are allowed to do: gaps are penetrated, impacts have the wrong direction. Where the speed of one of them
- * passes through zero the singular functions change sign without a zero. */
-static const unsigned free_of_ghosts = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_A |
-                                       1u << RIC_TEST_B | 1u << RIC_TEST_D;
+static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH |
+                                 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_E_MAX |
+                                 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
+/* What ghosts are allowed to do: gaps are penetrated, impacts have the wrong direction. Where the
+ * speed of one of them passes through zero the singular functions change sign without a zero. */
+static const unsigned free_of_ghosts = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH |
+                                       1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
 /* Functions that vanish at an extremum. */
 static const unsigned extrema = 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
 
 static bool watched(const ric_continuation *tr, int test)
 {
     if (tr->ignore & 1u << test) return false;
-    /* short of an orbit of fewer periods the determinant is rounding, and its zero nothing that could be crossed */
+    /* short of an orbit of fewer periods the determinant is rounding, and its zero nothing that
+     * could be crossed */
     if (test == RIC_TEST_DET && tr->longest < HUGE_VAL) return false;
     return !(tr->limits->ghost && (free_of_ghosts & 1u << test));
 }
 
-/* Distance of a zero of the bordered determinant in this step or close behind its end; infinite if there is none. */
+/* Distance of a zero of the bordered determinant in this step or close behind its end; infinite if
+ * there is none. */
 static double crossing_ahead(const ric_continuation *tr, double h)
 {
-    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], x = h * fa / (fa - fb);
-    return watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 && x < h + RIC_CROSSING / 4 * tr->chain->scale ? x
-                                                                                                             : HUGE_VAL;
+    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET],
+           x = h * fa / (fa - fb);
+    return watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 &&
+                   x < h + RIC_CROSSING / 4 * tr->chain->scale
+               ? x
+               : HUGE_VAL;
 }
 
-/* Behind a multiplication of high order the signs of the factors are lost in rounding for a long way, and the first
- * that is seen may be that behind a zero: it has to be seen soon after it emerges. */
+/* Behind a multiplication of high order the signs of the factors are lost in rounding for a long
+ * way, and the first that is seen may be that behind a zero: it has to be seen soon after it
+ * emerges. */
 static bool emerges_late(const ric_continuation *tr)
 {
     for (int i = 0; i < 3; i++) {
         int test = RIC_TEST_A + i;
         bool lost = tr->definite[test] == 0 && tr->past.test[test] == 0 && tr->now.test[test] == 0;
-        if (watched(tr, test) && lost && fabs(tr->next.test[test]) > EMERGED * tr->now.hidden[i]) return true;
+        if (watched(tr, test) && lost && fabs(tr->next.test[test]) > EMERGED * tr->now.hidden[i])
+            return true;
     }
     return false;
 }
 
 bool ric_event_suspicious(const ric_continuation *tr, double h)
 {
-    return tr->has_past && h >= SHORTEST * tr->chain->scale && crossing_ahead(tr, h) == HUGE_VAL && emerges_late(tr);
+    return tr->has_past && h >= SHORTEST * tr->chain->scale && crossing_ahead(tr, h) == HUGE_VAL &&
+           emerges_late(tr);
 }
 
 /* -------------------------------------------------------------------- keeping */
 
-static ric_status fill_event(const ric_continuation *tr, int test, const ric_station *p, ric_event *out)
+static ric_status fill_event(const ric_continuation *tr, int test, const ric_station *p,
+                             ric_event *out)
 {
     size_t bytes = (size_t)tr->chain->n_unknown * sizeof(double);
     *out = (ric_event){.test = test, .s = p->s, .u = ric_malloc(bytes), .t = ric_malloc(bytes)};
@@ -148,7 +161,8 @@ static void end_by(ric_continuation *tr, int test)
 }
 
 /* Back at the orbit `home`, at the arclength s, going the same way as `heading` from there. */
-static bool reaches(ric_continuation *tr, double h, const double *home, const double *heading, double *s)
+static bool reaches(ric_continuation *tr, double h, const double *home, const double *heading,
+                    double *s)
 {
     int size = tr->chain->n_unknown;
     double along = 0, across = 0;
@@ -179,9 +193,9 @@ static bool reaches(ric_continuation *tr, double h, const double *home, const do
     return true;
 }
 
-/* Back at the start, at the arclength s; `home` [n_unknown] is the start once more. From a centre to a rest under a
- * power law an orbit shows its image x -> -x half a period on, which is the same orbit: there the way round a closed
- * branch may end with the other sign. */
+/* Back at the start, at the arclength s; `home` [n_unknown] is the start once more. From a centre
+ * to a rest under a power law an orbit shows its image x -> -x half a period on, which is the same
+ * orbit: there the way round a closed branch may end with the other sign. */
 static bool closes(ric_continuation *tr, double h, double *home, double *s)
 {
     const ric_shooting *c = tr->chain;
@@ -190,7 +204,9 @@ static bool closes(ric_continuation *tr, double h, double *home, double *s)
     if (tr->n_point < 8) return false;
     memcpy(home, tr->start_u, (size_t)size * sizeof *home);
     if (reaches(tr, h, home, tr->start_t, s)) return true;
-    if (ric_periodic_has_events(c->model) || c->start != RIC_MIRROR_CENTRE || c->end != RIC_MIRROR_REST) return false;
+    if (ric_periodic_has_events(c->model) || c->start != RIC_MIRROR_CENTRE ||
+        c->end != RIC_MIRROR_REST)
+        return false;
     for (int i = 0; i < size; i++) {
         double sign = i == c->n_start ? 1 : -1; /* the time, and states before and after it */
         home[i] = sign * tr->start_u[i];
@@ -224,9 +240,10 @@ static void list_root(root_list *list, int test, double x)
     if (list->n < list->capacity) list->root[list->n++] = (ric_event_root){test, x};
 }
 
-/* Zeros of one test between the points that are known, up to distance `to`. A sign that rounding hid at some of them
- * has changed at the first one: as near as can be told. */
-static ric_status find_zeros(ric_continuation *tr, int test, double to, double h, root_list *list, bool *retry)
+/* Zeros of one test between the points that are known, up to distance `to`. A sign that rounding
+ * hid at some of them has changed at the first one: as near as can be told. */
+static ric_status find_zeros(ric_continuation *tr, int test, double to, double h, root_list *list,
+                             bool *retry)
 {
     const ric_event_samples *q = &tr->samples;
     double last = test < RIC_N_TEST ? tr->definite[test] : 0, hidden = 0;
@@ -241,7 +258,8 @@ static ric_status find_zeros(ric_continuation *tr, int test, double to, double h
             if (i == q->now || ric_event_samples_values(tr, i - 1)[test] != 0) hidden = q->x[i];
             continue;
         }
-        bool changed = last * f<0, seen = i> q->now && ric_event_samples_values(tr, i - 1)[test] != 0;
+        bool changed = last * f<0, seen = i> q->now &&
+                       ric_event_samples_values(tr, i - 1)[test] != 0;
         last = f;
         if (!changed || open || i == q->now) continue;
         if (!seen) {
@@ -249,14 +267,17 @@ static ric_status find_zeros(ric_continuation *tr, int test, double to, double h
             continue;
         }
         double a = q->x[i - 1], b = q->x[i];
-        ric_status status = ric_event_locate(tr, test, a, ric_event_samples_values(tr, i - 1)[test], b, f, h, &x,
-                                             &zero);
+        ric_status status = ric_event_locate(tr, test, a, ric_event_samples_values(tr, i - 1)[test],
+                                             b, f, h, &x, &zero);
         if (status) return status;
-        /* the factors of the map may jump where rounding hides them; in a piece this short nothing else can have
-         * happened. The place of a resonance is known well enough there: the junction is solved anew */
+        /* the factors of the map may jump where rounding hides them; in a piece this short nothing
+         * else can have happened. The place of a resonance is known well enough there: the junction
+         * is solved anew */
         bool narrow = b - a < JUMP * tr->chain->scale;
         if (!zero && narrow && test < RIC_N_TEST && EVENT_SINGULAR & 1u << test) continue;
-        if (!zero && narrow && test >= RIC_N_TEST && fabs(ric_event_value(tr, test, &tr->mid)) > POLE) continue;
+        if (!zero && narrow && test >= RIC_N_TEST &&
+            fabs(ric_event_value(tr, test, &tr->mid)) > POLE)
+            continue;
         if (!zero && !(narrow && test >= RIC_N_TEST)) {
             *retry = true;
             return RIC_OK;
@@ -266,7 +287,8 @@ static ric_status find_zeros(ric_continuation *tr, int test, double to, double h
     return RIC_OK;
 }
 
-static ric_status find_roots(ric_continuation *tr, unsigned which, double h, root_list *list, bool *retry)
+static ric_status find_roots(ric_continuation *tr, unsigned which, double h, root_list *list,
+                             bool *retry)
 {
     for (int i = 0; i < RIC_N_TEST && !*retry; i++) {
         ric_status status = which & 1u << i ? find_zeros(tr, i, HUGE_VAL, h, list, retry) : RIC_OK;
@@ -275,56 +297,63 @@ static ric_status find_roots(ric_continuation *tr, unsigned which, double h, roo
     return RIC_OK;
 }
 
-/* Tests of `which` that are looked at in this step. Of those that vanish at the start the ones that do not end a branch
- * are looked at right behind it. */
+/* Tests of `which` that are looked at in this step. Of those that vanish at the start the ones that
+ * do not end a branch are looked at right behind it. */
 static unsigned seen_in(const ric_continuation *tr, unsigned which)
 {
     unsigned seen = 0, inside = EVENT_SINGULAR | extrema;
     for (int i = 0; i < RIC_N_TEST; i++) {
         bool ghost = tr->limits->ghost && free_of_ghosts & 1u << i;
-        if (which & 1u << i && (watched(tr, i) || (inside & tr->ignore & 1u << i && !ghost))) seen |= 1u << i;
+        if (which & 1u << i && (watched(tr, i) || (inside & tr->ignore & 1u << i && !ghost)))
+            seen |= 1u << i;
     }
     return seen;
 }
 
-/* Arranges for a short step with the crossing in its middle, and for no point close to one, where all but the
- * determinant is rounding; false when all is well. */
+/* Arranges for a short step with the crossing in its middle, and for no point close to one, where
+ * all but the determinant is rounding; false when all is well. */
 static bool approach_crossing(ric_continuation *tr, double h)
 {
-    double x = crossing_ahead(tr, h), length = RIC_CROSSING * tr->chain->scale, step = fmax(2 * x, length / 2);
-    if (x == HUGE_VAL || (h > 0.7 * step && h < 1.4 * step && h < 3 * length) || ++tr->approaches > APPROACHES)
+    double x = crossing_ahead(tr, h), length = RIC_CROSSING * tr->chain->scale,
+           step = fmax(2 * x, length / 2);
+    if (x == HUGE_VAL || (h > 0.7 * step && h < 1.4 * step && h < 3 * length) ||
+        ++tr->approaches > APPROACHES)
         return false;
     tr->wanted = x > 1.1 * length ? fmin(x - length / 2, 0.9 * h) : step;
     tr->after = length;
     return true;
 }
 
-/* Whether functions may have poles where this test vanishes: an impact loses its speed, or a contact shrinks to
- * nothing. */
+/* Whether functions may have poles where this test vanishes: an impact loses its speed, or a
+ * contact shrinks to nothing. */
 static bool has_poles(int test)
 {
     return test == RIC_TEST_REACH || test == RIC_TEST_APPROACH || test == RIC_TEST_FLIGHT;
 }
 
-/* Where a gap closes before the first zero of the other functions that end a branch. Behind an impact that loses its
- * speed the gap that opens before it leaves `reach` above 1 by the square of the distance, which hides its zero in
- * rounding; it is none, so that nothing is looked for behind the others. A spring that opens as another one closes is
- * such an end, and a touch as well: there both are asked for. */
+/* Where a gap closes before the first zero of the other functions that end a branch. Behind an
+ * impact that loses its speed the gap that opens before it leaves `reach` above 1 by the square of
+ * the distance, which hides its zero in rounding; it is none, so that nothing is looked for behind
+ * the others. A spring that opens as another one closes is such an end, and a touch as well: there
+ * both are asked for. */
 static ric_status find_reach(ric_continuation *tr, double h, root_list *list, bool *retry)
 {
     double to = HUGE_VAL;
     bool good = false, springs = ric_flight_law_of(tr->chain->model)->closes;
     for (int i = 0; i < list->n; i++) to = fmin(to, list->root[i].x);
     if (to < HUGE_VAL && !springs) {
-        ric_status status = ric_event_samples_insert(tr, fmax(to - SHORT_OF * tr->chain->scale, to / 2), h, &good);
+        ric_status status = ric_event_samples_insert(tr,
+                                                     fmax(to - SHORT_OF * tr->chain->scale, to / 2),
+                                                     h, &good);
         if (status) return status;
     }
     return find_zeros(tr, RIC_TEST_REACH, good ? to : HUGE_VAL, h, list, retry);
 }
 
-/* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its test, or -1, and
- * its distance. */
-static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *test, double *end, bool *retry)
+/* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its
+ * test, or -1, and its distance. */
+static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *test, double *end,
+                           bool *retry)
 {
     ric_event_root roots[RIC_MOST_SAMPLES];
     root_list list = {.capacity = RIC_MOST_SAMPLES, .root = roots};
@@ -342,8 +371,8 @@ static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *
     return RIC_OK;
 }
 
-/* The points of the step for what happens inside, up to distance `to`: where the branch ends there, it is looked at a
- * little before, and ever nearer if functions may have poles. */
+/* The points of the step for what happens inside, up to distance `to`: where the branch ends there,
+ * it is looked at a little before, and ever nearer if functions may have poles. */
 static ric_status sample(ric_continuation *tr, unsigned which, int test, double to, double h)
 {
     ric_event_samples *q = &tr->samples;
@@ -351,13 +380,15 @@ static ric_status sample(ric_continuation *tr, unsigned which, int test, double 
     const unsigned margins = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT;
     bool pairs = tr->n_resonance > 0, poles = tr->ignore & margins;
     ric_status status = RIC_OK;
-    if (test >= 0 && (status = ric_event_samples_cut(tr, fmax(to - least, to / 2), h))) return status;
+    if (test >= 0 && (status = ric_event_samples_cut(tr, fmax(to - least, to / 2), h)))
+        return status;
     if (q->n < q->now + 2) return RIC_OK; /* nothing converges there */
     double last = q->x[q->n - 1];
     if (poles) {
         from = 0;
         status = ric_event_samples_approach(tr, 0, last, least, h);
-        for (int k = 0; k < ric_continuation_watched(tr); k++) ric_event_samples_values(tr, q->now)[k] = NAN;
+        for (int k = 0; k < ric_continuation_watched(tr); k++)
+            ric_event_samples_values(tr, q->now)[k] = NAN;
     }
     if (!status && test >= 0 && has_poles(test)) {
         end = to;
@@ -369,23 +400,26 @@ static ric_status sample(ric_continuation *tr, unsigned which, int test, double 
 
 /* ------------------------------------------------------- over a branch point */
 
-/* Whether a branch comes to a corner of orbits that are their own image there: the family on which both contacts stay
- * together crosses. */
-static bool meets_corner(const ric_continuation *tr, const ric_event_bridge *q, double h, double *at)
+/* Whether a branch comes to a corner of orbits that are their own image there: the family on which
+ * both contacts stay together crosses. */
+static bool meets_corner(const ric_continuation *tr, const ric_event_bridge *q, double h,
+                         double *at)
 {
     if (tr->limits->ghost || !watched(tr, RIC_TEST_FLIGHT) ||
         !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0))
         return false;
-    double x = ric_event_bridge_root(tr, q, RIC_TEST_FLIGHT, q->x[0], q->x[3], q->test[0][RIC_TEST_FLIGHT], NAN);
+    double x = ric_event_bridge_root(tr, q, RIC_TEST_FLIGHT, q->x[0], q->x[3],
+                                     q->test[0][RIC_TEST_FLIGHT], NAN);
     if (x > *at + 0.05 * h) return false;
     *at = x;
     return true;
 }
 
-/* Where resonance k is passed up to distance `to` in a step over a branch point at `at`, looked at between the points
- * that are known: multipliers may go to and fro beside it. Room for BRIDGED places; returns their number. */
-static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q, int k, double at, double to, double h,
-                           ric_event_root *out)
+/* Where resonance k is passed up to distance `to` in a step over a branch point at `at`, looked at
+ * between the points that are known: multipliers may go to and fro beside it. Room for BRIDGED
+ * places; returns their number. */
+static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q, int k, double at,
+                           double to, double h, ric_event_root *out)
 {
     int test = RIC_N_TEST + k, n = 0;
     double from = 0, before = ric_event_value(tr, test, &tr->now);
@@ -393,7 +427,8 @@ static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q
     for (int i = 0; i < BRIDGED; i++) {
         double x = place[i];
         if (x <= from || x > h) continue;
-        double value = x == h ? ric_event_value(tr, test, &tr->next) : ric_event_bridge_test(tr, q, test, x);
+        double value = x == h ? ric_event_value(tr, test, &tr->next)
+                              : ric_event_bridge_test(tr, q, test, x);
         if (before * value < 0) {
             double root_at = ric_event_bridge_root(tr, q, test, from, x, before, NAN);
             if (root_at < to || to == h) out[n++] = (ric_event_root){test, root_at};
@@ -404,10 +439,12 @@ static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q
     return n;
 }
 
-/* Whether the branch meets an image of its own, by `kept`, where the determinant vanishes, or beside it: a zero read
- * off cubics lies aside of the middle between the orbit there and its image. *at and tr->mid are moved to it. */
+/* Whether the branch meets an image of its own, by `kept`, where the determinant vanishes, or
+ * beside it: a zero read off cubics lies aside of the middle between the orbit there and its image.
+ * *at and tr->mid are moved to it. */
 static bool at_image(ric_continuation *tr, const ric_event_bridge *q, double h,
-                     bool (*kept)(const ric_continuation *, const ric_crossed *, double *), double *at)
+                     bool (*kept)(const ric_continuation *, const ric_crossed *, double *),
+                     double *at)
 {
     const double from = *at;
     /* a neighbour on the side where there is more room: close by it is lost in rounding */
@@ -424,8 +461,33 @@ static bool at_image(ric_continuation *tr, const ric_event_bridge *q, double h,
     return false;
 }
 
-/* A step over a branch point (shorter than RIC_CROSSING): every inner function from the cubics. *end_test: why the
- * branch ends there, at *end: DET where it meets its own image, FLIGHT at a corner; -1 if it goes on. */
+/* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds
+ * vanish with the determinant: that zero belongs to the one junction, and beyond it the other sign
+ * is the one to expect. A family of order 3 passes on a slope; its extremum lies aside and is a
+ * junction of its own. Of fewer than four periods the order is not known, as it may be that of half
+ * a period: there the slope tells. */
+static bool is_level(ric_continuation *tr, ric_event_bridge *q, double at)
+{
+    const double ends = fmax(fabs(q->test[0][RIC_TEST_SLOPE]), fabs(q->test[3][RIC_TEST_SLOPE]));
+    return fabs(ric_event_bridge_test(tr, q, RIC_TEST_SLOPE, at)) < ON_SLOPE * ends;
+}
+
+/* The zeros of a step become events in the order in which the branch meets them. */
+static ric_status keep_roots(ric_continuation *tr, ric_event_bridge *q, double h,
+                             ric_event_root *roots, int n)
+{
+    ric_status status = RIC_OK;
+    qsort(roots, (size_t)n, sizeof *roots, ric_event_by_place);
+    for (int i = 0; i < n && !status; i++) {
+        ric_event_bridge_station(tr, q, roots[i].x, h, &tr->mid);
+        status = ric_event_keep(tr, roots[i].test, &tr->mid);
+    }
+    return status;
+}
+
+/* A step over a branch point (shorter than RIC_CROSSING): every inner function from the cubics.
+ * *end_test: why the branch ends there, at *end: DET where it meets its own image, FLIGHT at a
+ * corner; -1 if it goes on. */
 static ric_status cross(ric_continuation *tr, double h, int *end_test, double *end, bool *retry)
 {
     ric_event_bridge q;
@@ -435,16 +497,20 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
     *end_test = -1;
     if ((*retry = status == RIC_E_NUMERIC && tr->avoided)) return RIC_OK;
     if (status) return status;
-    double at = ric_event_bridge_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET], NAN);
+    double at = ric_event_bridge_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET],
+                                      NAN);
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
     ric_event_bridge_station(tr, &q, at, h, &tr->mid);
-    if (*end_test < 0 && at_image(tr, &q, h, ric_symmetric_end_meets, &at)) *end_test = RIC_TEST_DET;
+    if (*end_test < 0 && at_image(tr, &q, h, ric_symmetric_end_meets, &at))
+        *end_test = RIC_TEST_DET;
     const int times = ric_symmetric_end_repeats(tr, tr->mid.u);
     const bool arrived = *end_test >= 0, repeated = times > 1, level = times >= FLAT && !arrived;
     if (arrived) *end = at;
-    /* the determinant has a zero of higher order there, which cubics place badly; the slope has a simple one */
+    /* the determinant has a zero of higher order there, which cubics place badly; the slope has a
+     * simple one */
     if (level && q.test[0][RIC_TEST_SLOPE] * q.test[3][RIC_TEST_SLOPE] < 0) {
-        at = ric_event_bridge_root(tr, &q, RIC_TEST_SLOPE, q.x[0], q.x[3], q.test[0][RIC_TEST_SLOPE], NAN);
+        at = ric_event_bridge_root(tr, &q, RIC_TEST_SLOPE, q.x[0], q.x[3],
+                                   q.test[0][RIC_TEST_SLOPE], NAN);
         ric_event_bridge_station(tr, &q, at, h, &tr->mid);
     }
     /* two branches that only come close: the step has changed from one to the other */
@@ -453,42 +519,38 @@ static ric_status cross(ric_continuation *tr, double h, int *end_test, double *e
         tr->avoided = *retry = true;
         return RIC_OK;
     }
-    /* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds vanish with the
-     * determinant: that zero belongs to the one junction, and beyond it the other sign is the one to expect. A family
-     * of order 3 passes on a slope; its extremum lies aside and is a junction of its own. Of fewer than four
-     * periods the order is not known, as it may be that of half a period: there the slope tells. */
     bool image = !arrived && at_image(tr, &q, h, ric_symmetric_end_passes, &at);
-    bool flat = arrived || image || level ||
-                (repeated && fabs(ric_event_bridge_test(tr, &q, RIC_TEST_SLOPE, at)) <
-                                 ON_SLOPE * fmax(fabs(q.test[0][RIC_TEST_SLOPE]), fabs(q.test[3][RIC_TEST_SLOPE])));
+    bool flat = arrived || image || level || (repeated && is_level(tr, &q, at));
     for (int i = 0; i < RIC_N_TEST; i++) {
-        double before = tr->now.test[i] != 0 ? tr->now.test[i] : tr->definite[i], after = tr->next.test[i];
+        double before = tr->now.test[i] != 0 ? tr->now.test[i] : tr->definite[i],
+               after = tr->next.test[i];
         if ((terminal & 1u << i) || !watched(tr, i)) continue;
         bool shared = flat && (extrema & 1u << i);
         if (shared) before = tr->definite[i] = -before;
-        /* at a duplicate the kernels of all symmetries open at once, like high powers of the distance */
+        /* at a duplicate the kernels of all symmetries open at once, like high powers of the
+         * distance */
         if ((EVENT_SINGULAR & 1u << i) && (arrived || image || repeated)) continue;
         if (!(before * after < 0)) continue;
-        double x = i == RIC_TEST_DET ? at : ric_event_bridge_root(tr, &q, i, 0, h, before, shared ? at : NAN);
+        double x = i == RIC_TEST_DET
+                       ? at
+                       : ric_event_bridge_root(tr, &q, i, 0, h, before, shared ? at : NAN);
         if (arrived && x >= at) continue;
         roots[n++] = (ric_event_root){i, x};
     }
-    for (int k = 0; k < tr->n_resonance; k++) n += cross_resonance(tr, &q, k, at, arrived ? at : h, h, roots + n);
-    qsort(roots, (size_t)n, sizeof *roots, ric_event_by_place);
-    for (int i = 0; i < n && !status; i++) {
-        ric_event_bridge_station(tr, &q, roots[i].x, h, &tr->mid);
-        status = ric_event_keep(tr, roots[i].test, &tr->mid);
-    }
+    for (int k = 0; k < tr->n_resonance; k++)
+        n += cross_resonance(tr, &q, k, at, arrived ? at : h, h, roots + n);
+    status = keep_roots(tr, &q, h, roots, n);
     if (!status) status = ric_event_asked_cross(tr, first, arrived ? at : h, h);
     for (int i = 0; i < RIC_N_TEST; i++) /* no sign is expected */
-        if ((image || repeated) && (EVENT_SINGULAR & 1u << i)) tr->definite[i] = tr->next.test[i] = 0;
+        if ((image || repeated) && (EVENT_SINGULAR & 1u << i))
+            tr->definite[i] = tr->next.test[i] = 0;
     if (arrived && !status) ric_event_bridge_station(tr, &q, at, h, &tr->mid);
     free(q.u);
     return status;
 }
 
-/* The length on which some pair is lost in rounding; on the way to an end where functions have poles this is no news
- * nearer than NEAREST. */
+/* The length on which some pair is lost in rounding; on the way to an end where functions have
+ * poles this is no news nearer than NEAREST. */
 static double lost_length(const ric_continuation *tr)
 {
     const ric_event_samples *q = &tr->samples;
@@ -502,9 +564,10 @@ static double lost_length(const ric_continuation *tr)
     return length;
 }
 
-/* Zeros of all that is looked at inside. Where one function vanishes the others are looked at, too: they tell each
- * other's ways. */
-static ric_status find_inside(ric_continuation *tr, unsigned which, double h, root_list *list, bool *retry)
+/* Zeros of all that is looked at inside. Where one function vanishes the others are looked at, too:
+ * they tell each other's ways. */
+static ric_status find_inside(ric_continuation *tr, unsigned which, double h, root_list *list,
+                              bool *retry)
 {
     for (int pass = 0; pass < PASSES; pass++) {
         list->n = 0;
@@ -512,7 +575,8 @@ static ric_status find_inside(ric_continuation *tr, unsigned which, double h, ro
         for (int k = 0; k < tr->n_resonance && !status && !*retry; k++)
             status = find_zeros(tr, RIC_N_TEST + k, HUGE_VAL, h, list, retry);
         int before = ric_event_samples_changes(tr, which);
-        for (int i = 0; i < list->n && !status && !*retry; i++) status = ric_event_samples_add(tr, list->root[i].x, h);
+        for (int i = 0; i < list->n && !status && !*retry; i++)
+            status = ric_event_samples_add(tr, list->root[i].x, h);
         if (!status && !*retry && list->n)
             status = ric_event_samples_refine(tr, which, tr->n_resonance > 0, NAN, NAN, h);
         if (status || *retry || ric_event_samples_changes(tr, which) == before) return status;
@@ -540,33 +604,36 @@ static ric_status inner_events(ric_continuation *tr, double h, int test, double 
     for (int i = 0; i < list.n && !status; i++)
         if (!(status = ric_event_solve(tr, roots[i].x, h, RIC_LOOK_ALL, &tr->mid, &good)) &&
             !(status = ric_event_keep(tr, roots[i].test, &tr->mid)))
-            status = ric_continuation_keep(tr, &tr->mid); /* a stored point, so that extremes of a branch are among its
-                                                           * points */
+            status = ric_continuation_keep(tr, &tr->mid); /* a stored point, so that extremes of a
+                                                             branch are among its points */
     return status;
 }
 
-/* The end as the last point. Read off cubics it may lie before the point with which the step over it began: what is
- * stored behind it belongs to the image of the branch. */
+/* The end as the last point. Read off cubics it may lie before the point with which the step over
+ * it began: what is stored behind it belongs to the image of the branch. */
 static ric_status keep_end(ric_continuation *tr)
 {
     /* a stop gives points back, which nothing may have taken the place of */
     const ric_status whole = ric_trust(RIC_OK);
     if (whole) return whole;
     while (tr->n_point > 1) {
-        const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
+        const ric_point *last = (const ric_point *)(tr->points +
+                                                    (size_t)(tr->n_point - 1) * tr->stride);
         if (!tr->mid.solved || last->arclength <= tr->mid.row.arclength) break;
         tr->n_point--;
     }
     return ric_continuation_keep(tr, &tr->mid);
 }
 
-/* What is stored of the end at distance x: an orbit beyond a touch is not, and the branch would end a step before it.
- * Where the place is known to less than counts as rounding it is one on the near side. */
+/* What is stored of the end at distance x: an orbit beyond a touch is not, and the branch would end
+ * a step before it. Where the place is known to less than counts as rounding it is one on the near
+ * side. */
 static ric_status near_side(ric_continuation *tr, double x, double h)
 {
     const double before = tr->now.test[RIC_TEST_REACH];
     bool good = true;
-    for (int i = 0; i < SHORTENED && good && before > 0 && tr->mid.row.reach > 1 + RIC_MARGIN; i++) {
+    for (int i = 0; i < SHORTENED && good && before > 0 && tr->mid.row.reach > 1 + RIC_MARGIN;
+         i++) {
         const double beyond = tr->mid.row.reach - 1;
         x -= 2 * x * beyond / (before + beyond);
         ric_status status = ric_event_solve(tr, x, h, RIC_LOOK_ALL, &tr->mid, &good);
@@ -576,16 +643,17 @@ static ric_status near_side(ric_continuation *tr, double x, double h)
     return RIC_OK;
 }
 
-/* The same of a corner. Where a spring closes beside an impact on a stop it loses its speed before the two fall
- * together if that impact, however slow, kicks it back: the last orbit that meets all faces from the right side is
- * stored. */
+/* The same of a corner. Where a spring closes beside an impact on a stop it loses its speed before
+ * the two fall together if that impact, however slow, kicks it back: the last orbit that meets all
+ * faces from the right side is stored. */
 static ric_status right_side(ric_continuation *tr, double x, double h)
 {
     bool good = true;
     double meets = -1;
     ric_status status;
     if (!(tr->now.row.approach > 0) || !ric_continuation_goes_wrong(tr, &tr->mid)) return RIC_OK;
-    ric_root r = ric_root_between(0, tr->now.row.approach, x, tr->mid.row.approach, RIC_LAST_DIGIT * h);
+    ric_root r = ric_root_between(0, tr->now.row.approach, x, tr->mid.row.approach,
+                                  RIC_LAST_DIGIT * h);
     while (good && ric_root_next(&r)) {
         if ((status = ric_event_solve(tr, r.x, h, RIC_LOOK_REACH, &tr->mid, &good))) return status;
         r.f = tr->mid.row.approach;
@@ -602,14 +670,16 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
     int test;
     double end;
     tr->solved.n = 0;
-    bool good, crossed = tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0 && watched(tr, RIC_TEST_DET);
+    bool good, crossed = tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0 &&
+                         watched(tr, RIC_TEST_DET);
     if ((*retry = approach_crossing(tr, h))) return RIC_OK;
     double home[tr->chain->n_unknown], s;
     bool closed = closes(tr, h, home, &s);
     /* a corner next to a branch point is read off cubics with it: close by nothing can be solved */
     double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
-    unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0 ? terminal & ~(1u << RIC_TEST_FLIGHT)
-                                                                                : terminal;
+    unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0
+                         ? terminal & ~(1u << RIC_TEST_FLIGHT)
+                         : terminal;
     ric_event_samples_begin(tr, h);
     ric_status status = find_end(tr, which, h, &test, &end, retry);
     if (status || *retry) return status;
@@ -638,7 +708,9 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
         end_by(tr, test);
     }
     if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;
-    if (test == RIC_TEST_REACH && read < 0 && tr->mid.solved && (status = near_side(tr, end, h))) return status;
-    if (test == RIC_TEST_FLIGHT && read < 0 && tr->mid.solved && (status = right_side(tr, end, h))) return status;
+    if (test == RIC_TEST_REACH && read < 0 && tr->mid.solved && (status = near_side(tr, end, h)))
+        return status;
+    if (test == RIC_TEST_FLIGHT && read < 0 && tr->mid.solved && (status = right_side(tr, end, h)))
+        return status;
     return keep_end(tr);
 }

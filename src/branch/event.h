@@ -4,20 +4,21 @@
 
 #include "continuation.h"
 
-/* Whether a test function may have two zeros between now and next: the parabola through the last three points has its
- * extremum there and comes close to zero. The step is then halved. */
+/* Whether a test function may have two zeros between now and next: the parabola through the last
+ * three points has its extremum there and comes close to zero. The step is then halved. */
 bool ric_event_suspicious(const ric_continuation *trace, double h);
 
-/* Keeps a station as an interior event; ends the branch at one where it meets an orbit of fewer periods. */
+/* Keeps a station as an interior event; ends the branch at one where it meets an orbit of fewer
+ * periods. */
 ric_status ric_event_keep(ric_continuation *trace, int test, const ric_station *station);
 ric_status ric_event_arrive(ric_continuation *trace, const ric_station *station);
 
 /* Ends the branch at the border of a tongue that others step over. */
 ric_status ric_event_border(ric_continuation *trace, const ric_station *station);
 
-/* Finds every event between now and next. Interior ones are kept; one that ends the branch cuts the step there, stores
- * the last point and sets *done. *retry asks for a smaller step (a sign change without a zero: the step has left the
- * branch). */
+/* Finds every event between now and next. Interior ones are kept; one that ends the branch cuts the
+ * step there, stores the last point and sets *done. *retry asks for a smaller step (a sign change
+ * without a zero: the step has left the branch). */
 ric_status ric_event_find(ric_continuation *trace, double h, bool *done, bool *retry);
 
 #endif

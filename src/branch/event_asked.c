@@ -15,8 +15,10 @@ int ric_event_by_place(const void *a, const void *b)
     return p->x < q->x ? -1 : p->x > q->x ? 1 : p->test - q->test;
 }
 
-/* The point at distance x: solved, or in a step over a branch point, where nothing can be, on the cubic. */
-static ric_status look(ric_continuation *tr, bool solve, double x, double h, ric_station *out, bool *good)
+/* The point at distance x: solved, or in a step over a branch point, where nothing can be, on the
+ * cubic. */
+static ric_status look(ric_continuation *tr, bool solve, double x, double h, ric_station *out,
+                       bool *good)
 {
     *good = true;
     if (solve) return ric_event_solve(tr, x, h, RIC_LOOK_ALL, out, good);
@@ -25,7 +27,8 @@ static ric_status look(ric_continuation *tr, bool solve, double x, double h, ric
     return ric_continuation_fill(tr, tr->now.s + (tr->next.s - tr->now.s) * (x / h), out);
 }
 
-static double on_cubic(ric_continuation *tr, int test, double xa, double fa, double xb, double fb, double h)
+static double on_cubic(ric_continuation *tr, int test, double xa, double fa, double xb, double fb,
+                       double h)
 {
     bool good;
     ric_root r = ric_root_between(xa, fa, xb, fb, RIC_LAST_DIGIT * h);
@@ -36,10 +39,12 @@ static double on_cubic(ric_continuation *tr, int test, double xa, double fa, dou
     return r.x;
 }
 
-/* Passages between the distances xa and xb, at which what was asked for is `before` and `after` away, with no extremum
- * in between. A value met exactly counts as above, so that it is found in one of the two steps that end there. */
-static ric_status find_monotonic(ric_continuation *tr, bool solve, double xa, double xb, const double *before,
-                                 const double *after, double h, ric_event_root *roots, int *n, bool *retry)
+/* Passages between the distances xa and xb, at which what was asked for is `before` and `after`
+ * away, with no extremum in between. A value met exactly counts as above, so that it is found in
+ * one of the two steps that end there. */
+static ric_status find_monotonic(ric_continuation *tr, bool solve, double xa, double xb,
+                                 const double *before, const double *after, double h,
+                                 ric_event_root *roots, int *n, bool *retry)
 {
     /* on a horizontal branch the frequency is one number but for rounding, and passes nothing */
     bool horizontal = tr->now.test[RIC_TEST_PERIOD] == 0 && tr->next.test[RIC_TEST_PERIOD] == 0;
@@ -64,11 +69,12 @@ static ric_status find_monotonic(ric_continuation *tr, bool solve, double xa, do
 
 static void distances(const ric_continuation *tr, const ric_station *p, double *out)
 {
-    for (int k = 0; k < tr->limits->n_asked; k++) out[k] = ric_event_value(tr, RIC_N_TEST + tr->n_resonance + k, p);
+    for (int k = 0; k < tr->limits->n_asked; k++)
+        out[k] = ric_event_value(tr, RIC_N_TEST + tr->n_resonance + k, p);
 }
 
-ric_status ric_event_asked_find(ric_continuation *tr, bool solve, double to, double h, ric_event_root *roots, int *n,
-                                bool *retry)
+ric_status ric_event_asked_find(ric_continuation *tr, bool solve, double to, double h,
+                                ric_event_root *roots, int *n, bool *retry)
 {
     int known = *n;
     double from = 0, f[2][RIC_USER_POINTS_MAX];
@@ -76,13 +82,15 @@ ric_status ric_event_asked_find(ric_continuation *tr, bool solve, double to, dou
     qsort(roots, (size_t)known, sizeof *roots, ric_event_by_place);
     distances(tr, &tr->now, f[0]);
     for (int i = 0; i <= known && !*retry; i++) {
-        if (i < known && roots[i].test != RIC_TEST_SLOPE && roots[i].test != RIC_TEST_PERIOD) continue;
+        if (i < known && roots[i].test != RIC_TEST_SLOPE && roots[i].test != RIC_TEST_PERIOD)
+            continue;
         double x = i < known ? roots[i].x : to;
         bool good = true, last = i == known && to == h;
         ric_status status = last ? RIC_OK : look(tr, solve, x, h, &tr->mid, &good);
         if (status) return status;
         distances(tr, last ? &tr->next : &tr->mid, f[1]);
-        if (!(*retry = !good)) status = find_monotonic(tr, solve, from, x, f[0], f[1], h, roots, n, retry);
+        if (!(*retry = !good))
+            status = find_monotonic(tr, solve, from, x, f[0], f[1], h, roots, n, retry);
         if (status) return status;
         memcpy(f[0], f[1], sizeof f[0]);
         from = x;
@@ -97,7 +105,8 @@ ric_status ric_event_asked_cross(ric_continuation *tr, int first, double to, dou
     ric_event_root roots[known + RIC_EVENT_STRETCHES * tr->limits->n_asked + 1];
     bool good, retry = false;
     for (; n < known; n++)
-        roots[n] = (ric_event_root){tr->events[first + n].test, (tr->events[first + n].s - tr->now.s) * scale};
+        roots[n] = (ric_event_root){tr->events[first + n].test,
+                                    (tr->events[first + n].s - tr->now.s) * scale};
     ric_status status = ric_event_asked_find(tr, false, to, h, roots, &n, &retry);
     for (int i = known; i < n && !status; i++)
         if (!(status = look(tr, false, roots[i].x, h, &tr->mid, &good)))

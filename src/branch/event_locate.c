@@ -1,4 +1,5 @@
-/* Where within a step something happens: solved for, or read off cubics where nothing can be solved (event.c). */
+/* Where within a step something happens: solved for, or read off cubics where nothing can be solved
+ * (event.c). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,9 +9,11 @@
 
 #define PLACE 2e-16         /* of the step: a zero within it is at the last digit */
 #define PLACE_AT_ZERO 1e-17 /* scaled arclength: the same beside a step of no length */
-/* A sign change whose function does not fall below this part of its values at the ends is a pole or a hop. */
+/* A sign change whose function does not fall below this part of its values at the ends is a pole or
+ * a hop. */
 #define TRUE_ZERO 1e-5
-/* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of 1e-5. */
+/* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of
+ * 1e-5. */
 #define TRUE_RESONANCE 1e-2
 
 /* ------------------------------------------------------------------ location */
@@ -21,10 +24,12 @@ void ric_event_cubic(const ric_continuation *tr, double x, double h, double *u)
     double y = x / h, H = b->s - a->s;
     double p = 2 * y * y * y - 3 * y * y + 1, q = (y * y * y - 2 * y * y + y) * H, r = 1 - p,
            s = (y * y * y - y * y) * H;
-    for (int i = 0; i < tr->chain->n_unknown; i++) u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
+    for (int i = 0; i < tr->chain->n_unknown; i++)
+        u[i] = p * a->u[i] + q * a->t[i] + r * b->u[i] + s * b->t[i];
 }
 
-/* The orbit at x of an earlier call in this step: the chain is left evaluated there, as Newton's method left it. */
+/* The orbit at x of an earlier call in this step: the chain is left evaluated there, as Newton's
+ * method left it. */
 static bool solved_before(ric_continuation *tr, double x, double *u)
 {
     const ric_solved_orbits *q = &tr->solved;
@@ -71,7 +76,8 @@ void ric_event_know(ric_continuation *tr, double x, const ric_station *p)
     k->n++;
 }
 
-ric_status ric_event_solve(ric_continuation *tr, double x, double h, unsigned at, ric_station *out, bool *good)
+ric_status ric_event_solve(ric_continuation *tr, double x, double h, unsigned at, ric_station *out,
+                           bool *good)
 {
     if (!(*good = correct(tr, x, h, out))) return RIC_OK;
     double sign = ric_continuation_tangent(tr->chain, tr->now.t, out->t);
@@ -96,14 +102,15 @@ double ric_event_value(const ric_continuation *tr, int test, const ric_station *
     return ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[test - RIC_N_TEST].rho);
 }
 
-/* By what a zero is told from a jump: of the factors of the map, whose tests are relative to pivots that change their
- * places, what is smooth. */
+/* By what a zero is told from a jump: of the factors of the map, whose tests are relative to pivots
+ * that change their places, what is smooth. */
 static double height(int test, const ric_station *p, double value)
 {
-    return test < RIC_N_TEST && EVENT_SINGULAR & 1u << test ? fabs(p->factor[test == RIC_TEST_A   ? 0
-                                                                             : test == RIC_TEST_B ? 1
-                                                                                                  : 2])
-                                                            : fabs(value);
+    return test < RIC_N_TEST && EVENT_SINGULAR & 1u << test
+               ? fabs(p->factor[test == RIC_TEST_A   ? 0
+                                : test == RIC_TEST_B ? 1
+                                                     : 2])
+               : fabs(value);
 }
 
 /* Draws the ends x, f of a bracket together to what is known inside. */
@@ -121,9 +128,9 @@ static void draw_together(const ric_continuation *tr, double rho, double *x, dou
     }
 }
 
-/* The same of values without bound: the only pair less what it is at the resonance, which along a branch is nearly a
- * quotient of straight lines, as it runs through infinity where an impact loses its speed. False: it is not known at
- * both ends, or there are several pairs. */
+/* The same of values without bound: the only pair less what it is at the resonance, which along a
+ * branch is nearly a quotient of straight lines, as it runs through infinity where an impact loses
+ * its speed. False: it is not known at both ends, or there are several pairs. */
 static bool off_resonance(const ric_continuation *tr, double rho, const double *x, double *f)
 {
     const ric_known_pairs *k = &tr->known;
@@ -136,8 +143,8 @@ static bool off_resonance(const ric_continuation *tr, double rho, const double *
     return true;
 }
 
-ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa, double xb, double fb, double h,
-                            double *where, bool *zero)
+ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa, double xb,
+                            double fb, double h, double *where, bool *zero)
 {
     double size = fmax(fabs(fa), fabs(fb)), top = height(test, &tr->now, fa);
     const unsigned at = needed(tr, test);
@@ -159,8 +166,10 @@ ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa
     }
     if ((status = ric_event_solve(tr, r.x, h, at, &tr->mid, &good))) return status;
     *where = r.x;
-    double least = ric_event_value(tr, test, &tr->mid), part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
-    *zero = good && (fabs(least) <= part * size || (test < RIC_N_TEST && height(test, &tr->mid, least) <= part * top));
+    double least = ric_event_value(tr, test, &tr->mid),
+           part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
+    *zero = good && (fabs(least) <= part * size ||
+                     (test < RIC_N_TEST && height(test, &tr->mid, least) <= part * top));
     return RIC_OK;
 }
 
@@ -183,15 +192,17 @@ static void lagrange(const double *x, double at, double *value, double *slope)
     }
 }
 
-double ric_event_bridge_test(const ric_continuation *tr, const ric_event_bridge *q, int test, double at)
+double ric_event_bridge_test(const ric_continuation *tr, const ric_event_bridge *q, int test,
+                             double at)
 {
     double value[4], slope[4], sum = 0;
     int n_pair = tr->floquet.n_pair;
     lagrange(q->x, at, value, slope);
     for (int i = 0; i < 4; i++)
-        sum += value[i] * (test < RIC_N_TEST ? q->test[i][test]
-                                             : ric_resonance_test(q->own + i * 2 * n_pair, n_pair,
-                                                                  tr->resonances[test - RIC_N_TEST].rho));
+        sum += value[i] * (test < RIC_N_TEST
+                               ? q->test[i][test]
+                               : ric_resonance_test(q->own + i * 2 * n_pair, n_pair,
+                                                    tr->resonances[test - RIC_N_TEST].rho));
     return sum;
 }
 
@@ -210,8 +221,8 @@ static ric_status build_at(ric_continuation *tr, double h, ric_event_bridge *q, 
     return RIC_OK;
 }
 
-/* The points lie at fixed distances on both sides, wherever in the step the root is: a point close to it would be
- * noise. Where the branch bends too much for that, they lie within the step. */
+/* The points lie at fixed distances on both sides, wherever in the step the root is: a point close
+ * to it would be noise. Where the branch bends too much for that, they lie within the step. */
 ric_status ric_event_bridge_build(ric_continuation *tr, double h, ric_event_bridge *q)
 {
     static const double place[4] = {-1, -0.5, 0.5, 1};
@@ -235,16 +246,17 @@ ric_status ric_event_bridge_build(ric_continuation *tr, double h, ric_event_brid
     return status;
 }
 
-/* The same without its zero at `known`, NAN for none: the cubic, less what it misses zero by there, over the distance.
- */
-static double deflated(const ric_continuation *tr, const ric_event_bridge *q, int test, double x, double known)
+/* The same without its zero at `known`, NAN for none: the cubic, less what it misses zero by there,
+ * over the distance. */
+static double deflated(const ric_continuation *tr, const ric_event_bridge *q, int test, double x,
+                       double known)
 {
     double f = ric_event_bridge_test(tr, q, test, x);
     return isnan(known) ? f : (f - ric_event_bridge_test(tr, q, test, known)) / (x - known);
 }
 
-double ric_event_bridge_root(const ric_continuation *tr, const ric_event_bridge *q, int test, double a, double b,
-                             double sign, double known)
+double ric_event_bridge_root(const ric_continuation *tr, const ric_event_bridge *q, int test,
+                             double a, double b, double sign, double known)
 {
     double fa = sign * fabs(deflated(tr, q, test, a, known)), fb = deflated(tr, q, test, b, known);
     if (sign * fb > 0) { /* the first of two zeros */
@@ -257,8 +269,8 @@ double ric_event_bridge_root(const ric_continuation *tr, const ric_event_bridge 
     return r.x;
 }
 
-void ric_event_bridge_station(const ric_continuation *tr, const ric_event_bridge *q, double x, double h,
-                              ric_station *out)
+void ric_event_bridge_station(const ric_continuation *tr, const ric_event_bridge *q, double x,
+                              double h, ric_station *out)
 {
     int size = tr->chain->n_unknown;
     double value[4], slope[4], norm = 0;

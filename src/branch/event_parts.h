@@ -1,5 +1,5 @@
-/* Between event.c and event_locate.c: places within a step from `now` to `next`, of length h, by their distance x from
- * `now`. */
+/* Between event.c and event_locate.c: places within a step from `now` to `next`, of length h, by
+ * their distance x from `now`. */
 #ifndef RIC_BRANCH_EVENT_PARTS_H
 #define RIC_BRANCH_EVENT_PARTS_H
 
@@ -7,23 +7,26 @@
 
 /* Factors of the map, which grows without bound where an impact loses its speed. */
 #define EVENT_SINGULAR (1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D)
-/* A step over a zero of the bordered determinant is made this short (of the size of the orbit) first. Two branches meet
- * there: at distance x the orbit is known across them only to rounding / x, so nothing is solved close by; the crossing
- * is read off a cubic through four points at good distance, and the junction is solved on its own equations later:
- * RIC_CROSSING. */
+/* A step over a zero of the bordered determinant is made this short (of the size of the orbit)
+ * first. Two branches meet there: at distance x the orbit is known across them only to rounding /
+ * x, so nothing is solved close by; the crossing is read off a cubic through four points at good
+ * distance, and the junction is solved on its own equations later: RIC_CROSSING. */
 
 /* The unknowns [n_unknown] on the cubic through now and next. */
 void ric_event_cubic(const ric_continuation *trace, double x, double h, double *u);
-/* Solves at x, starting from the cubic, and looks `at` (ric_continuation_look); *good: it converged. */
-ric_status ric_event_solve(ric_continuation *trace, double x, double h, unsigned at, ric_station *out, bool *good);
+/* Solves at x, starting from the cubic, and looks `at` (ric_continuation_look); *good: it
+ * converged. */
+ric_status ric_event_solve(ric_continuation *trace, double x, double h, unsigned at,
+                           ric_station *out, bool *good);
 /* Keeps the multipliers of an orbit of this step, for the search of others. */
 void ric_event_know(ric_continuation *trace, double x, const ric_station *station);
-/* Value of a test function, or of what is watched beyond them: resonances, and what was asked for. */
+/* Value of a test function, or of what is watched beyond them: resonances, and what was asked for.
+ */
 double ric_event_value(const ric_continuation *trace, int test, const ric_station *station);
-/* The zero of a test function that is fa at xa and fb, of the other sign, at xb; the station there is left in
- * trace->mid. *zero: it is a true one, no pole and no hop. */
-ric_status ric_event_locate(ric_continuation *trace, int test, double xa, double fa, double xb, double fb, double h,
-                            double *where, bool *zero);
+/* The zero of a test function that is fa at xa and fb, of the other sign, at xb; the station there
+ * is left in trace->mid. *zero: it is a true one, no pole and no hop. */
+ric_status ric_event_locate(ric_continuation *trace, int test, double xa, double fa, double xb,
+                            double fb, double h, double *where, bool *zero);
 
 /* Values [ric_continuation_watched] at a point of the step. */
 double *ric_event_samples_values(const ric_continuation *trace, int i);
@@ -34,19 +37,21 @@ void ric_event_samples_shift(ric_continuation *trace);
 ric_status ric_event_samples_cut(ric_continuation *trace, double end, double h);
 /* One more point; *good: it converged. */
 ric_status ric_event_samples_insert(ric_continuation *trace, double x, double h, bool *good);
-/* The same unless one is there; how often the tests `which` and the resonances change their signs. */
+/* The same unless one is there; how often the tests `which` and the resonances change their signs.
+ */
 ric_status ric_event_samples_add(ric_continuation *trace, double x, double h);
 int ric_event_samples_changes(const ric_continuation *trace, unsigned which);
-/* More points, until every zero of the tests `which`, and with `pairs` of the resonances, shows. from, to: places where
- * functions may have poles, or NAN. */
-ric_status ric_event_samples_refine(ric_continuation *trace, unsigned which, bool pairs, double from, double to,
-                                    double h);
-/* More points where two of several pairs may pass +-2, or one pass it and come back, which leaves the signs of the
- * tests `which` as they were. They are kept if they show a zero: what finds nothing changes no bit of what comes after.
- */
+/* More points, until every zero of the tests `which`, and with `pairs` of the resonances, shows.
+ * from, to: places where functions may have poles, or NAN. */
+ric_status ric_event_samples_refine(ric_continuation *trace, unsigned which, bool pairs,
+                                    double from, double to, double h);
+/* More points where two of several pairs may pass +-2, or one pass it and come back, which leaves
+ * the signs of the tests `which` as they were. They are kept if they show a zero: what finds
+ * nothing changes no bit of what comes after. */
 ric_status ric_event_samples_probe(ric_continuation *trace, unsigned which, double h);
 /* More points at distances from `end` that fall from that of `other` to `least`. */
-ric_status ric_event_samples_approach(ric_continuation *trace, double end, double other, double least, double h);
+ric_status ric_event_samples_approach(ric_continuation *trace, double end, double other,
+                                      double least, double h);
 
 /* A zero of a test at a distance; their order along the step, for qsort. */
 typedef struct {
@@ -56,13 +61,15 @@ typedef struct {
 
 int ric_event_by_place(const void *a, const void *b);
 
-/* Where what was asked for is passed up to distance `to`, between the extrema of energy and period among the *n roots
- * known: so a value passed twice, on both sides of an extremum, is found twice. Room for RIC_EVENT_STRETCHES * n_asked
- * more roots. `solve`: at orbits that are solved; false: on the cubic. */
+/* Where what was asked for is passed up to distance `to`, between the extrema of energy and period
+ * among the *n roots known: so a value passed twice, on both sides of an extremum, is found twice.
+ * Room for RIC_EVENT_STRETCHES * n_asked more roots. `solve`: at orbits that are solved; false: on
+ * the cubic. */
 enum { RIC_EVENT_STRETCHES = 3 }; /* of a step, between its extrema of energy and of period */
-ric_status ric_event_asked_find(ric_continuation *trace, bool solve, double to, double h, ric_event_root *roots, int *n,
-                                bool *retry);
-/* The same in a step over a branch point, whose other events have been kept, the first of them `first`. */
+ric_status ric_event_asked_find(ric_continuation *trace, bool solve, double to, double h,
+                                ric_event_root *roots, int *n, bool *retry);
+/* The same in a step over a branch point, whose other events have been kept, the first of them
+ * `first`. */
 ric_status ric_event_asked_cross(ric_continuation *trace, int first, double to, double h);
 
 /* A step over a branch point: four points of it, and the cubics through them. free(u). */
@@ -74,13 +81,14 @@ typedef struct {
 
 ric_status ric_event_bridge_build(ric_continuation *trace, double h, ric_event_bridge *out);
 /* A test function or a resonance at x. */
-double ric_event_bridge_test(const ric_continuation *trace, const ric_event_bridge *bridge, int test, double x);
-/* Its zero between a and b, where its signs differ, or did but for the zero at `known` (NAN: none), which is divided
- * out; `sign` is that at a. */
-double ric_event_bridge_root(const ric_continuation *trace, const ric_event_bridge *bridge, int test, double a,
-                             double b, double sign, double known);
+double ric_event_bridge_test(const ric_continuation *trace, const ric_event_bridge *bridge,
+                             int test, double x);
+/* Its zero between a and b, where its signs differ, or did but for the zero at `known` (NAN: none),
+ * which is divided out; `sign` is that at a. */
+double ric_event_bridge_root(const ric_continuation *trace, const ric_event_bridge *bridge,
+                             int test, double a, double b, double sign, double known);
 /* The point at x read off the cubics; nothing is solved. */
-void ric_event_bridge_station(const ric_continuation *trace, const ric_event_bridge *bridge, double x, double h,
-                              ric_station *out);
+void ric_event_bridge_station(const ric_continuation *trace, const ric_event_bridge *bridge,
+                              double x, double h, ric_station *out);
 
 #endif

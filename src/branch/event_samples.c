@@ -1,14 +1,16 @@
-/* Whether the points at which the test functions of a step are known show every zero of them (docs/theory.md section
- * 7), and more points where they may not. Between two neighbours a function is taken for the parabola through them and
- * the nearest other point, with an error of twice what a fourth point, the next nearest, adds to it. A zero is known
- * where the signs differ and neither curve has another one; none where they agree and zero is farther away than
- * parabola and error reach. Anything else is halved, down to FINEST, or until MOST points are known. Costs nothing but
+/* Whether the points at which the test functions of a step are known show every zero of them
+ * (docs/theory.md section 7), and more points where they may not. Between two neighbours a function
+ * is taken for the parabola through them and the nearest other point, with an error of twice what a
+ * fourth point, the next nearest, adds to it. A zero is known where the signs differ and neither
+ * curve has another one; none where they agree and zero is farther away than parabola and error
+ * reach. Anything else is halved, down to FINEST, or until MOST points are known. Costs nothing but
  * arithmetic where no zero is near.
  *
- * Two of several pairs lambda + 1/lambda that pass one resonance in the same interval leave the sign of its function as
- * it was, and so does one that passes it and comes back beside another: so pairs are looked at by themselves, too, and
- * whether two between which the resonance lies may meet, by the square of their distance, which is smooth where they
- * do. At +-2 the functions are the bordered determinant and the factors of the map. */
+ * Two of several pairs lambda + 1/lambda that pass one resonance in the same interval leave the
+ * sign of its function as it was, and so does one that passes it and comes back beside another: so
+ * pairs are looked at by themselves, too, and whether two between which the resonance lies may
+ * meet, by the square of their distance, which is smooth where they do. At +-2 the functions are
+ * the bordered determinant and the factors of the map. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,11 +21,15 @@
 #define FINEST 1e-8 /* of the size of the orbit: two zeros nearer than this are not looked for */
 #define FALLS 3     /* between two points: a factor that changes by more is not read */
 #define SEEN 8      /* points at which curves are looked at */
-/* RATIO: of distances from an end at which functions may have poles: what happens there does so on every scale */
+/* RATIO: of distances from an end at which functions may have poles: what happens there does so on
+ * every scale */
 #define RATIO 16
-#define NEAR_PAIR 32    /* of lambda + 1/lambda: pairs farther out than this pass no resonance beside others that do */
-#define PROBES 40       /* points more, of one step, at which pairs beside +-2 are looked at */
-#define LOST_WIDTH 0.05 /* relative: how well the place is known where multipliers get lost in rounding */
+/* NEAR_PAIR: of lambda + 1/lambda: pairs farther out than this pass no resonance beside others that
+ * do */
+#define NEAR_PAIR 32
+#define PROBES 40 /* points more, of one step, at which pairs beside +-2 are looked at */
+/* LOST_WIDTH: relative: how well the place is known where multipliers get lost in rounding */
+#define LOST_WIDTH 0.05
 #define LOST_LEAST 1e-4 /* the same, of the size, away from an end */
 
 double *ric_event_samples_values(const ric_continuation *tr, int i)
@@ -35,7 +41,10 @@ double *ric_event_samples_values(const ric_continuation *tr, int i)
 static int smooth(const ric_continuation *tr, int test)
 {
     int first = RIC_N_TEST + tr->n_resonance;
-    return test == RIC_TEST_A ? first : test == RIC_TEST_B ? first + 1 : test == RIC_TEST_D ? first + 2 : -1;
+    return test == RIC_TEST_A   ? first
+           : test == RIC_TEST_B ? first + 1
+           : test == RIC_TEST_D ? first + 2
+                                : -1;
 }
 
 /* The column of pair j, sorted: NAN where it is not real. */
@@ -52,8 +61,11 @@ static void take(ric_continuation *tr, int i, double x, const ric_station *p)
     bool lost = false; /* some pair, in rounding: then the others do not tell what is passed */
     for (int j = 0; j < 2 * tr->floquet.n_pair; j++) lost |= !isfinite(p->own[j]);
     for (int k = 0; k < tr->n_resonance; k++)
-        value[RIC_N_TEST + k] = lost ? NAN : ric_resonance_test(p->own, tr->floquet.n_pair, tr->resonances[k].rho);
-    for (int k = RIC_TEST_A; k <= RIC_TEST_D; k++) value[smooth(tr, k)] = value[k] == 0 ? 0 : p->factor[k - RIC_TEST_A];
+        value[RIC_N_TEST + k] = lost ? NAN
+                                     : ric_resonance_test(p->own, tr->floquet.n_pair,
+                                                          tr->resonances[k].rho);
+    for (int k = RIC_TEST_A; k <= RIC_TEST_D; k++)
+        value[smooth(tr, k)] = value[k] == 0 ? 0 : p->factor[k - RIC_TEST_A];
     for (int j = 0; j < tr->floquet.n_pair; j++)
         value[pair_column(tr, j)] = p->own[2 * j + 1] == 0 ? p->own[2 * j] : NAN;
 }
@@ -135,7 +147,8 @@ void ric_event_samples_shift(ric_continuation *tr)
     double scale = (tr->next.s - tr->now.s) / q->x[q->n - 1];
     for (int i = 0; i < kept; i++) {
         q->s[i] = tr->now.s + q->x[first + i] * scale;
-        memmove(ric_event_samples_values(tr, i), ric_event_samples_values(tr, first + i), count * sizeof(double));
+        memmove(ric_event_samples_values(tr, i), ric_event_samples_values(tr, first + i),
+                count * sizeof(double));
     }
     q->n_past = kept;
 }
@@ -143,14 +156,16 @@ void ric_event_samples_shift(ric_continuation *tr)
 /* ---------------------------------------------------------------- one interval */
 
 typedef struct {
-    double length, fa, fb, bend, error, at; /* bend, error: second divided difference, and SAFETY times the third one;
-                                             * at: the third point of the parabola */
+    double length, fa, fb, bend, error,
+        at; /* bend, error: second divided difference, and SAFETY times the third one; at: the third
+               point of the parabola */
 } curve;
 
 static double along(const curve *c, double y, double part)
 {
     double rest = y * (y - c->length);
-    return c->fa + (c->fb - c->fa) * y / c->length + rest * (c->bend + part * c->error * (y - c->at));
+    return c->fa + (c->fb - c->fa) * y / c->length +
+           rest * (c->bend + part * c->error * (y - c->at));
 }
 
 /* Curves with none and with all of the error, to both sides. */
@@ -170,12 +185,13 @@ static bool shows_more(const curve *c)
     return false;
 }
 
-/* What is read of the points: a column, less a number; or the square of how far another one is from it. */
+/* What is read of the points: a column, less a number; or the square of how far another one is from
+ * it. */
 typedef struct {
     int column, other; /* other: -1, none */
     double less, most; /* most: values of columns beyond it are not read */
-    bool lost_at_zero; /* 0: its sign is lost in rounding, as that of a factor; else it is a zero, beside which others
-                        * may lie */
+    bool lost_at_zero; /* 0: its sign is lost in rounding, as that of a factor; else it is a zero,
+                          beside which others may lie */
 } reading;
 
 static double read_at(const ric_continuation *tr, const reading *of, int i)
@@ -198,19 +214,26 @@ static bool is_resolved(const ric_continuation *tr, int i, const reading *of)
     }
     if (!isfinite(f[0] + f[1]) || (of->lost_at_zero && f[0] * f[1] == 0)) return true;
     for (int before = i - 1, after = i + 2; n < 4 && (before >= 0 || after < q->n);) {
-        bool first = after >= q->n || (before >= 0 && q->x[i] - q->x[before] <= q->x[after] - q->x[i + 1]);
+        bool first = after >= q->n ||
+                     (before >= 0 && q->x[i] - q->x[before] <= q->x[after] - q->x[i + 1]);
         int j = first ? before-- : after++;
         f[n] = read_at(tr, of, j);
         x[n] = q->x[j] - q->x[i];
         if (isfinite(f[n])) n++;
     }
     if (n < 3) return true; /* the first step, as short as it is */
-    double slope = (f[1] - f[0]) / x[1], second = ((f[2] - f[1]) / (x[2] - x[1]) - slope) / x[2], third = 0;
+    double slope = (f[1] - f[0]) / x[1], second = ((f[2] - f[1]) / (x[2] - x[1]) - slope) / x[2],
+           third = 0;
     if (n == 4) {
         double other = ((f[3] - f[1]) / (x[3] - x[1]) - slope) / x[3];
         third = (other - second) / (x[3] - x[2]);
     } else third = second / (fabs(x[2]) + x[1]);
-    curve c = {.length = x[1], .fa = f[0], .fb = f[1], .bend = second, .error = SAFETY * fabs(third), .at = x[2]};
+    curve c = {.length = x[1],
+               .fa = f[0],
+               .fb = f[1],
+               .bend = second,
+               .error = SAFETY * fabs(third),
+               .at = x[2]};
     double reach = fmax(fabs(x[2]), fabs(x[2] - x[1])), all = fabs(c.bend) + c.error * reach;
     if (f[0] * f[1] > 0 && fmin(fabs(f[0]), fabs(f[1])) > x[1] * x[1] / 4 * all) return true;
     return !shows_more(&c);
@@ -219,10 +242,12 @@ static bool is_resolved(const ric_continuation *tr, int i, const reading *of)
 static bool resolved(const ric_continuation *tr, int i, int test)
 {
     return is_resolved(tr, i,
-                       &(reading){test, -1, 0, HUGE_VAL, test < RIC_N_TEST || test >= RIC_N_TEST + tr->n_resonance});
+                       &(reading){test, -1, 0, HUGE_VAL,
+                                  test < RIC_N_TEST || test >= RIC_N_TEST + tr->n_resonance});
 }
 
-/* Whether each pair by itself, of several, stays on its side of rho, and none comes from there to meet another. */
+/* Whether each pair by itself, of several, stays on its side of rho, and none comes from there to
+ * meet another. */
 static bool pairs_stay(const ric_continuation *tr, int i, double rho)
 {
     const double *a = ric_event_samples_values(tr, i), *b = ric_event_samples_values(tr, i + 1);
@@ -230,8 +255,10 @@ static bool pairs_stay(const ric_continuation *tr, int i, double rho)
         const int own = pair_column(tr, j);
         const bool below = a[own] < rho && b[own] < rho;
         const bool above = a[own] > rho && b[own] > rho;
-        if ((below || above) && !is_resolved(tr, i, &(reading){own, -1, rho, NEAR_PAIR, false})) return false;
-        if (!below || j + 1 == tr->floquet.n_pair || !(a[own + 1] > rho && b[own + 1] > rho)) continue;
+        if ((below || above) && !is_resolved(tr, i, &(reading){own, -1, rho, NEAR_PAIR, false}))
+            return false;
+        if (!below || j + 1 == tr->floquet.n_pair || !(a[own + 1] > rho && b[own + 1] > rho))
+            continue;
         if (!is_resolved(tr, i, &(reading){own, own + 1, 0, NEAR_PAIR, false})) return false;
     }
     return true;
@@ -247,19 +274,21 @@ static bool half_lost(const ric_continuation *tr, int i, double from, double to)
     if (from >= 0) near = fmin(near, q->x[i + 1] - from);
     if (to >= 0) near = fmin(near, to - q->x[i]);
     bool known[2];
-    for (int j = 0; j < 2; j++) known[j] = isfinite(ric_event_samples_values(tr, i + j)[RIC_N_TEST]);
+    for (int j = 0; j < 2; j++)
+        known[j] = isfinite(ric_event_samples_values(tr, i + j)[RIC_N_TEST]);
     return known[0] != known[1] && length > fmin(LOST_LEAST * tr->chain->scale, LOST_WIDTH * near);
 }
 
 /* ------------------------------------------------------------------- the step */
 
-/* The same of the factor of a test, which is smooth where the test jumps; beside a grazing it falls by powers of ten,
- * and tells nothing. */
+/* The same of the factor of a test, which is smooth where the test jumps; beside a grazing it falls
+ * by powers of ten, and tells nothing. */
 static bool smoothly(const ric_continuation *tr, int i, int test)
 {
     int column = smooth(tr, test);
     if (column < 0) return true;
-    double a = fabs(ric_event_samples_values(tr, i)[column]), b = fabs(ric_event_samples_values(tr, i + 1)[column]);
+    double a = fabs(ric_event_samples_values(tr, i)[column]),
+           b = fabs(ric_event_samples_values(tr, i + 1)[column]);
     return fmax(a, b) > FALLS * fmin(a, b) || resolved(tr, i, column);
 }
 
@@ -274,7 +303,8 @@ static bool all_resolved(const ric_continuation *tr, int i, unsigned which, bool
     return true;
 }
 
-ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool pairs, double from, double to, double h)
+ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool pairs, double from,
+                                    double to, double h)
 {
     ric_event_samples *q = &tr->samples;
     double finest = FINEST * tr->chain->scale;
@@ -294,11 +324,13 @@ ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool p
     return RIC_OK;
 }
 
-/* Whether the pairs stay on their sides of +-2, where factors of the map or its bordered determinant vanish. Where the
- * sign of one is lost in rounding, so is the side of a pair. Of a whole period -2 is a resonance. */
+/* Whether the pairs stay on their sides of +-2, where factors of the map or its bordered
+ * determinant vanish. Where the sign of one is lost in rounding, so is the side of a pair. Of a
+ * whole period -2 is a resonance. */
 static bool pairs_stay_at_two(const ric_continuation *tr, int i, unsigned which)
 {
-    static const unsigned vanish[2] = {1u << RIC_TEST_DET | 1u << RIC_TEST_B, 1u << RIC_TEST_A | 1u << RIC_TEST_D};
+    static const unsigned vanish[2] = {1u << RIC_TEST_DET | 1u << RIC_TEST_B,
+                                       1u << RIC_TEST_A | 1u << RIC_TEST_D};
     for (int k = 0; k < (ric_shooting_halves(tr->chain) ? 2 : 1); k++) {
         bool known = which & vanish[k];
         for (int test = 0; test < RIC_N_TEST; test++)
@@ -352,7 +384,8 @@ ric_status ric_event_samples_probe(ric_continuation *tr, unsigned which, double 
 }
 
 /* Points at distances from an end of the interval that fall by RATIO. */
-ric_status ric_event_samples_approach(ric_continuation *tr, double end, double other, double least, double h)
+ric_status ric_event_samples_approach(ric_continuation *tr, double end, double other, double least,
+                                      double h)
 {
     ric_event_samples *q = &tr->samples;
     bool good;

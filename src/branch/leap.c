@@ -1,8 +1,9 @@
-/* Leaps over tongues (docs/theory.md section 12). Beside an internal resonance with mode k, omega_k T = 2 pi m, the
- * share of the mode in the motion is R / sin(pi (nu - m)), where nu = omega_k T / 2 pi counts its turns and R hardly
- * changes: it changes its sign and nothing else does. A tongue is what lies between the two places where that share has
- * a given size. Both are orbits with given periods, solved like any other; the one behind is looked for from the one
- * before, with the sign of the mode changed, and counts if the way back leads to the same orbit. */
+/* Leaps over tongues (docs/theory.md section 12). Beside an internal resonance with mode k, omega_k
+ * T = 2 pi m, the share of the mode in the motion is R / sin(pi (nu - m)), where nu = omega_k T / 2
+ * pi counts its turns and R hardly changes: it changes its sign and nothing else does. A tongue is
+ * what lies between the two places where that share has a given size. Both are orbits with given
+ * periods, solved like any other; the one behind is looked for from the one before, with the sign
+ * of the mode changed, and counts if the way back leads to the same orbit. */
 #include "leap.h"
 
 #include <float.h>
@@ -15,22 +16,25 @@
 #include "orbit/room.h"
 #include "symmetric_end.h"
 
-/* At the border of a tongue the mode has this share of the energy, as a root, or of the clearance of a face: the energy
- * of the branch is off by two hundredths from what it is without the mode, at most. */
+/* At the border of a tongue the mode has this share of the energy, as a root, or of the clearance
+ * of a face: the energy of the branch is off by two hundredths from what it is without the mode, at
+ * most. */
 #define OF_ENERGY 0.1
 #define OF_CLEARANCE 0.01
 #define HELD 2   /* times that, where the border was placed from farther away */
 #define CLIMBS 3 /* times that, from which on a branch is on a tongue */
-/* LEAST: turns: half the width of the narrowest gap; a resonance is where it is said to be up to some of that, for
- * while springs are closed the frequency of a mode is another one */
+/* LEAST: turns: half the width of the narrowest gap; a resonance is where it is said to be up to
+ * some of that, for while springs are closed the frequency of a mode is another one */
 #define LEAST 2e-3
 #define WIDEST 0.2     /* turns: half the width of tongues that are one by one */
 #define EXCITED 1e-12  /* share below which a mode does not take part at all: there is no tongue */
 #define ON_BORDER 1e-9 /* relative: of a period */
-/* NEARER: of the distance to a resonance at which a leap was refused: from there it is tried again. Beside the first
- * touch of a spring the share of a mode is next to nothing and grows, so that it cannot be told beforehand */
+/* NEARER: of the distance to a resonance at which a leap was refused: from there it is tried again.
+ * Beside the first touch of a spring the share of a mode is next to nothing and grows, so that it
+ * cannot be told beforehand */
 #define NEARER 0.7
-#define MOVED 0.05     /* of the size: what modes that are not in resonance may change over a tongue */
+/* MOVED: of the size: what modes that are not in resonance may change over a tongue */
+#define MOVED 0.05
 #define RETURNS 1e-8   /* of the size: the way back leads to the same orbit */
 enum { ATTEMPTS = 4 }; /* at a border behind, ever farther away */
 /* AWAY: of the width, the first step behind a tongue */
@@ -48,7 +52,8 @@ static double frequency_of(const ric_model *m, uint64_t closed, int mode)
 static double turns_of(const ric_shooting *c, const double *u, int mode)
 {
     double sum = 0;
-    for (int k = 0; k < c->n_flight; k++) sum += frequency_of(c->model, c->closed[k], mode) * u[c->n_start + k];
+    for (int k = 0; k < c->n_flight; k++)
+        sum += frequency_of(c->model, c->closed[k], mode) * u[c->n_start + k];
     return c->multiple * sum / RIC_TWO_PI;
 }
 
@@ -61,7 +66,8 @@ static double share_of(const ric_shooting *c, int mode)
         const double *w = c->w + (size_t)k * 2 * (size_t)c->n;
         most = fmax(most, w[mode] * w[mode] + w[c->n + mode] * w[c->n + mode]);
     }
-    for (int f = 0; f < m->n_face; f++) reach = fmax(reach, fabs(m->face[f].g[mode] / m->face[f].gap));
+    for (int f = 0; f < m->n_face; f++)
+        reach = fmax(reach, fabs(m->face[f].g[mode] / m->face[f].gap));
     const double energy = 2 * ric_shooting_energy(c) + DBL_MIN;
     return sqrt(most) * fmax(reach / OF_CLEARANCE, 1 / (sqrt(energy) * OF_ENERGY));
 }
@@ -74,7 +80,8 @@ typedef struct {
     double turns, border[2], period[2];
 } tongue;
 
-/* A half chain repeats itself with the other sign half a period on, and meets odd resonances only. */
+/* A half chain repeats itself with the other sign half a period on, and meets odd resonances only.
+ */
 static double next_turns(const ric_shooting *c, double turns, double way)
 {
     double step = ric_shooting_halves(c) ? 2 : 1, first = ric_shooting_halves(c) ? 1 : 0;
@@ -95,15 +102,18 @@ static double half_width(const ric_shooting *c, double share, double distance)
     return part < 1 ? fmax(LEAST, half * 2 * asin(part) / RIC_TWO_PI) : HUGE_VAL;
 }
 
-/* The next tongue of a mode in the direction t (way: its sign in turns) from an orbit at u that has just been flown;
- * false: there is none that may be stepped over. */
-static bool tongue_ahead(const ric_continuation *tr, const double *u, const double *t, int mode, tongue *out)
+/* The next tongue of a mode in the direction t (way: its sign in turns) from an orbit at u that has
+ * just been flown; false: there is none that may be stepped over. */
+static bool tongue_ahead(const ric_continuation *tr, const double *u, const double *t, int mode,
+                         tongue *out)
 {
     const ric_shooting *c = tr->chain;
-    const double slope = turns_of(c, t, mode), now = turns_of(c, u, mode), share = share_of(c, mode);
+    const double slope = turns_of(c, t, mode), now = turns_of(c, u, mode),
+                 share = share_of(c, mode);
     double rate = 0, period = ric_shooting_time(c, u);
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) rate += c->multiple * t[k];
-    if (slope == 0 || rate == 0 || share < EXCITED || share > HELD || c->model->omega[mode] <= 0) return false;
+    if (slope == 0 || rate == 0 || share < EXCITED || share > HELD || c->model->omega[mode] <= 0)
+        return false;
     const double turns = next_turns(c, now, slope), width = half_width(c, share, turns - now);
     if (turns < 2 || width > WIDEST || 2 * width > tr->limits->tongue_width * turns) return false;
     *out = (tongue){.mode = mode, .turns = turns};
@@ -122,8 +132,10 @@ typedef struct {
     tongue *of; /* [n modes] */
 } cluster;
 
-/* The first tongue in front of u, and all that overlap with it; n = 0: none. `list` [n modes] is room for them. */
-static cluster cluster_ahead(const ric_continuation *tr, const double *u, const double *t, tongue *list)
+/* The first tongue in front of u, and all that overlap with it; n = 0: none. `list` [n modes] is
+ * room for them. */
+static cluster cluster_ahead(const ric_continuation *tr, const double *u, const double *t,
+                             tongue *list)
 {
     cluster all = {.of = list};
     int n = 0, first = -1;
@@ -136,7 +148,8 @@ static cluster cluster_ahead(const ric_continuation *tr, const double *u, const 
         if (refused && !nearer) list[i] = list[--n], i--;
     }
     for (int i = 0; i < n; i++)
-        if (first < 0 || fabs(list[i].period[0] - here) < fabs(list[first].period[0] - here)) first = i;
+        if (first < 0 || fabs(list[i].period[0] - here) < fabs(list[first].period[0] - here))
+            first = i;
     if (first < 0) return all;
     tongue swap = list[0];
     list[0] = list[first];
@@ -154,7 +167,8 @@ static cluster cluster_ahead(const ric_continuation *tr, const double *u, const 
     }
     all.widest = list;
     for (int i = 1; i < all.n; i++)
-        if (fabs(list[i].period[1] - list[i].period[0]) > fabs(all.widest->period[1] - all.widest->period[0]))
+        if (fabs(list[i].period[1] - list[i].period[0]) >
+            fabs(all.widest->period[1] - all.widest->period[0]))
             all.widest = &list[i];
     return all;
 }
@@ -191,7 +205,8 @@ bool ric_leap_ahead(ric_continuation *tr, double h, double *shorter)
     tr->leap_at = 0;
     ric_shooting_fly(c, tr->now.u);
     const cluster all = cluster_ahead(tr, tr->now.u, tr->now.t, list);
-    bool enters = all.n > 0 && (to - from) * (all.period[0] - from) > 0 && fabs(to - from) > fabs(all.period[0] - from);
+    bool enters = all.n > 0 && (to - from) * (all.period[0] - from) > 0 &&
+                  fabs(to - from) > fabs(all.period[0] - from);
     /* a resonance so near that its border lies behind: from here */
     const bool inside = all.n > 0 && (all.period[1] - from) * (all.period[0] - from) <= 0;
     if (inside) {
@@ -201,7 +216,8 @@ bool ric_leap_ahead(ric_continuation *tr, double h, double *shorter)
     }
     if (enters) {
         const double part = (all.period[0] - from) / (to - from);
-        for (int i = 0; i < c->n_unknown; i++) u[i] = tr->now.u[i] + part * (tr->next.u[i] - tr->now.u[i]);
+        for (int i = 0; i < c->n_unknown; i++)
+            u[i] = tr->now.u[i] + part * (tr->next.u[i] - tr->now.u[i]);
         enters = solve_period(tr, all.period[0], u);
         for (int i = 0; i < c->n_unknown; i++) along += (u[i] - tr->now.u[i]) * tr->now.t[i];
         enters = enters && along > 0 && along < h;
@@ -215,7 +231,8 @@ bool ric_leap_ahead(ric_continuation *tr, double h, double *shorter)
 
 /* --------------------------------------------------------------------- leap */
 
-/* An orbit of another period with what resonates turned round: in *u [n_unknown] the one before, and the one found. */
+/* An orbit of another period with what resonates turned round: in *u [n_unknown] the one before,
+ * and the one found. */
 static bool cross(ric_continuation *tr, const cluster *all, double period, double *u)
 {
     const ric_shooting *c = tr->chain;
@@ -228,7 +245,8 @@ static bool cross(ric_continuation *tr, const cluster *all, double period, doubl
     return solve_period(tr, period, u);
 }
 
-static double distance_of(const ric_shooting *c, const cluster *but, const double *a, const double *b)
+static double distance_of(const ric_shooting *c, const cluster *but, const double *a,
+                          const double *b)
 {
     double sum = 0;
     for (int i = 0; i < c->n_unknown; i++) {
@@ -240,9 +258,10 @@ static double distance_of(const ric_shooting *c, const cluster *but, const doubl
     return sum / c->scale;
 }
 
-/* From the orbit at `from` over the tongues to u; *period is where that is, and moves on where a mode still has more
- * than its share. False: no leap that is beyond doubt. */
-static bool leap(ric_continuation *tr, const cluster *all, const double *from, double *period, double *u)
+/* From the orbit at `from` over the tongues to u; *period is where that is, and moves on where a
+ * mode still has more than its share. False: no leap that is beyond doubt. */
+static bool leap(ric_continuation *tr, const cluster *all, const double *from, double *period,
+                 double *u)
 {
     ric_shooting *c = tr->chain;
     const double start = ric_shooting_time(c, from);
@@ -264,8 +283,9 @@ static bool leap(ric_continuation *tr, const cluster *all, const double *from, d
 
 static bool admissible(const ric_continuation *tr, const ric_station *p)
 {
-    static const int margins[] = {RIC_TEST_REACH, RIC_TEST_APPROACH, RIC_TEST_FLIGHT, RIC_TEST_E_MAX,
-                                  RIC_TEST_E_MIN, RIC_TEST_F_MAX,    RIC_TEST_F_MIN};
+    static const int margins[] = {RIC_TEST_REACH, RIC_TEST_APPROACH, RIC_TEST_FLIGHT,
+                                  RIC_TEST_E_MAX, RIC_TEST_E_MIN,    RIC_TEST_F_MAX,
+                                  RIC_TEST_F_MIN};
     for (size_t i = 0; i < sizeof margins / sizeof *margins; i++)
         if (!(p->test[margins[i]] > 0)) return false;
     return p->solved && !(tr->may_gain && ric_symmetric_end_gains(tr->chain, p->u));
@@ -309,7 +329,9 @@ static ric_status land(ric_continuation *tr, const cluster *all, double width)
     const int before = tr->n_point;
     double rate = 0;
     ric_status status = note_gap(tr, all);
-    if (!status) status = ric_trust(ric_continuation_keep(tr, &tr->next)); /* a stop leaves the stations as they are */
+    if (!status)
+        status = ric_trust(
+            ric_continuation_keep(tr, &tr->next)); /* a stop leaves the stations as they are */
     if (status || tr->n_point == before) {
         tr->n_gap -= !status;
         return status;
@@ -337,7 +359,8 @@ ric_status ric_leap_try(ric_continuation *tr, bool *over)
     if (tr->leap_at <= 0) return RIC_OK;
     const bool there = at_border(tr, here);
     tr->leap_at = 0;
-    const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
+    const ric_point *last = (const ric_point *)(tr->points +
+                                                (size_t)(tr->n_point - 1) * tr->stride);
     if (!there || last->arclength != tr->now.row.arclength) return RIC_OK;
     ric_shooting_fly(c, tr->now.u);
     const cluster all = cluster_ahead(tr, tr->now.u, tr->now.t, list);
@@ -347,7 +370,8 @@ ric_status ric_leap_try(ric_continuation *tr, bool *over)
         ric_status status = arrive(tr, u, period - here);
         if (status) return status;
         const int before = tr->n_point;
-        if (admissible(tr, &tr->next) && (status = land(tr, &all, fabs(period - here)))) return status;
+        if (admissible(tr, &tr->next) && (status = land(tr, &all, fabs(period - here))))
+            return status;
         *over = tr->n_point > before;
     }
     if (!*over) {
@@ -389,9 +413,12 @@ ric_status ric_leap_leave(ric_continuation *tr, bool *done)
     if (tr->limits->tongue_width <= 0) return RIC_OK;
     ric_shooting_fly(c, tr->next.u);
     for (int k = 0; k < c->n && tr->on_mode == 0; k++) {
-        const double now = turns_of(c, tr->next.u, k), ahead = next_turns(c, now, 1), behind = next_turns(c, now, -1),
+        const double now = turns_of(c, tr->next.u, k), ahead = next_turns(c, now, 1),
+                     behind = next_turns(c, now, -1),
                      turns = ahead - now < now - behind ? ahead : behind;
-        if (c->model->omega[k] <= 0 || turns < 2 || fabs(turns - now) > WIDEST || share_of(c, k) < CLIMBS) continue;
+        if (c->model->omega[k] <= 0 || turns < 2 || fabs(turns - now) > WIDEST ||
+            share_of(c, k) < CLIMBS)
+            continue;
         if (2 * fabs(turns - now) > tr->limits->tongue_width * turns) continue;
         tr->on_mode = k + 1;
         tr->on_turns = (int32_t)turns;

@@ -7,21 +7,27 @@
 #include "orbit/room.h"
 #include "base/room.h"
 
-/* NEAR: distance of an orbit from its shifted image, relative to its size, from which on it may be near a repeated
- * one */
+/* NEAR: distance of an orbit from its shifted image, relative to its size, from which on it may be
+ * near a repeated one */
 #define NEAR 0.2
-#define CLOSE 5e-3 /* where the extrapolation, whose error is of fourth order (of second, at order 3), starts */
-/* CLOSEST: where it is given up: along some branches the rotation number changes by all it can within 1e-3 */
+/* CLOSE: where the extrapolation, whose error is of fourth order (of second, at order 3), starts */
+#define CLOSE 5e-3
+/* CLOSEST: where it is given up: along some branches the rotation number changes by all it can
+ * within 1e-3 */
 #define CLOSEST 2e-4
-#define CLOSEST_3 1e-6 /* the same of order 3: the branch passes, and is known to rounding / distance all the way */
-/* FASTEST: how fast the distance from the first image falls with arclength, 2 sin(pi p / r), where shifts are nearly
- * isometric; under a power law it was seen to fall twice as fast */
+/* CLOSEST_3: the same of order 3: the branch passes, and is known to rounding / distance all the
+ * way */
+#define CLOSEST_3 1e-6
+/* FASTEST: how fast the distance from the first image falls with arclength, 2 sin(pi p / r), where
+ * shifts are nearly isometric; under a power law it was seen to fall twice as fast */
 #define FASTEST 2
-#define STEPS 8         /* so many steps ahead an orbit of fewer periods is taken into account */
-#define FLAT 1e-6       /* smallest pivot below which no step is made any more */
-#define MULTIPLIER 1e-3 /* accuracy of lambda + 1/lambda of an extrapolated orbit that shows its order */
+#define STEPS 8   /* so many steps ahead an orbit of fewer periods is taken into account */
+#define FLAT 1e-6 /* smallest pivot below which no step is made any more */
+/* MULTIPLIER: accuracy of lambda + 1/lambda of an extrapolated orbit that shows its order */
+#define MULTIPLIER 1e-3
 
-/* The word of the chain repeats itself after `step` flights, with the faces exchanged for sign = -1. */
+/* The word of the chain repeats itself after `step` flights, with the faces exchanged for sign =
+ * -1. */
 static bool word_repeats(const ric_shooting *c, int step, int sign)
 {
     for (int k = 0; k + step <= c->n_flight; k++) {
@@ -32,8 +38,8 @@ static bool word_repeats(const ric_shooting *c, int step, int sign)
     return true;
 }
 
-/* By its flight times the orbit may be near one that repeats itself after `step` flights, and is none: on a duplicate
- * all along there is nothing ahead. */
+/* By its flight times the orbit may be near one that repeats itself after `step` flights, and is
+ * none: on a duplicate all along there is nothing ahead. */
 static bool may_repeat(const ric_shooting *c, const double *u, int step)
 {
     const double *tau = u + c->n_start;
@@ -45,8 +51,8 @@ static bool may_repeat(const ric_shooting *c, const double *u, int step)
     return sum <= limit * limit && sum > RIC_SAME_LOCATED * RIC_SAME_LOCATED * c->scale * c->scale;
 }
 
-/* Mean [size] of the orbit and its images under the shift by n_flight / r flights; returns the distance to the first
- * image. */
+/* Mean [size] of the orbit and its images under the shift by n_flight / r flights; returns the
+ * distance to the first image. */
 static double average(ric_shooting *c, const double *u, int order, int sign, double *mean)
 {
     int n = 2 * c->n, step = c->n_flight / order;
@@ -58,12 +64,15 @@ static double average(ric_shooting *c, const double *u, int order, int sign, dou
     for (int k = 0; k < c->n_flight; k++)
         for (int j = 0; j < order; j++) mean[n + k] += u[n + (k + j * step) % c->n_flight] / order;
     for (int i = 0; i < n; i++) distance += pow(sign * c->w[n * step + i] - u[i], 2);
-    for (int k = 0; k < c->n_flight; k++) distance += pow(u[n + (k + step) % c->n_flight] - u[n + k], 2);
+    for (int k = 0; k < c->n_flight; k++)
+        distance += pow(u[n + (k + step) % c->n_flight] - u[n + k], 2);
     return sqrt(distance);
 }
 
-/* The same of an orbit without events, one flight: its images start across the flow at its own start. */
-static double average_smooth(const ric_shooting *c, const double *u, int order, int sign, double *mean)
+/* The same of an orbit without events, one flight: its images start across the flow at its own
+ * start. */
+static double average_smooth(const ric_shooting *c, const double *u, int order, int sign,
+                             double *mean)
 {
     int n = 2 * c->n;
     double w[n], rate[n], distance = 0;
@@ -85,8 +94,8 @@ static double average_smooth(const ric_shooting *c, const double *u, int order, 
     return distance;
 }
 
-/* Distances [RIC_COPIES + 1] of an orbit without events from its image after 1 / r of its time, for every r from 3
- * on. */
+/* Distances [RIC_COPIES + 1] of an orbit without events from its image after 1 / r of its time, for
+ * every r from 3 on. */
 static void distances(const ric_shooting *c, const double *u, int sign, double *out)
 {
     int n = 2 * c->n;
@@ -104,8 +113,8 @@ static void distances(const ric_shooting *c, const double *u, int sign, double *
     }
 }
 
-/* Solves the orbit of one period of the map from the mean u, puts it back into u, repeated, and looks for a multiplier
- * of the order. */
+/* Solves the orbit of one period of the map from the mean u, puts it back into u, repeated, and
+ * looks for a multiplier of the order. */
 static ric_status solve_short(const ric_shooting *c, int order, int sign, double *u, bool *found)
 {
     bool smooth = !ric_periodic_has_events(c->model); /* one flight for all periods */
@@ -113,7 +122,8 @@ static ric_status solve_short(const ric_shooting *c, int order, int sign, double
     ric_shooting *one = NULL;
     ric_floquet floquet = {0};
     double v[n + step], du[n + step];
-    ric_status status = ric_shooting_create(c->model, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sign, step, c->face, &one);
+    ric_status status = ric_shooting_create(c->model, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sign, step,
+                                            c->face, &one);
     *found = false;
     if (status || (status = ric_floquet_create(c->n, &floquet))) goto out;
     memcpy(v, u, sizeof v);
@@ -122,7 +132,8 @@ static ric_status solve_short(const ric_shooting *c, int order, int sign, double
     if ((status = ric_floquet_compute(one, &floquet))) goto out;
     for (int i = 0; i < floquet.n_pair; i++)
         for (int k = 1; 2 * k < order; k++)
-            *found |= hypot(floquet.own[2 * i] - 2 * cos(RIC_TWO_PI * k / order), floquet.own[2 * i + 1]) < MULTIPLIER;
+            *found |= hypot(floquet.own[2 * i] - 2 * cos(RIC_TWO_PI * k / order),
+                            floquet.own[2 * i + 1]) < MULTIPLIER;
     memcpy(u, v, (size_t)n * sizeof *u);
     for (int k = 0; k < c->n_flight; k++) u[n + k] = v[n + k % step];
     if (smooth) {
@@ -144,32 +155,40 @@ static ric_status fill_row(ric_continuation *tr, double s, ric_station *p)
     return status;
 }
 
-/* For one order. At distance d the mean is off by d^2 (by d at order 3, where the branch passes with a slope). */
-static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bool *found, ric_station *out)
+/* For one order. At distance d the mean is off by d^2 (by d at order 3, where the branch passes
+ * with a slope). */
+static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bool *found,
+                        ric_station *out)
 {
     ric_shooting *c = tr->chain;
     double before[c->n_unknown], now[c->n_unknown];
     bool smooth = !ric_periodic_has_events(c->model);
     double d0 = smooth ? average_smooth(c, tr->past.u, order, sign, before)
                        : average(c, tr->past.u, order, sign, before);
-    double d1 = smooth ? average_smooth(c, tr->now.u, order, sign, now) : average(c, tr->now.u, order, sign, now),
+    double d1 = smooth ? average_smooth(c, tr->now.u, order, sign, now)
+                       : average(c, tr->now.u, order, sign, now),
            scale = c->scale;
     *found = false;
     if (!(d1 < d0) || d1 > NEAR * scale) return RIC_OK;
-    double slope = (d0 - d1) / (tr->now.s - tr->past.s), left = d1 / slope, nearest = d1 / fmax(FASTEST, 2 * slope);
+    double slope = (d0 - d1) / (tr->now.s - tr->past.s), left = d1 / slope,
+           nearest = d1 / fmax(FASTEST, 2 * slope);
     double x = order == 3 ? d1 / (d0 - d1) : d1 * d1 / (d0 * d0 - d1 * d1);
     ric_shooting_evaluate(c, tr->now.u);
     bool flat = order > 3 && c->smallest < FLAT;
-    /* such an orbit may be nearer than the distance has fallen so far: close to it, it falls faster; and the
-     * determinant vanishes there, too */
+    /* such an orbit may be nearer than the distance has fallen so far: close to it, it falls
+     * faster; and the determinant vanishes there, too */
     bool far = left > 2 * *h && !flat;
     if (left < STEPS * *h) *h = fmin(*h, fmax(nearest, left / 4));
-    if (nearest < RIC_CROSSING * scale && left < STEPS * RIC_CROSSING * scale) tr->longest = fmin(tr->longest, *h);
+    if (nearest < RIC_CROSSING * scale && left < STEPS * RIC_CROSSING * scale)
+        tr->longest = fmin(tr->longest, *h);
     if (far) return RIC_OK;
     for (int i = 0; i < c->n_unknown; i++) out->u[i] = now[i] + x * (now[i] - before[i]);
     ric_status status = solve_short(c, order, sign, out->u, found);
     if (status) return status;
-    if (!flat && left > (*found ? CLOSE : order == 3 ? CLOSEST_3 : CLOSEST) * scale) { /* nearer first */
+    if (!flat && left > (*found       ? CLOSE
+                         : order == 3 ? CLOSEST_3
+                                      : CLOSEST) *
+                            scale) { /* nearer first */
         *h = fmin(*h, left / 2);
         *found = false;
     }
@@ -180,14 +199,16 @@ static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bo
     return RIC_OK;
 }
 
-/* Whether the orbit may be near one of 1 / r of its flights, by its word and its times; without events, by its
- * `distances`. */
-static bool candidate(const ric_shooting *c, const double *u, int r, int sign, const double *distances)
+/* Whether the orbit may be near one of 1 / r of its flights, by its word and its times; without
+ * events, by its `distances`. */
+static bool candidate(const ric_shooting *c, const double *u, int r, int sign,
+                      const double *distances)
 {
     if (sign > 0 ? c->sigma < 0 : (c->sigma < 0) != r % 2) return false;
     if (!ric_periodic_has_events(c->model))
         return distances[r] <= NEAR * c->scale && distances[r] > RIC_SAME_LOCATED * c->scale;
-    return c->n_flight % r == 0 && may_repeat(c, u, c->n_flight / r) && word_repeats(c, c->n_flight / r, sign);
+    return c->n_flight % r == 0 && may_repeat(c, u, c->n_flight / r) &&
+           word_repeats(c, c->n_flight / r, sign);
 }
 
 ric_status ric_multiple_cover_ahead(ric_continuation *tr, double *h, int *order, ric_station *out)
@@ -196,7 +217,8 @@ ric_status ric_multiple_cover_ahead(ric_continuation *tr, double *h, int *order,
     bool smooth = !ric_periodic_has_events(c->model);
     double distance[2][RIC_COPIES + 1];
     *order = 0;
-    if (c->start != RIC_MIRROR_NONE || !tr->has_past || tr->ignore || tr->limits->ghost || c->n < 2) return RIC_OK;
+    if (c->start != RIC_MIRROR_NONE || !tr->has_past || tr->ignore || tr->limits->ghost || c->n < 2)
+        return RIC_OK;
     for (int i = 0; smooth && i < 2; i++) distances(c, tr->now.u, 1 - 2 * i, distance[i]);
     /* the longest repetition first: one of 6 half periods is one of 3 periods, too */
     for (int r = smooth ? RIC_COPIES : c->n_flight; r >= 3; r--)

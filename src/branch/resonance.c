@@ -6,8 +6,9 @@
 
 #include "symmetry.h"
 
-/* Modal normal, relative to the whole normal, of a mode whose resonances have to be looked for: they are as wide as its
- * square root, in radians of its phase over a period. Above, the angle between successive tangents shows them. */
+/* Modal normal, relative to the whole normal, of a mode whose resonances have to be looked for:
+ * they are as wide as its square root, in radians of its phase over a period. Above, the angle
+ * between successive tangents shows them. */
 #define FAINT 0.1
 
 static int common_divisor(int a, int b)
@@ -28,7 +29,8 @@ static int by_rho(const void *a, const void *b)
 
 ric_resonance *ric_resonance_list(bool half, int largest, int *n)
 {
-    ric_resonance *list = largest > 1 ? ric_malloc((size_t)largest * (size_t)largest * sizeof *list) : NULL;
+    ric_resonance *list = largest > 1 ? ric_malloc((size_t)largest * (size_t)largest * sizeof *list)
+                                      : NULL;
     *n = largest > 1 && !list ? -1 : 0;
     for (int q = 2; list && q <= largest; q++)
         for (int p = 1; p < q; p++) {

@@ -7,12 +7,13 @@
 #include "orbit/room.h"
 #include "base/room.h"
 
-/* Cosine with the direction of the branch beyond which the image of a neighbour counts as lying on it. */
+/* Cosine with the direction of the branch beyond which the image of a neighbour counts as lying on
+ * it. */
 #define ALONG 0.9
 #define SETTLE_STEPS 3
 
-/* Unknowns of a cycle in the convention of ric_periodic_to_chain (a chain may start at either of its mirror points);
- * allocated. */
+/* Unknowns of a cycle in the convention of ric_periodic_to_chain (a chain may start at either of
+ * its mirror points); allocated. */
 static double *unknowns(const ric_model *m, const ric_periodic *cycle)
 {
     ric_shooting *chain = NULL;
@@ -22,9 +23,9 @@ static double *unknowns(const ric_model *m, const ric_periodic *cycle)
     return u;
 }
 
-/* Whether the image lies on the branch on the other side of `here`, where `beyond` is. The operation is no isometry of
- * the unknowns: lengths may differ. Nor is what is beyond opposite to the neighbour: a branch may bend within the step
- * over the crossing. */
+/* Whether the image lies on the branch on the other side of `here`, where `beyond` is. The
+ * operation is no isometry of the unknowns: lengths may differ. Nor is what is beyond opposite to
+ * the neighbour: a branch may bend within the step over the crossing. */
 static bool opposite(int size, const double *here, const double *beyond, const double *image)
 {
     double product = 0, a = 0, b = 0;
@@ -56,7 +57,8 @@ static void free_unknowns(const ric_shooting *c, const ric_periodic *cycle, doub
     ric_shooting_nodes_spread(c, u);
 }
 
-/* An orbit of a chain without events as a cycle that starts where the chain does; NULL: no memory. */
+/* An orbit of a chain without events as a cycle that starts where the chain does; NULL: no memory.
+ */
 static ric_periodic *free_cycle(const ric_shooting *c, const double *u)
 {
     ric_periodic *cycle = ric_periodic_create(c->n, 1);
@@ -69,9 +71,10 @@ static ric_periodic *free_cycle(const ric_shooting *c, const double *u)
     return NULL;
 }
 
-/* turned_round of orbits without events or mirror points: the operation comes with any shift in time, which is that
- * which keeps `here`, or half a period more. */
-static bool turned_freely(const ric_continuation *tr, const ric_crossed *place, int from, int to, double *aside)
+/* turned_round of orbits without events or mirror points: the operation comes with any shift in
+ * time, which is that which keeps `here`, or half a period more. */
+static bool turned_freely(const ric_continuation *tr, const ric_crossed *place, int from, int to,
+                          double *aside)
 {
     const ric_shooting *c = tr->chain;
     const ric_model *m = c->model;
@@ -83,7 +86,8 @@ static bool turned_freely(const ric_continuation *tr, const ric_crossed *place, 
         double time = image && op ? ric_periodic_phase(m, here, image) : 0;
         ric_periodic_free(image);
         for (int s = op == 0; s < 2 && !found; s++) {
-            double shift = time + s * ric_periodic_period(here) / 2, same[c->n_unknown], w[c->n_unknown];
+            double shift = time + s * ric_periodic_period(here) / 2, same[c->n_unknown],
+                   w[c->n_unknown];
             ric_periodic *image_here = ric_periodic_transform(m, here, 0, op & 1, op & 2),
                          *image_near = ric_periodic_transform(m, near, 0, op & 1, op & 2);
             if (image_here && image_near) {
@@ -95,7 +99,8 @@ static bool turned_freely(const ric_continuation *tr, const ric_crossed *place, 
                     free_unknowns(c, image_near, w);
                     bool turned = opposite(c->n_unknown, place->at, place->beyond, w);
                     found = turned && distance < RIC_SAME_EXTRAPOLATED;
-                    if (turned && !found) *aside = middle(c->n_unknown, place->at, place->beside, same);
+                    if (turned && !found)
+                        *aside = middle(c->n_unknown, place->at, place->beside, same);
                 }
             }
             ric_periodic_free(image_here);
@@ -116,17 +121,21 @@ static double *turned_unknowns(const ric_continuation *tr, const double *u)
     return out;
 }
 
-/* At a zero of the bordered determinant: whether one of the operations from..to (1 reversal, 2 x -> -x, 3 both, each
- * with a shift; 0 shifts only) keeps the orbit there and turns the branch round. Where one all but does, *aside is how
- * far towards `beside` the middle between the orbit and its image lies; else 0. */
-static bool turned_round(const ric_continuation *tr, const ric_crossed *place, int from, int to, double *aside)
+/* At a zero of the bordered determinant: whether one of the operations from..to (1 reversal, 2 x ->
+ * -x, 3 both, each with a shift; 0 shifts only) keeps the orbit there and turns the branch round.
+ * Where one all but does, *aside is how far towards `beside` the middle between the orbit and its
+ * image lies; else 0. */
+static bool turned_round(const ric_continuation *tr, const ric_crossed *place, int from, int to,
+                         double *aside)
 {
     ric_shooting *c = tr->chain;
     const ric_model *m = c->model;
     bool found = false;
-    if (!ric_periodic_has_events(m) && c->start == RIC_MIRROR_NONE) return turned_freely(tr, place, from, to, aside);
+    if (!ric_periodic_has_events(m) && c->start == RIC_MIRROR_NONE)
+        return turned_freely(tr, place, from, to, aside);
     *aside = 0;
-    ric_periodic *here = ric_continuation_cycle(tr, place->at), *near = ric_continuation_cycle(tr, place->beside);
+    ric_periodic *here = ric_continuation_cycle(tr, place->at),
+                 *near = ric_continuation_cycle(tr, place->beside);
     double *u = unknowns(m, here), *v = unknowns(m, near), *x = turned_unknowns(tr, place->beyond);
     for (int op = from; u && v && x && !found && op <= to; op++)
         for (int s = 0; s < here->N && !found; s++) {
@@ -181,23 +190,27 @@ int ric_symmetric_end_repeats(const ric_continuation *tr, const double *at)
     return times;
 }
 
-/* Singular values that belong to the range. Under a power law the shortest step to a crossing may leave one above
- * RIC_RANK that does not: how many there are to drop is known. */
+/* Singular values that belong to the range. Under a power law the shortest step to a crossing may
+ * leave one above RIC_RANK that does not: how many there are to drop is known. */
 static int range_of(const ric_singular *q)
 {
     const ric_shooting *c = q->chain;
-    int rank = ric_singular_rank(q, RIC_RANK), known = q->equations - (c->start == RIC_MIRROR_NONE ? 2 : 1);
+    int rank = ric_singular_rank(q, RIC_RANK),
+        known = q->equations - (c->start == RIC_MIRROR_NONE ? 2 : 1);
     if (!ric_flight_law_of(c->model)->integrated || known < 1) return rank;
     double first = q->values[known];
-    return ric_singular_rank(q, fmin(1.5 * first, sqrt(first * q->values[known - 1])) / q->values[0]);
+    return ric_singular_rank(q,
+                             fmin(1.5 * first, sqrt(first * q->values[known - 1])) / q->values[0]);
 }
 
-/* Symmetries within `tolerance` beyond those of the form that the cycle of a chain has; takes the cycle over. */
+/* Symmetries within `tolerance` beyond those of the form that the cycle of a chain has; takes the
+ * cycle over. */
 static bool has_more(const ric_model *m, ric_periodic *cycle, double tolerance)
 {
     ric_periodic *seen = cycle ? ric_periodic_copy(cycle) : NULL;
-    bool more = seen && (ric_periodic_find_symmetries(m, seen, tolerance) > 1 || (seen->half && !cycle->half) ||
-                         (seen->pure >= 0 && cycle->pure < 0) || (seen->flip >= 0 && cycle->flip < 0));
+    bool more = seen && (ric_periodic_find_symmetries(m, seen, tolerance) > 1 ||
+                         (seen->half && !cycle->half) || (seen->pure >= 0 && cycle->pure < 0) ||
+                         (seen->flip >= 0 && cycle->flip < 0));
     ric_periodic_free(seen);
     ric_periodic_free(cycle);
     return more;
@@ -219,8 +232,8 @@ bool ric_symmetric_end_gains(const ric_shooting *c, const double *u)
     return has_more(c->model, ric_periodic_from_chain(c, u), RIC_SAME_SOLVED);
 }
 
-/* Newton's method with the shortest correction, without the directions that singular values below RIC_RANK leave
- * undetermined. */
+/* Newton's method with the shortest correction, without the directions that singular values below
+ * RIC_RANK leave undetermined. */
 ric_status ric_symmetric_end_settle(ric_shooting *c, double *u)
 {
     int columns = c->n_unknown;
@@ -236,7 +249,8 @@ ric_status ric_symmetric_end_settle(ric_shooting *c, double *u)
     }
     ric_shooting_fly(c, v);
     for (int j = 0; j < columns; j++) moved = fmax(moved, fabs(v[j] - u[j]));
-    if (ric_continuation_solved(c) && moved <= RIC_SAME_EXTRAPOLATED * c->scale) memcpy(u, v, sizeof v);
+    if (ric_continuation_solved(c) && moved <= RIC_SAME_EXTRAPOLATED * c->scale)
+        memcpy(u, v, sizeof v);
 out:
     ric_singular_free(&q);
     return status;

@@ -11,8 +11,8 @@ ric_symmetry ric_symmetry_breaking(const ric_periodic *c, int test)
     bool quarter = c->half && c->pure >= 0;
     ric_symmetry out = {.copies = 1, .pure = -1, .flip = -1};
     if (!quarter) return out;
-    /* a quarter starts at a centre: kernels of type a keep it, of type d keep the other mirror, of type b only z(t+T/2)
-     * = -z(t) */
+    /* a quarter starts at a centre: kernels of type a keep it, of type d keep the other mirror, of
+     * type b only z(t+T/2) = -z(t) */
     if (test == RIC_TEST_A) out.flip = c->flip;
     else if (test == RIC_TEST_D) out.pure = c->pure;
     else out.half = true;
@@ -35,15 +35,19 @@ double ric_symmetry_rho(bool half, int p, int q)
     return 2 * cos((half ? 1 : 2) * RIC_PI * p / q);
 }
 
-/* An orbit of the map over r of its periods is symmetric about points of both kinds if r is odd, about two of one kind
- * if r is even (Lamb and Roberts, Physica D 112 (1998)). On an S orbit the two kinds are the mirror points of either
- * reversal, half a period of the map apart, and after an odd number of half periods z has changed its sign. */
+/* An orbit of the map over r of its periods is symmetric about points of both kinds if r is odd,
+ * about two of one kind if r is even (Lamb and Roberts, Physica D 112 (1998)). On an S orbit the
+ * two kinds are the mirror points of either reversal, half a period of the map apart, and after an
+ * odd number of half periods z has changed its sign. */
 int ric_symmetry_multiplying(const ric_periodic *c, int p, int q, ric_symmetry out[2])
 {
     int N = c->N * q, order = ric_symmetry_order(c, p, q);
     bool reversible = c->pure >= 0 || c->flip >= 0;
     for (int i = 0; i < 2; i++)
-        out[i] = (ric_symmetry){.copies = q, .half = c->half && order % 2, .pure = c->pure, .flip = c->flip};
+        out[i] = (ric_symmetry){.copies = q,
+                                .half = c->half && order % 2,
+                                .pure = c->pure,
+                                .flip = c->flip};
     if (!reversible || order % 2) return 1;
     if (c->half) {
         out[0].flip = -1;
@@ -65,7 +69,8 @@ ric_periodic *ric_symmetry_cycle(const ric_periodic *c, const ric_symmetry *prob
     return out;
 }
 
-int ric_symmetry_singular(const ric_model *m, const ric_periodic *cycle, const ric_symmetry problems[2])
+int ric_symmetry_singular(const ric_model *m, const ric_periodic *cycle,
+                          const ric_symmetry problems[2])
 {
     double smallest[2] = {HUGE_VAL, HUGE_VAL};
     for (int i = 0; i < 2; i++) {

@@ -11,18 +11,20 @@ typedef struct {
     int pure, flip;
 } ric_symmetry;
 
-/* The problem in which a kernel of type `test` (RIC_TEST_A, _B, _D) leaves an orbit with the symmetries of `cycle`. */
+/* The problem in which a kernel of type `test` (RIC_TEST_A, _B, _D) leaves an orbit with the
+ * symmetries of `cycle`. */
 ric_symmetry ric_symmetry_breaking(const ric_periodic *cycle, int test);
 
-/* The inequivalent problems in which orbits of q periods leave where the rotation number is p / q; their number, 1 or
- * 2. */
+/* The inequivalent problems in which orbits of q periods leave where the rotation number is p / q;
+ * their number, 1 or 2. */
 int ric_symmetry_multiplying(const ric_periodic *cycle, int p, int q, ric_symmetry out[2]);
 
 /* Order of the multiplier of the map in use: of half a period on an S orbit, else of the period. */
 int ric_symmetry_order(const ric_periodic *cycle, int p, int q);
 
-/* Whether one curve of orbits passes through the multiplication, on both sides of it: where the order is odd. Without
- * mirror points the flat part around the junction cannot be crossed from order 5 on, and two branches leave. */
+/* Whether one curve of orbits passes through the multiplication, on both sides of it: where the
+ * order is odd. Without mirror points the flat part around the junction cannot be crossed from
+ * order 5 on, and two branches leave. */
 bool ric_symmetry_passes(const ric_periodic *cycle, int p, int q);
 
 /* lambda + 1/lambda of the map in use there. */
@@ -32,6 +34,7 @@ double ric_symmetry_rho(bool half, int p, int q);
 ric_periodic *ric_symmetry_cycle(const ric_periodic *cycle, const ric_symmetry *problem);
 
 /* Of the two problems of a doubling only one has a kernel: which. */
-int ric_symmetry_singular(const ric_model *model, const ric_periodic *cycle, const ric_symmetry problems[2]);
+int ric_symmetry_singular(const ric_model *model, const ric_periodic *cycle,
+                          const ric_symmetry problems[2]);
 
 #endif

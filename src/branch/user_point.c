@@ -7,7 +7,8 @@ int ric_user_point_list(const ric_explore_options *options, ric_user_point *out)
     const ric_numbers *from[2] = {&options->at_energy, &options->at_frequency};
     int n = 0;
     for (int frequency = 0; frequency < 2; frequency++)
-        for (int i = 0; i < from[frequency]->n; i++) out[n++] = (ric_user_point){frequency, from[frequency]->value[i]};
+        for (int i = 0; i < from[frequency]->n; i++)
+            out[n++] = (ric_user_point){frequency, from[frequency]->value[i]};
     return n;
 }
 
@@ -25,7 +26,8 @@ uint64_t ric_user_point_key(int n, const ric_user_point *list)
         memcpy(&bits, &list[i].value, sizeof bits);
         hash = (hash ^ bits) * 1099511628211u;
         hash = (hash ^ list[i].frequency) * 1099511628211u;
-        hash ^= hash >> 32; /* the low bits of short decimals are zero, and products carry upwards only */
+        hash ^= hash >>
+                32; /* the low bits of short decimals are zero, and products carry upwards only */
     }
     return hash;
 }

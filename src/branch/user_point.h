@@ -1,5 +1,5 @@
-/* Energies and frequencies that a study asks for: each passage of a branch is a junction of kind user
- * (docs/theory.md section 7). */
+/* Energies and frequencies that a study asks for: each passage of a branch is a junction of kind
+ * user (docs/theory.md section 7). */
 #ifndef RIC_BRANCH_USER_POINT_H
 #define RIC_BRANCH_USER_POINT_H
 
@@ -12,7 +12,8 @@ typedef struct {
     double value;
 } ric_user_point;
 
-/* All of them in ascending order, energies first, written to out [RIC_USER_POINTS_MAX]; how many. */
+/* All of them in ascending order, energies first, written to out [RIC_USER_POINTS_MAX]; how many.
+ */
 int ric_user_point_list(const ric_explore_options *options, ric_user_point *out);
 
 /* Relative distance of an orbit from what was asked for. */

@@ -19,15 +19,16 @@ real ric_replay_fly_column(const replay *r, int k, bool stretch, real *column)
     real t = r->tau[k], cq = 0, cp = 0, pull = 0;
     if (r->closed) {
         for (int i = 0; i < n; i++) column[i] /= r->kappa[i];
-        ric_simulator_fly(r->sim, r->closed + (size_t)k * (size_t)r->n_face, true, t, column, column);
+        ric_simulator_fly(r->sim, r->closed + (size_t)k * (size_t)r->n_face, true, t, column,
+                          column);
         for (int i = 0; i < n; i++) column[i] *= r->kappa[i];
         t = 0;
     }
     real force[n];
     ric_replay_accelerations(r, k, w, force);
     for (int i = 0; i < n; i++) {
-        real omega = r->omega[i], a = column[i], p = column[n + i], cosine = r->closed ? 1 : trig[i],
-             sine = r->closed ? 0 : trig[n + i];
+        real omega = r->omega[i], a = column[i], p = column[n + i],
+             cosine = r->closed ? 1 : trig[i], sine = r->closed ? 0 : trig[n + i];
         column[i] = omega > 0 ? a * cosine + p * sine : a + r->kappa[i] * t * p;
         column[n + i] = omega > 0 ? p * cosine - a * sine : p;
         cq += face->c[i] * column[i] / r->kappa[i];
@@ -53,7 +54,8 @@ static real rescale(size_t size, real *A)
     return log(largest);
 }
 
-/* Rows of A [2n * 2n] become the columns of the derivative from impact `first` to the end, over e^x; returns x. */
+/* Rows of A [2n * 2n] become the columns of the derivative from impact `first` to the end, over
+ * e^x; returns x. */
 static real multiply(const replay *r, int first, real *A)
 {
     int m = 2 * r->n;
@@ -73,9 +75,11 @@ ric_status ric_replay_condition(replay *r)
     int m = 2 * r->n;
     size_t size = (size_t)m * (size_t)m;
     real *A = ric_calloc(size, sizeof *A), scale = 0, largest = 0;
-    double *B = ric_calloc(size + 2 * (size_t)m, sizeof *B), *re = B ? B + size : NULL, *im = B ? re + m : NULL;
+    double *B = ric_calloc(size + 2 * (size_t)m, sizeof *B), *re = B ? B + size : NULL,
+           *im = B ? re + m : NULL;
     if (!A || !B) {
-        status = ric_fail(RIC_E_NOMEM, "no memory for the multipliers of %d degrees of freedom", r->n);
+        status = ric_fail(RIC_E_NOMEM, "no memory for the multipliers of %d degrees of freedom",
+                          r->n);
         goto out;
     }
     for (int first = r->n_event - 1; first >= 0; first--) {
@@ -84,7 +88,8 @@ ric_status ric_replay_condition(replay *r)
     }
     for (size_t i = 0; i < size; i++) B[i] = (double)A[i];
     if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', m, B, m, re, im, NULL, 1, NULL, 1))) {
-        status = ric_fail(RIC_E_NUMERIC, "the multipliers of branch %d, point %d could not be computed",
+        status = ric_fail(RIC_E_NUMERIC,
+                          "the multipliers of branch %d, point %d could not be computed",
                           r->check->branch, r->check->point);
         goto out;
     }
@@ -122,5 +127,6 @@ void ric_replay_delay_column(const replay *r, int k, const real *w, real *column
         column[i] = r->kappa[i] * w[n + i];
         cf += face->c[i] * column[n + i];
     }
-    for (int i = 0; i < n && !(face->spring > 0); i++) column[n + i] -= 2 * cf / face->cc * face->c[i];
+    for (int i = 0; i < n && !(face->spring > 0); i++)
+        column[n + i] -= 2 * cf / face->cc * face->c[i];
 }

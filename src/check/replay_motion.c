@@ -1,4 +1,5 @@
-/* The motion that a replay expects: the stored orbit in the modal frame of the simulator (verify.c). */
+/* The motion that a replay expects: the stored orbit in the modal frame of the simulator
+ * (verify.c). */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -55,7 +56,8 @@ void ric_replay_fly(const replay *r, int k, real t, const real *w, real *after)
 {
     int n = r->n;
     if (r->closed) {
-        if (ric_simulator_fly(r->sim, r->closed + (size_t)(k % r->n_flight) * (size_t)r->n_face, false, t, w, after))
+        if (ric_simulator_fly(r->sim, r->closed + (size_t)(k % r->n_flight) * (size_t)r->n_face,
+                              false, t, w, after))
             for (int i = 0; i < 2 * n; i++) after[i] = NAN;
         return;
     }
@@ -111,8 +113,8 @@ bool ric_replay_touches(const replay *r, int k, const face_t *face, const real *
 
 bool ric_replay_is_touch(const replay *r, int k)
 {
-    return ric_replay_touches(r, k, ric_replay_end_face(r, k), r->chain + (size_t)(k + 1) * 2 * (size_t)r->n,
-                              r->speed[k + 1]);
+    return ric_replay_touches(r, k, ric_replay_end_face(r, k),
+                              r->chain + (size_t)(k + 1) * 2 * (size_t)r->n, r->speed[k + 1]);
 }
 
 void ric_replay_make_chain(replay *r)
@@ -125,7 +127,8 @@ void ric_replay_make_chain(replay *r)
             sincosl(r->omega[i] * r->tau[k], cosine + r->n, cosine);
         }
         ric_replay_fly(r, k, r->tau[k], w, w + step);
-        if (ric_replay_end_face(r, k)) r->speed[k + 1] = ric_replay_reflect(r, ric_replay_end_face(r, k), w + step);
+        if (ric_replay_end_face(r, k))
+            r->speed[k + 1] = ric_replay_reflect(r, ric_replay_end_face(r, k), w + step);
     }
 }
 

@@ -1,10 +1,11 @@
 /* Event-driven motion of M x'' + C x' + K x = L f cos(Omega t + phase) between stops and springs.
  *
- * It shares no code with the solver of forced orbits and needs no modes: between two events the state together with
- * cos, sin and 1 obeys a linear system with constant coefficients, whose exponential is summed in extended precision,
- * in panels in which the fastest motion turns by less than a radian (Moler and Van Loan, SIAM Rev. 45 (2003)). The
- * terms of that sum are the Taylor coefficients of every gap: in a panel a gap is a polynomial, and the first time at
- * which it is closed is found by bisection under a bound of its second derivative, so that none is overlooked.
+ * It shares no code with the solver of forced orbits and needs no modes: between two events the
+ * state together with cos, sin and 1 obeys a linear system with constant coefficients, whose
+ * exponential is summed in extended precision, in panels in which the fastest motion turns by less
+ * than a radian (Moler and Van Loan, SIAM Rev. 45 (2003)). The terms of that sum are the Taylor
+ * coefficients of every gap: in a panel a gap is a polynomial, and the first time at which it is
+ * closed is found by bisection under a bound of its second derivative, so that none is overlooked.
  *
  * Under power laws the extrapolation of Gragg, Bulirsch and Stoer is used on the same equations. */
 #include <float.h>
@@ -16,8 +17,9 @@
 #include "base/room.h"
 #include "shaken.h"
 
-#define TURN 0.7L        /* rad that the fastest motion makes in a panel */
-#define STUCK 1e-9       /* speed after an impact, relative to the largest, that ends in a lasting contact */
+#define TURN 0.7L /* rad that the fastest motion makes in a panel */
+/* STUCK: speed after an impact, relative to the largest, that ends in a lasting contact */
+#define STUCK 1e-9
 #define TOLERANCE 1e-17L /* of a step of extrapolation, relative */
 
 enum { TERMS = 44, LEVELS = 11, AIM = 7, DEEPEST = 70, STEPS_MOST = 1000000 };
@@ -78,7 +80,8 @@ ric_status ric_shaken_matrix(const ric_model *model, int n_ratio, const double *
 {
     const int n = ric_model_n_dof(model);
     const double *M = ric_model_mass(model);
-    double omega[n], *Phi = ric_calloc(2 * (size_t)n * (size_t)n, sizeof *Phi), *P = Phi + (size_t)n * (size_t)n;
+    double omega[n], *Phi = ric_calloc(2 * (size_t)n * (size_t)n, sizeof *Phi),
+                     *P = Phi + (size_t)n * (size_t)n;
     if (!Phi) return ric_no_memory("a damping matrix");
     ric_status status = ric_model_frequencies(model, omega);
     if (!status) status = ric_model_modes(model, Phi);
@@ -89,7 +92,8 @@ ric_status ric_shaken_matrix(const ric_model *model, int n_ratio, const double *
         for (int b = 0; b < n; b++) {
             C[a * n + b] = 0;
             for (int i = 0; i < n; i++)
-                C[a * n + b] += P[a * n + i] * 2 * ratios[n_ratio > 1 ? i : 0] * omega[i] * P[b * n + i];
+                C[a * n + b] += P[a * n + i] * 2 * ratios[n_ratio > 1 ? i : 0] * omega[i] *
+                                P[b * n + i];
         }
     free(Phi);
     return status;
@@ -140,7 +144,8 @@ static real dot(int n, const real *x, const real *y)
 static bool make_store(ric_shaken *s)
 {
     const size_t n = (size_t)s->n, k = (size_t)s->n_contact;
-    s->store = ric_calloc(2 * n * n + n + k * (2 * n + 1) + (2 * n + 2) * (TERMS + 1) + (LEVELS + 4) * 2 * n,
+    s->store = ric_calloc(2 * n * n + n + k * (2 * n + 1) + (2 * n + 2) * (TERMS + 1) +
+                              (LEVELS + 4) * 2 * n,
                           sizeof *s->store);
     s->exponent = ric_calloc(k + 1, sizeof *s->exponent);
     s->face = ric_calloc(2 * k + 1, sizeof *s->face);
@@ -157,8 +162,8 @@ static bool make_store(ric_shaken *s)
     return true;
 }
 
-ric_status ric_shaken_create(const ric_model *model, const ric_shaking *shaking, double omega, double level,
-                             ric_shaken **out)
+ric_status ric_shaken_create(const ric_model *model, const ric_shaking *shaking, double omega,
+                             double level, ric_shaken **out)
 {
     const int n = ric_model_n_dof(model);
     const size_t nn = (size_t)n * (size_t)n;
@@ -175,13 +180,16 @@ ric_status ric_shaken_create(const ric_model *model, const ric_shaking *shaking,
     s->restitution = shaking->restitution;
     s->omega = omega;
     if (shaking->matrix) memcpy(C, shaking->matrix, nn * sizeof *C);
-    else if (shaking->ratios && (status = ric_shaken_matrix(model, shaking->n_ratio, shaking->ratios, C))) goto out;
+    else if (shaking->ratios &&
+             (status = ric_shaken_matrix(model, shaking->n_ratio, shaking->ratios, C)))
+        goto out;
     for (size_t i = 0; i < nn; i++) {
         L[i] = ric_model_mass(model)[i];
         s->A[i] = ric_model_stiffness(model)[i];
         s->C[i] = C[i];
     }
-    for (int i = 0; i < n && shaking->force; i++) s->f[i] = (real)level * shaking->force[i] / ric_model_length(model);
+    for (int i = 0; i < n && shaking->force; i++)
+        s->f[i] = (real)level * shaking->force[i] / ric_model_length(model);
     if (!ric_simulator_cholesky(n, L)) {
         status = ric_fail(RIC_E_NUMERIC, "the mass matrix is not positive definite");
         goto out;
@@ -218,10 +226,12 @@ ric_status ric_shaken_start_long(ric_shaken *s, const real *y, real phase)
         const real gap = face->side * dot(s->n, face->b, y);
         face->closed = face->spring > 0 && gap > face->limit;
         /* a state right after an impact, which rounding has put beyond the stop, leaves it */
-        if (!(face->spring > 0) && gap > face->limit && face->side * dot(s->n, face->b, y + s->n) < 0) s->own = f;
+        if (!(face->spring > 0) && gap > face->limit &&
+            face->side * dot(s->n, face->b, y + s->n) < 0)
+            s->own = f;
         if (face->spring > 0 || gap <= face->limit * (1 + STUCK)) continue;
-        return ric_fail(RIC_E_INPUT, "state: face %d is passed by %.3g; start on this side of it", f,
-                        (double)(gap - face->limit));
+        return ric_fail(RIC_E_INPUT, "state: face %d is passed by %.3g; start on this side of it",
+                        f, (double)(gap - face->limit));
     }
     return RIC_OK;
 }
@@ -280,14 +290,16 @@ static void expand(ric_shaken *s, real h)
         real *next = s->terms + (j + 1) * size;
         for (int i = 0; i < n; i++) {
             next[i] = factor * y[n + i];
-            next[n + i] = factor * (s->f[i] * y[2 * n] - dot(n, s->A + i * n, y) - dot(n, s->C + i * n, y + n));
+            next[n + i] = factor * (s->f[i] * y[2 * n] - dot(n, s->A + i * n, y) -
+                                    dot(n, s->C + i * n, y + n));
         }
         next[2 * n] = -factor * s->omega * y[2 * n + 1];
         next[2 * n + 1] = factor * s->omega * y[2 * n];
         for (int f = 0; f < s->n_face; f++) {
             const face_t *face = &s->face[f];
             if (!face->closed) continue;
-            const real push = factor * face->spring * (dot(n, face->b, y) - (j ? 0 : face->side * face->limit));
+            const real push = factor * face->spring *
+                              (dot(n, face->b, y) - (j ? 0 : face->side * face->limit));
             for (int i = 0; i < n; i++) next[n + i] -= push * face->mb[i];
         }
     }
@@ -340,7 +352,8 @@ static real first_above(const poly *p, real a, real b, int depth)
     const real at_a = value(p, a, &up_a), at_b = value(p, b, &up_b), most = p->bend * (b - a);
     if (at_a < 0 && at_b < 0 && fmax(at_a, at_b) + most * (b - a) / 8 < 0) return 2;
     if (at_a <= 0 && up_a + most < 0) return 2; /* it falls throughout */
-    if (at_b <= 0 && (up_b - most > 0 || up_a - most > 0)) return at_b == 0 && up_b > 0 ? b : 2; /* it rises */
+    if (at_b <= 0 && (up_b - most > 0 || up_a - most > 0))
+        return at_b == 0 && up_b > 0 ? b : 2;                           /* it rises */
     if (at_a < 0 && at_b > 0 && (up_a - most > 0 || up_b - most > 0)) { /* rises once: bisection */
         for (int k = 0; k < DEEPEST; k++) {
             real slope;
@@ -362,7 +375,10 @@ static ric_status strike(ric_shaken *s, int f, ric_impact *out)
     face_t *face = &s->face[f];
     const int n = s->n;
     const real speed = face->side * dot(n, face->b, s->y + n);
-    *out = (ric_impact){.time = (double)s->time, .face = f, .approach = (double)speed, .opens = face->closed};
+    *out = (ric_impact){.time = (double)s->time,
+                        .face = f,
+                        .approach = (double)speed,
+                        .opens = face->closed};
     s->own = f;
     if (face->spring > 0) {
         face->closed = !face->closed;
@@ -374,12 +390,14 @@ static ric_status strike(ric_shaken *s, int f, ric_impact *out)
     const real fast = sqrt(dot(n, s->y + n, s->y + n)) * sqrt(dot(n, face->b, face->b));
     if (s->restitution * speed > STUCK * fast) return RIC_OK;
     return ric_fail(RIC_E_RANGE,
-                    "from time %.9g on the structure stays in contact with face %d: it rebounds ever more slowly "
+                    "from time %.9g on the structure stays in contact with face %d: it rebounds "
+                    "ever more slowly "
                     "(chatter), and motions that stay on a rigid stop are not followed",
                     (double)s->time, f);
 }
 
-/* The event that is first in this panel, from the start or from where a face was just left: 2 none. */
+/* The event that is first in this panel, from the start or from where a face was just left: 2 none.
+ */
 static real next_event(const ric_shaken *s, int *which)
 {
     real first = 2;
@@ -474,7 +492,8 @@ static ric_status go_smooth(ric_shaken *s, real to)
     for (int k = 0; s->time < to; k++) {
         const real rest = to - s->time;
         if (k == STEPS_MOST || !(extrapolate(s, fmin(s->step, rest)) > 0))
-            return ric_fail(RIC_E_NUMERIC, "the motion cannot be followed beyond time %.9g", (double)s->time);
+            return ric_fail(RIC_E_NUMERIC, "the motion cannot be followed beyond time %.9g",
+                            (double)s->time);
         if (to - s->time < LDBL_EPSILON * fabs(to)) s->time = to;
         if (ric_halt(1000)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
     }
@@ -489,7 +508,8 @@ ric_status ric_shaken_advance(ric_shaken *s, double t, bool *hit, ric_impact *im
     while (s->time < to) {
         int face = -1;
         const real rest = to - s->time, h = fmin(TURN / s->fastest, rest);
-        if (ric_halt(TERMS)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request at time %.9g", (double)s->time);
+        if (ric_halt(TERMS))
+            return ric_fail(RIC_E_INTERRUPTED, "stopped on request at time %.9g", (double)s->time);
         expand(s, h);
         const real u = next_event(s, &face);
         if (u <= 1) {

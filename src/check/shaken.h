@@ -4,14 +4,15 @@
 
 #include "simulator.h"
 
-/* Damping matrix C [n * n] in physical units from ratios: sum 2 zeta_i omega_i (M phi_i)(M phi_i)'. */
+/* Damping matrix C [n * n] in physical units from ratios: sum 2 zeta_i omega_i (M phi_i)(M phi_i)'.
+ */
 ric_status ric_shaken_matrix(const ric_model *model, int n_ratio, const double *ratios, double *C);
 
 /* As of the public one, in extended precision: x, v [2n]. */
 ric_status ric_shaken_start_long(ric_shaken *s, const ric_real *y, ric_real phase);
 void ric_shaken_state_long(const ric_shaken *s, ric_real *time, ric_real *y);
-/* Springs that are closed at the start are those whose face is passed, and that of `face` (-1: none), which has just
- * been met. */
+/* Springs that are closed at the start are those whose face is passed, and that of `face` (-1:
+ * none), which has just been met. */
 void ric_shaken_close(ric_shaken *s, int face);
 /* Which springs are closed, [n_face]: to ask, and to say. */
 void ric_shaken_closed(const ric_shaken *s, bool *closed);

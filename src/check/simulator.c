@@ -1,25 +1,28 @@
-/* Event-driven motion: from M, K, the contacts and a state it finds every impact itself, and every closing and opening
- * of a spring.
+/* Event-driven motion: from M, K, the contacts and a state it finds every impact itself, and every
+ * closing and opening of a spring.
  *
- * It shares no code with the orbit solver, so that agreement between the two means something (docs/theory.md section
- * 11). It makes its own modal decomposition, K phi = omega^2 M phi with phi' M phi = 1, by Jacobi rotations in extended
- * precision. Flight is closed form from the last impact on: with h = omega tau / 2,
+ * It shares no code with the orbit solver, so that agreement between the two means something
+ * (docs/theory.md section 11). It makes its own modal decomposition, K phi = omega^2 M phi with
+ * phi' M phi = 1, by Jacobi rotations in extended precision. Flight is closed form from the last
+ * impact on: with h = omega tau / 2,
  *     q(tau) = q + 2 sin h (cos h p / omega - sin h q),   p(tau) = p cos 2h - omega q sin 2h,
- * which keeps the relative accuracy of q(tau) - q for short times; q + p tau where omega = 0. Impact on face f: p -=
- * (1+eps) (c.p)/(c.c) c.
+ * which keeps the relative accuracy of q(tau) - q for short times; q + p tau where omega = 0.
+ * Impact on face f: p -= (1+eps) (c.p)/(c.c) c.
  *
- * Contacts of law bilinear switch: while faces are closed the structure has K + sum k_f b_f b_f' for its stiffness and
- * the modes of that, and q counts from its equilibrium. A closed face is searched like an open one, with the sign of
- * its gap turned round: it opens where the gap coordinate falls through the clearance. State and acceleration are
- * continuous there.
+ * Contacts of law bilinear switch: while faces are closed the structure has K + sum k_f b_f b_f'
+ * for its stiffness and the modes of that, and q counts from its equilibrium. A closed face is
+ * searched like an open one, with the sign of its gap turned round: it opens where the gap
+ * coordinate falls through the clearance. State and acceleration are continuous there.
  *
- * The next impact is searched with a guarantee. On [a, b], h = b - a, the cubic Hermite interpolant H of a gap g
- * satisfies
- *     |g - H| <= D4 h^4 / 384,  |g' - H'| <= D4 h^3 sqrt(3) / 216,  |g'' - H''| <= D4 h^2 / 12   (Birkhoff and Priver
- * 1967), where D4 = sum |c_i| omega_i^3 sqrt((omega_i q_i)^2 + p_i^2) bounds the fourth derivative for ever. The
- * Bernstein coefficients of H, H', H'' bound these in turn. An interval is dropped, or known to be monotone, convex or
- * concave, or is halved. Only a maximum beyond the face by more than rounding is an impact; anything less is a touch,
- * which changes no velocity. Cost: O(n) per evaluation, some dozen evaluations per face and impact. */
+ * The next impact is searched with a guarantee. On [a, b], h = b - a, the cubic Hermite interpolant
+ * H of a gap g satisfies
+ *     |g - H| <= D4 h^4 / 384,  |g' - H'| <= D4 h^3 sqrt(3) / 216,  |g'' - H''| <= D4 h^2 / 12
+ *                               (Birkhoff and Priver
+ * 1967), where D4 = sum |c_i| omega_i^3 sqrt((omega_i q_i)^2 + p_i^2) bounds the fourth derivative
+ * for ever. The Bernstein coefficients of H, H', H'' bound these in turn. An interval is dropped,
+ * or known to be monotone, convex or concave, or is halved. Only a maximum beyond the face by more
+ * than rounding is an impact; anything less is a touch, which changes no velocity. Cost: O(n) per
+ * evaluation, some dozen evaluations per face and impact. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -35,8 +38,8 @@
 #define ORTHOGONAL 1e-12
 /* Accelerations below this part of their bound have no certain sign. */
 #define STEADY 1e-10
-/* Rebounds slower than this part of the velocity bound, under an acceleration into the face, end in a lasting
- * contact. */
+/* Rebounds slower than this part of the velocity bound, under an acceleration into the face, end in
+ * a lasting contact. */
 #define CHATTER 1e-6
 
 /* ------------------------------------------------------------------ create */
@@ -49,15 +52,20 @@ static ric_status make_faces(ric_simulator *sim, const ric_model *model)
         ric_status status = ric_model_contact(model, f, &contact);
         if (status) return status;
         if (contact.law == RIC_LAW_POWER)
-            return ric_fail(RIC_E_INPUT,
-                            "contact %d has law power; the simulator knows rigid stops and bilinear springs", f + 1);
+            return ric_fail(
+                RIC_E_INPUT,
+                "contact %d has law power; the simulator knows rigid stops and bilinear springs",
+                f + 1);
         for (int i = 0; i < n; i++) sim->b[f * n + i] = contact.normal[i];
         for (int side = 1; side >= -1; side -= 2) {
             if (contact.sides == (side > 0 ? RIC_SIDES_LOWER : RIC_SIDES_UPPER)) continue;
             sim->face[sim->n_face++] = (face_t){.contact = f,
                                                 .side = side,
-                                                .limit = contact.clearance / ric_model_length(model),
-                                                .spring = contact.law == RIC_LAW_BILINEAR ? contact.stiffness : 0};
+                                                .limit = contact.clearance /
+                                                         ric_model_length(model),
+                                                .spring = contact.law == RIC_LAW_BILINEAR
+                                                              ? contact.stiffness
+                                                              : 0};
         }
     }
     return RIC_OK;
@@ -129,10 +137,10 @@ void ric_simulator_free(ric_simulator *sim)
 
 /* ------------------------------------------------------------------ events */
 
-/* A face that the flight starts on: moving into it is an impact at once, or a switch; a switch, too, is resting on it
- * under an acceleration into it. On a stop, resting on it under an acceleration into it, or rebounding ever
- * faster (the sum of all flights 2u/a (1 + eps + eps^2 + ...) is over before the acceleration a changes), is a lasting
- * contact. */
+/* A face that the flight starts on: moving into it is an impact at once, or a switch; a switch,
+ * too, is resting on it under an acceleration into it. On a stop, resting on it under an
+ * acceleration into it, or rebounding ever faster (the sum of all flights 2u/a (1 + eps + eps^2 +
+ * ...) is over before the acceleration a changes), is a lasting contact. */
 static ric_status examine_face(ric_simulator *sim, int f)
 {
     const face_t *face = &sim->face[f];
@@ -154,17 +162,19 @@ static ric_status examine_face(ric_simulator *sim, int f)
         return RIC_OK;
     }
     if (fabs(u) <= still)
-        return ric_fail(
-            RIC_E_NUMERIC,
-            "at time %.9g the structure stays on face %d: no speed and an acceleration of %.3g into it; a lasting "
-            "contact is outside the impact law, so the motion ends here",
-            ric_simulator_search_time(sim, 0), f, (double)acceleration);
-    if (eps < 1 && u <= CHATTER * face->D[1] && face->D[3] * 2 * u / (1 - eps) <= acceleration * acceleration / 2)
-        return ric_fail(
-            RIC_E_NUMERIC,
-            "impacts on face %d pile up before time %.9g (chatter with restitution %g); the structure comes to rest on "
-            "the stop, which is outside the impact law, so the motion ends here",
-            f, ric_simulator_search_time(sim, 2 * u / acceleration / (1 - eps)), (double)eps);
+        return ric_fail(RIC_E_NUMERIC,
+                        "at time %.9g the structure stays on face %d: no speed and an acceleration "
+                        "of %.3g into it; a lasting "
+                        "contact is outside the impact law, so the motion ends here",
+                        ric_simulator_search_time(sim, 0), f, (double)acceleration);
+    if (eps < 1 && u <= CHATTER * face->D[1] &&
+        face->D[3] * 2 * u / (1 - eps) <= acceleration * acceleration / 2)
+        return ric_fail(RIC_E_NUMERIC,
+                        "impacts on face %d pile up before time %.9g (chatter with restitution "
+                        "%g); the structure comes to rest on "
+                        "the stop, which is outside the impact law, so the motion ends here",
+                        f, ric_simulator_search_time(sim, 2 * u / acceleration / (1 - eps)),
+                        (double)eps);
     return RIC_OK;
 }
 
@@ -180,7 +190,8 @@ static ric_status find_next(ric_simulator *sim, real to)
         }
         sim->examined = true;
     }
-    for (int f = 0; f < sim->n_face; f++) chunk = fmin(chunk, PANELS * ric_simulator_search_panel(&sim->face[f]));
+    for (int f = 0; f < sim->n_face; f++)
+        chunk = fmin(chunk, PANELS * ric_simulator_search_panel(&sim->face[f]));
     while (sim->next_face < 0 && sim->known < to) {
         real end = is_finite(chunk) ? sim->known + chunk : to;
         bool open = false;
@@ -193,15 +204,16 @@ static ric_status find_next(ric_simulator *sim, real to)
             sim->next_face = f;
         }
         if (end <= sim->known)
-            return ric_fail(RIC_E_NUMERIC, "time %.17g is too long for the fastest motion of the structure",
+            return ric_fail(RIC_E_NUMERIC,
+                            "time %.17g is too long for the fastest motion of the structure",
                             (double)to);
         sim->known = open ? end : INFINITY;
     }
     return RIC_OK;
 }
 
-/* Two stops at one instant: only if their normals are orthogonal in M^-1 does the order not matter. A spring that
- * closes has no force yet. */
+/* Two stops at one instant: only if their normals are orthogonal in M^-1 does the order not matter.
+ * A spring that closes has no force yet. */
 static ric_status check_alone(const ric_simulator *sim, int f, real t)
 {
     const face_t *face = &sim->face[f];
@@ -210,12 +222,13 @@ static ric_status check_alone(const ric_simulator *sim, int f, real t)
         if (k == f || other->contact == face->contact || other->spring > 0) continue;
         real g = ric_simulator_search_look(sim, other, (double)t).g[0];
         if (fabs(g) > TOGETHER * other->limit + other->band) continue;
-        if (fabs(dot(sim->n, face->c, other->c)) <= ORTHOGONAL * sqrt(face->cc * other->cc)) continue;
-        return ric_fail(
-            RIC_E_NUMERIC,
-            "faces %d and %d are met together at time %.9g and one impact changes the speed at the other: the impact "
-            "law is undefined there, so the motion ends here",
-            f < k ? f : k, f < k ? k : f, ric_simulator_search_time(sim, t));
+        if (fabs(dot(sim->n, face->c, other->c)) <= ORTHOGONAL * sqrt(face->cc * other->cc))
+            continue;
+        return ric_fail(RIC_E_NUMERIC,
+                        "faces %d and %d are met together at time %.9g and one impact changes the "
+                        "speed at the other: the impact "
+                        "law is undefined there, so the motion ends here",
+                        f < k ? f : k, f < k ? k : f, ric_simulator_search_time(sim, t));
     }
     return RIC_OK;
 }
@@ -228,7 +241,8 @@ static void kink_reach(ric_simulator *sim, const face_t *face, real t, real chan
         if (other->contact == face->contact || other->closed) continue;
         ric_sample a = ric_simulator_search_look(sim, other, (double)t);
         real after = a.g[1] + other->side * change * dot(sim->n, face->c, other->c);
-        if (a.g[1] > 0 && after < 0) sim->reach = fmax(sim->reach, ric_simulator_search_to_reach(other, a.g[0]));
+        if (a.g[1] > 0 && after < 0)
+            sim->reach = fmax(sim->reach, ric_simulator_search_to_reach(other, a.g[0]));
     }
 }
 
@@ -242,8 +256,9 @@ static void collect_impulses(ric_simulator *sim, real t)
         for (int i = 0; i < sim->n; i++) {
             real omega = sim->omega[i], sine, cosine;
             sincosl(omega * t / 2, &sine, &cosine);
-            sum += face->c[i] * (omega > 0 ? 2 * sine / omega * (cosine * sim->q[i] + sine * sim->p[i] / omega)
-                                           : sim->q[i] * t + sim->p[i] * t * t / 2);
+            sum += face->c[i] *
+                   (omega > 0 ? 2 * sine / omega * (cosine * sim->q[i] + sine * sim->p[i] / omega)
+                              : sim->q[i] * t + sim->p[i] * t * t / 2);
         }
         face->impulse += face->spring * (face->side * sum - face->limit * t);
     }
@@ -252,7 +267,8 @@ static void collect_impulses(ric_simulator *sim, real t)
 static void move_state(ric_simulator *sim, real t)
 {
     collect_impulses(sim, t);
-    for (int i = 0; i < sim->n; i++) ric_simulator_search_fly_mode(sim, i, t, &sim->q[i], &sim->p[i]);
+    for (int i = 0; i < sim->n; i++)
+        ric_simulator_search_fly_mode(sim, i, t, &sim->q[i], &sim->p[i]);
     ric_simulator_search_move_origin(sim, t);
 }
 
@@ -273,8 +289,9 @@ static ric_status toggle(ric_simulator *sim, ric_impact *impact)
     move_state(sim, t);
     if (!face->closed) face->impulse = 0;
     if (impact)
-        *impact = (ric_impact){ric_simulator_search_time(sim, 0), f, (double)(face->closed ? -g[1] : g[1]),
-                               (double)face->impulse, face->closed};
+        *impact = (ric_impact){ric_simulator_search_time(sim, 0), f,
+                               (double)(face->closed ? -g[1] : g[1]), (double)face->impulse,
+                               face->closed};
     ric_simulator_frame_change(sim, other);
     ric_simulator_search_begin(sim);
     return RIC_OK;
@@ -294,13 +311,14 @@ static ric_status strike(ric_simulator *sim, ric_impact *impact)
     ric_simulator_search_look_closely(sim, face, t, g);
     real speed = g[1], change = -(1 + sim->restitution) * speed / face->cc * face->side;
     if (t == 0 && speed <= ROUNDING * face->D[1])
-        return ric_fail(
-            RIC_E_NUMERIC,
-            "at time %.9g the structure stays on face %d; a lasting contact is outside the impact law, so the motion "
-            "ends here",
-            ric_simulator_search_time(sim, 0), f);
+        return ric_fail(RIC_E_NUMERIC,
+                        "at time %.9g the structure stays on face %d; a lasting contact is outside "
+                        "the impact law, so the motion "
+                        "ends here",
+                        ric_simulator_search_time(sim, 0), f);
     if (impact)
-        *impact = (ric_impact){ric_simulator_search_time(sim, t), f, (double)speed, (double)fabs(change), false};
+        *impact = (ric_impact){ric_simulator_search_time(sim, t), f, (double)speed,
+                               (double)fabs(change), false};
     kink_reach(sim, face, t, change);
     move_state(sim, t);
     for (int i = 0; i < n; i++) sim->p[i] += change * face->c[i];
@@ -320,7 +338,8 @@ static void start_noise(ric_simulator *sim, const double *x, const double *v)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++) {
                 real size = fabs(x[j]) + (sim->omega[i] > 0 ? fabs(v[j]) / sim->omega[i] : 0);
-                face->noise += 2 * DBL_EPSILON * fabs(face->c[i] * sim->frame->mphi[i * n + j]) * size;
+                face->noise += 2 * DBL_EPSILON * fabs(face->c[i] * sim->frame->mphi[i * n + j]) *
+                               size;
             }
     }
 }
@@ -329,12 +348,13 @@ static ric_status check_start(const ric_simulator *sim, const double *x, const d
 {
     for (int i = 0; i < sim->n; i++)
         if (!isfinite(x[i]) || !isfinite(v[i]))
-            return ric_fail(RIC_E_INPUT, "state: number %d is not finite", isfinite(x[i]) ? sim->n + i + 1 : i + 1);
+            return ric_fail(RIC_E_INPUT, "state: number %d is not finite",
+                            isfinite(x[i]) ? sim->n + i + 1 : i + 1);
     return RIC_OK;
 }
 
-/* From the modal state of the open frame, with given springs closed or, if none are given, those that it lies
- * beyond. */
+/* From the modal state of the open frame, with given springs closed or, if none are given, those
+ * that it lies beyond. */
 static ric_status start_here(ric_simulator *sim, const bool *given)
 {
     bool closed[sim->n_face + 1];
@@ -344,11 +364,12 @@ static ric_status start_here(ric_simulator *sim, const bool *given)
         real s = face->side * dot(sim->n, face->c, sim->q);
         closed[f] = face->spring > 0 && (given ? given[f] : s > face->limit * (1 + BEYOND));
         if (!(face->spring > 0) && s > face->limit * (1 + BEYOND))
-            return ric_fail(
-                RIC_E_INPUT,
-                "state: face %d is passed by %.3g: its gap coordinate is %.9g and the stop is at %.9g; start on this "
-                "side of it",
-                f, (double)(s - face->limit), (double)(face->side * s), (double)(face->side * face->limit));
+            return ric_fail(RIC_E_INPUT,
+                            "state: face %d is passed by %.3g: its gap coordinate is %.9g and the "
+                            "stop is at %.9g; start on this "
+                            "side of it",
+                            f, (double)(s - face->limit), (double)(face->side * s),
+                            (double)(face->side * face->limit));
     }
     ric_status status = ric_simulator_frame_find(sim, closed, &other);
     if (status) return status;
@@ -407,8 +428,8 @@ ric_status ric_simulator_start_modal(ric_simulator *sim, const bool *closed, con
     return start_here(sim, closed);
 }
 
-/* A flight may turn the fastest mode by PHASE_KNOWN rad: its phase is then known to PHASE_KNOWN times the epsilon of a
- * long double, 5e-8 rad. */
+/* A flight may turn the fastest mode by PHASE_KNOWN rad: its phase is then known to PHASE_KNOWN
+ * times the epsilon of a long double, 5e-8 rad. */
 #define PHASE_KNOWN 1e12
 
 static ric_status check_flight(const ric_simulator *sim, real flight)
@@ -416,16 +437,18 @@ static ric_status check_flight(const ric_simulator *sim, real flight)
     double fastest = 0;
     for (int i = 0; i < sim->n; i++) fastest = fmax(fastest, (double)sim->omega[i]);
     if (!(fastest * (double)flight > PHASE_KNOWN)) return RIC_OK;
-    return ric_fail(RIC_E_RANGE,
-                    "no digit would be known after %.3g s without an impact: the fastest mode turns by %.6g "
-                    "rad/s; follow the motion for less than %.3g s",
-                    (double)flight, fastest, PHASE_KNOWN / fastest);
+    return ric_fail(
+        RIC_E_RANGE,
+        "no digit would be known after %.3g s without an impact: the fastest mode turns by %.6g "
+        "rad/s; follow the motion for less than %.3g s",
+        (double)flight, fastest, PHASE_KNOWN / fastest);
 }
 
 ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_impact *impact)
 {
     *hit = false;
-    if (!sim->started) return ric_fail(RIC_E_INPUT, "the simulator has no state yet; start it first");
+    if (!sim->started)
+        return ric_fail(RIC_E_INPUT, "the simulator has no state yet; start it first");
     real to = (t - sim->origin) - sim->origin_low;
     if (!isfinite(t) || to < sim->now - 4 * DBL_EPSILON * fabs(t))
         return ric_fail(RIC_E_INPUT, "time %.9g is not a time from %.9g on", t,
@@ -453,7 +476,8 @@ ric_status ric_simulator_advance(ric_simulator *sim, double t, bool *hit, ric_im
 static void present(const ric_simulator *sim, real *x)
 {
     real w[2 * sim->n];
-    for (int i = 0; i < sim->n; i++) ric_simulator_search_fly_mode(sim, i, sim->now, w + i, w + sim->n + i);
+    for (int i = 0; i < sim->n; i++)
+        ric_simulator_search_fly_mode(sim, i, sim->now, w + i, w + sim->n + i);
     ric_simulator_frame_to_space(sim, w, w + sim->n, x);
 }
 
@@ -480,15 +504,16 @@ void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_rea
     real state[2 * n];
     if (time) *time = sim->origin + (sim->origin_low + sim->now);
     if (sim->frame == sim->open) {
-        for (int i = 0; i < n; i++) ric_simulator_search_fly_mode(sim, i, sim->now, w + i, w + n + i);
+        for (int i = 0; i < n; i++)
+            ric_simulator_search_fly_mode(sim, i, sim->now, w + i, w + n + i);
         return;
     }
     present(sim, state);
     ric_simulator_frame_to_modal(sim, sim->open, false, state, w);
 }
 
-ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t, const ric_real *w,
-                             ric_real *after)
+ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t,
+                             const ric_real *w, ric_real *after)
 {
     int n = sim->n;
     const frame *f;
@@ -504,7 +529,8 @@ ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear
     }
     ric_simulator_frame_to_modal(sim, f, linear, x, z);
     for (int i = 0; i < n; i++) {
-        real omega = f->omega[i], sine, cosine, rest = linear ? 0 : f->rest[i], q = z[i], p = z[n + i];
+        real omega = f->omega[i], sine, cosine, rest = linear ? 0 : f->rest[i], q = z[i],
+             p = z[n + i];
         sincosl(omega * t, &sine, &cosine);
         z[i] = rest + (omega > 0 ? q * cosine + p / omega * sine : q + p * t);
         z[n + i] = p * cosine - omega * q * sine;

@@ -4,8 +4,8 @@
 
 #include "ricochet.h"
 
-/* It computes in extended precision: an unstable orbit amplifies the last digit of a double beyond what a check may
- * allow. */
+/* It computes in extended precision: an unstable orbit amplifies the last digit of a double beyond
+ * what a check may allow. */
 typedef long double ric_real;
 
 /* A [n * n] = L L' in place; false if A is not positive definite. */
@@ -15,20 +15,22 @@ bool ric_simulator_cholesky(int n, ric_real *A);
 void ric_simulator_frame(const ric_simulator *sim, const ric_real **omega, const ric_real **c);
 /* w [2 n_dof] = q, p of a scaled state x, v. */
 void ric_simulator_modal(const ric_simulator *sim, const double *x, const double *v, ric_real *w);
-/* As ric_simulator_start, from w; and the present state as w. closed [n_face] tells which springs are, NULL: those that
- * w is beyond. */
+/* As ric_simulator_start, from w; and the present state as w. closed [n_face] tells which springs
+ * are, NULL: those that w is beyond. */
 ric_status ric_simulator_start_modal(ric_simulator *sim, const bool *closed, const ric_real *w);
-/* The motion with given springs closed for a time, whatever the gaps; w [2 n_dof], may work in place. `linear`: of a
- * small deviation. */
-ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t, const ric_real *w,
-                             ric_real *after);
-/* Largest gap over clearance, at a maximum in a part of the present flight: of the face, or of its image under x -> -x;
- * of a closed one 2 less that, at a minimum. `best` if none is larger. */
-double ric_simulator_highest(const ric_simulator *sim, int face, bool image, double from, double to, double best);
-/* The same, from part[0] to part[1], of the points at which the gap bends the other way at a speed of at most `slow`,
- * where a maximum may begin: what is nearest to `wanted`; infinite if there is none. */
-double ric_simulator_level(const ric_simulator *sim, int face, bool image, const double part[2], double slow,
-                           double wanted);
+/* The motion with given springs closed for a time, whatever the gaps; w [2 n_dof], may work in
+ * place. `linear`: of a small deviation. */
+ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t,
+                             const ric_real *w, ric_real *after);
+/* Largest gap over clearance, at a maximum in a part of the present flight: of the face, or of its
+ * image under x -> -x; of a closed one 2 less that, at a minimum. `best` if none is larger. */
+double ric_simulator_highest(const ric_simulator *sim, int face, bool image, double from, double to,
+                             double best);
+/* The same, from part[0] to part[1], of the points at which the gap bends the other way at a speed
+ * of at most `slow`, where a maximum may begin: what is nearest to `wanted`; infinite if there is
+ * none. */
+double ric_simulator_level(const ric_simulator *sim, int face, bool image, const double part[2],
+                           double slow, double wanted);
 void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_real *w);
 
 #endif

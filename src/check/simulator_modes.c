@@ -1,4 +1,5 @@
-/* The modes of a structure with some springs closed, by Jacobi rotations in extended precision (simulator.c). */
+/* The modes of a structure with some springs closed, by Jacobi rotations in extended precision
+ * (simulator.c). */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -53,12 +54,13 @@ static void rotate(int n, real *x, real *y, real cosine, real sine)
     }
 }
 
-/* One rotation that clears A[i][j] of a symmetric A kept in full; V collects the eigenvectors as rows
- * (Golub and Van Loan, 8.5). */
+/* One rotation that clears A[i][j] of a symmetric A kept in full; V collects the eigenvectors as
+ * rows (Golub and Van Loan, 8.5). */
 static void clear(int n, int i, int j, real *A, real *V)
 {
     real aij = A[i * n + j], theta = (A[j * n + j] - A[i * n + i]) / (2 * aij);
-    real t = copysign(1, theta) / (fabs(theta) + hypot(1, theta)), cosine = 1 / hypot(1, t), sine = t * cosine;
+    real t = copysign(1, theta) / (fabs(theta) + hypot(1, theta)), cosine = 1 / hypot(1, t),
+         sine = t * cosine;
     real aii = A[i * n + i] - t * aij, ajj = A[j * n + j] + t * aij;
     rotate(n, A + i * n, A + j * n, cosine, sine);
     for (int k = 0; k < n; k++) {
@@ -89,7 +91,8 @@ static bool jacobi(int n, real *A, real *V)
     return false;
 }
 
-/* phi' K phi, with K phi of twice the digits of a double, as it cancels; *size: what it is the sum of. */
+/* phi' K phi, with K phi of twice the digits of a double, as it cancels; *size: what it is the sum
+ * of. */
 static real strain(const ric_simulator *sim, const real *phi, real *size)
 {
     const int n = sim->n;
@@ -106,8 +109,8 @@ static real strain(const ric_simulator *sim, const real *phi, real *size)
     return sum;
 }
 
-/* omega_i of row phi_i in a frame. It is exactly 0 if phi' K phi is no larger than the rounding of the entries of K
- * themselves, and no spring holds it. */
+/* omega_i of row phi_i in a frame. It is exactly 0 if phi' K phi is no larger than the rounding of
+ * the entries of K themselves, and no spring holds it. */
 static real frequency(const ric_simulator *sim, const bool *closed, const real *phi)
 {
     int n = sim->n;
@@ -148,8 +151,8 @@ static void store_modes(ric_simulator *sim, frame *out, const real *phi)
         for (int i = 0; i < n && out->closed[f]; i++) {
             real omega = out->omega[i];
             if (omega > 0)
-                out->rest[i] += face->spring * face->side * face->limit * out->c[face->contact * n + i] /
-                                (omega * omega);
+                out->rest[i] += face->spring * face->side * face->limit *
+                                out->c[face->contact * n + i] / (omega * omega);
         }
     }
 }
@@ -188,8 +191,9 @@ static ric_status make_modes(ric_simulator *sim, frame *out)
     transpose(n, A);
     solve_rows(n, L, A);
     if (!jacobi(n, A, V)) {
-        status = ric_fail(RIC_E_NUMERIC,
-                          "the modes of the structure did not converge; are mass and stiffness scaled sensibly?");
+        status = ric_fail(
+            RIC_E_NUMERIC,
+            "the modes of the structure did not converge; are mass and stiffness scaled sensibly?");
         goto out;
     }
     for (int r = 0; r < n; r++) /* rows of V: solve L' x = v */
@@ -217,7 +221,8 @@ ric_status ric_simulator_frame_create(ric_simulator *sim, const bool *closed, fr
     frame *f = ric_calloc(1, sizeof *f);
     *out = NULL;
     if (!f || !(f->closed = ric_calloc(faces + 1, sizeof *f->closed)) ||
-        !(f->omega = ric_calloc(2 * n + 2 * n * n + (size_t)sim->n_contact * n, sizeof *f->omega))) {
+        !(f->omega = ric_calloc(2 * n + 2 * n * n + (size_t)sim->n_contact * n,
+                                sizeof *f->omega))) {
         ric_simulator_frame_free(f);
         return ric_fail(RIC_E_NOMEM, "no memory for the modes of %d degrees of freedom", sim->n);
     }
@@ -275,7 +280,8 @@ void ric_simulator_frame_to_space(const ric_simulator *sim, const real *q, const
     }
 }
 
-void ric_simulator_frame_to_modal(const ric_simulator *sim, const frame *f, bool linear, const real *x, real *w)
+void ric_simulator_frame_to_modal(const ric_simulator *sim, const frame *f, bool linear,
+                                  const real *x, real *w)
 {
     int n = sim->n;
     for (int i = 0; i < n; i++) {

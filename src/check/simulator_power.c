@@ -1,13 +1,14 @@
 /* Independent integrator of M x'' + K x + sum_f k_f(b_f . x) b_f = 0 with power-law springs.
  *
- * It shares no code with the orbit solver: no modes, no series, but the extrapolation of Gragg, Bulirsch and Stoer
- * (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9 and II.14) on the raw matrices in extended
- * precision. A step H is taken with 2, 4, 6, ... sub-steps of the leap-frog for second-order equations, whose errors
- * are even powers of the sub-step, and extrapolated to none; it is accepted where two neighbours in the table agree to
- * TOLERANCE.
+ * It shares no code with the orbit solver: no modes, no series, but the extrapolation of Gragg,
+ * Bulirsch and Stoer (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9 and
+ * II.14) on the raw matrices in extended precision. A step H is taken with 2, 4, 6, ... sub-steps
+ * of the leap-frog for second-order equations, whose errors are even powers of the sub-step, and
+ * extrapolated to none; it is accepted where two neighbours in the table agree to TOLERANCE.
  *
- * Small deviations are integrated along, each sub-step with the stiffness of the springs where it takes the state. They
- * are doubles: what is asked of them are multipliers, and not to the last digit. */
+ * Small deviations are integrated along, each sub-step with the stiffness of the springs where it
+ * takes the state. They are doubles: what is asked of them are multipliers, and not to the last
+ * digit. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -18,11 +19,11 @@
 #include "base/room.h"
 
 enum { LEVELS = 12, AIM = 8, MOST_STEPS = 100000 };
-/* TOLERANCE: of a step, relative to the largest displacement and the largest velocity: a hundred roundings of 80
- * bits */
+/* TOLERANCE: of a step, relative to the largest displacement and the largest velocity: a hundred
+ * roundings of 80 bits */
 #define TOLERANCE 1e-17L
-/* DEVIATION: of columns, relative to the largest entry: the table is then off by a hundredth of it, some roundings
- * of a double; a motion in a slow mode says nothing of what the fast ones need */
+/* DEVIATION: of columns, relative to the largest entry: the table is then off by a hundredth of it,
+ * some roundings of a double; a motion in a slow mode says nothing of what the fast ones need */
 #define DEVIATION 1e-12
 #define ROUNDINGS 90 /* or as many of what the machine, or what pretends to be one, has instead */
 
@@ -137,9 +138,11 @@ ric_status ric_simulator_power_create(const ric_model *model, ric_simulator_powe
         if ((status = ric_model_contact(model, f, &contact))) break;
         for (int i = 0; i < n; i++) s->b[f * n + i] = contact.normal[i];
         s->exponent[f] = contact.exponent;
-        s->factor[f] = contact.length > 0 ? contact.reference * power(s->length / contact.length, contact.exponent) *
-                                                contact.length / s->length
-                                          : contact.stiffness * power(s->length, contact.exponent) / s->length;
+        s->factor[f] = contact.length > 0
+                           ? contact.reference *
+                                 power(s->length / contact.length, contact.exponent) *
+                                 contact.length / s->length
+                           : contact.stiffness * power(s->length, contact.exponent) / s->length;
     }
     if (status || (status = prepare_columns(s))) goto out;
     *out = s;
@@ -176,8 +179,8 @@ static void accelerate(const ric_simulator_power *s, const real *x, bool stiff, 
     divide_by_mass(s, a);
 }
 
-/* V [n * m] += kick times the accelerations of the displacements X [n * m] of m = 2n deviations, under the slopes
- * s->stiff. */
+/* V [n * m] += kick times the accelerations of the displacements X [n * m] of m = 2n deviations,
+ * under the slopes s->stiff. */
 static void kick_columns(const ric_simulator_power *s, double kick, const double *X, double *V)
 {
     int n = s->n, m = 2 * n;
@@ -200,10 +203,11 @@ static void kick_columns(const ric_simulator_power *s, double kick, const double
     }
 }
 
-/* `parts` sub-steps of the leap-frog, kicked by halves at both ends; a [n], first that of y. Y [2n * 2n], displacements
- * above velocities, are deviations, NULL: none; stiff0 [n_contact] the slopes at their start. */
-static void leap(const ric_simulator_power *s, real H, int parts, const real *y, const real *a0, real *a, real *out,
-                 const double *Y, const double *stiff0, double *Out)
+/* `parts` sub-steps of the leap-frog, kicked by halves at both ends; a [n], first that of y. Y [2n
+ * * 2n], displacements above velocities, are deviations, NULL: none; stiff0 [n_contact] the slopes
+ * at their start. */
+static void leap(const ric_simulator_power *s, real H, int parts, const real *y, const real *a0,
+                 real *a, real *out, const double *Y, const double *stiff0, double *Out)
 {
     int n = s->n, half = 2 * n * n;
     real h = H / parts;
@@ -243,7 +247,8 @@ static real difference(int n, const real *a, const real *b, const real *y)
 }
 
 /* One step of at most H; returns what was done, with y after it, 0 if it fails. */
-/* One stage of the extrapolation of columns; how far it moves them, relative to the largest entry. */
+/* One stage of the extrapolation of columns; how far it moves them, relative to the largest entry.
+ */
 static double extrapolate_columns(size_t size, double factor, double *Up, const double *Down)
 {
     double most = 0, largest = 0;
@@ -278,7 +283,8 @@ static real step(ric_simulator_power *s, real H, real *y, double *Y)
                 double *Up = s->columns + (size_t)j * size;
                 if (Y) moved = extrapolate_columns(size, (double)factor, Up, Up + size);
             }
-            if (k < 3 || difference(n, s->table, corner, y) > s->tolerance || !(moved <= DEVIATION)) continue;
+            if (k < 3 || difference(n, s->table, corner, y) > s->tolerance || !(moved <= DEVIATION))
+                continue;
             memcpy(y, s->table, 2 * (size_t)n * sizeof *y);
             if (Y) memcpy(Y, s->columns, size * sizeof *Y);
             s->step = H * (k < AIM ? 1.5L : k > AIM ? 0.7L : 1);
@@ -295,13 +301,15 @@ ric_status ric_simulator_power_go(ric_simulator_power *s, ric_real time, ric_rea
     if (!(s->step > 0)) s->step = 0.1L;
     for (int k = 0; done < time; k++) {
         if (k == MOST_STEPS)
-            return ric_fail(RIC_E_RANGE, "the motion up to time %.9g took %d steps; follow it in shorter pieces",
+            return ric_fail(RIC_E_RANGE,
+                            "the motion up to time %.9g took %d steps; follow it in shorter pieces",
                             (double)done, k);
         if (ric_halt(LEVELS * LEVELS * 8.0 * s->n * s->n * (Y ? s->n : 1)))
             return ric_fail(RIC_E_INTERRUPTED, "stopped on request at time %.9g", (double)done);
         real rest = time - done, H = fmin(s->step, rest), kept = s->step, taken = step(s, H, y, Y);
         if (!(taken > 0))
-            return ric_fail(RIC_E_NUMERIC, "the motion cannot be followed beyond time %.9g", (double)done);
+            return ric_fail(RIC_E_NUMERIC, "the motion cannot be followed beyond time %.9g",
+                            (double)done);
         if (taken == rest) { /* the last step is as short as what was left */
             s->step = fmax(s->step, kept < rest ? 0 : kept);
             break;

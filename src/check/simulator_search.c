@@ -1,4 +1,5 @@
-/* Flights in closed form, and the guaranteed search for the next time at which a face is met (simulator.c). */
+/* Flights in closed form, and the guaranteed search for the next time at which a face is met
+ * (simulator.c). */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +9,8 @@
 #include "simulator_parts.h"
 #include "base/room.h"
 
-#define LEVEL_PARTS 8 /* of a panel, in each of which a gap bends the other way once at most, or in vain */
+/* LEVEL_PARTS: of a panel, in each of which a gap bends the other way once at most, or in vain */
+#define LEVEL_PARTS 8
 
 ric_sample ric_simulator_search_look(const ric_simulator *sim, const face_t *face, double t)
 {
@@ -31,7 +33,8 @@ ric_sample ric_simulator_search_look(const ric_simulator *sim, const face_t *fac
     return (ric_sample){t, {(double)face->start + face->sign * s, face->sign * v, face->sign * a}};
 }
 
-void ric_simulator_search_look_closely(const ric_simulator *sim, const face_t *face, real t, real *g)
+void ric_simulator_search_look_closely(const ric_simulator *sim, const face_t *face, real t,
+                                       real *g)
 {
     real s = 0, v = 0, a = 0;
     for (int i = 0; i < sim->n; i++) {
@@ -60,7 +63,8 @@ static void bound_face(const ric_simulator *sim, face_t *face)
     real s = face->rest, size = face->limit + fabs(face->rest);
     memset(face->D, 0, sizeof face->D);
     for (int i = 0; i < sim->n; i++) {
-        real c = fabs(face->c[i]), omega = sim->omega[i], speed = c * hypot(omega * sim->q[i], sim->p[i]);
+        real c = fabs(face->c[i]), omega = sim->omega[i],
+             speed = c * hypot(omega * sim->q[i], sim->p[i]);
         s += face->c[i] * sim->q[i];
         size += omega > 0 ? speed / omega : c * fabs(sim->q[i]);
         face->D[0] += omega > 0 ? speed / omega : speed > 0 ? INFINITY : c * fabs(sim->q[i]);
@@ -74,7 +78,8 @@ static void bound_face(const ric_simulator *sim, face_t *face)
 
 void ric_simulator_search_begin(ric_simulator *sim)
 {
-    for (int i = 0; i < 2 * sim->n; i++) sim->rough[sim->n + i] = (double)sim->q[i]; /* p follows q in memory */
+    for (int i = 0; i < 2 * sim->n; i++)
+        sim->rough[sim->n + i] = (double)sim->q[i]; /* p follows q in memory */
     for (int f = 0; f < sim->n_face; f++) bound_face(sim, &sim->face[f]);
     sim->now = sim->known = sim->scanned = 0;
     sim->next = INFINITY;
@@ -96,7 +101,8 @@ void ric_simulator_search_move_origin(ric_simulator *sim, real t)
 
 /* ---------------------------------------------------- guaranteed intervals */
 
-static ric_shape classify(const face_t *face, const ric_sample *a, const ric_sample *b, double level)
+static ric_shape classify(const face_t *face, const ric_sample *a, const ric_sample *b,
+                          double level)
 {
     return ric_hermite_shape((double)face->D[4], (double)face->band, a, b, level);
 }
@@ -112,12 +118,14 @@ static ric_sample look(const void *of, double t)
     return ric_simulator_search_look(at->sim, at->face, t);
 }
 
-static ric_sample zero(const ric_simulator *sim, const face_t *face, int order, ric_sample lo, ric_sample hi)
+static ric_sample zero(const ric_simulator *sim, const face_t *face, int order, ric_sample lo,
+                       ric_sample hi)
 {
     return ric_hermite_zero(look, &(flight){sim, face}, order, lo, hi);
 }
 
-/* The last digits of a root t of g that lies in [lo, hi]; t itself where the slope does not tell them. */
+/* The last digits of a root t of g that lies in [lo, hi]; t itself where the slope does not tell
+ * them. */
 static real refine(const ric_simulator *sim, const face_t *face, double lo, double hi, double t)
 {
     enum { STEPS = 6 };
@@ -133,7 +141,8 @@ static real refine(const ric_simulator *sim, const face_t *face, double lo, doub
     return x;
 }
 
-/* Where g rises through 0 in [a, b], given g(a) <= rounding < g(b) and that g is monotone, or convex, there. */
+/* Where g rises through 0 in [a, b], given g(a) <= rounding < g(b) and that g is monotone, or
+ * convex, there. */
 static real rise(const ric_simulator *sim, const face_t *face, ric_sample a, const ric_sample *b)
 {
     if (a.g[1] < 0 && b->g[1] > 0) a = zero(sim, face, 1, a, *b);
@@ -143,7 +152,8 @@ static real rise(const ric_simulator *sim, const face_t *face, ric_sample a, con
 }
 
 /* First time in [a, b] at which the face is met, infinite if it is not. */
-static real first_crossing(const ric_simulator *sim, const face_t *face, const ric_sample *a, const ric_sample *b)
+static real first_crossing(const ric_simulator *sim, const face_t *face, const ric_sample *a,
+                           const ric_sample *b)
 {
     ric_shape kind = classify(face, a, b, (double)face->band);
     if (kind == RIC_SHAPE_BELOW || kind == RIC_SHAPE_FALLING) return INFINITY;
@@ -157,15 +167,19 @@ static real first_crossing(const ric_simulator *sim, const face_t *face, const r
     return is_finite(t) ? t : first_crossing(sim, face, &middle, b);
 }
 
-/* Largest stationary value of g in [a, b], if it is above `best` by more than rounding; else `best`. */
-static double highest(const ric_simulator *sim, const face_t *face, const ric_sample *a, const ric_sample *b,
-                      double best)
+/* Largest stationary value of g in [a, b], if it is above `best` by more than rounding; else
+ * `best`. */
+static double highest(const ric_simulator *sim, const face_t *face, const ric_sample *a,
+                      const ric_sample *b, double best)
 {
     ric_shape kind = classify(face, a, b, best + (double)face->band);
-    if (kind == RIC_SHAPE_CONCAVE && a->g[1] >= 0 && b->g[1] <= 0) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
-    /* an arc that rounding hides has a slope that it does not, as within the contact of a stiff spring */
+    if (kind == RIC_SHAPE_CONCAVE && a->g[1] >= 0 && b->g[1] <= 0)
+        return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
+    /* an arc that rounding hides has a slope that it does not, as within the contact of a stiff
+     * spring */
     const real none = ROUNDING * face->D[1];
-    if (kind == RIC_SHAPE_FLAT && a->g[1] > none && b->g[1] < -none) return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
+    if (kind == RIC_SHAPE_FLAT && a->g[1] > none && b->g[1] < -none)
+        return fmax(best, zero(sim, face, 1, *a, *b).g[0]);
     if (kind != RIC_SHAPE_UNKNOWN) return best;
     ric_sample middle = ric_simulator_search_look(sim, face, a->t + (b->t - a->t) / 2);
     best = highest(sim, face, a, &middle, best);
@@ -209,7 +223,8 @@ void ric_simulator_search_scan_reach(ric_simulator *sim, double to)
                face->sign * face->rest + face->D[0] > sim->reach * face->limit + face->band) {
             ric_sample b = ric_simulator_search_look(sim, face, fmin(to, a.t + h));
             if (b.t <= a.t) break;
-            double level = (double)(sim->reach * face->limit - face->level), top = highest(sim, face, &a, &b, level);
+            double level = (double)(sim->reach * face->limit - face->level),
+                   top = highest(sim, face, &a, &b, level);
             if (top > level) sim->reach = ric_simulator_search_to_reach(face, top);
             a = b;
         }
@@ -222,7 +237,8 @@ void ric_simulator_search_start_reach(ric_simulator *sim)
     for (int f = 0; f < sim->n_face; f++) {
         const face_t *face = &sim->face[f];
         ric_sample a = ric_simulator_search_look(sim, face, 0);
-        bool still = fabs(a.g[1]) <= ROUNDING * face->D[1], left = a.g[0] >= -BEYOND * face->limit && !still;
+        bool still = fabs(a.g[1]) <= ROUNDING * face->D[1],
+             left = a.g[0] >= -BEYOND * face->limit && !still;
         if (!face->closed && (a.g[1] <= 0 || still))
             if (!left) sim->reach = fmax(sim->reach, ric_simulator_search_to_reach(face, a.g[0]));
     }
@@ -238,7 +254,8 @@ static face_t image_of(face_t face)
     return face;
 }
 
-double ric_simulator_highest(const ric_simulator *sim, int f, bool image, double from, double to, double best)
+double ric_simulator_highest(const ric_simulator *sim, int f, bool image, double from, double to,
+                             double best)
 {
     face_t face = image ? image_of(sim->face[f]) : sim->face[f];
     double h = ric_simulator_search_panel(&face), more = face.closed ? 2 : 0;
@@ -255,11 +272,12 @@ double ric_simulator_highest(const ric_simulator *sim, int f, bool image, double
     return best;
 }
 
-double ric_simulator_level(const ric_simulator *sim, int f, bool image, const double part[2], double slow,
-                           double wanted)
+double ric_simulator_level(const ric_simulator *sim, int f, bool image, const double part[2],
+                           double slow, double wanted)
 {
     face_t face = image ? image_of(sim->face[f]) : sim->face[f];
-    double h = ric_simulator_search_panel(&face) / LEVEL_PARTS, more = face.closed ? 2 : 0, best = HUGE_VAL;
+    double h = ric_simulator_search_panel(&face) / LEVEL_PARTS, more = face.closed ? 2 : 0,
+           best = HUGE_VAL;
     if (!isfinite(h)) return best;
     ric_sample a = ric_simulator_search_look(sim, &face, part[0]);
     while (a.t < part[1]) {
@@ -267,11 +285,14 @@ double ric_simulator_level(const ric_simulator *sim, int f, bool image, const do
         if (b.t <= a.t) break;
         if (a.g[2] * b.g[2] < 0) {
             ric_root root = ric_root_between(a.t, a.g[2], b.t, b.g[2], DBL_EPSILON * b.t);
-            while (ric_root_next(&root)) root.f = ric_simulator_search_look(sim, &face, root.x).g[2];
+            while (ric_root_next(&root))
+                root.f = ric_simulator_search_look(sim, &face, root.x).g[2];
             at = ric_simulator_search_look(sim, &face, root.x);
         }
         const double value = ric_simulator_search_to_reach(&face, at.g[0]) + more;
-        if (a.g[2] * b.g[2] <= 0 && fabs(at.g[1]) <= slow && fabs(value - wanted) < fabs(best - wanted)) best = value;
+        if (a.g[2] * b.g[2] <= 0 && fabs(at.g[1]) <= slow &&
+            fabs(value - wanted) < fabs(best - wanted))
+            best = value;
         a = b;
     }
     return best;

@@ -1,10 +1,14 @@
-/* What a stored point says beside its orbit: frequency, reach, approach, multipliers and stability, recomputed on the
- * replay (docs/theory.md section 11). Nothing here is solved: the stored state is flown for the stored times.
+/* What a stored point says beside its orbit: frequency, reach, approach, multipliers and stability,
+ * recomputed on the replay (docs/theory.md section 11). Nothing here is solved: the stored state is
+ * flown for the stored times.
  *
- * Multipliers: columns of the variational equations are flown in closed form. At an impact, with dt = -(c.dq) / (c.p),
- * a the acceleration of the flight that ends there, closed springs included, and R = I - 2 c c' / (c.c),
- *     dq <- R dq,   dp <- R dp - dt 2 (c.a) / (c.c) c        (saltation: Aizerman and Gantmakher 1958);
- * a spring that closes or opens changes nothing. Where z(t + T/2) = -z(t) half a period does, as M = H^2. */
+ * Multipliers: columns of the variational equations are flown in closed form. At an impact, with dt
+ * = -(c.dq) / (c.p), a the acceleration of the flight that ends there, closed springs included, and
+ * R = I - 2 c c' / (c.c),
+ *     dq <- R dq,   dp <- R dp - dt 2 (c.a) / (c.c) c        (saltation: Aizerman and Gantmakher
+ *                   1958);
+ * a spring that closes or opens changes nothing. Where z(t + T/2) = -z(t) half a period does, as M
+ * = H^2. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -18,14 +22,20 @@
 #include "verify_reach.h"
 #include "verify_smooth.h"
 
-#define NOISE (8 * DBL_EPSILON) /* of a flight and an impact in double, relative to the norm: as many roundings */
-#define NUMBER 1e-11            /* largest relative error of a frequency, and of a speed over the largest */
-#define MOST_OPEN 1e-11         /* no orbit that is more than this open passes */
-#define UNSEEN 1e-12            /* part of a normal below which a mode is not seen */
-#define BACK 1e-6   /* an orbit that repeats itself is after part of the period where it began, to this part */
-#define IMAGE 1e-9  /* half a period later a symmetric orbit is its image to this part */
-#define STATED 1e-9 /* relative: a trace that is off by less is not wrong where the library knows it no better */
-#define FAULT 1e-6  /* relative, and LEAST: a reach or an approach that is off by this is found, or it is said */
+/* NOISE: of a flight and an impact in double, relative to the norm: as many roundings */
+#define NOISE (8 * DBL_EPSILON)
+/* NUMBER: largest relative error of a frequency, and of a speed over the largest */
+#define NUMBER 1e-11
+#define MOST_OPEN 1e-11 /* no orbit that is more than this open passes */
+#define UNSEEN 1e-12    /* part of a normal below which a mode is not seen */
+/* BACK: an orbit that repeats itself is after part of the period where it began, to this part */
+#define BACK 1e-6
+#define IMAGE 1e-9 /* half a period later a symmetric orbit is its image to this part */
+/* STATED: relative: a trace that is off by less is not wrong where the library knows it no better
+ */
+#define STATED 1e-9
+/* FAULT: relative, and LEAST: a reach or an approach that is off by this is found, or it is said */
+#define FAULT 1e-6
 #define LEAST 1e-8
 #define NO_SPEED 1e-60 /* relative: no impact is slower */
 
@@ -51,8 +61,8 @@ static bool is_alike(const replay *r, int i, int j)
     return r->frequency[i] == r->frequency[j];
 }
 
-/* Adds what face f has of the modes as frequent as mode i, perpendicular to the directions from `first` on, as one more
- * direction; where that is none, nothing. */
+/* Adds what face f has of the modes as frequent as mode i, perpendicular to the directions from
+ * `first` on, as one more direction; where that is none, nothing. */
 static int add_share(const replay *r, int i, int f, int first, int count, real *share)
 {
     int n = r->n;
@@ -71,9 +81,10 @@ static int add_share(const replay *r, int i, int f, int first, int count, real *
     return count + 1;
 }
 
-/* Directions in the space of the modes that some contact sees, orthonormal, of modes of one frequency each: of several
- * with equal ones, which are any basis of theirs, as many as there are independent shares. What is not seen has
- * multipliers of its own, which no impact changes. share [(n + 1) * n], seen [n]. */
+/* Directions in the space of the modes that some contact sees, orthonormal, of modes of one
+ * frequency each: of several with equal ones, which are any basis of theirs, as many as there are
+ * independent shares. What is not seen has multipliers of its own, which no impact changes. share
+ * [(n + 1) * n], seen [n]. */
 static int find_seen(const replay *r, int *seen, real *share)
 {
     int count = 0;
@@ -81,7 +92,8 @@ static int find_seen(const replay *r, int *seen, real *share)
         bool before = false;
         int first = count;
         for (int j = 0; j < i; j++) before |= is_alike(r, j, i);
-        for (int f = 0; f < r->n_face && !before; f++) count = add_share(r, i, f, first, count, share);
+        for (int f = 0; f < r->n_face && !before; f++)
+            count = add_share(r, i, f, first, count, share);
         for (int k = first; k < count; k++) seen[k] = i;
     }
     return count;
@@ -93,13 +105,15 @@ static real along(const motion *m, int k, const real *x)
     return ric_replay_dot(m->r->n, m->share + k * m->r->n, x);
 }
 
-/* A column (kappa dq, dp) [2n] through flight k of length t, without its end; trig [2n]: cos and sin of omega t. */
+/* A column (kappa dq, dp) [2n] through flight k of length t, without its end; trig [2n]: cos and
+ * sin of omega t. */
 static void fly_column(const replay *r, int k, real t, const real *trig, real *column)
 {
     int n = r->n;
     if (r->closed) {
         for (int i = 0; i < n; i++) column[i] /= r->kappa[i];
-        if (ric_simulator_fly(r->sim, r->closed + (size_t)k * (size_t)r->n_face, true, t, column, column))
+        if (ric_simulator_fly(r->sim, r->closed + (size_t)k * (size_t)r->n_face, true, t, column,
+                              column))
             column[0] = NAN;
         for (int i = 0; i < n; i++) column[i] *= r->kappa[i];
         return;
@@ -116,10 +130,12 @@ static void fly_column(const replay *r, int k, real t, const real *trig, real *c
 }
 
 /* Saltation of a column at an impact that is met at w, before it. */
-static void strike_column(const replay *r, const face_t *face, const real *w, const real *pull, real *column)
+static void strike_column(const replay *r, const face_t *face, const real *w, const real *pull,
+                          real *column)
 {
     int n = r->n;
-    real gap = 0, push = 0, speed = ric_replay_dot(n, face->c, w + n), least = NO_SPEED * ric_replay_fastest(r, face);
+    real gap = 0, push = 0, speed = ric_replay_dot(n, face->c, w + n),
+         least = NO_SPEED * ric_replay_fastest(r, face);
     if (fabs(speed) < least) speed = copysign(least, speed);
     for (int i = 0; i < n; i++) {
         gap += face->c[i] * column[i] / r->kappa[i];
@@ -143,7 +159,8 @@ static void carry(motion *m, int k, int columns, real *A)
     replay *r = m->r;
     int n = r->n;
     const face_t *face = ric_replay_end_face(r, k);
-    real w[2 * n], pull[n], trig[2 * n], t = r->tau[k] * (1 + m->level * ric_verify_pairs_noise(&m->bits));
+    real w[2 * n], pull[n], trig[2 * n],
+        t = r->tau[k] * (1 + m->level * ric_verify_pairs_noise(&m->bits));
     memcpy(w, r->chain + (size_t)k * 2 * (size_t)n, sizeof w);
     for (int i = 0; i < n; i++) w[i] *= r->kappa[i];
     add_noise(m, 2 * n, r->norm, w);
@@ -157,11 +174,13 @@ static void carry(motion *m, int k, int columns, real *A)
         if (!(face->spring > 0)) strike_column(r, face, w, pull, column);
         real size = size_of(2 * n, column);
         m->growth = fmax(m->growth, size);
-        add_noise(m, 2 * n, m->growth, column); /* entries are known to the rounding of the largest on the way */
+        add_noise(m, 2 * n, m->growth,
+                  column); /* entries are known to the rounding of the largest on the way */
     }
 }
 
-/* Whether the second half of the orbit is the image of the first, in which every face is met on its other side. */
+/* Whether the second half of the orbit is the image of the first, in which every face is met on its
+ * other side. */
 static bool is_image(const replay *r)
 {
     int N = r->n_event, half = N / 2;
@@ -176,8 +195,8 @@ static bool is_image(const replay *r)
     return ric_replay_distance(r, image, r->chain) <= IMAGE * r->norm;
 }
 
-/* A flight with the springs that push at the start of the orbit: one that has just closed does not yet, whatever it
- * makes of the last digit of its gap. */
+/* A flight with the springs that push at the start of the orbit: one that has just closed does not
+ * yet, whatever it makes of the last digit of its gap. */
 static int first_pushed(const replay *r)
 {
     const int last = r->n_flight - 1;
@@ -191,15 +210,18 @@ static bool run_once(motion *m, bool half, ric_pair *rho, int *way)
     replay *r = m->r;
     int n = r->n, s = m->n_seen, size = 2 * s, flights = half ? r->n_event / 2 : r->n_event;
     size_t square = (size_t)size * (size_t)size;
-    real *A = ric_calloc((size_t)size * 2 * (size_t)n + 2 * square, sizeof *A), force[n], flow[size], gradient[size];
+    real *A = ric_calloc((size_t)size * 2 * (size_t)n + 2 * square, sizeof *A), force[n],
+         flow[size], gradient[size];
     if (!A) return false;
     real *M = A + (size_t)size * 2 * (size_t)n, *J = M + square;
     for (int j = 0; j < size; j++)
-        memcpy(A + (size_t)j * 2 * (size_t)n + (j < s ? 0 : n), m->share + j % s * n, (size_t)n * sizeof *A);
+        memcpy(A + (size_t)j * 2 * (size_t)n + (j < s ? 0 : n), m->share + j % s * n,
+               (size_t)n * sizeof *A);
     for (int k = 0; k < flights; k++) carry(m, k, size, A);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++)
-            M[i * size + j] = (half ? -1 : 1) * along(m, i % s, A + (size_t)j * 2 * (size_t)n + (i < s ? 0 : n));
+            M[i * size + j] = (half ? -1 : 1) *
+                              along(m, i % s, A + (size_t)j * 2 * (size_t)n + (i < s ? 0 : n));
     ric_replay_accelerations(r, first_pushed(r), r->chain, force);
     for (int i = 0; i < s; i++) {
         int k = m->seen[i];
@@ -216,7 +238,8 @@ static bool run_once(motion *m, bool half, ric_pair *rho, int *way)
     return found;
 }
 
-/* What the rounding of a displacement becomes through a stiff spring: frequencies with it over the lowest without. */
+/* What the rounding of a displacement becomes through a stiff spring: frequencies with it over the
+ * lowest without. */
 static real stiffness(const replay *r)
 {
     real low = INFINITY, high = 0, spring = 0;
@@ -228,30 +251,36 @@ static real stiffness(const replay *r)
     return r->closed && isfinite(low) ? sqrt(high * high + spring) / low : 1;
 }
 
-/* What the stored digits leave open, relative: the gaps where the orbit meets faces, and its end. */
+/* What the stored digits leave open, relative: the gaps where the orbit meets faces, and its end.
+ */
 static real left_open(const replay *r)
 {
     size_t step = 2 * (size_t)r->n;
     real open = ric_replay_distance(r, r->chain + (size_t)r->n_flight * step, r->chain) / r->norm;
     for (int k = 0; k < r->n_flight; k++) {
         const face_t *face = ric_replay_end_face(r, k);
-        open = fmax(open, fabs(ric_replay_gap(r, face, r->chain + (size_t)(k + 1) * step)) / face->limit);
+        open = fmax(open,
+                    fabs(ric_replay_gap(r, face, r->chain + (size_t)(k + 1) * step)) / face->limit);
     }
     return fmin(open, MOST_OPEN);
 }
 
-/* The orbit a little along the branch, towards the next stored point, by as much as the stored digits leave any state
- * open over RIC_PAIR_SAFETY: rounding moves an orbit along its family, too, and multipliers may change there by far
- * more than their own rounding. Where there is no other point nothing is moved. */
+/* The orbit a little along the branch, towards the next stored point, by as much as the stored
+ * digits leave any state open over RIC_PAIR_SAFETY: rounding moves an orbit along its family, too,
+ * and multipliers may change there by far more than their own rounding. Where there is no other
+ * point nothing is moved. */
 static ric_status move_along(replay *r, const ric_atlas *atlas, int i, const ric_digits *d)
 {
     const int n = r->n, N = r->n_event;
-    double *state = ric_calloc(2 * (size_t)n + (size_t)N + 1, sizeof *state), *flights = state ? state + 2 * n : NULL;
+    double *state = ric_calloc(2 * (size_t)n + (size_t)N + 1, sizeof *state),
+           *flights = state ? state + 2 * n : NULL;
     ric_point point;
     real w[2 * n];
     if (!state) return ric_no_memory("a neighbour of an orbit");
     const int beside = i + 1 < r->branch.n_point ? i + 1 : i - 1;
-    ric_status status = beside < 0 ? RIC_OK : ric_atlas_point(atlas, r->branch.id, beside, &point, state, flights);
+    ric_status status = beside < 0
+                            ? RIC_OK
+                            : ric_atlas_point(atlas, r->branch.id, beside, &point, state, flights);
     if (!status && beside >= 0) {
         ric_simulator_modal(r->sim, state, state + n, w);
         const real apart = ric_replay_distance(r, w, r->chain),
@@ -264,9 +293,10 @@ static ric_status move_along(replay *r, const ric_atlas *atlas, int i, const ric
     return status;
 }
 
-/* A trace is stored without its error: by so much as the library states when it is asked, if that is less than STATED,
- * it may be off. */
-static ric_status judge_stated(ric_pairs *p, const ric_atlas *atlas, const ric_point *stored, ric_claims *out)
+/* A trace is stored without its error: by so much as the library states when it is asked, if that
+ * is less than STATED, it may be off. */
+static ric_status judge_stated(ric_pairs *p, const ric_atlas *atlas, const ric_point *stored,
+                               ric_claims *out)
 {
     ric_verify_asked asked;
     ric_claims again = *out;
@@ -282,21 +312,27 @@ static ric_status judge_stated(ric_pairs *p, const ric_atlas *atlas, const ric_p
     return status;
 }
 
-static ric_status check_multipliers(replay *r, const ric_atlas *atlas, const ric_verify_asked *asked,
-                                    const ric_digits *d, ric_claims *out)
+static ric_status check_multipliers(replay *r, const ric_atlas *atlas,
+                                    const ric_verify_asked *asked, const ric_digits *d,
+                                    ric_claims *out)
 {
     int seen[r->n];
     real *share = ric_malloc((size_t)(r->n + 1) * (size_t)r->n * sizeof *share);
     motion m = {.r = r, .seen = seen, .share = share, .bits = 20011};
     if (!share) return ric_no_memory("the modes that contacts see");
     m.n_seen = find_seen(r, seen, share);
-    ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .half = is_image(r), .asked = asked};
+    ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0,
+                       .half = is_image(r),
+                       .asked = asked};
     pairs.own = ric_calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
     bool found = true;
-    ric_status status = pairs.own ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs.n_pair);
+    ric_status status = pairs.own ? RIC_OK
+                                  : ric_fail(RIC_E_NOMEM, "no memory for %d multipliers",
+                                             2 * pairs.n_pair);
     real level = fmax(NOISE * stiffness(r), left_open(r));
     for (int run = 0; run < RIC_PAIR_RUNS && found && pairs.n_pair && !status; run++) {
-        const bool along = run == RIC_PAIR_RUNS - 1; /* the last thing that is asked of the replay */
+        const bool along = run ==
+                           RIC_PAIR_RUNS - 1; /* the last thing that is asked of the replay */
         if (along) status = move_along(r, atlas, out->point, d);
         m.level = run && !along ? level : 0;
         m.growth = 1;
@@ -311,7 +347,8 @@ static ric_status check_multipliers(replay *r, const ric_atlas *atlas, const ric
     return status;
 }
 
-/* A linear mode: its multipliers are exp(+-i omega_j T) of the other modes, and gamma = omega_j T / 2 pi, modulo 1. */
+/* A linear mode: its multipliers are exp(+-i omega_j T) of the other modes, and gamma = omega_j T /
+ * 2 pi, modulo 1. */
 static void check_linear(replay *r, ric_claims *out)
 {
     int seen[r->n], other = -1;
@@ -319,7 +356,8 @@ static void check_linear(replay *r, ric_claims *out)
     motion m = {.r = r, .seen = seen, .share = share};
     int count = m.n_seen = find_seen(r, seen, share);
     for (int k = 0; k < count; k++)
-        part += pow(r->kappa[seen[k]] * along(&m, k, r->chain), 2) + pow(along(&m, k, r->chain + r->n), 2);
+        part += pow(r->kappa[seen[k]] * along(&m, k, r->chain), 2) +
+                pow(along(&m, k, r->chain + r->n), 2);
     bool alone = part > r->norm * r->norm / 2; /* else no contact sees the mode itself */
     for (int k = 0; k < count; k++) {
         real turns = r->omega[seen[k]] * r->period / RIC_TWO_PI_LONG;
@@ -327,7 +365,8 @@ static void check_linear(replay *r, ric_claims *out)
         else alone &= fabs(turns - 1) <= NUMBER;
     }
     out->stable = r->point.stable == RIC_STABLE_YES ? RIC_AGREES_YES : RIC_AGREES_NO;
-    if (out->stable == RIC_AGREES_NO) snprintf(out->finding, sizeof out->finding, "a linear mode is stable");
+    if (out->stable == RIC_AGREES_NO)
+        snprintf(out->finding, sizeof out->finding, "a linear mode is stable");
     if (count != 2 || !alone || other < 0) return;
     ric_pair own[RIC_PAIR_RUNS];
     ric_pairs pairs = {.n_pair = 1, .own = own};
@@ -349,12 +388,13 @@ static void say(ric_claims *out, const char *name, double stored, double found)
 {
     out->numbers = RIC_AGREES_NO;
     if (!*out->finding)
-        snprintf(out->finding, sizeof out->finding, "%s %.17g stored, %.17g found", name, stored, found);
+        snprintf(out->finding, sizeof out->finding, "%s %.17g stored, %.17g found", name, stored,
+                 found);
 }
 
-/* Smallest speed into a face, or out of a spring, so that the motion backwards has the same; and what the digits leave
- * of it: [0] at least, [1] at most. The solver may have begun anywhere on the orbit: how far it closes counts as well.
- */
+/* Smallest speed into a face, or out of a spring, so that the motion backwards has the same; and
+ * what the digits leave of it: [0] at least, [1] at most. The solver may have begun anywhere on the
+ * orbit: how far it closes counts as well. */
 static void smallest_approach(const replay *r, const ric_digits *d, double approach[2])
 {
     approach[0] = approach[1] = HUGE_VAL;
@@ -363,7 +403,8 @@ static void smallest_approach(const replay *r, const ric_digits *d, double appro
         const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
         if (!face) continue;
         int way = face->spring > 0 && ric_replay_opens(r, k) ? -face->side : face->side;
-        real speed = face->spring > 0 ? way * ric_replay_dot(r->n, face->c, w + r->n) : r->speed[k + 1];
+        real speed = face->spring > 0 ? way * ric_replay_dot(r->n, face->c, w + r->n)
+                                      : r->speed[k + 1];
         real left = d->speed[k];
         for (int i = 0; i < r->n; i++) left += fabs(face->c[i]) * d->close[r->n + i];
         approach[0] = fmin(approach[0], (double)(speed - left));
@@ -377,8 +418,8 @@ static int times_through(const replay *r)
     int N = r->n_event;
     size_t step = 2 * (size_t)r->n;
     for (int part = 1; part <= N / 2; part++) {
-        bool same = N % part == 0 &&
-                    ric_replay_distance(r, r->chain + (size_t)part * (size_t)step, r->chain) <= BACK * r->norm;
+        bool same = N % part == 0 && ric_replay_distance(r, r->chain + (size_t)part * (size_t)step,
+                                                         r->chain) <= BACK * r->norm;
         for (int k = 0; same && k < N; k++)
             same = r->branch.word[k] == r->branch.word[(k + part) % N] &&
                    fabs(r->tau[k] - r->tau[(k + part) % N]) <= NUMBER * r->period;
@@ -387,8 +428,8 @@ static int times_through(const replay *r)
     return 1;
 }
 
-/* A branch meets orbits that repeat themselves at its ends; one between them has a period that is none, and a
- * frequency. */
+/* A branch meets orbits that repeat themselves at its ends; one between them has a period that is
+ * none, and a frequency. */
 static void check_period(const replay *r, int i, ric_claims *out)
 {
     int times = i > 0 && i + 1 < r->branch.n_point ? times_through(r) : 1;
@@ -404,7 +445,8 @@ static bool approach_agrees(const replay *r, const double approach[2])
 
 static bool reach_agrees(const ric_reached *reach)
 {
-    return fabs(reach->stored - reach->nearest) <= reach->near && reach->stored >= reach->sure - reach->near;
+    return fabs(reach->stored - reach->nearest) <= reach->near &&
+           reach->stored >= reach->sure - reach->near;
 }
 
 /* A number that is off by this is found, or said not to be checked. */
@@ -415,7 +457,8 @@ static double fault(double number)
 
 static ric_status check_margins(replay *r, const ric_digits *d, ric_claims *out)
 {
-    double approach[2], near = RIC_REACHED + (r->norm > 0 ? ric_verify_reach_slack(r, d->state / r->norm) : 0);
+    double approach[2],
+        near = RIC_REACHED + (r->norm > 0 ? ric_verify_reach_slack(r, d->state / r->norm) : 0);
     ric_reached reach = {.stored = isnan(r->point.reach) ? 0 : r->point.reach, .near = near};
     smallest_approach(r, d, approach);
     ric_status status = ric_verify_reach_find(r, &reach);
@@ -433,11 +476,15 @@ static ric_status check_margins(replay *r, const ric_digits *d, ric_claims *out)
     if (!status && !reach_agrees(&reach))
         say(out, "reach", r->point.reach, reach.stored < reach.sure ? reach.sure : reach.nearest);
     const double behind = NUMBER * (double)(r->norm > 0 ? r->norm : 1);
-    if (approach[1] < -behind) say(out, "approach from behind a face", r->point.approach, approach[1]);
+    if (approach[1] < -behind)
+        say(out, "approach from behind a face", r->point.approach, approach[1]);
     if (!approach_agrees(r, approach))
-        say(out, "approach", r->point.approach, isinf(approach[0]) ? NAN : (approach[0] + approach[1]) / 2);
-    bool more = reach.also > fmax(reach.sure, reach.stored) + fault(reach.stored); /* which may count or not */
-    if ((more || !(2 * near < fault(r->point.reach))) && !isnan(r->point.reach)) ric_verify_digits_doubt(out, "reach");
+        say(out, "approach", r->point.approach,
+            isinf(approach[0]) ? NAN : (approach[0] + approach[1]) / 2);
+    bool more = reach.also >
+                fmax(reach.sure, reach.stored) + fault(reach.stored); /* which may count or not */
+    if ((more || !(2 * near < fault(r->point.reach))) && !isnan(r->point.reach))
+        ric_verify_digits_doubt(out, "reach");
     if (!isinf(approach[0]) && !(approach[1] - approach[0] < fault(r->point.approach)))
         ric_verify_digits_doubt(out, "approach");
     return status;
@@ -448,7 +495,8 @@ static ric_status check_numbers(replay *r, const ric_digits *d, ric_claims *out)
     const ric_point *p = &r->point;
     double turn = RIC_TWO_PI, omega = (double)(turn / r->period);
     if (!(fabs(p->frequency - omega) <= NUMBER * omega)) say(out, "frequency", p->frequency, omega);
-    if (!(ric_replay_part(fabs(p->energy - r->energy), r->energy) <= NUMBER)) say(out, "energy", p->energy, r->energy);
+    if (!(ric_replay_part(fabs(p->energy - r->energy), r->energy) <= NUMBER))
+        say(out, "energy", p->energy, r->energy);
     return check_margins(r, d, out);
 }
 

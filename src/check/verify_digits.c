@@ -1,7 +1,8 @@
-/* What the stored digits of an orbit decide (docs/theory.md section 11). Nothing is solved: the chain is the stored
- * state, flown for the stored times. A number that is off by its rounding moves the gaps at the ends of the flights and
- * the end of the period by the derivative along it; the sum over all numbers bounds what may be left open, and what a
- * wrong number moves less than twice that cannot be told from rounding. */
+/* What the stored digits of an orbit decide (docs/theory.md section 11). Nothing is solved: the
+ * chain is the stored state, flown for the stored times. A number that is off by its rounding moves
+ * the gaps at the ends of the flights and the end of the period by the derivative along it; the sum
+ * over all numbers bounds what may be left open, and what a wrong number moves less than twice that
+ * cannot be told from rounding. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,16 +13,20 @@
 #include "base/room.h"
 #include "verify_parts.h"
 
-/* DIGIT: of a stored number, relative to the largest of its kind: roundings in double for every flight that the
- * solver closes with it. Measured, not derived: the worst of some 10,000 orbits between stops had 11, of as many on
- * stiff springs 41 (random structures with springs up to 1e6 times as stiff as they are). LAST_DIGIT: of an orbit that
- * is more open than these leave it. Two of some 200,000 on stiff springs had 65 and 67 (the judge of tools/attack, in
- * 50 digits, has no objection to them); what the wider digits leave undecided of such an orbit is unchecked. */
+/* DIGIT: of a stored number, relative to the largest of its kind: roundings in double for every
+ * flight that the solver closes with it. Measured, not derived: the worst of some 10,000 orbits
+ * between stops had 11, of as many on stiff springs 41 (random structures with springs up to 1e6
+ * times as stiff as they are). LAST_DIGIT: of an orbit that is more open than these leave it. Two
+ * of some 200,000 on stiff springs had 65 and 67 (the judge of tools/attack, in 50 digits, has no
+ * objection to them); what the wider digits leave undecided of such an orbit is unchecked. */
 #define DIGIT (64 * DBL_EPSILON)
 #define LAST_DIGIT (128 * DBL_EPSILON)
-#define MOST_OPEN 1e-11 /* residual that an orbit may be stored with: no orbit that is more open than this passes */
-#define ENERGY 1e-11    /* largest relative error of a stored energy */
-#define FAULT 1e-6      /* of the largest of its kind: a number that is off by this is found, or it is said */
+/* MOST_OPEN: residual that an orbit may be stored with: no orbit that is more open than this passes
+ */
+#define MOST_OPEN 1e-11
+#define ENERGY 1e-11 /* largest relative error of a stored energy */
+/* FAULT: of the largest of its kind: a number that is off by this is found, or it is said */
+#define FAULT 1e-6
 
 void ric_verify_digits_close(ric_digits *digits)
 {
@@ -59,14 +64,16 @@ static void start_column(const replay *r, int j, real *column)
 }
 
 /* Adds `digit` times the column to the bounds at the end of flight k; gap: its derivative there. */
-static void add_digit(const replay *r, ric_digits *d, int k, real gap, real digit, const real *column)
+static void add_digit(const replay *r, ric_digits *d, int k, real gap, real digit,
+                      const real *column)
 {
     const face_t *face = ric_replay_end_face(r, k);
     d->gap[k] += fabs(gap) * digit;
     d->speed[k] += fabs(ric_replay_dot(r->n, face->c, column + r->n)) * digit;
 }
 
-/* The sizes of the columns of all numbers, times their digits, at every state: d->state is the largest sum. */
+/* The sizes of the columns of all numbers, times their digits, at every state: d->state is the
+ * largest sum. */
 static void carry_digit(const replay *r, ric_digits *d, int j, real digit, real *sizes)
 {
     int n = r->n, N = r->n_flight, m = N + 2 * n;
@@ -77,7 +84,8 @@ static void carry_digit(const replay *r, ric_digits *d, int j, real digit, real 
     int from = j < 2 * n ? 0 : j - 2 * n + 1;
     if (from) { /* a longer flight ends farther behind its face */
         const face_t *face = ric_replay_end_face(r, from - 1);
-        real gap = face->side * ric_replay_dot(n, face->c, r->chain + (size_t)from * 2 * (size_t)n + n);
+        real gap = face->side *
+                   ric_replay_dot(n, face->c, r->chain + (size_t)from * 2 * (size_t)n + n);
         add_digit(r, d, from - 1, gap, digit, column);
     }
     sizes[from] += digit * size_of(2 * n, column);
@@ -104,8 +112,8 @@ static real stiffest(const replay *r, int k)
     return most;
 }
 
-/* A frequency of the solver is one of an eigenvalue that it knows to rounding of the largest (Golub and Van Loan, 8.1):
- * mode i turns in every flight by as much too far. */
+/* A frequency of the solver is one of an eigenvalue that it knows to rounding of the largest (Golub
+ * and Van Loan, 8.1): mode i turns in every flight by as much too far. */
 static void carry_frequency(const replay *r, ric_digits *d, int i, real digit, real *sizes)
 {
     int n = r->n, N = r->n_flight;
@@ -129,7 +137,8 @@ static void carry_frequency(const replay *r, ric_digits *d, int i, real digit, r
     for (int j = 0; j < 2 * n; j++) d->close[j] += fabs(column[j]) * digit;
 }
 
-/* Largest part of the bounds by which the orbit is open; *where: the flight, or n_flight for the whole period. */
+/* Largest part of the bounds by which the orbit is open; *where: the flight, or n_flight for the
+ * whole period. */
 static real worst_part(const replay *r, const ric_digits *d, int *where)
 {
     int n = r->n, N = r->n_flight;
@@ -147,7 +156,8 @@ static real worst_part(const replay *r, const ric_digits *d, int *where)
     return open;
 }
 
-/* The bounds for numbers that are off by `rounding` for every flight, and by the residual that is stored. */
+/* The bounds for numbers that are off by `rounding` for every flight, and by the residual that is
+ * stored. */
 static ric_status bound(const replay *r, ric_digits *d, double rounding)
 {
     int n = r->n, N = r->n_flight;
@@ -161,14 +171,17 @@ static ric_status bound(const replay *r, ric_digits *d, double rounding)
     for (int j = 0; j < 2 * n; j++) {
         real column[2 * n];
         start_column(r, j, column);
-        carry_digit(r, d, j, digit * (j < n ? d->unit[0] : r->norm / size_of(2 * n, column)), sizes);
+        carry_digit(r, d, j, digit * (j < n ? d->unit[0] : r->norm / size_of(2 * n, column)),
+                    sizes);
     }
     for (int k = 0; k < N; k++) {
-        if (ric_halt(RIC_VERIFY_WORK * n * N)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+        if (ric_halt(RIC_VERIFY_WORK * n * N))
+            return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
         carry_digit(r, d, 2 * n + k, digit * r->tau[k], sizes);
     }
     for (int i = 0; i < n; i++) {
-        if (ric_halt(RIC_VERIFY_WORK * n * N)) return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
+        if (ric_halt(RIC_VERIFY_WORK * n * N))
+            return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
         if (r->omega[i] > 0) carry_frequency(r, d, i, rounding * N, sizes);
     }
     d->state = 0;
@@ -192,8 +205,9 @@ ric_status ric_verify_digits_open(const replay *r, ric_digits *d)
     return !status && worst_part(r, d, &where) > 1 ? bound(r, d, LAST_DIGIT) : status;
 }
 
-/* Whether a state whose number j is off by `fault` is told from the stored one: it closes no longer, leaves a face, or
- * has another energy. What is there already may be up to a bound in the other direction. */
+/* Whether a state whose number j is off by `fault` is told from the stored one: it closes no
+ * longer, leaves a face, or has another energy. What is there already may be up to a bound in the
+ * other direction. */
 static bool is_seen(const replay *r, const ric_digits *d, int j, double fault)
 {
     int n = r->n, N = r->n_flight;
@@ -203,7 +217,8 @@ static bool is_seen(const replay *r, const ric_digits *d, int j, double fault)
     memcpy(state, r->state, sizeof state);
     state[j] += fault;
     before = ric_model_energy(r->model, r->state, r->state + n);
-    if (fabs(ric_model_energy(r->model, state, state + n) - before) > 2 * ENERGY * before) return true;
+    if (fabs(ric_model_energy(r->model, state, state + n) - before) > 2 * ENERGY * before)
+        return true;
     for (int k = 0; k < N; k++)
         if (fault * fabs(moves[k]) > 2 * d->gap[k]) return true;
     for (int i = 0; i < 2 * n; i++) moved += (real)moves[N + i] * moves[N + i];
@@ -214,7 +229,8 @@ void ric_verify_digits_doubt(ric_claims *out, const char *name)
 {
     size_t used = strlen(out->unchecked), left = sizeof out->unchecked - used;
     if (out->numbers == RIC_AGREES_YES) out->numbers = RIC_AGREES_UNCHECKED;
-    if (strlen(name) + sizeof ", ..." < left) snprintf(out->unchecked + used, left, "%s%s", used ? ", " : "", name);
+    if (strlen(name) + sizeof ", ..." < left)
+        snprintf(out->unchecked + used, left, "%s%s", used ? ", " : "", name);
     else if (!strstr(out->unchecked, "...")) snprintf(out->unchecked + used, left, ", ...");
 }
 
@@ -223,7 +239,8 @@ bool ric_verify_digits_hide(const replay *r, const ric_digits *d, int k)
     if (!r->n_event) return false;
     for (int i = 0; i <= k; i++) {
         const face_t *face = ric_replay_end_face(r, i);
-        const real *w = r->chain + (size_t)(i + 1) * 2 * (size_t)r->n, speed = fabs(r->speed[i + 1]);
+        const real *w = r->chain + (size_t)(i + 1) * 2 * (size_t)r->n,
+                   speed = fabs(r->speed[i + 1]);
         const bool missed = speed * speed < 2 * fabs(ric_replay_pull(r, i, face, w)) * d->gap[i];
         if (!ric_replay_is_touch(r, i) && (missed || speed < 2 * d->speed[i])) return true;
     }
@@ -237,7 +254,8 @@ void ric_verify_digits_judge(const replay *r, const ric_digits *d, ric_claims *o
     real part = worst_part(r, d, &where);
     if (part > 1) {
         out->numbers = RIC_AGREES_NO;
-        snprintf(out->finding, sizeof out->finding, "%s %d is open %.3g times as far as its stored digits leave it",
+        snprintf(out->finding, sizeof out->finding,
+                 "%s %d is open %.3g times as far as its stored digits leave it",
                  where < r->n_flight ? "the end of flight" : "the period of flights 1 to",
                  where < r->n_flight ? where + 1 : r->n_flight, (double)part);
     }

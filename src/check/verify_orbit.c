@@ -1,5 +1,5 @@
-/* A stored orbit as the replay takes it (verify.c): its faces in the simulator's modal frame, its events, the springs
- * that are closed in each flight, and the expected chain. */
+/* A stored orbit as the replay takes it (verify.c): its faces in the simulator's modal frame, its
+ * events, the springs that are closed in each flight, and the expected chain. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -59,8 +59,8 @@ static ric_status allocate(replay *r)
     return RIC_OK;
 }
 
-/* The springs in each flight from the letters: those that the word opens before it closes them are closed at its
- * start. */
+/* The springs in each flight from the letters: those that the word opens before it closes them are
+ * closed at its start. */
 static void find_closed(replay *r)
 {
     int N = r->n_flight, F = r->n_face;
@@ -85,14 +85,17 @@ static ric_status load_events(replay *r)
     int letters = r->branch.letters;
     for (int f = 0; f < r->n_face; f++) springs |= r->face[f].spring > 0;
     r->event = ric_calloc((size_t)letters + 1, sizeof *r->event);
-    if (springs) r->closed = ric_calloc((size_t)r->n_flight * (size_t)r->n_face + 1, sizeof *r->closed);
+    if (springs)
+        r->closed = ric_calloc((size_t)r->n_flight * (size_t)r->n_face + 1, sizeof *r->closed);
     if (!r->event || (springs && !r->closed))
         return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit of %d flights", r->n_flight);
     for (int k = 0; k < letters; k++) {
         int letter = r->branch.word[k];
         bool good = letter >= 0 && letter < (springs ? 2 : 1) * r->n_face;
         if (!good || (letter >= r->n_face && !(r->face[letter - r->n_face].spring > 0)))
-            return ric_fail(RIC_E_FORMAT, "branch %d: letter %d of its word is no face of the model", r->branch.id, k);
+            return ric_fail(RIC_E_FORMAT,
+                            "branch %d: letter %d of its word is no face of the model",
+                            r->branch.id, k);
         r->event[k] = letter % r->n_face;
     }
     r->n_event = letters;
@@ -120,23 +123,27 @@ static void start_later(replay *r)
     r->tau[N - 1] = tau;
 }
 
-/* Whether the contact that flight k is has no length: what its spring exchanges, over a parabola, is below the last
- * digit of the motion. */
+/* Whether the contact that flight k is has no length: what its spring exchanges, over a parabola,
+ * is below the last digit of the motion. */
 static bool is_nothing(const replay *r, int k)
 {
     const face_t *face = &r->face[r->event[k]];
     real fastest = 0, tau = r->tau[k];
     for (int i = 0; i < r->n; i++) fastest = fmax(fastest, r->omega[i]);
-    return tau <= NO_LENGTH * r->period && face->spring * face->cc * fastest * tau * tau * tau / 12 <= DBL_EPSILON;
+    return tau <= NO_LENGTH * r->period &&
+           face->spring * face->cc * fastest * tau * tau * tau / 12 <= DBL_EPSILON;
 }
 
-/* Contacts of no length are touches: both events go, and the flights before, in and behind them become one. */
+/* Contacts of no length are touches: both events go, and the flights before, in and behind them
+ * become one. */
 static void drop_touches(replay *r)
 {
     size_t F = (size_t)r->n_face;
     for (int k = 0; k < r->n_event; k++) {
         int N = r->n_event, next = (k + 1) % N;
-        if (r->event[k] != r->event[next] || !(r->face[r->event[k]].spring > 0) || !is_nothing(r, k)) continue;
+        if (r->event[k] != r->event[next] || !(r->face[r->event[k]].spring > 0) ||
+            !is_nothing(r, k))
+            continue;
         if (N > 2 && (k == 0 || next == 0)) {
             start_later(r);
             k = -1;
@@ -147,7 +154,8 @@ static void drop_touches(replay *r)
         for (int i = k; i + 2 < N; i++) {
             r->event[i] = r->event[i + 2];
             r->tau[i] = r->tau[i + 2];
-            memmove(r->closed + (size_t)i * F, r->closed + (size_t)(i + 2) * F, F * sizeof *r->closed);
+            memmove(r->closed + (size_t)i * F, r->closed + (size_t)(i + 2) * F,
+                    F * sizeof *r->closed);
         }
         r->n_event = N - 2;
         r->n_flight = N > 2 ? N - 2 : 1;
@@ -174,7 +182,8 @@ static ric_status load_frequencies(replay *r)
     for (int i = 0; i < n && !status; i++) {
         r->frequency[i] = said[0];
         for (int j = 1; j < n; j++)
-            if (fabs(said[j] - r->omega[i]) < fabs(r->frequency[i] - r->omega[i])) r->frequency[i] = said[j];
+            if (fabs(said[j] - r->omega[i]) < fabs(r->frequency[i] - r->omega[i]))
+                r->frequency[i] = said[j];
     }
     return status;
 }
@@ -191,7 +200,8 @@ static ric_status make_orbit(replay *r, bool touches)
         r->tau[k] = r->flights[k];
         r->period += r->tau[k];
     }
-    for (int i = 0; i < r->n; i++) r->kappa[i] = r->omega[i] > 0 ? r->omega[i] : 2 * acos((real)-1) / r->period;
+    for (int i = 0; i < r->n; i++)
+        r->kappa[i] = r->omega[i] > 0 ? r->omega[i] : 2 * acos((real)-1) / r->period;
     r->energy = ric_model_energy(r->model, r->state, r->state + r->n);
     ric_simulator_modal(r->sim, r->state, r->state + r->n, r->chain);
     r->norm = ric_replay_distance(r, r->chain, NULL);
@@ -200,7 +210,8 @@ static ric_status make_orbit(replay *r, bool touches)
     return RIC_OK;
 }
 
-ric_status ric_verify_replay_open(replay *r, const ric_atlas *atlas, int branch, int point, bool touches)
+ric_status ric_verify_replay_open(replay *r, const ric_atlas *atlas, int branch, int point,
+                                  bool touches)
 {
     ric_status status = ric_atlas_branch(atlas, branch, &r->branch);
     if (!status) status = prepare(r, ric_atlas_model(atlas));
@@ -208,8 +219,8 @@ ric_status ric_verify_replay_open(replay *r, const ric_atlas *atlas, int branch,
     return status ? status : make_orbit(r, touches);
 }
 
-ric_status ric_verify_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like, const double *state,
-                                        const double *flights)
+ric_status ric_verify_replay_open_orbit(replay *r, const ric_model *model, const ric_branch *like,
+                                        const double *state, const double *flights)
 {
     r->branch = *like;
     ric_status status = prepare(r, model);

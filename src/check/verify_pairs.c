@@ -10,18 +10,19 @@
 
 typedef ric_real real;
 
-/* The matrix A of a period has A f = f for the flow f and g' A = g' for the gradient g of the energy, g.f = 0. Two
- * Householder reflections take f and then g out (deflation: Wilkinson 1965, chapter 9), which leaves the 2(n - 1)
- * multipliers that say something. Their errors are measured: the whole is computed once as exactly as extended
- * precision can, and three times with the rounding of a double added to every state, time and column. */
+/* The matrix A of a period has A f = f for the flow f and g' A = g' for the gradient g of the
+ * energy, g.f = 0. Two Householder reflections take f and then g out (deflation: Wilkinson 1965,
+ * chapter 9), which leaves the 2(n - 1) multipliers that say something. Their errors are measured:
+ * the whole is computed once as exactly as extended precision can, and three times with the
+ * rounding of a double added to every state, time and column. */
 
 #define RESOLUTION (64 * DBL_EPSILON) /* of a stored number */
-/* UNSAID: a flag that the library decides when it is asked again may be stored as undecided this many bounds off the
- * border, no farther: between the two lies the rounding of the state */
+/* UNSAID: a flag that the library decides when it is asked again may be stored as undecided this
+ * many bounds off the border, no farther: between the two lies the rounding of the state */
 #define UNSAID 16
 #define LOCATED 1e-5 /* where branches meet, rho is on the border to this */
-/* Rounding of the matrix whose pairs are given on request, relative: tens of roundings in each of some hundred steps
- * under a power law. */
+/* Rounding of the matrix whose pairs are given on request, relative: tens of roundings in each of
+ * some hundred steps under a power law. */
 #define GIVEN 1e-12
 #define VAGUE 1e-3      /* beyond this bound, relative, a trace says nothing */
 #define VAGUE_TURN 1e-2 /* nor a rotation beyond this one, in turns */
@@ -32,8 +33,8 @@ real ric_verify_pairs_noise(unsigned *bits)
     return (real)(*bits >> 8) / (1u << 23) - 1;
 }
 
-/* A <- P A P with the reflection P = 1 - 2 u u' / u'u that takes v [m] to a multiple of e_0; other, if given,
- * likewise. */
+/* A <- P A P with the reflection P = 1 - 2 u u' / u'u that takes v [m] to a multiple of e_0; other,
+ * if given, likewise. */
 static void reflect_all(int m, int ld, real *A, const real *v, real *other)
 {
     real u[m], norm = 0, uu = 0;
@@ -56,7 +57,8 @@ static void reflect_all(int m, int ld, real *A, const real *v, real *other)
 
 typedef long double _Complex complex_t;
 
-/* To Hessenberg form by elimination with pivots (Golub and Van Loan, 7.4.7); real, which is a quarter of the work. */
+/* To Hessenberg form by elimination with pivots (Golub and Van Loan, 7.4.7); real, which is a
+ * quarter of the work. */
 static void make_hessenberg(int n, real *A)
 {
     for (int k = 1; k + 1 < n; k++) {
@@ -82,10 +84,12 @@ static void make_hessenberg(int n, real *A)
     }
 }
 
-/* (x, y) <- (c x + conj(s) y, c y - s x), part by part: products of complex numbers look for infinities. */
+/* (x, y) <- (c x + conj(s) y, c y - s x), part by part: products of complex numbers look for
+ * infinities. */
 static inline void rotate(real c, complex_t s, complex_t *x, complex_t *y)
 {
-    const real sr = creall(s), si = cimagl(s), xr = creall(*x), xi = cimagl(*x), yr = creall(*y), yi = cimagl(*y);
+    const real sr = creall(s), si = cimagl(s), xr = creall(*x), xi = cimagl(*x), yr = creall(*y),
+               yi = cimagl(*y);
     real *to = (real *)x, *below = (real *)y;
     to[0] = c * xr + (sr * yr + si * yi);
     to[1] = c * xi + (sr * yi - si * yr);
@@ -93,13 +97,15 @@ static inline void rotate(real c, complex_t s, complex_t *x, complex_t *y)
     below[1] = c * yi - (sr * xi + si * xr);
 }
 
-/* One step of the QR algorithm with a shift on rows and columns low .. high (Golub and Van Loan, 7.5). */
+/* One step of the QR algorithm with a shift on rows and columns low .. high (Golub and Van
+ * Loan, 7.5). */
 static void turn(int n, int low, int high, complex_t shift, complex_t *A, complex_t *rotation)
 {
     for (int i = low; i <= high; i++) A[i * n + i] -= shift;
     for (int k = low; k < high; k++) {
         complex_t a = A[k * n + k], b = A[(k + 1) * n + k];
-        real far = cabsl(a), size = hypot(far, cabsl(b)), c = size > 0 ? far / size : 1; /* real, for half the work */
+        real far = cabsl(a), size = hypot(far, cabsl(b)),
+             c = size > 0 ? far / size : 1; /* real, for half the work */
         complex_t s = size > 0 ? b * (far > 0 ? conj(a) / far : 1) / size : 0;
         rotation[2 * k] = c;
         rotation[2 * k + 1] = s;
@@ -108,7 +114,8 @@ static void turn(int n, int low, int high, complex_t shift, complex_t *A, comple
     for (int k = low; k < high; k++) {
         real c = creall(rotation[2 * k]);
         complex_t s = conj(rotation[2 * k + 1]);
-        for (int i = low; i <= (k + 1 < high ? k + 1 : high); i++) rotate(c, s, &A[i * n + k], &A[i * n + k + 1]);
+        for (int i = low; i <= (k + 1 < high ? k + 1 : high); i++)
+            rotate(c, s, &A[i * n + k], &A[i * n + k + 1]);
     }
     for (int i = low; i <= high; i++) A[i * n + i] += shift;
 }
@@ -174,7 +181,8 @@ static void pair_up(int m, complex_t *lambda, ric_pair *rho)
         int partner = -1;
         if (used[i]) continue;
         for (int j = i + 1; j < m; j++)
-            if (!used[j] && (partner < 0 || cabsl(lambda[i] * lambda[j] - 1) < cabsl(lambda[i] * lambda[partner] - 1)))
+            if (!used[j] && (partner < 0 || cabsl(lambda[i] * lambda[j] - 1) <
+                                                cabsl(lambda[i] * lambda[partner] - 1)))
                 partner = j;
         if (partner >= 0) used[partner] = true;
         rho[k++] = lambda[i] + 1 / lambda[i];
@@ -182,7 +190,8 @@ static void pair_up(int m, complex_t *lambda, ric_pair *rho)
     qsort(rho, (size_t)(m / 2), sizeof *rho, by_real_part);
 }
 
-bool ric_verify_pairs_find(int m, real *A, real *J, real *flow, real *gradient, ric_pair *rho, int *way)
+bool ric_verify_pairs_find(int m, real *A, real *J, real *flow, real *gradient, ric_pair *rho,
+                           int *way)
 {
     int k = m - 2;
     reflect_all(m, m, J, flow, NULL);
@@ -193,13 +202,15 @@ bool ric_verify_pairs_find(int m, real *A, real *J, real *flow, real *gradient, 
     for (int i = 0; i < k; i++)
         for (int j = 0; j < k; j++)
             if (!isfinite(B[i * m + j])) return false;
-    if (k == 2) {                        /* the trace, exact to the last digit where the multipliers are not */
-        real area = J[2 * m + 3] * B[m]; /* that e_0 and its image span: for a free oscillator negative at first */
+    if (k == 2) { /* the trace, exact to the last digit where the multipliers are not */
+        real area = J[2 * m + 3] *
+                    B[m]; /* that e_0 and its image span: for a free oscillator negative at first */
         rho[0] = B[0] + B[m + 1];
         *way = area > 0 ? 1 : area < 0 ? -1 : 0;
         return true;
     }
-    complex_t *C = ric_calloc((size_t)k * (size_t)k + (size_t)k + 1, sizeof *C), *lambda = C ? C + k * k : NULL;
+    complex_t *C = ric_calloc((size_t)k * (size_t)k + (size_t)k + 1, sizeof *C),
+              *lambda = C ? C + k * k : NULL;
     if (!C) return false;
     for (int i = 0; i < k; i++) memmove(A + i * k, B + i * m, (size_t)k * sizeof *A);
     make_hessenberg(k, A);
@@ -230,8 +241,8 @@ static real spread(const ric_pairs *p, int i)
     return RIC_PAIR_SAFETY * most + RESOLUTION * (1 + cabsl(own(p, 0, i)));
 }
 
-/* Largest number that is certain of how far outside the stable range the pairs are (> 0: unstable), and how far inside
- * (> 0: stable). */
+/* Largest number that is certain of how far outside the stable range the pairs are (> 0: unstable),
+ * and how far inside (> 0: stable). */
 static void weigh(const ric_pairs *p, real *outside, real *inside)
 {
     real errors[p->n_pair + 1];
@@ -251,7 +262,8 @@ static void weigh(const ric_pairs *p, real *outside, real *inside)
     if (p->n_pair == 0) *outside = -1;
 }
 
-/* Runs that all lie outside decide as well: without a bound, as beside an impact that has no speed. */
+/* Runs that all lie outside decide as well: without a bound, as beside an impact that has no speed.
+ */
 static bool all_outside(const ric_pairs *p)
 {
     for (int run = 0; run < RIC_PAIR_RUNS; run++) {
@@ -267,7 +279,8 @@ static const char *flag(int stable)
     return stable == RIC_STABLE_YES ? "stable" : stable == RIC_STABLE_NO ? "unstable" : "undecided";
 }
 
-/* Whether the library gives every pair: where some are lost in rounding it may know, or not, that one is unstable. */
+/* Whether the library gives every pair: where some are lost in rounding it may know, or not, that
+ * one is unstable. */
 static bool all_given(const ric_verify_asked *asked)
 {
     bool all = asked && asked->given;
@@ -275,13 +288,14 @@ static bool all_given(const ric_verify_asked *asked)
     return all;
 }
 
-/* Undecided is a statement on what the library knows of the orbit, which is asked again, and need not say so where
- * branches meet. */
+/* Undecided is a statement on what the library knows of the orbit, which is asked again, and need
+ * not say so where branches meet. */
 static ric_agreement judge_undecided(const ric_pairs *p, real outside, real inside)
 {
     const ric_verify_asked *asked = p->asked;
     real border = 0;
-    if (!(inside > 0) && !(outside > 0) && !all_outside(p)) return RIC_AGREES_YES; /* nor is it decided here */
+    if (!(inside > 0) && !(outside > 0) && !all_outside(p))
+        return RIC_AGREES_YES; /* nor is it decided here */
     if (asked && (asked->end || (asked->joint && fmin(fabs(inside), fabs(outside)) <= LOCATED) ||
                   (asked->given && asked->stable == RIC_STABLE_UNDECIDED)))
         return RIC_AGREES_UNCHECKED;
@@ -313,9 +327,9 @@ static real full(const ric_pairs *p, int run, int i)
     return p->half ? rho * rho - 2 : rho;
 }
 
-/* gamma in [0, 1) of a pair rho of the map that is used, off the unit circle that of the place where it left it; the
- * sense is that of the symplectic form (Krein: Yakubovich and Starzhinskii 1975, chapter 3), against that of a free
- * oscillator. */
+/* gamma in [0, 1) of a pair rho of the map that is used, off the unit circle that of the place
+ * where it left it; the sense is that of the symplectic form (Krein: Yakubovich and Starzhinskii
+ * 1975, chapter 3), against that of a free oscillator. */
 static real turns(const ric_pairs *p, real rho)
 {
     rho = fmax(-2, fmin(2, rho));
@@ -332,8 +346,8 @@ static real apart(real a, real b)
     return fmin(off, 1 - off);
 }
 
-/* How far the rotation may be from that of the exact run, in turns, NaN if a run is lost: where a pair meets 1 or -1
- * the root of its error, on whichever side of the circle the runs are. */
+/* How far the rotation may be from that of the exact run, in turns, NaN if a run is lost: where a
+ * pair meets 1 or -1 the root of its error, on whichever side of the circle the runs are. */
 static real turns_known(const ric_pairs *p)
 {
     const real rho = creall(own(p, 0, 0)), found = turns(p, rho),
@@ -346,18 +360,22 @@ static real turns_known(const ric_pairs *p)
 static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_claims *out)
 {
     real outside, inside, found = turns(p, creall(own(p, 0, 0))), bound = turns_known(p);
-    if (isnan(stored->rotation) && isnan(stored->trace)) return; /* lost together, which the trace answers for */
+    if (isnan(stored->rotation) && isnan(stored->trace))
+        return; /* lost together, which the trace answers for */
     weigh(p, &outside, &inside);
-    bool wrong = isnan(stored->rotation) ? inside > 0
-                                         : outside > 0 || !(stored->rotation >= 0 && stored->rotation < 1) ||
-                                               apart(stored->rotation, found) > bound;
-    if (!wrong && !isnan(stored->rotation) && !(bound <= VAGUE_TURN) && out->multipliers == RIC_AGREES_YES)
+    bool wrong = isnan(stored->rotation)
+                     ? inside > 0
+                     : outside > 0 || !(stored->rotation >= 0 && stored->rotation < 1) ||
+                           apart(stored->rotation, found) > bound;
+    if (!wrong && !isnan(stored->rotation) && !(bound <= VAGUE_TURN) &&
+        out->multipliers == RIC_AGREES_YES)
         out->multipliers = RIC_AGREES_UNCHECKED;
     if (!wrong) return;
     out->multipliers = RIC_AGREES_NO;
     if (!*out->finding)
-        snprintf(out->finding, sizeof out->finding, "rotation %.17g stored, %.17g found, bound %.2g", stored->rotation,
-                 (double)found, (double)bound);
+        snprintf(out->finding, sizeof out->finding,
+                 "rotation %.17g stored, %.17g found, bound %.2g", stored->rotation, (double)found,
+                 (double)bound);
 }
 
 /* n = 2: asinh(trace / 2), in which an error is one of the trace over sqrt(trace^2 + 4). */
@@ -369,20 +387,25 @@ static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims 
         if (!(off <= bound)) bound = off;
     }
     bound = RIC_PAIR_SAFETY * bound + RESOLUTION * (1 + fabs(found));
-    if (p->asked && p->asked->given) bound += p->asked->error / hypot(2, full(p, 0, 0)); /* as the library states it */
+    if (p->asked && p->asked->given)
+        bound += p->asked->error / hypot(2, full(p, 0, 0)); /* as the library states it */
     out->multiplier_error = (double)fabs(stored->trace - found);
     out->multiplier_bound = (double)bound;
     bool vague = !(bound <= VAGUE);
-    /* nor does the library give it when it is asked again; and at an end it need not have, as with a flag */
+    /* nor does the library give it when it is asked again; and at an end it need not have, as with
+     * a flag */
     if (isnan(stored->trace)) vague |= !all_given(p->asked) || p->asked->end;
-    out->multipliers = vague ? RIC_AGREES_UNCHECKED : out->multiplier_error <= bound ? RIC_AGREES_YES : RIC_AGREES_NO;
+    out->multipliers = vague                            ? RIC_AGREES_UNCHECKED
+                       : out->multiplier_error <= bound ? RIC_AGREES_YES
+                                                        : RIC_AGREES_NO;
     if (out->multipliers == RIC_AGREES_NO && !*out->finding)
         snprintf(out->finding, sizeof out->finding, "trace %.17g stored, %.17g found, bound %.2g",
-                 2 * sinh(stored->trace), (double)full(p, 0, 0), (double)(bound * hypot(2, full(p, 0, 0))));
+                 2 * sinh(stored->trace), (double)full(p, 0, 0),
+                 (double)(bound * hypot(2, full(p, 0, 0))));
 }
 
-/* Pairs that are near each other go apart like a square root: by what the rounding that the library states of a matrix
- * makes of them. */
+/* Pairs that are near each other go apart like a square root: by what the rounding that the library
+ * states of a matrix makes of them. */
 static real between(const ric_pairs *p, int i)
 {
     real off = GIVEN * (1 + cabsl(own(p, 0, i))), near = INFINITY;
@@ -411,20 +434,24 @@ static ric_agreement judge_pair(const ric_pairs *p, const double *z, bool *used,
     }
     if (best < 0) return RIC_AGREES_UNCHECKED;
     used[best] = true;
-    real error = spread(p, best) + between(p, best), at = cabsl(own(p, 0, best)), size = hypot(2, cabsl(rho)),
-         bound = error * (p->half ? 2 * at + error : 1) + RESOLUTION * (1 + cabsl(rho)) + p->asked->error;
+    real error = spread(p, best) + between(p, best), at = cabsl(own(p, 0, best)),
+         size = hypot(2, cabsl(rho)),
+         bound = error * (p->half ? 2 * at + error : 1) + RESOLUTION * (1 + cabsl(rho)) +
+                 p->asked->error;
     worsen(&out->multiplier_error, off / size);
     worsen(&out->multiplier_bound, bound / size);
-    if (!(bound <= VAGUE * fmin(size, hypot(2, p->half ? at * at : at)))) return RIC_AGREES_UNCHECKED;
+    if (!(bound <= VAGUE * fmin(size, hypot(2, p->half ? at * at : at))))
+        return RIC_AGREES_UNCHECKED;
     if (off <= bound) return RIC_AGREES_YES;
     if (*out->finding) return RIC_AGREES_NO;
     snprintf(out->finding, sizeof out->finding,
-             "multipliers %.17g and %.17g given, their sum is off by %.2g, bound %.2g", z[0], z[2], (double)off,
-             (double)bound);
+             "multipliers %.17g and %.17g given, their sum is off by %.2g, bound %.2g", z[0], z[2],
+             (double)off, (double)bound);
     return RIC_AGREES_NO;
 }
 
-/* Any number of modes: every pair that the library gives is one of those found here, each taken once. */
+/* Any number of modes: every pair that the library gives is one of those found here, each taken
+ * once. */
 static void judge_given(const ric_pairs *p, ric_claims *out)
 {
     bool used[p->n_pair + 1];
@@ -432,11 +459,13 @@ static void judge_given(const ric_pairs *p, ric_claims *out)
     out->multipliers = RIC_AGREES_YES;
     for (int k = 0; k < p->n_pair; k++) {
         ric_agreement agrees = judge_pair(p, p->asked->multipliers + 4 * k, used, out);
-        if (agrees == RIC_AGREES_NO || out->multipliers == RIC_AGREES_YES) out->multipliers = agrees;
+        if (agrees == RIC_AGREES_NO || out->multipliers == RIC_AGREES_YES)
+            out->multipliers = agrees;
     }
 }
 
-void ric_verify_pairs_judge(const ric_pairs *p, int n_mode, const ric_point *stored, ric_claims *out)
+void ric_verify_pairs_judge(const ric_pairs *p, int n_mode, const ric_point *stored,
+                            ric_claims *out)
 {
     if (p->n_pair == 1 && n_mode == 2) {
         judge_trace(p, stored, out);

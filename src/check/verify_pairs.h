@@ -10,8 +10,10 @@
 
 typedef long double _Complex ric_pair; /* rho = lambda + 1 / lambda */
 
-enum { RIC_PAIR_RUNS = 5 }; /* one as exact as can be, three with the rounding of doubles added, one along the branch */
-#define RIC_PAIR_SAFETY 64  /* times the largest difference between the runs */
+enum {
+    RIC_PAIR_RUNS = 5
+}; /* one as exact as can be, three with the rounding of doubles added, one along the branch */
+#define RIC_PAIR_SAFETY 64 /* times the largest difference between the runs */
 
 /* What the library gives of a point on request. */
 typedef struct {
@@ -23,7 +25,8 @@ typedef struct {
     double *multipliers; /* [4 * n_pair] as ric_orbit_multipliers gives them */
 } ric_verify_asked;
 
-/* Asks where more than what is stored is there; `point` NULL: in any case. To be closed in any case. */
+/* Asks where more than what is stored is there; `point` NULL: in any case. To be closed in any
+ * case. */
 ric_status ric_verify_asked_open(const ric_atlas *atlas, int branch, int i, const ric_point *point,
                                  ric_verify_asked *out);
 void ric_verify_asked_close(ric_verify_asked *asked);
@@ -37,16 +40,18 @@ typedef struct {
     ric_pair *own; /* [RIC_PAIR_RUNS * n_pair] ascending by real part */
 } ric_pairs;
 
-/* rho [m / 2 - 1] of A [m * m], without the pair 1, 1 that the flow [m] and the gradient of the energy [m] belong to;
- * columns of A are images of unit vectors, J [m * m] is the symplectic form, all are destroyed. *way, of a single pair:
- * -1 where it turns as a free oscillator does, 1 against it. False: eigenvalues were not found. */
-bool ric_verify_pairs_find(int m, ric_real *A, ric_real *J, ric_real *flow, ric_real *gradient, ric_pair *rho,
-                           int *way);
+/* rho [m / 2 - 1] of A [m * m], without the pair 1, 1 that the flow [m] and the gradient of the
+ * energy [m] belong to; columns of A are images of unit vectors, J [m * m] is the symplectic form,
+ * all are destroyed. *way, of a single pair: -1 where it turns as a free oscillator does, 1 against
+ * it. False: eigenvalues were not found. */
+bool ric_verify_pairs_find(int m, ric_real *A, ric_real *J, ric_real *flow, ric_real *gradient,
+                           ric_pair *rho, int *way);
 
 /* +-1 by a generator of fixed seed (Knuth, The Art of Computer Programming 2, table 3.3.4.1). */
 ric_real ric_verify_pairs_noise(unsigned *bits);
 
 /* Compares with what is stored: fills in the multipliers and the stable flag of `out`. */
-void ric_verify_pairs_judge(const ric_pairs *pairs, int n_mode, const ric_point *stored, ric_claims *out);
+void ric_verify_pairs_judge(const ric_pairs *pairs, int n_mode, const ric_point *stored,
+                            ric_claims *out);
 
 #endif

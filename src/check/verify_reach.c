@@ -5,13 +5,17 @@
 
 #include "verify_reach.h"
 
-#define FLAT 1e-7    /* part of the largest speed: a gap that changes no faster may be at a maximum */
-#define BRIEF 1e-7   /* of the period: a flight of that length begins and ends at once */
-#define SHORT 3e-6   /* of the period: within a flight of that length a gap is its largest to (2 pi SHORT)^2 / 8 */
-#define AT_FACE 1e-7 /* of a flight: a largest gap that near to an impact on the same contact is that impact */
+/* FLAT: part of the largest speed: a gap that changes no faster may be at a maximum */
+#define FLAT 1e-7
+#define BRIEF 1e-7 /* of the period: a flight of that length begins and ends at once */
+/* SHORT: of the period: within a flight of that length a gap is its largest to (2 pi SHORT)^2 / 8
+ */
+#define SHORT 3e-6
+/* AT_FACE: of a flight: a largest gap that near to an impact on the same contact is that impact */
+#define AT_FACE 1e-7
 
-/* Gap over clearance of the face at w, on the scale on which 1 is a touch: of a closed spring what is left until it
- * opens, from the other side. */
+/* Gap over clearance of the face at w, on the scale on which 1 is a touch: of a closed spring what
+ * is left until it opens, from the other side. */
 static real gap_over(const replay *r, const face_t *face, bool image, bool closed, const real *w)
 {
     real s = (image ? -1 : 1) * face->side * ric_replay_dot(r->n, face->c, w) / face->limit;
@@ -38,8 +42,9 @@ static void count(ric_reached *r, bool sure, double value)
     if (sure) r->sure = fmax(r->sure, value);
 }
 
-/* Whether a gap at w, where it does not change, has a minimum: it is pushed towards the face, by more than rounding
- * leaves of the largest push that the modes can give. `turned`: what counts is the gap from the other side. */
+/* Whether a gap at w, where it does not change, has a minimum: it is pushed towards the face, by
+ * more than rounding leaves of the largest push that the modes can give. `turned`: what counts is
+ * the gap from the other side. */
 static bool is_lowest(const replay *r, int k, const face_t *face, bool turned, const real *w)
 {
     real size = 0, pull = (turned ? -1 : 1) * ric_replay_pull(r, k, face, w);
@@ -55,10 +60,11 @@ static ric_status reach_in_flight(replay *r, int k, int f, bool image, ric_reach
     bool own, closed = is_closed(r, k, face, &own);
     if (closed && (!own || image)) return RIC_OK;
     real t = r->tau[k], edge = AT_FACE * t;
-    bool leaves = start && start->contact == face->contact, meets = end && end->contact == face->contact;
+    bool leaves = start && start->contact == face->contact,
+         meets = end && end->contact == face->contact;
     double top = ric_simulator_highest(r->sim, f, image, (double)edge, (double)(t - edge), 0),
-           whole = ric_simulator_highest(r->sim, f, image, (double)(leaves ? edge : 0), (double)(meets ? t - edge : t),
-                                         top);
+           whole = ric_simulator_highest(r->sim, f, image, (double)(leaves ? edge : 0),
+                                         (double)(meets ? t - edge : t), top);
     bool brief = r->n_event && t <= BRIEF * r->period;
     count(reach, !brief, top);
     count(reach, false, whole);
@@ -70,8 +76,10 @@ static ric_status reach_in_flight(replay *r, int k, int f, bool image, ric_reach
     }
     const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
     bool smooth = !end || end->spring > 0 ||
-                  fabs(ric_replay_dot(r->n, end->c, face->c)) <= RIC_VERIFY_ORTHOGONAL * sqrt(end->cc * face->cc),
-         flat = fabs(ric_replay_dot(r->n, face->c, w + r->n)) <= FLAT * ric_replay_fastest(r, face) ||
+                  fabs(ric_replay_dot(r->n, end->c, face->c)) <=
+                      RIC_VERIFY_ORTHOGONAL * sqrt(end->cc * face->cc),
+         flat = fabs(ric_replay_dot(r->n, face->c, w + r->n)) <=
+                    FLAT * ric_replay_fastest(r, face) ||
                 (r->n_event && t <= SHORT * r->period);
     double value = (double)gap_over(r, face, image, closed, w);
     bool turns = t <= SHORT * r->period || !is_lowest(r, k, face, image != closed, w);
@@ -87,7 +95,8 @@ ric_status ric_verify_reach_find(replay *r, ric_reached *reach)
     for (int k = 0; k < r->n_flight; k++) {
         const bool *closed = r->closed ? r->closed + (size_t)k * (size_t)r->n_face : NULL;
         memcpy(w, r->chain + (size_t)k * 2 * (size_t)r->n, sizeof w);
-        if (r->n_event == 0) ric_replay_fly(r, 0, r->period / 8, w, w); /* no largest gap at the very start */
+        if (r->n_event == 0)
+            ric_replay_fly(r, 0, r->period / 8, w, w); /* no largest gap at the very start */
         ric_status status = ric_simulator_start_modal(r->sim, closed, w);
         if (status == RIC_E_INPUT) { /* beyond a stop: the replay says so */
             reach->skipped = true;
@@ -105,6 +114,7 @@ double ric_verify_reach_slack(const replay *r, real slack)
 {
     real most = 0, slowest = INFINITY;
     for (int i = 0; i < r->n; i++) slowest = fmin(slowest, r->kappa[i]);
-    for (int f = 0; f < r->n_face; f++) most = fmax(most, sqrt(r->face[f].cc) * r->norm / (slowest * r->face[f].limit));
+    for (int f = 0; f < r->n_face; f++)
+        most = fmax(most, sqrt(r->face[f].cc) * r->norm / (slowest * r->face[f].limit));
     return (double)(most * slack);
 }

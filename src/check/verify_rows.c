@@ -1,4 +1,5 @@
-/* Rows of branches and junctions: what they say of their points and orbits, computed anew from these. */
+/* Rows of branches and junctions: what they say of their points and orbits, computed anew from
+ * these. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,33 +13,45 @@
 #include "verify_reach.h"
 #include "verify_smooth.h"
 
-#define SAME 1e-12   /* relative: numbers that are stored twice */
-#define SOLVED 1e-9  /* of clearance and norm: what a located orbit may leave open, and an image may be off */
-#define BETWEEN 1e-2 /* relative: how far a junction between points may extend the frequencies of a branch */
+#define SAME 1e-12 /* relative: numbers that are stored twice */
+/* SOLVED: of clearance and norm: what a located orbit may leave open, and an image may be off */
+#define SOLVED 1e-9
+/* BETWEEN: relative: how far a junction between points may extend the frequencies of a branch */
+#define BETWEEN 1e-2
 #define ENERGY 1e-10 /* relative, of a located orbit whose numbers are stored together */
-#define TOLD 1e-6    /* of a clearance: a touch is told from none to this, or it is said that it is not */
-#define IMAGE 1e-6   /* an orbit that is farther from its image than this is not symmetric */
+/* TOLD: of a clearance: a touch is told from none to this, or it is said that it is not */
+#define TOLD 1e-6
+#define IMAGE 1e-6 /* an orbit that is farther from its image than this is not symmetric */
 
-#define EXACT 1e-10 /* an orbit that is nearer to its image than this, solved to the last digit, is symmetric */
-#define LONG 1e-4   /* of the state: a branch whose orbits differ by less may be beside a symmetric one as a whole */
+/* EXACT: an orbit that is nearer to its image than this, solved to the last digit, is symmetric */
+#define EXACT 1e-10
+/* LONG: of the state: a branch whose orbits differ by less may be beside a symmetric one as a whole
+ */
+#define LONG 1e-4
 
-enum { FEW = 4, SAMPLE = 8 }; /* orbits between the ends of a branch that tell its symmetry, at least and at most */
+enum {
+    FEW = 4,
+    SAMPLE = 8
+}; /* orbits between the ends of a branch that tell its symmetry, at least and at most */
 
 static void disagree(ric_claims *out, const char *name, double stored, double found)
 {
     out->numbers = RIC_AGREES_NO;
     if (!*out->finding)
-        snprintf(out->finding, sizeof out->finding, "%s %.17g stored, %.17g found", name, stored, found);
+        snprintf(out->finding, sizeof out->finding, "%s %.17g stored, %.17g found", name, stored,
+                 found);
 }
 
 static void compare(ric_claims *out, const char *name, double stored, double found, double limit)
 {
-    if (!(fabs(stored - found) <= limit * fmax(fabs(found), DBL_MIN))) disagree(out, name, stored, found);
+    if (!(fabs(stored - found) <= limit * fmax(fabs(found), DBL_MIN)))
+        disagree(out, name, stored, found);
 }
 
 /* ---------------------------------------------------------------- branches */
 
-/* With the junctions that the branch passes: of frequency, whose multiple is not said, only that it is about so. */
+/* With the junctions that the branch passes: of frequency, whose multiple is not said, only that it
+ * is about so. */
 static ric_status check_ranges(const ric_atlas *atlas, const ric_branch *b, ric_claims *out)
 {
     double energy[2] = {HUGE_VAL, -HUGE_VAL}, frequency[2] = {HUGE_VAL, -HUGE_VAL};
@@ -59,8 +72,10 @@ static ric_status check_ranges(const ric_atlas *atlas, const ric_branch *b, ric_
     double between = b->n_junction ? BETWEEN : SAME;
     compare(out, "energy_min", b->energy_min, energy[0], SAME);
     compare(out, "energy_max", b->energy_max, energy[1], SAME);
-    compare(out, "frequency_min", b->frequency_min, frequency[0], b->frequency_min < frequency[0] ? between : SAME);
-    compare(out, "frequency_max", b->frequency_max, frequency[1], b->frequency_max > frequency[1] ? between : SAME);
+    compare(out, "frequency_min", b->frequency_min, frequency[0],
+            b->frequency_min < frequency[0] ? between : SAME);
+    compare(out, "frequency_max", b->frequency_max, frequency[1],
+            b->frequency_max > frequency[1] ? between : SAME);
     return status;
 }
 
@@ -72,8 +87,8 @@ static void check_impacts(const ric_branch *b, int n_face, ric_claims *out)
     if (impacts != b->impacts) disagree(out, "impacts", b->impacts, impacts);
 }
 
-/* States behind all events against those of the motion with x -> -x (sign -1), or backwards (reverse): what is
- * left between the two where they fit best. */
+/* States behind all events against those of the motion with x -> -x (sign -1), or backwards
+ * (reverse): what is left between the two where they fit best. */
 static real best_fit(const replay *r, bool reverse, real sign)
 {
     int N = r->n_event, n = r->n;
@@ -94,15 +109,18 @@ static real best_fit(const replay *r, bool reverse, real sign)
     return best / r->norm;
 }
 
-/* How far the orbit of point i is off its image: in x -> -x half a period on, and backwards. `known`: what its stored
- * digits make of any two of its states, over its size, as is `w` [2 n_dof], its state. */
-static ric_status fit_images(const ric_atlas *atlas, int branch, int i, real fit[2], real *known, real *w)
+/* How far the orbit of point i is off its image: in x -> -x half a period on, and backwards.
+ * `known`: what its stored digits make of any two of its states, over its size, as is `w` [2
+ * n_dof], its state. */
+static ric_status fit_images(const ric_atlas *atlas, int branch, int i, real fit[2], real *known,
+                             real *w)
 {
     replay r = {0};
     ric_check check = {.branch = branch, .point = i};
     ric_digits digits = {0};
     *known = 0;
-    if (ric_model_n_face(ric_atlas_model(atlas)) == 0) return ric_verify_smooth_images(atlas, branch, i, fit, w);
+    if (ric_model_n_face(ric_atlas_model(atlas)) == 0)
+        return ric_verify_smooth_images(atlas, branch, i, fit, w);
     ric_status status = ric_verify_replay_open(&r, atlas, branch, i, true);
     r.check = &check;
     if (!status) status = ric_verify_digits_open(&r, &digits);
@@ -117,17 +135,21 @@ static ric_status fit_images(const ric_atlas *atlas, int branch, int i, real fit
     return status;
 }
 
-/* Whether it is right that a branch, some orbit of which is its own image, is not said to have that symmetry. One orbit
- * does not give it to its branch, which may pass it; nor do the orbits of a branch that is so short that all are beside
- * one. Several between the ends of a longer branch do. */
+/* Whether it is right that a branch, some orbit of which is its own image, is not said to have that
+ * symmetry. One orbit does not give it to its branch, which may pass it; nor do the orbits of a
+ * branch that is so short that all are beside one. Several between the ends of a longer branch do.
+ */
 static ric_status ask_others(const ric_atlas *atlas, const ric_branch *b, ric_agreement said[2])
 {
-    int n = ric_model_n_dof(ric_atlas_model(atlas)), inner = b->n_point - 2, count = inner < SAMPLE ? inner : SAMPLE;
+    int n = ric_model_n_dof(ric_atlas_model(atlas)), inner = b->n_point - 2,
+        count = inner < SAMPLE ? inner : SAMPLE;
     bool all[2] = {count >= FEW, count >= FEW};
     ric_status status = RIC_OK;
     real w[2][2 * n], apart = 0, known, fit[2];
     for (int k = 0; k < count && !status; k++) {
-        if ((status = fit_images(atlas, b->id, 1 + (int)((long)k * inner / count), fit, &known, w[k > 0]))) break;
+        if ((status = fit_images(atlas, b->id, 1 + (int)((long)k * inner / count), fit, &known,
+                                 w[k > 0])))
+            break;
         for (int i = 0; i < 2; i++) {
             all[i] &= fit[i] < EXACT + known && known < IMAGE;
             if (fit[i] > IMAGE + known) said[i] = RIC_AGREES_YES;
@@ -171,7 +193,9 @@ ric_status ric_verify_branch(const ric_atlas *atlas, int branch, ric_claims *out
     ric_status status = ric_atlas_branch(atlas, branch, &b);
     if (status || b.n_point == 0 || (status = check_ranges(atlas, &b, out))) return status;
     check_impacts(&b, ric_model_n_face(ric_atlas_model(atlas)), out);
-    return ric_branch_linear(ric_atlas_model(atlas), &b) ? RIC_OK : ric_trust(check_symmetries(atlas, &b, out));
+    return ric_branch_linear(ric_atlas_model(atlas), &b)
+               ? RIC_OK
+               : ric_trust(check_symmetries(atlas, &b, out));
 }
 
 /* --------------------------------------------------------------- junctions */
@@ -191,18 +215,21 @@ static real lever(const replay *r, const face_t *face)
     return sqrt(sum) * r->norm / face->limit;
 }
 
-/* What the flights of the word leave open at its faces and at the end, relative, beyond what rounding grows to. */
+/* What the flights of the word leave open at its faces and at the end, relative, beyond what
+ * rounding grows to. */
 static real left_open(const replay *r)
 {
     const size_t step = 2 * (size_t)r->n;
-    const real end = ric_replay_distance(r, r->chain + (size_t)r->n_flight * step, r->chain) / r->norm;
+    const real end = ric_replay_distance(r, r->chain + (size_t)r->n_flight * step, r->chain) /
+                     r->norm;
     real open = 0;
     for (int pass = 0; pass < 2; pass++) {
         const real digits = pass ? 64 * DBL_EPSILON * ric_replay_growth(r, 0, r->n_event) : 0;
         open = end - digits;
         for (int k = 0; k < r->n_event; k++) {
             const face_t *face = ric_replay_end_face(r, k);
-            const real gap = fabs(ric_replay_gap(r, face, r->chain + (size_t)(k + 1) * step)) / face->limit;
+            const real gap = fabs(ric_replay_gap(r, face, r->chain + (size_t)(k + 1) * step)) /
+                             face->limit;
             open = fmax(open, gap - digits * fmax(1, lever(r, face)));
         }
         if (open <= SOLVED) break; /* the growth is asked for only where something is open */
@@ -210,7 +237,8 @@ static real left_open(const replay *r)
     return open;
 }
 
-/* Whether the motion meets the faces of its word when it is said to, and no other, as the simulator flies it. */
+/* Whether the motion meets the faces of its word when it is said to, and no other, as the simulator
+ * flies it. */
 static ric_status check_faces(replay *r, ric_claims *out)
 {
     ric_check check = {.condition = 1, .faces_agree = true};
@@ -219,15 +247,17 @@ static ric_status check_faces(replay *r, ric_claims *out)
     if (status || *out->finding) return status;
     if (!check.faces_agree || !(check.flight_error <= SOLVED)) out->numbers = RIC_AGREES_NO;
     if (!check.faces_agree)
-        snprintf(out->finding, sizeof out->finding, "the stored motion meets other faces than those of its word");
+        snprintf(out->finding, sizeof out->finding,
+                 "the stored motion meets other faces than those of its word");
     else if (!(check.flight_error <= SOLVED))
         snprintf(out->finding, sizeof out->finding,
-                 "the stored motion is another one: off by %.3g at the end of a flight", check.flight_error);
+                 "the stored motion is another one: off by %.3g at the end of a flight",
+                 check.flight_error);
     return RIC_OK;
 }
 
-/* A grazing touches: a gap is largest at its face, or is met there without speed. What a located orbit leaves open, and
- * its digits make of a gap, may be missing. */
+/* A grazing touches: a gap is largest at its face, or is met there without speed. What a located
+ * orbit leaves open, and its digits make of a gap, may be missing. */
 static ric_status check_touch(replay *r, ric_claims *out)
 {
     const double near = SOLVED + ric_verify_reach_slack(r, r->digits->state / r->norm);
@@ -241,7 +271,8 @@ static ric_status check_touch(replay *r, ric_claims *out)
     else if (!touches && !*out->finding) {
         out->numbers = RIC_AGREES_NO;
         snprintf(out->finding, sizeof out->finding,
-                 "a grazing that touches nothing: the gap that is nearest to its face reaches %.17g of the clearance",
+                 "a grazing that touches nothing: the gap that is nearest to its face reaches "
+                 "%.17g of the clearance",
                  reach.nearest);
     }
     return RIC_OK;
@@ -281,7 +312,8 @@ static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_
 static ric_status check_smooth(const ric_model *m, const ric_junction *j, ric_claims *out)
 {
     int d = ric_model_n_dof(m), n = 2 * d;
-    real y[n], size[2] = {0, 0}, period = period_of(j), turn = period / RIC_TWO_PI_LONG, open = 0, growth = 1;
+    real y[n], size[2] = {0, 0}, period = period_of(j), turn = period / RIC_TWO_PI_LONG, open = 0,
+               growth = 1;
     double *Y = ric_calloc((size_t)(n * n), sizeof *Y);
     ric_simulator_power *springs = NULL;
     if (!Y) return ric_fail(RIC_E_NOMEM, "no memory to replay an orbit");
@@ -318,7 +350,8 @@ ric_status ric_verify_junction(const ric_atlas *atlas, int id, ric_claims *out)
                         .numbers = RIC_AGREES_YES};
     ric_status status = ric_atlas_junction(atlas, id, &j);
     if (status) return status;
-    double period = (double)period_of(&j), energy = ric_model_energy(m, j.state, j.state + ric_model_n_dof(m));
+    double period = (double)period_of(&j),
+           energy = ric_model_energy(m, j.state, j.state + ric_model_n_dof(m));
     compare(out, "energy", j.energy, energy, ENERGY);
     compare(out, "frequency", j.frequency, RIC_TWO_PI / period / j.multiple, ENERGY);
     if (!(energy > 0)) return RIC_OK;

@@ -12,7 +12,8 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* First, middle, last and SPREAD more, spread by a hash of the branch's number (Steele, Lea, Flood 2014). */
+/* First, middle, last and SPREAD more, spread by a hash of the branch's number (Steele, Lea, Flood
+ * 2014). */
 static void choose(int branch, int n_point, int *chosen)
 {
     uint64_t z = (uint64_t)branch;

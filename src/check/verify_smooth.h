@@ -5,9 +5,11 @@
 #include "simulator.h"
 
 /* claims: NULL, or what is stored with the orbit is computed anew as well. */
-ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_check *out, ric_claims *claims);
-/* How far an orbit is off its images, of its size: half a period on in x -> -x; and its start off a mirror point, where
- * reversible orbits are stored from. `start` [2 n_dof]: over its size. */
-ric_status ric_verify_smooth_images(const ric_atlas *atlas, int branch, int point, ric_real fit[2], ric_real *start);
+ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_check *out,
+                             ric_claims *claims);
+/* How far an orbit is off its images, of its size: half a period on in x -> -x; and its start off a
+ * mirror point, where reversible orbits are stored from. `start` [2 n_dof]: over its size. */
+ric_status ric_verify_smooth_images(const ric_atlas *atlas, int branch, int point, ric_real fit[2],
+                                    ric_real *start);
 
 #endif

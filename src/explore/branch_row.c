@@ -10,16 +10,18 @@
 
 #define LINEAR_POINTS 9
 
-/* The operation that takes an edge's chain to its canonical word; found once, away from the ends. */
+/* The operation that takes an edge's chain to its canonical word; found once, away from the ends.
+ */
 static bool canonical_turn(const ric_model *m, const ric_edge *e, ric_turn *out)
 {
     const ric_continuation *tr = e->trace;
-    const double *p = tr->points + (size_t)(tr->n_point / 2) * tr->stride + sizeof(ric_point) / sizeof(double);
+    const double *p = tr->points + (size_t)(tr->n_point / 2) * tr->stride +
+                      sizeof(ric_point) / sizeof(double);
     ric_shooting_fly(tr->chain, p);
     ric_periodic *cycle = ric_periodic_from_chain(tr->chain, p),
                  *canonical = cycle ? ric_periodic_canonical(m, cycle) : NULL;
-    bool found = canonical &&
-                 ric_periodic_match(m, canonical, cycle, RIC_SAME_SOLVED, &out->shift, &out->reverse, &out->mirror);
+    bool found = canonical && ric_periodic_match(m, canonical, cycle, RIC_SAME_SOLVED, &out->shift,
+                                                 &out->reverse, &out->mirror);
     ric_periodic_free(cycle);
     ric_periodic_free(canonical);
     return found;
@@ -47,7 +49,8 @@ static char *branch_label(const ric_model *m, const ric_branch *b)
         else snprintf(mark, sizeof mark, "(%d)", b->mode);
     }
     char count[16] = "";
-    if (ric_model_detached(m) || ric_branch_linear(m, b)) snprintf(count, sizeof count, "%d", b->impacts);
+    if (ric_model_detached(m) || ric_branch_linear(m, b))
+        snprintf(count, sizeof count, "%d", b->impacts);
     int used = snprintf(text, size, "%s%s%s", b->symmetric ? "S" : "A", count, mark);
     if (b->impacts > 0) {
         text[used++] = '[';
@@ -66,19 +69,23 @@ static double part_below(double a, double b, double limit)
     return a <= limit ? part : 1 - part;
 }
 
-/* The arclength between two points on which the branch is stable. For two modes the trace passes 2 or -2 at the border,
- * wherever the points lie; else stability changes at the first junction between them, or half way. A point that is
- * undecided lies on the border and says nothing of its neighbours. */
+/* The arclength between two points on which the branch is stable. For two modes the trace passes 2
+ * or -2 at the border, wherever the points lie; else stability changes at the first junction
+ * between them, or half way. A point that is undecided lies on the border and says nothing of its
+ * neighbours. */
 static double stable_between(const ric_branch *b, const ric_point *q, const ric_point *p)
 {
-    double length = p->arclength - q->arclength, edge = asinh(1), change = q->arclength + length / 2;
+    double length = p->arclength - q->arclength, edge = asinh(1),
+           change = q->arclength + length / 2;
     if (isfinite(q->trace) && isfinite(p->trace))
-        return length * (part_below(q->trace, p->trace, edge) - part_below(q->trace, p->trace, -edge));
+        return length *
+               (part_below(q->trace, p->trace, edge) - part_below(q->trace, p->trace, -edge));
     if (p->stable == RIC_STABLE_UNDECIDED) change = p->arclength;
     else if (q->stable == RIC_STABLE_UNDECIDED) change = q->arclength;
     else
         for (int k = b->n_junction - 1; k >= 0; k--)
-            if (b->junction_at[k] >= q->arclength && b->junction_at[k] <= p->arclength) change = b->junction_at[k];
+            if (b->junction_at[k] >= q->arclength && b->junction_at[k] <= p->arclength)
+                change = b->junction_at[k];
     return (q->stable == RIC_STABLE_YES) * (change - q->arclength) +
            (p->stable == RIC_STABLE_YES) * (p->arclength - change);
 }
@@ -104,14 +111,16 @@ static void summarise(ric_branch_record *r)
     b->stable_fraction = length > 0 ? stable / length : 0;
 }
 
-/* Extrema of energy and of period are junctions, or so close to a multiplication that they cannot be told from it: with
- * the junctions the ranges are those of the branch, and not of the points that its steps happen to store. A branch that
- * passes an orbit of fewer letters goes through it several times. */
+/* Extrema of energy and of period are junctions, or so close to a multiplication that they cannot
+ * be told from it: with the junctions the ranges are those of the branch, and not of the points
+ * that its steps happen to store. A branch that passes an orbit of fewer letters goes through it
+ * several times. */
 static void extend_ranges(const ric_graph *g, const ric_edge *e, ric_branch *b)
 {
     for (int k = 0; k < e->n_inner; k++) {
         const ric_node *node = g->nodes[e->inner[k].node];
-        int letters = ric_periodic_letters(node->cycle), times = letters > 0 ? b->letters / letters : 1;
+        int letters = ric_periodic_letters(node->cycle),
+            times = letters > 0 ? b->letters / letters : 1;
         double energy = node->energy * g->model->energy_unit,
                frequency = RIC_TWO_PI / (node->period * times) * g->model->omega_ref;
         b->energy_min = fmin(b->energy_min, energy);
@@ -122,8 +131,8 @@ static void extend_ranges(const ric_graph *g, const ric_edge *e, ric_branch *b)
     }
 }
 
-/* The flag of an orbit as its multipliers tell that are computed from where it starts, over the period or half of it.
- */
+/* The flag of an orbit as its multipliers tell that are computed from where it starts, over the
+ * period or half of it. */
 static ric_status flag_of(const ric_model *m, const ric_periodic *cycle, int32_t *stable)
 {
     ric_floquet floquet = {0};
@@ -139,9 +148,10 @@ static ric_status flag_of(const ric_model *m, const ric_periodic *cycle, int32_t
     return status;
 }
 
-/* What was left undecided, once more as the stored orbit is read: a map that begins at a slow impact may have lost what
- * another one knows. It stays undecided where that one knows no more. */
-static ric_status decide(const ric_model *m, ric_shooting *traced, const double *u, const ric_turn *t, int32_t *stable)
+/* What was left undecided, once more as the stored orbit is read: a map that begins at a slow
+ * impact may have lost what another one knows. It stays undecided where that one knows no more. */
+static ric_status decide(const ric_model *m, ric_shooting *traced, const double *u,
+                         const ric_turn *t, int32_t *stable)
 {
     ric_periodic *cycle = ric_turn_cycle(m, traced, u, t);
     ric_status status = cycle ? flag_of(m, cycle, stable) : ric_no_rows();
@@ -153,14 +163,15 @@ static ric_status decide(const ric_model *m, ric_shooting *traced, const double 
     return status;
 }
 
-static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_turn *t, ric_branch_record *r)
+static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_turn *t,
+                              ric_branch_record *r)
 {
     const ric_continuation *tr = e->trace;
     ric_status status = RIC_OK;
     for (int i = 0; i < tr->n_point && !status; i++) {
         const double *in = tr->points + (size_t)i * tr->stride;
-        double *out = r->points + (size_t)i * r->stride, *x = out + sizeof(ric_point) / sizeof(double),
-               *v = x + m->n_dof;
+        double *out = r->points + (size_t)i * r->stride,
+               *x = out + sizeof(ric_point) / sizeof(double), *v = x + m->n_dof;
         const double *u = in + sizeof(ric_point) / sizeof(double);
         ric_point *point = (ric_point *)out;
         memcpy(out, in, sizeof(ric_point));
@@ -171,14 +182,15 @@ static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_t
     return status;
 }
 
-/* The backbone of a linear mode leaves where the mode itself grazes; what leaves there after several periods has the
- * same node mode. */
+/* The backbone of a linear mode leaves where the mode itself grazes; what leaves there after
+ * several periods has the same node mode. */
 static int backbone_mode(const ric_graph *g, const ric_edge *e)
 {
     const int ends[] = {e->from, e->to};
     if (!ric_model_detached(g->model)) return e->mode >= 0 ? g->model->mode[e->mode] + 1 : 0;
     for (int i = 0; i < 2; i++)
-        if (e->mode >= 0 && ends[i] >= 0 && g->nodes[ends[i]]->mode == e->mode && g->nodes[ends[i]]->multiple == 1)
+        if (e->mode >= 0 && ends[i] >= 0 && g->nodes[ends[i]]->mode == e->mode &&
+            g->nodes[ends[i]]->multiple == 1)
             return g->model->mode[e->mode] + 1;
     return 0;
 }
@@ -203,7 +215,8 @@ ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch
     ric_branch_record *r = &out->record;
     ric_turn t;
     ric_shooting_fly(tr->chain, tr->points + sizeof(ric_point) / sizeof(double));
-    ric_periodic *cycle = ric_periodic_from_chain(tr->chain, tr->points + sizeof(ric_point) / sizeof(double)),
+    ric_periodic *cycle = ric_periodic_from_chain(tr->chain,
+                                                  tr->points + sizeof(ric_point) / sizeof(double)),
                  *turned = NULL;
     if (!cycle) return ric_no_rows();
     if (!canonical_turn(m, e, &t)) t = (ric_turn){0, false, false};
@@ -231,7 +244,8 @@ ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch
     r->junction_at = ric_calloc((size_t)e->n_inner + 1, sizeof *r->junction_at);
     ric_periodic_free(cycle);
     ric_periodic_free(turned);
-    if (!r->points || !r->word || !r->mirror || !r->why || !r->junctions || !r->junction_at) return ric_no_rows();
+    if (!r->points || !r->word || !r->mirror || !r->why || !r->junctions || !r->junction_at)
+        return ric_no_rows();
     for (int k = 0; k < e->n_inner; k++) r->junction_at[k] = e->inner[k].at;
     r->row.junctions = r->junctions;
     r->row.junction_at = r->junction_at;
@@ -248,8 +262,8 @@ ric_status ric_branch_row_make(const ric_graph *g, const ric_edge *e, ric_branch
     return RIC_OK;
 }
 
-ric_status ric_branch_row_linear(const ric_model *m, const ric_explore_options *o, int mode, int seen, int node,
-                                 double energy, ric_branch_row *out)
+ric_status ric_branch_row_linear(const ric_model *m, const ric_explore_options *o, int mode,
+                                 int seen, int node, double energy, ric_branch_row *out)
 {
     ric_branch_record *r = &out->record;
     int n = m->n_dof;
@@ -261,8 +275,11 @@ ric_status ric_branch_row_linear(const ric_model *m, const ric_explore_options *
     r->junctions = ric_calloc(RIC_USER_POINTS_MAX, sizeof *r->junctions);
     r->junction_at = ric_calloc(RIC_USER_POINTS_MAX, sizeof *r->junction_at);
     r->mirror = ric_strdup("centre-rest");
-    r->why = ric_strdup(node >= 0 ? "" : seen < 0 ? "no contact sees this mode" : "upper end of the energy window");
-    if (!r->points || !r->word || !r->junctions || !r->junction_at || !r->mirror || !r->why) return ric_no_rows();
+    r->why = ric_strdup(node >= 0  ? ""
+                        : seen < 0 ? "no contact sees this mode"
+                                   : "upper end of the energy window");
+    if (!r->points || !r->word || !r->junctions || !r->junction_at || !r->mirror || !r->why)
+        return ric_no_rows();
     r->row = (ric_branch){.word = r->word,
                           .symmetric = true,
                           .reversible = true,
@@ -313,9 +330,11 @@ static int compare_words(const ric_branch *a, const ric_branch *b)
 
 int ric_branch_row_order(const void *p, const void *q)
 {
-    const ric_branch *a = &((const ric_branch_row *)p)->record.row, *b = &((const ric_branch_row *)q)->record.row;
+    const ric_branch *a = &((const ric_branch_row *)p)->record.row,
+                     *b = &((const ric_branch_row *)q)->record.row;
     int order;
-    bool linear[2] = {((const ric_branch_row *)p)->edge == NULL, ((const ric_branch_row *)q)->edge == NULL};
+    bool linear[2] = {((const ric_branch_row *)p)->edge == NULL,
+                      ((const ric_branch_row *)q)->edge == NULL};
     if (linear[0] && linear[1]) return a->mode - b->mode;
     if (linear[0] != linear[1]) return linear[0] ? -1 : 1;
     if (a->impacts == 0 && !a->mode != !b->mode) return a->mode ? -1 : 1;

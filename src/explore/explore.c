@@ -10,37 +10,43 @@
 #include "atlas/room.h"
 
 #define STIFFEST 1e9
-/* PHASE: largest phase of a mode in one flight: touches are searched in steps of a part of a turn, so that one orbit
- * takes seconds, and the phase itself loses its digits */
+/* PHASE: largest phase of a mode in one flight: touches are searched in steps of a part of a turn,
+ * so that one orbit takes seconds, and the phase itself loses its digits */
 #define PHASE 1e7
 
-/* A mode that turns ten million times while the slowest orbit of the window lasts has no place in it. */
+/* A mode that turns ten million times while the slowest orbit of the window lasts has no place in
+ * it. */
 static ric_status check_phases(const ric_study *study)
 {
     const ric_model *m = ric_study_model(study);
     int n = ric_model_n_dof(m), fastest = -1;
-    double *omega = ric_calloc((size_t)n, sizeof *omega), longest = RIC_TWO_PI / ric_study_options(study)->frequency[0];
+    double *omega = ric_calloc((size_t)n, sizeof *omega),
+           longest = RIC_TWO_PI / ric_study_options(study)->frequency[0];
     bool *seen = ric_calloc((size_t)n, sizeof *seen);
     ric_status status = RIC_OK;
     if (!omega || !seen) status = ric_fail(RIC_E_NOMEM, "no memory for %d frequencies", n);
-    if (!status && !(status = ric_model_frequencies(m, omega)) && !(status = ric_model_seen(m, seen)))
+    if (!status && !(status = ric_model_frequencies(m, omega)) &&
+        !(status = ric_model_seen(m, seen)))
         for (int i = 0; i < n; i++)
             if (seen[i]) fastest = i;
     if (!status && fastest >= 0 && omega[fastest] * longest > PHASE)
-        status = ric_fail(RIC_E_INPUT,
-                          "explore.frequency: mode %d at %.6g rad/s turns %.3g times within the longest period of the "
-                          "window, 2 pi / %g s; raise the lower end to %.3g or more, or make a rigid link of the "
-                          "spring that is so stiff",
-                          fastest + 1, omega[fastest], omega[fastest] * longest / RIC_TWO_PI,
-                          ric_study_options(study)->frequency[0], RIC_TWO_PI * omega[fastest] / PHASE);
+        status = ric_fail(
+            RIC_E_INPUT,
+            "explore.frequency: mode %d at %.6g rad/s turns %.3g times within the longest period "
+            "of the "
+            "window, 2 pi / %g s; raise the lower end to %.3g or more, or make a rigid link of the "
+            "spring that is so stiff",
+            fastest + 1, omega[fastest], omega[fastest] * longest / RIC_TWO_PI,
+            ric_study_options(study)->frequency[0], RIC_TWO_PI * omega[fastest] / PHASE);
     free(omega);
     free(seen);
     return status;
 }
 
-/* How much stiffer a spring is than the structure at its contact: k c.c / omega^2 of the highest mode that is seen. */
-static double stiffness_ratio(const ric_model *m, const ric_contact *contact, const double *modes, const double *omega,
-                              const bool *seen)
+/* How much stiffer a spring is than the structure at its contact: k c.c / omega^2 of the highest
+ * mode that is seen. */
+static double stiffness_ratio(const ric_model *m, const ric_contact *contact, const double *modes,
+                              const double *omega, const bool *seen)
 {
     int n = ric_model_n_dof(m);
     double cc = 0, highest = 0;
@@ -53,25 +59,32 @@ static double stiffness_ratio(const ric_model *m, const ric_contact *contact, co
     return contact->stiffness * cc / (highest * highest);
 }
 
-/* Beyond, displacements within a contact are so short that rounding spoils them, and what comes out only looks like an
- * orbit. */
+/* Beyond, displacements within a contact are so short that rounding spoils them, and what comes out
+ * only looks like an orbit. */
 static ric_status check_springs(const ric_study *study)
 {
     const ric_model *m = ric_study_model(study);
     int n = ric_model_n_dof(m);
-    double *omega = ric_calloc((size_t)n, sizeof *omega), *modes = ric_calloc((size_t)n * (size_t)n, sizeof *modes);
+    double *omega = ric_calloc((size_t)n, sizeof *omega),
+           *modes = ric_calloc((size_t)n * (size_t)n, sizeof *modes);
     bool *seen = ric_calloc((size_t)n, sizeof *seen);
-    ric_status status = omega && modes && seen ? RIC_OK : ric_fail(RIC_E_NOMEM, "no memory for %d modes", n);
-    if (!status && !(status = ric_model_frequencies(m, omega)) && !(status = ric_model_seen(m, seen)))
+    ric_status status = omega && modes && seen ? RIC_OK
+                                               : ric_fail(RIC_E_NOMEM, "no memory for %d modes", n);
+    if (!status && !(status = ric_model_frequencies(m, omega)) &&
+        !(status = ric_model_seen(m, seen)))
         status = ric_model_modes(m, modes);
     for (int i = 0; i < ric_model_n_contact(m) && !status; i++) {
         ric_contact contact;
-        if ((status = ric_model_contact(m, i, &contact)) || !ric_model_detached(m) || m->spring[i] == 0) continue;
+        if ((status = ric_model_contact(m, i, &contact)) || !ric_model_detached(m) ||
+            m->spring[i] == 0)
+            continue;
         double ratio = stiffness_ratio(m, &contact, modes, omega, seen);
         if (ratio > STIFFEST)
             status = ric_fail(RIC_E_INPUT,
-                              "contact %d: its stiffness %g is %.2g times that of the structure there, and in double "
-                              "precision orbits are right up to %g times; take law: rigid, from which they differ by "
+                              "contact %d: its stiffness %g is %.2g times that of the structure "
+                              "there, and in double "
+                              "precision orbits are right up to %g times; take law: rigid, from "
+                              "which they differ by "
                               "about one over the square root of that",
                               i + 1, contact.stiffness, ratio, STIFFEST);
     }
@@ -86,8 +99,10 @@ ric_status ric_explore_check(const ric_study *study)
     const double restitution = ric_model_restitution(ric_study_model(study));
     if (restitution != 1)
         return ric_fail(RIC_E_INPUT,
-                        "model.restitution: %.10g loses energy, so that there are no families of periodic orbits; an "
-                        "atlas needs 1. For the atlas of the structure without losses write `restitution: %.10g` at "
+                        "model.restitution: %.10g loses energy, so that there are no families of "
+                        "periodic orbits; an "
+                        "atlas needs 1. For the atlas of the structure without losses write "
+                        "`restitution: %.10g` at "
                         "the top of the study instead of in section model",
                         restitution, restitution);
     ric_status status = ric_graph_check_start(ric_study_model(study));
@@ -95,8 +110,8 @@ ric_status ric_explore_check(const ric_study *study)
     return status ? status : check_springs(study);
 }
 
-/* One run: what is in the file already is taken up, everything else is computed, the tables are written at the end or
- * on request to stop. */
+/* One run: what is in the file already is taken up, everything else is computed, the tables are
+ * written at the end or on request to stop. */
 ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run,
                             const ric_explore_more *more, ric_atlas **out)
 {
@@ -121,13 +136,15 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     if ((status = ric_store_set_solver(store, ric_continuation_version()))) goto out;
     status = ric_graph_explore(graph, run);
     if (status && status != RIC_E_INTERRUPTED) goto out;
-    written = ric_store_commit(store); /* the work itself is kept even if the tables cannot be written */
+    written = ric_store_commit(
+        store); /* the work itself is kept even if the tables cannot be written */
     if (!written) written = ric_rows_make(graph, study, status == RIC_OK, &atlas);
     if (!written && (atlas->finished || !more->worth || more->worth(more->user, atlas)))
         written = ric_store_write(store, atlas);
     if (written) status = written;
     else if (!atlas->finished)
-        status = ric_fail(RIC_E_INTERRUPTED, "stopped on request; the same command goes on from here");
+        status = ric_fail(RIC_E_INTERRUPTED,
+                          "stopped on request; the same command goes on from here");
 out:
     if (out && (!status || status == RIC_E_INTERRUPTED)) *out = atlas;
     else ric_atlas_free(atlas);
@@ -138,7 +155,8 @@ out:
     return status;
 }
 
-/* An unfinished atlas that has not come as far as an earlier run of the same study does not take its place. */
+/* An unfinished atlas that has not come as far as an earlier run of the same study does not take
+ * its place. */
 static bool has_come_as_far(void *user, const ric_atlas *unfinished)
 {
     const ric_atlas *before = user;
@@ -159,7 +177,9 @@ ric_status ric_explore(const ric_study *study, const char *path, const ric_run_o
 {
     ric_atlas *before = read_before(study, path);
     ric_status status = ric_explore_with(study, path, run,
-                                         &(ric_explore_more){.worth = has_come_as_far, .user = before}, NULL);
+                                         &(ric_explore_more){.worth = has_come_as_far,
+                                                             .user = before},
+                                         NULL);
     ric_atlas_free(before);
     return status;
 }

@@ -7,7 +7,8 @@
 #include "base/room.h"
 #include "junction/room.h"
 
-#define ORDERED 1e-8 /* relative: nodes nearer in energy or period are put in order by what cannot be rounded */
+/* ORDERED: relative: nodes nearer in energy or period are put in order by what cannot be rounded */
+#define ORDERED 1e-8
 #define MAX_POINTS 200000
 
 /* ------------------------------------------------------------------- create */
@@ -31,7 +32,8 @@ ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph 
     g->limits.tongue_width = o->cross_tongues ? o->tongue_width : 0;
     g->limits.n_asked = ric_user_point_list(o, g->limits.asked);
     for (int i = 0; i < o->n_cascade; i++)
-        g->limits.multiply = o->cascade[i] > g->limits.multiply ? o->cascade[i] : g->limits.multiply;
+        g->limits.multiply = o->cascade[i] > g->limits.multiply ? o->cascade[i]
+                                                                : g->limits.multiply;
     g->deep = g->limits;
     g->deep.multiply = g->largest.multiply;
     *out = g;
@@ -72,8 +74,9 @@ int ric_graph_node_order(const ric_node *a, const ric_node *b)
     if (a->multiple != b->multiple) return a->multiple - b->multiple;
     if (a->rotation[0] != b->rotation[0]) return a->rotation[0] - b->rotation[0];
     if (a->cycle->N != b->cycle->N) return a->cycle->N - b->cycle->N;
-    return ric_periodic_compare(a->springs, a->cycle, b->cycle); /* images of each other under what is no symmetry of
-                                                                  * the whole structure */
+    return ric_periodic_compare(a->springs, a->cycle,
+                                b->cycle); /* images of each other under what is no symmetry of the
+                                              whole structure */
 }
 
 /* The first place of `by_energy` whose node has at least this energy. */
@@ -120,7 +123,8 @@ int ric_graph_append(ric_graph *g, ric_node *node)
         return -1;
     }
     int place = place_of(g, node->energy);
-    memmove(g->by_energy + place + 1, g->by_energy + place, (size_t)(g->n_node - place) * sizeof *g->by_energy);
+    memmove(g->by_energy + place + 1, g->by_energy + place,
+            (size_t)(g->n_node - place) * sizeof *g->by_energy);
     g->by_energy[place] = g->n_node;
     g->nodes[g->n_node] = node;
     return g->n_node++;

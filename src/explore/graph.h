@@ -1,5 +1,5 @@
-/* The graph while it is explored: nodes (junctions) and edges (branches). rows.h turns it into the atlas that users
- * read. */
+/* The graph while it is explored: nodes (junctions) and edges (branches). rows.h turns it into the
+ * atlas that users read. */
 #ifndef RIC_EXPLORE_GRAPH_H
 #define RIC_EXPLORE_GRAPH_H
 
@@ -44,19 +44,21 @@ struct ric_graph {
     const ric_model *model;
     const ric_explore_options *options;
     ric_limits limits;
-    ric_limits deep; /* the same with the largest multiply of a region: for branches that come there */
+    ric_limits
+        deep; /* the same with the largest multiply of a region: for branches that come there */
     ric_budgets largest;
-    ric_store *store;      /* traces of an earlier run; may be NULL */
-    const char *labels;    /* that finished atlases of the file have shown (junction_labels.c); borrowed, may be NULL */
-    ric_node_cache recall; /* what workers have computed */
+    ric_store *store;           /* traces of an earlier run; may be NULL */
+    const char *labels;         /* that finished atlases of the file have shown (junction_labels.c);
+                                   borrowed, may be NULL */
+    ric_node_cache recall;      /* what workers have computed */
     const ric_remote *crew;     /* NULL: nobody beside the threads of this process */
     const ric_run_options *run; /* of the present exploration; may be NULL */
     ric_progress progress;
     struct timespec start;
     atomic_bool stopping; /* somebody asked to stop */
-    atomic_int fresh;     /* steps, traces and labels that this exploration has added to what is kept */
-    ric_graph *owner;     /* of a worker's graph; NULL: it is the owner's own */
-    int n_worker;         /* departures that are followed at a time */
+    atomic_int fresh; /* steps, traces and labels that this exploration has added to what is kept */
+    ric_graph *owner; /* of a worker's graph; NULL: it is the owner's own */
+    int n_worker;     /* departures that are followed at a time */
     ric_workers *workers; /* NULL: none beside the owner */
     ric_starts starts;    /* orbits given to start from, owned */
     bool only_given;      /* from these alone, not from the modes */
@@ -66,8 +68,8 @@ struct ric_graph {
     int n_edge, edge_capacity;
     ric_edge *edges;
     long counted;     /* points of the branches that count to explore.points */
-    uint64_t shuffle; /* 0; else departures of one depth are taken in another order: for tests, which expect the
-                       * same atlas */
+    uint64_t shuffle; /* 0; else departures of one depth are taken in another order: for tests,
+                         which expect the same atlas */
 };
 
 /* RIC_E_INPUT for a model that an exploration cannot begin with. */
@@ -75,12 +77,13 @@ ric_status ric_graph_check_start(const ric_model *model);
 ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph **out);
 void ric_graph_free(ric_graph *graph);
 
-/* Everything within the study's budgets; `run` may be NULL. RIC_E_INTERRUPTED leaves a consistent, unfinished graph. */
+/* Everything within the study's budgets; `run` may be NULL. RIC_E_INTERRUPTED leaves a consistent,
+ * unfinished graph. */
 ric_status ric_graph_explore(ric_graph *graph, const ric_run_options *run);
 /* Shows whoever runs the exploration how far it is, and asks whether to stop. */
 bool ric_graph_stopped(ric_graph *graph);
-/* A worker's part: the departure is taken on a graph of its own, for the sake of what that leaves in the memo. Takes
- * over the node. */
+/* A worker's part: the departure is taken on a graph of its own, for the sake of what that leaves
+ * in the memo. Takes over the node. */
 void ric_graph_prepare(void *graph, ric_node *node, unsigned choice);
 
 /* Smallest first: energy, then impacts, then period. */
@@ -89,9 +92,10 @@ int ric_graph_node_order(const ric_node *a, const ric_node *b);
 /* Lists a node that the edge passes, in order of arclength. */
 ric_status ric_graph_edge_attach(ric_edge *edge, int node, unsigned choice, double at);
 /* Whether an edge passes through the orbit of a node; its arclength there. */
-bool ric_graph_edge_contains(const ric_model *model, const ric_edge *edge, const ric_node *node, double *at);
-/* Brings the departures of the finished graph to a state that does not depend on the order of work: nothing is open,
- * what an edge passes is known, and of the ways to an edge one counts as taken. */
+bool ric_graph_edge_contains(const ric_model *model, const ric_edge *edge, const ric_node *node,
+                             double *at);
+/* Brings the departures of the finished graph to a state that does not depend on the order of work:
+ * nothing is open, what an edge passes is known, and of the ways to an edge one counts as taken. */
 ric_status ric_graph_settle(ric_graph *graph);
 
 #endif

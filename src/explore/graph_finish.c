@@ -1,5 +1,5 @@
-/* What is left to say once a graph is explored: which departures are known, and which of the ways to a branch counts as
- * taken. */
+/* What is left to say once a graph is explored: which departures are known, and which of the ways
+ * to a branch counts as taken. */
 #include "graph.h"
 
 #include <math.h>
@@ -24,7 +24,8 @@ ric_status ric_graph_edge_attach(ric_edge *e, int node, unsigned choice, double 
 }
 
 /* Whether an edge passes through the orbit of a node; its arclength there. */
-bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_node *node, double *at)
+bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_node *node,
+                             double *at)
 {
     ric_continuation *tr = e->trace;
     ric_shooting *c = tr->chain;
@@ -32,11 +33,14 @@ bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_no
     bool reverse, mirror, found = false;
     if (tr->n_point < 2) return false;
     double target = node->energy * m->energy_unit, du[size], u[size], t[size];
-    if (target < e->energy[0] || target > e->energy[1] || !ric_periodic_alike(m, node->cycle, e->first)) return false;
+    if (target < e->energy[0] || target > e->energy[1] ||
+        !ric_periodic_alike(m, node->cycle, e->first))
+        return false;
     for (int i = 0; i + 1 < tr->n_point && !found; i++) {
         const ric_point *a = (const ric_point *)(tr->points + (size_t)i * tr->stride);
         const ric_point *b = (const ric_point *)(tr->points + (size_t)(i + 1) * tr->stride);
-        if ((a->energy - target) * (b->energy - target) > 0 || a->energy == b->energy || ric_leap_behind(tr, i))
+        if ((a->energy - target) * (b->energy - target) > 0 || a->energy == b->energy ||
+            ric_leap_behind(tr, i))
             continue;
         const double *ua = (const double *)(a + 1), *ub = (const double *)(b + 1);
         double x = (target - a->energy) / (b->energy - a->energy), step = 0;
@@ -52,11 +56,14 @@ bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_no
             double slope, kernel[size], miss = ric_shooting_energy(c) - node->energy;
             ric_continuation_tangent(c, t, kernel);
             slope = ric_shooting_energy_slope(c, kernel);
-            if (fabs(miss) < ON_ENERGY * (1 + node->energy) || slope == 0 || fabs(miss / slope) > 2 * sqrt(step)) break;
+            if (fabs(miss) < ON_ENERGY * (1 + node->energy) || slope == 0 ||
+                fabs(miss / slope) > 2 * sqrt(step))
+                break;
             for (int j = 0; j < size; j++) u[j] -= miss / slope * kernel[j];
         }
         ric_periodic *cycle = ric_continuation_cycle(tr, u);
-        found = cycle && ric_periodic_match(m, node->cycle, cycle, RIC_SAME_EXTRAPOLATED, &shift, &reverse, &mirror);
+        found = cycle && ric_periodic_match(m, node->cycle, cycle, RIC_SAME_EXTRAPOLATED, &shift,
+                                            &reverse, &mirror);
         ric_periodic_free(cycle);
         *at = a->arclength + x * (b->arclength - a->arclength);
     }
@@ -72,20 +79,23 @@ static bool lists(const ric_edge *e, int node, unsigned choice)
     return false;
 }
 
-/* The branch that passes a junction, if an edge is that branch: one that was followed from elsewhere, or through the
- * junction with nothing on it that showed the junction, does not list it yet. Where two branches of one symmetry cross
- * the edges have said which they are. */
+/* The branch that passes a junction, if an edge is that branch: one that was followed from
+ * elsewhere, or through the junction with nothing on it that showed the junction, does not list it
+ * yet. Where two branches of one symmetry cross the edges have said which they are. */
 static ric_status find_passage(ric_graph *g, int index, ric_departure *d)
 {
     const ric_node *node = g->nodes[index];
     double at;
-    if (d->choice != RIC_THROUGH || !ric_node_passes(node, d->choice) || node->kind == RIC_KIND_START) return RIC_OK;
+    if (d->choice != RIC_THROUGH || !ric_node_passes(node, d->choice) ||
+        node->kind == RIC_KIND_START)
+        return RIC_OK;
     if (node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET) return RIC_OK;
     for (int i = 0; i < g->n_edge; i++)
         if (lists(&g->edges[i], index, d->choice)) return RIC_OK;
     for (int i = 0; i < g->n_edge; i++) {
         ric_edge *e = &g->edges[i];
-        if (e->from == index || e->to == index || !ric_graph_edge_contains(g->model, e, node, &at)) continue;
+        if (e->from == index || e->to == index || !ric_graph_edge_contains(g->model, e, node, &at))
+            continue;
         if (ric_halted()) return RIC_OK; /* it may be none; the caller asks, too */
         d->state = RIC_DEPARTURE_KNOWN;
         return ric_graph_edge_attach(e, index, d->choice, at);
@@ -99,8 +109,8 @@ static void set_state(ric_node *node, unsigned choice, ric_departure_state state
         if (node->departures[i].choice == choice) node->departures[i].state = state;
 }
 
-/* Of the ways to an edge the one that is fewest departures from the start; an end before a passage, then the smaller
- * node. */
+/* Of the ways to an edge the one that is fewest departures from the start; an end before a passage,
+ * then the smaller node. */
 static void choose_way(ric_graph *g, const ric_edge *e)
 {
     const ric_passage ends[2] = {{e->from, e->leave, 0}, {e->to, e->arrive, 0}};
@@ -131,7 +141,8 @@ ric_status ric_graph_settle(ric_graph *g)
                 d->state = RIC_DEPARTURE_OVER_BUDGET;
                 d->budget = RIC_BUDGET_DEPTH;
             }
-            if (d->state == RIC_DEPARTURE_TAKEN && g->nodes[i]->kind != RIC_KIND_START) d->state = RIC_DEPARTURE_KNOWN;
+            if (d->state == RIC_DEPARTURE_TAKEN && g->nodes[i]->kind != RIC_KIND_START)
+                d->state = RIC_DEPARTURE_KNOWN;
         }
     for (int i = 0; i < g->n_edge && !status; i++) choose_way(g, &g->edges[i]);
     return status;

@@ -9,8 +9,11 @@
 
 #define AT_END 1e-9     /* arclength within which an event belongs to the end of its branch */
 #define SAME_EVENT 1e-5 /* arclength, relative, within which two events of one place lie */
-#define NEAR_END 1e-2   /* part of a branch near its end where that end's own junction is not met again */
-#define FLAT 1e-8     /* relative: to what the period is known where it has an extremum, whose place is known to 1e-6 */
+/* NEAR_END: part of a branch near its end where that end's own junction is not met again */
+#define NEAR_END 1e-2
+/* FLAT: relative: to what the period is known where it has an extremum, whose place is known to
+ * 1e-6 */
+#define FLAT 1e-8
 #define END_NEAR 1e-4 /* of the size: how far off an end read off cubics may be */
 
 /* Whether the branch stopped because gaps of two contacts closed at one instant. */
@@ -30,9 +33,10 @@ static bool departs(const ric_node *node)
     return !(ric_node_chooses(node) && node->refusal);
 }
 
-/* Which of the branches that leave a multiplication without mirror points this is: its last point before the end
- * tells. */
-static ric_status ring_choice(const ric_graph *g, const ric_continuation *tr, const ric_node *node, unsigned *choice)
+/* Which of the branches that leave a multiplication without mirror points this is: its last point
+ * before the end tells. */
+static ric_status ring_choice(const ric_graph *g, const ric_continuation *tr, const ric_node *node,
+                              unsigned *choice)
 {
     int side, last = tr->n_point - 1;
     const ric_point *row = (const ric_point *)(tr->points + (size_t)last * tr->stride);
@@ -51,14 +55,17 @@ static ric_status ring_choice(const ric_graph *g, const ric_continuation *tr, co
 static bool same_problem(const ric_shooting *a, const ric_shooting *b)
 {
     size_t faces = (size_t)a->n_flight + 1;
-    return a->start == b->start && a->end == b->end && a->sigma == b->sigma && a->n_flight == b->n_flight &&
-           a->parts == b->parts && a->closed[0] == b->closed[0] && !memcmp(a->face, b->face, faces * sizeof *a->face);
+    return a->start == b->start && a->end == b->end && a->sigma == b->sigma &&
+           a->n_flight == b->n_flight && a->parts == b->parts && a->closed[0] == b->closed[0] &&
+           !memcmp(a->face, b->face, faces * sizeof *a->face);
 }
 
-/* The end of a branch at a junction, read off cubics, is replaced by the orbit of the junction itself: of its images,
- * as orbits of the branch's own problem, the one that lies there. What bends the curves there grows with the stiffness;
- * between stops, too, an orbit beside a branch point may as well be one of the other branch. */
-static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ric_node *node, unsigned choice)
+/* The end of a branch at a junction, read off cubics, is replaced by the orbit of the junction
+ * itself: of its images, as orbits of the branch's own problem, the one that lies there. What bends
+ * the curves there grows with the stiffness; between stops, too, an orbit beside a branch point may
+ * as well be one of the other branch. */
+static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ric_node *node,
+                              unsigned choice)
 {
     ric_shooting *c = tr->chain;
     int size = c->n_unknown;
@@ -72,8 +79,10 @@ static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ri
         ric_shooting *chain = NULL;
         double *u = NULL, off = 0;
         int op = k % operations;
-        ric_periodic *image = ric_periodic_transform(g->model, whole, k / operations, op & 1, op & 2);
-        bool fits = image && !ric_periodic_to_chain(g->model, image, &chain, &u) && same_problem(chain, c);
+        ric_periodic *image = ric_periodic_transform(g->model, whole, k / operations, op & 1,
+                                                     op & 2);
+        bool fits = image && !ric_periodic_to_chain(g->model, image, &chain, &u) &&
+                    same_problem(chain, c);
         for (int i = 0; fits && i < size; i++) off = fmax(off, fabs(u[i] - tr->end.u[i]));
         if (fits && off < nearest) {
             nearest = off;
@@ -88,7 +97,8 @@ static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ri
 }
 
 /* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
-static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *index, unsigned *choice)
+static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *index,
+                           unsigned *choice)
 {
     ric_status status = RIC_OK;
     ric_node *node = NULL;
@@ -97,9 +107,10 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
     if (tr->stop != RIC_STOP_JUNCTION || !tr->end.u) return RIC_OK;
     ric_periodic *cycle = ric_continuation_cycle(tr, tr->end.u);
     if (!cycle) return ric_no_memory("a junction");
-    ric_defining solve = {.kind = tr->arrival                                             ? RIC_DEFINING_ARRIVAL
-                                  : at_corner(tr) || ric_node_coincident(g->model, cycle) ? RIC_DEFINING_CORNER
-                                                                                          : RIC_DEFINING_GRAZING};
+    ric_defining solve = {.kind = tr->arrival ? RIC_DEFINING_ARRIVAL
+                                  : at_corner(tr) || ric_node_coincident(g->model, cycle)
+                                      ? RIC_DEFINING_CORNER
+                                      : RIC_DEFINING_GRAZING};
     status = ric_node_cache_solve(g->model, g->recall, solve, cycle, &node);
     if (status == RIC_E_NUMERIC) {
         tr->stop = RIC_STOP_FAILED;
@@ -119,9 +130,13 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
             } else *choice = (unsigned)found;
         } else if (ric_multiplication_applies(g->nodes[*index], RIC_SIDE))
             status = ring_choice(g, tr, g->nodes[*index], choice);
-        else *choice = ric_node_chooses(g->nodes[*index]) ? 0 : ric_node_arrived(g->model, g->nodes[*index], cycle);
+        else
+            *choice = ric_node_chooses(g->nodes[*index])
+                          ? 0
+                          : ric_node_arrived(g->model, g->nodes[*index], cycle);
     }
-    if (!status && tr->arrival && *index >= 0) status = end_on_node(g, tr, g->nodes[*index], *choice);
+    if (!status && tr->arrival && *index >= 0)
+        status = end_on_node(g, tr, g->nodes[*index], *choice);
     ric_periodic_free(cycle);
     return ric_trust(status);
 }
@@ -131,7 +146,8 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
 /* On a half chain tests A and D vanish where the period doubles. */
 static bool doubles(const ric_shooting *c, int test)
 {
-    return c->start != RIC_MIRROR_NONE && c->multiple == 2 && (test == RIC_TEST_A || test == RIC_TEST_D);
+    return c->start != RIC_MIRROR_NONE && c->multiple == 2 &&
+           (test == RIC_TEST_A || test == RIC_TEST_D);
 }
 
 static bool at_one_place(double s, const ric_event *event)
@@ -139,10 +155,11 @@ static bool at_one_place(double s, const ric_event *event)
     return fabs(s - event->s) < SAME_EVENT * (1 + event->s);
 }
 
-/* The resonance that an event belongs to, or NULL. A doubling is met as a zero of A or D and by its multiplier; that
- * may pass -1 and come back within one step, where only the tests tell both places. *twin: the event is met by its
- * multiplier, too. */
-static const ric_resonance *resonance_of(const ric_continuation *tr, const ric_event *event, bool *twin)
+/* The resonance that an event belongs to, or NULL. A doubling is met as a zero of A or D and by its
+ * multiplier; that may pass -1 and come back within one step, where only the tests tell both
+ * places. *twin: the event is met by its multiplier, too. */
+static const ric_resonance *resonance_of(const ric_continuation *tr, const ric_event *event,
+                                         bool *twin)
 {
     const ric_resonance *doubling = NULL;
     *twin = false;
@@ -161,24 +178,26 @@ static bool breaks_or_crosses(int test)
     return test == RIC_TEST_DET || test == RIC_TEST_A || test == RIC_TEST_B || test == RIC_TEST_D;
 }
 
-/* Which of the ways out of a junction the edge is that passes it; `aside`: as an orbit of several periods, or one
- * without the symmetry of the junction. */
-static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event, const ric_node *node,
-                                 bool aside, unsigned *choice)
+/* Which of the ways out of a junction the edge is that passes it; `aside`: as an orbit of several
+ * periods, or one without the symmetry of the junction. */
+static ric_status passing_choice(const ric_graph *g, const ric_edge *e, const ric_event *event,
+                                 const ric_node *node, bool aside, unsigned *choice)
 {
     int size = e->trace->chain->n_unknown;
     double u[size];
     *choice = aside ? RIC_SIDE : RIC_THROUGH;
     if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET) return RIC_OK;
-    for (int i = 0; i < size; i++) u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
+    for (int i = 0; i < size; i++)
+        u[i] = event->u[i] + RIC_LEAVING * e->trace->chain->scale * event->t[i];
     ric_periodic *near = ric_continuation_cycle(e->trace, u);
-    ric_status status = near ? ric_branch_point_choice(g->model, node, near, choice) : ric_no_memory("a junction");
+    ric_status status = near ? ric_branch_point_choice(g->model, node, near, choice)
+                             : ric_no_memory("a junction");
     ric_periodic_free(near);
     return status == RIC_E_NUMERIC ? RIC_OK : status; /* refused when it is left, with the reason */
 }
 
-/* Whether the orbit has a symmetry x -> -x there that neither the branch nor the structure has: the branch passes its
- * mirror image. */
+/* Whether the orbit has a symmetry x -> -x there that neither the branch nor the structure has: the
+ * branch passes its mirror image. */
 static bool passes_image(const ric_model *m, const ric_periodic *cycle, int test)
 {
     ric_periodic *found = !m->symmetric && test == RIC_TEST_DET ? ric_periodic_copy(cycle) : NULL;
@@ -189,8 +208,8 @@ static bool passes_image(const ric_model *m, const ric_periodic *cycle, int test
 }
 
 /* Where it is and what it was taken for: the atlas names what it has not found. */
-static ric_status add_unplaced(const ric_graph *g, ric_edge *e, const ric_event *event, const ric_resonance *resonance,
-                               const ric_periodic *cycle)
+static ric_status add_unplaced(const ric_graph *g, ric_edge *e, const ric_event *event,
+                               const ric_resonance *resonance, const ric_periodic *cycle)
 {
     ric_unplaced *more = ric_realloc(e->unplaced, ((size_t)e->n_unplaced + 1) * sizeof *more);
     if (!more) return ric_no_memory("a branch");
@@ -198,21 +217,24 @@ static ric_status add_unplaced(const ric_graph *g, ric_edge *e, const ric_event 
     more[e->n_unplaced++] = (ric_unplaced){.test = event->test,
                                            .p = resonance ? resonance->p : 0,
                                            .q = resonance ? resonance->q : 0,
-                                           .energy = ric_periodic_energy(g->model, cycle) * g->model->energy_unit,
-                                           .frequency = RIC_TWO_PI / ric_periodic_period(cycle) * g->model->omega_ref};
+                                           .energy = ric_periodic_energy(g->model, cycle) *
+                                                     g->model->energy_unit,
+                                           .frequency = RIC_TWO_PI / ric_periodic_period(cycle) *
+                                                        g->model->omega_ref};
     return RIC_OK;
 }
 
-/* Whether an extremum of the period was solved for that is not the one seen: where the period of a branch is one number
- * its slope changes sign in rounding, and the extremum is one of another branch. A true one is flat, so that the period
- * is known better than its place. */
+/* Whether an extremum of the period was solved for that is not the one seen: where the period of a
+ * branch is one number its slope changes sign in rounding, and the extremum is one of another
+ * branch. A true one is flat, so that the period is known better than its place. */
 static bool strays(const ric_node *node, const ric_periodic *cycle)
 {
     double seen = ric_periodic_period(cycle);
     return fabs(node->period * node->multiple - seen) > FLAT * seen;
 }
 
-/* A function that vanishes twice has two zeros: where their orbits count as one junction the branch says so. */
+/* A function that vanishes twice has two zeros: where their orbits count as one junction the branch
+ * says so. */
 static void tell_crowded(ric_edge *e, const ric_event *event, double energy)
 {
     ric_continuation *tr = e->trace;
@@ -232,9 +254,11 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     bool twin, doubling = doubles(e->trace->chain, event->test);
     const ric_resonance *resonance = resonance_of(e->trace, event, &twin);
     if (doubling && (twin || !resonance)) return RIC_OK;
-    /* the ends of a branch are junctions of their own, but for the place where a closed one begins and ends */
+    /* the ends of a branch are junctions of their own, but for the place where a closed one begins
+     * and ends */
     double length = ((const ric_point *)last)->arclength;
-    if (event->s < AT_END || (event->s > length - AT_END && e->trace->stop != RIC_STOP_CLOSED)) return RIC_OK;
+    if (event->s < AT_END || (event->s > length - AT_END && e->trace->stop != RIC_STOP_CLOSED))
+        return RIC_OK;
     ric_periodic *cycle = ric_continuation_cycle(e->trace, event->u);
     if (!cycle) return ric_no_memory("a junction");
     bool aside = !doubling && breaks_or_crosses(event->test) &&
@@ -244,7 +268,9 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     ric_defining solve = aside   ? (ric_defining){.kind = RIC_DEFINING_ARRIVAL}
                          : asked ? (ric_defining){.kind = RIC_DEFINING_USER, .asked = *asked}
                          : resonance
-                             ? (ric_defining){.kind = RIC_DEFINING_MULTIPLICATION, .p = resonance->p, .q = resonance->q}
+                             ? (ric_defining){.kind = RIC_DEFINING_MULTIPLICATION,
+                                              .p = resonance->p,
+                                              .q = resonance->q}
                              : (ric_defining){.kind = RIC_DEFINING_INTERIOR, .test = event->test};
     status = ric_node_cache_solve(g->model, g->recall, solve, cycle, &node);
     bool off = node && event->test == RIC_TEST_PERIOD && strays(node, cycle);
@@ -257,9 +283,11 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     if (!node) return status;
     int index = ric_graph_add(g, node, e->depth);
     if (index < 0) return ric_no_memory("a junction");
-    if ((index == e->from && event->s < NEAR_END * length) || (index == e->to && event->s > (1 - NEAR_END) * length))
+    if ((index == e->from && event->s < NEAR_END * length) ||
+        (index == e->to && event->s > (1 - NEAR_END) * length))
         return RIC_OK;
-    for (int i = 0; i < e->n_inner; i++) /* at a q-fold repeated orbit several tests vanish at once */
+    for (int i = 0; i < e->n_inner;
+         i++) /* at a q-fold repeated orbit several tests vanish at once */
         if (e->inner[i].node == index && at_one_place(e->inner[i].at, event)) {
             tell_crowded(e, event, g->nodes[index]->energy * g->model->energy_unit);
             return RIC_OK;
@@ -270,7 +298,8 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     return ric_graph_edge_attach(e, index, choice, event->s);
 }
 
-/* Traces again from the far end, so that what is stored does not depend on which end was found first. */
+/* Traces again from the far end, so that what is stored does not depend on which end was found
+ * first. */
 static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive,
                                    ric_continuation **tr, bool *turned)
 {
@@ -307,12 +336,13 @@ static ric_status note_orbits(ric_edge *e)
         e->energy[0] = fmin(e->energy[0], p->energy);
         e->energy[1] = fmax(e->energy[1], p->energy);
     }
-    e->first = ric_continuation_cycle(e->trace, e->trace->points + sizeof(ric_point) / sizeof(double));
+    e->first = ric_continuation_cycle(e->trace,
+                                      e->trace->points + sizeof(ric_point) / sizeof(double));
     return e->first ? RIC_OK : ric_no_memory("a branch");
 }
 
-static ric_status finish_edge(ric_graph *g, ric_continuation *tr, int from, unsigned leave, int to, unsigned arrive,
-                              int depth, int mode)
+static ric_status finish_edge(ric_graph *g, ric_continuation *tr, int from, unsigned leave, int to,
+                              unsigned arrive, int depth, int mode)
 {
     ric_edge *e = ric_graph_add_edge(g);
     if (!e) {
@@ -334,15 +364,16 @@ static ric_status finish_edge(ric_graph *g, ric_continuation *tr, int from, unsi
     return status;
 }
 
-/* Whether a trace ended where another one, from the other end of the branch, may not: stuck on the way, or at the lower
- * end of the energy window, which a branch that begins below it passes. */
+/* Whether a trace ended where another one, from the other end of the branch, may not: stuck on the
+ * way, or at the lower end of the energy window, which a branch that begins below it passes. */
 static bool one_sided(const ric_continuation *tr)
 {
-    return tr->stop == RIC_STOP_FAILED || (tr->stop == RIC_STOP_WINDOW && tr->end.test == RIC_TEST_E_MIN);
+    return tr->stop == RIC_STOP_FAILED ||
+           (tr->stop == RIC_STOP_WINDOW && tr->end.test == RIC_TEST_E_MIN);
 }
 
-/* A branch has been followed from end to end by the last edge: what an earlier trace from one of its ends left behind
- * is a part of it. */
+/* A branch has been followed from end to end by the last edge: what an earlier trace from one of
+ * its ends left behind is a part of it. */
 static void supersede(ric_graph *g)
 {
     ric_edge *last = &g->edges[g->n_edge - 1];
@@ -392,9 +423,10 @@ out:
     return status;
 }
 
-/* The branch is stored as it is followed from one of its ends: from a junction that it departs from, otherwise from the
- * first end that is found. Where a backbone, found in its midst, is followed back from there to a window, its other
- * side has no junction, and is not followed for itself. */
+/* The branch is stored as it is followed from one of its ends: from a junction that it departs
+ * from, otherwise from the first end that is found. Where a backbone, found in its midst, is
+ * followed back from there to a window, its other side has no junction, and is not followed for
+ * itself. */
 ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, int depth)
 {
     ric_status status = RIC_OK;
@@ -403,7 +435,8 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
     unsigned arrive, choice;
     const bool backbone = g->nodes[inside]->kind == RIC_KIND_START;
     for (int i = 0; i < 2 && !(whole && whole->stop == RIC_STOP_WINDOW); i++) {
-        if ((status = ric_graph_trace(g, g->nodes[inside], through, i ? -1 : 1, &tr[i])) || !tr[i]) goto out;
+        if ((status = ric_graph_trace(g, g->nodes[inside], through, i ? -1 : 1, &tr[i])) || !tr[i])
+            goto out;
         if ((status = end_node(g, tr[i], depth, &to[i], &arrive))) goto out;
         if (tr[i]->stop == RIC_STOP_CLOSED) {
             status = finish_edge(g, tr[i], -1, 0, -1, 0, depth, g->nodes[inside]->mode);
@@ -419,7 +452,9 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
         }
         first = tr[0]->end.u ? 0 : 1;
         if (whole || (i == 0 && !backbone) || !tr[first] || !tr[first]->end.u) continue;
-        if ((status = ric_graph_trace_back(g, g->nodes[inside], through, first ? -1 : 1, tr[first], &whole))) goto out;
+        if ((status = ric_graph_trace_back(g, g->nodes[inside], through, first ? -1 : 1, tr[first],
+                                           &whole)))
+            goto out;
     }
     if (!whole || (status = end_node(g, whole, depth, &far, &choice))) goto out;
     if (far >= 0) ric_graph_mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);

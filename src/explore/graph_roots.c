@@ -1,5 +1,5 @@
-/* Where an exploration begins: the grazings of the modes, the closed form of a loose mass, orbits given from
- * outside. */
+/* Where an exploration begins: the grazings of the modes, the closed form of a loose mass, orbits
+ * given from outside. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,8 +14,8 @@
 #define LOWER 0.01   /* factor from one energy at which a mode is tried to the next, */
 #define LEAST 1e-11  /* and down to this part of the first: at amplitudes of 4e-9 */
 
-/* Whether contacts with this exponent drive mode `other` when mode `mode` alone moves: the average of their force over
- * a period, in units that all of them share. */
+/* Whether contacts with this exponent drive mode `other` when mode `mode` alone moves: the average
+ * of their force over a period, in units that all of them share. */
 static bool drives(const ric_model *m, int exponent, int mode, int other)
 {
     double sum = 0, size = 0;
@@ -28,12 +28,14 @@ static bool drives(const ric_model *m, int exponent, int mode, int other)
     return fabs(sum) > UNMOVED * size;
 }
 
-/* Where two modes have one frequency, every mixture of them is a motion of the linear structure. Those have branches
- * whose average of the springs' energy is stationary: a mode alone does only if it does not drive the others. */
+/* Where two modes have one frequency, every mixture of them is a motion of the linear structure.
+ * Those have branches whose average of the springs' energy is stationary: a mode alone does only if
+ * it does not drive the others. */
 static int mixed_with(const ric_model *m, int mode)
 {
     for (int i = 0; i < m->n; i++) {
-        bool equal = i != mode && m->omega[i] == m->omega[mode] && m->omega_low[i] == m->omega_low[mode];
+        bool equal = i != mode && m->omega[i] == m->omega[mode] &&
+                     m->omega_low[i] == m->omega_low[mode];
         for (int f = 0; f < m->n_contact && equal; f++)
             if (drives(m, m->contact[f].exponent, mode, i)) return i;
     }
@@ -58,21 +60,24 @@ static ric_status no_start(const ric_model *m, int mode)
     int other = mixed_with(m, mode);
     if (other < 0) other = nearest_mode(m, mode);
     if (m->n_part > 1 || other < 0)
-        return ric_fail(RIC_E_NUMERIC, "the motion of mode %d at small energy does not converge", m->mode[mode] + 1);
-    return ric_fail(RIC_E_NUMERIC,
-                    "the motion of mode %d at small energy is not known: its frequency is that of mode "
-                    "%d up to %.1e, and the power laws decide which mixtures of the two have branches",
-                    m->mode[mode] + 1, m->mode[other] + 1, fabs(m->omega[other] / m->omega[mode] - 1));
+        return ric_fail(RIC_E_NUMERIC, "the motion of mode %d at small energy does not converge",
+                        m->mode[mode] + 1);
+    return ric_fail(
+        RIC_E_NUMERIC,
+        "the motion of mode %d at small energy is not known: its frequency is that of mode "
+        "%d up to %.1e, and the power laws decide which mixtures of the two have branches",
+        m->mode[mode] + 1, m->mode[other] + 1, fabs(m->omega[other] / m->omega[mode] - 1));
 }
 
-/* A mode that no branch can be started from is a start all the same, at an energy at which its linear motion is an
- * orbit to rounding, whose departures are refused with the reason. */
+/* A mode that no branch can be started from is a start all the same, at an energy at which its
+ * linear motion is an orbit to rounding, whose departures are refused with the reason. */
 static ric_status refused_start(const ric_model *m, int mode, ric_node **out)
 {
     static const int face[] = {-1, -1};
     double u[m->n + 1];
     ric_shooting *chain;
-    ric_status status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, face, &chain);
+    ric_status status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, face,
+                                            &chain);
     if (status) return status;
     memset(u, 0, sizeof u);
     u[mode] = STILL;
@@ -92,8 +97,9 @@ static ric_status refused_start(const ric_model *m, int mode, ric_node **out)
     return status;
 }
 
-/* The orbit of a mode alone at an energy, to a part MIXED of its amplitude: where a mode of nearly the same frequency
- * mixes with it, at a lower one. u [n + 1] and *energy, scaled; false: at none. */
+/* The orbit of a mode alone at an energy, to a part MIXED of its amplitude: where a mode of nearly
+ * the same frequency mixes with it, at a lower one. u [n + 1] and *energy, scaled; false: at none.
+ */
 static bool alone(const ric_model *m, ric_shooting *chain, int mode, double *u, double *energy)
 {
     int n = m->n, iterations;
@@ -110,10 +116,10 @@ static bool alone(const ric_model *m, ric_shooting *chain, int mode, double *u, 
     return false;
 }
 
-/* Follows the branch of an orbit below the window up to there. *out = NULL: it does not come so far, or, *lost, it is
- * lost on the way. The chain is taken. */
-static ric_status follow_up(const ric_graph *g, ric_shooting *chain, int mode, const double *u, bool *lost,
-                            ric_periodic **out)
+/* Follows the branch of an orbit below the window up to there. *out = NULL: it does not come so
+ * far, or, *lost, it is lost on the way. The chain is taken. */
+static ric_status follow_up(const ric_graph *g, ric_shooting *chain, int mode, const double *u,
+                            bool *lost, ric_periodic **out)
 {
     int n = g->model->n;
     double t[n + 1];
@@ -126,15 +132,18 @@ static ric_status follow_up(const ric_graph *g, ric_shooting *chain, int mode, c
     t[mode] = 1;
     ric_status status = ric_continuation_create(chain, u, t, 0, &limits, &way);
     if (!status) status = ric_continuation_run(way);
-    *lost = status == RIC_E_NUMERIC || (!status && (way->stop == RIC_STOP_FAILED || way->stop == RIC_STOP_BUDGET));
-    if (!status && way->end.test == RIC_TEST_E_MAX && !(*out = ric_continuation_cycle(way, way->end.u)))
+    *lost = status == RIC_E_NUMERIC ||
+            (!status && (way->stop == RIC_STOP_FAILED || way->stop == RIC_STOP_BUDGET));
+    if (!status && way->end.test == RIC_TEST_E_MAX &&
+        !(*out = ric_continuation_cycle(way, way->end.u)))
         status = ric_no_memory("a start");
     ric_continuation_free(way);
     return *lost ? RIC_OK : status;
 }
 
-/* Under a power law the orbits of a mode at vanishing energy are those of the linear structure. Where the window starts
- * higher, the branch is followed up to there. *out = NULL: it does not come so far. */
+/* Under a power law the orbits of a mode at vanishing energy are those of the linear structure.
+ * Where the window starts higher, the branch is followed up to there. *out = NULL: it does not come
+ * so far. */
 static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
 {
     static const int face[] = {-1, -1};
@@ -144,7 +153,8 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
     double u[m->n + 1], energy = 2 * m->linear_energy / m->energy_unit;
     *out = NULL;
     if (m->omega[mode] == 0) return RIC_OK;
-    ric_status status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, face, &chain);
+    ric_status status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, face,
+                                            &chain);
     if (status) return status;
     bool lost = mixed_with(m, mode) >= 0 || !alone(m, chain, mode, u, &energy);
     if (!lost && energy > g->limits.energy[0]) cycle = ric_periodic_from_chain(chain, u);
@@ -163,7 +173,8 @@ static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
 static bool is_wanted(const ric_graph *g, int mode)
 {
     bool wanted = g->options->n_start == 0;
-    for (int j = 0; j < g->options->n_start; j++) wanted |= g->options->start[j] == g->model->mode[mode] + 1;
+    for (int j = 0; j < g->options->n_start; j++)
+        wanted |= g->options->start[j] == g->model->mode[mode] + 1;
     return wanted;
 }
 
@@ -172,21 +183,24 @@ static void note_unsought(ric_graph *g, const ric_eigenspace *space)
 {
     for (int i = 0; i < g->n_node && !ric_mixtures_all(space); i++) {
         ric_node *node = g->nodes[i];
-        if (node->mode < space->first || node->mode >= space->first + space->size || node->multiple > 1) continue;
+        if (node->mode < space->first || node->mode >= space->first + space->size ||
+            node->multiple > 1)
+            continue;
         node->unsought = true;
         return;
     }
 }
 
-/* Branches leave the mixtures of modes of one frequency that their impacts would drive (mixture.h), whichever vectors
- * the eigenspace is described by; those of a wanted mode belong to it. */
+/* Branches leave the mixtures of modes of one frequency that their impacts would drive (mixture.h),
+ * whichever vectors the eigenspace is described by; those of a wanted mode belong to it. */
 static ric_status start_mixtures(ric_graph *g)
 {
     const ric_mixtures *all = g->model->mixtures;
     for (int i = 0; i < all->n; i++) {
         const ric_eigenspace *space = &all->space[all->list[i].space];
         bool wanted = false;
-        for (int mode = space->first; mode < space->first + space->size; mode++) wanted |= is_wanted(g, mode);
+        for (int mode = space->first; mode < space->first + space->size; mode++)
+            wanted |= is_wanted(g, mode);
         if (!wanted || all->list[i].energy > g->limits.energy[1]) continue;
         ric_node *node = NULL;
         ric_status status = ric_node_mixture(g->model, i, &node);
@@ -204,7 +218,8 @@ static ric_status start_modes(ric_graph *g)
     for (int i = 0; i < m->n; i++) {
         ric_node *node = NULL;
         if (!is_wanted(g, i)) continue;
-        ric_status status = ric_model_detached(m) ? ric_node_linear(m, i, &node) : smooth_start(g, i, &node);
+        ric_status status = ric_model_detached(m) ? ric_node_linear(m, i, &node)
+                                                  : smooth_start(g, i, &node);
         if (status) return status;
         if (!node) continue;
         if (node->energy > g->limits.energy[1]) {
@@ -219,10 +234,10 @@ static ric_status start_modes(ric_graph *g)
     return RIC_OK;
 }
 
-/* A loose mass in a gap (a seen mode of zero frequency) has no linear grazing. Its S2 orbits have a closed form
- * (docs/theory.md section 11): q_i = A c_i sin(omega_i t) / (omega_i cos(omega_i h / 2)) from the centre, h half a
- * period, A from s(h/2) = d. It is scanned over the frequency window; every stretch of admissible orbits gives a start,
- * from which its branch is followed both ways. */
+/* A loose mass in a gap (a seen mode of zero frequency) has no linear grazing. Its S2 orbits have a
+ * closed form (docs/theory.md section 11): q_i = A c_i sin(omega_i t) / (omega_i cos(omega_i h /
+ * 2)) from the centre, h half a period, A from s(h/2) = d. It is scanned over the frequency window;
+ * every stretch of admissible orbits gives a start, from which its branch is followed both ways. */
 static void closed_form(const ric_model *m, const ric_face *f, double omega, double *u)
 {
     int n = m->n;
@@ -236,8 +251,9 @@ static void closed_form(const ric_model *m, const ric_face *f, double omega, dou
     u[n] = quarter;
 }
 
-#define SLOWEST 1e-3 /* scaled frequency at which the scan begins where the window has no lower end */
-#define SCAN 1.01    /* ratio of neighbouring frequencies of the scan */
+/* SLOWEST: scaled frequency at which the scan begins where the window has no lower end */
+#define SLOWEST 1e-3
+#define SCAN 1.01 /* ratio of neighbouring frequencies of the scan */
 
 static ric_status start_stretch(ric_graph *g, ric_shooting *chain, const double *u)
 {
@@ -252,7 +268,8 @@ static ric_status start_stretch(ric_graph *g, ric_shooting *chain, const double 
     return status;
 }
 
-/* The face that a loose mass goes to and fro before; -1 if there is no such mass, or more than one contact. */
+/* The face that a loose mass goes to and fro before; -1 if there is no such mass, or more than one
+ * contact. */
 static int loose_face(const ric_model *m)
 {
     bool loose = false;
@@ -265,10 +282,11 @@ static int loose_face(const ric_model *m)
 ric_status ric_graph_check_start(const ric_model *m)
 {
     if (!ric_flight_law_of(m)->closes || m->n_part > 1 || loose_face(m) < 0) return RIC_OK;
-    return ric_fail(RIC_E_INPUT,
-                    "the structure can move as a rigid body against a contact of law bilinear: such families have no "
-                    "closed form to start from in this version; hold the structure by a soft spring, or make the "
-                    "contact rigid");
+    return ric_fail(RIC_E_INPUT, "the structure can move as a rigid body against a contact of law "
+                                 "bilinear: such families have no "
+                                 "closed form to start from in this version; hold the structure by "
+                                 "a soft spring, or make the "
+                                 "contact rigid");
 }
 
 static ric_status start_loose(ric_graph *g)
@@ -281,13 +299,15 @@ static ric_status start_loose(ric_graph *g)
     ric_status status = ric_graph_check_start(m);
     if (status) return status;
     status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
-    double u[n + 1], low = isfinite(g->limits.period[1]) ? RIC_TWO_PI / g->limits.period[1] : SLOWEST;
+    double u[n + 1],
+        low = isfinite(g->limits.period[1]) ? RIC_TWO_PI / g->limits.period[1] : SLOWEST;
     for (double omega = low; !status && omega < RIC_TWO_PI / g->limits.period[0]; omega *= SCAN) {
         closed_form(m, &m->face[upper], omega, u);
         ric_shooting_fly(chain, u);
         double energy = ric_shooting_energy(chain);
-        bool good = energy > g->limits.energy[0] && energy < g->limits.energy[1] && chain->residual < RIC_SAME_SOLVED &&
-                    chain->approach[1] > 0 && ric_reach(chain, u, NULL) < 1;
+        bool good = energy > g->limits.energy[0] && energy < g->limits.energy[1] &&
+                    chain->residual < RIC_SAME_SOLVED && chain->approach[1] > 0 &&
+                    ric_reach(chain, u, NULL) < 1;
         if (good && !inside) status = start_stretch(g, chain, u);
         inside = good;
     }
@@ -295,7 +315,8 @@ static ric_status start_loose(ric_graph *g)
     return status;
 }
 
-/* Orbits given from outside, such as those that a hunt has found. One that is no orbit to this version is left out. */
+/* Orbits given from outside, such as those that a hunt has found. One that is no orbit to this
+ * version is left out. */
 static ric_status start_given(ric_graph *g)
 {
     ric_status status = RIC_OK;
@@ -306,7 +327,8 @@ static ric_status start_given(ric_graph *g)
         if (!status) status = ric_node_start(g->model, cycle, &node);
         ric_periodic_free(cycle);
         if (status == RIC_E_NUMERIC) status = RIC_OK;
-        else if (!status && (node->energy < g->limits.energy[0] || node->energy > g->limits.energy[1]))
+        else if (!status &&
+                 (node->energy < g->limits.energy[0] || node->energy > g->limits.energy[1]))
             ric_node_free(node);
         else if (!status && ric_graph_add(g, node, 0) < 0) status = ric_no_memory("a start");
     }

@@ -1,5 +1,5 @@
-/* The order of work: which departures lie within the budgets, in what order they are taken, and what is handed to
- * workers ahead of that. */
+/* The order of work: which departures lie within the budgets, in what order they are taken, and
+ * what is handed to workers ahead of that. */
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,8 @@ static double seconds_since(const struct timespec *start)
 {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)(now.tv_sec - start->tv_sec) + (double)(now.tv_nsec - start->tv_nsec) / NANOSECONDS;
+    return (double)(now.tv_sec - start->tv_sec) +
+           (double)(now.tv_nsec - start->tv_nsec) / NANOSECONDS;
 }
 
 /* Shows how far the owner has come and asks whether to stop. */
@@ -56,28 +57,34 @@ static ric_budgets budgets_at(const ric_graph *g, const ric_node *node, int mult
                               RIC_TWO_PI / node->period * g->model->omega_ref, multiple);
 }
 
-/* Whether a multiplication is larger than asked for; or, on a cascade, a departure is none of its steps. What starts
- * from a mode, and what goes on beyond a corner, belongs to any. */
+/* Whether a multiplication is larger than asked for; or, on a cascade, a departure is none of its
+ * steps. What starts from a mode, and what goes on beyond a corner, belongs to any. */
 static bool astray(const ric_graph *g, const ric_node *node, unsigned choice, int multiply)
 {
     const ric_explore_options *o = g->options;
-    if (o->n_cascade == 0) return choice != RIC_THROUGH && (node->multiple > multiply || o->base % node->multiple);
+    if (o->n_cascade == 0)
+        return choice != RIC_THROUGH && (node->multiple > multiply || o->base % node->multiple);
     if (node->depth == 0 || node->kind == RIC_KIND_CORNER) return false;
     return node->depth > o->n_cascade || !ric_node_leaves(node, choice) ||
            node->multiple != o->cascade[node->depth - 1];
 }
 
-static bool over_budget(const ric_graph *g, const ric_node *node, unsigned choice, ric_budget *which)
+static bool over_budget(const ric_graph *g, const ric_node *node, unsigned choice,
+                        ric_budget *which)
 {
     /* the original of a duplicate may lie outside the frequency window */
-    double period = node->period * (choice != RIC_THROUGH || node->kind == RIC_KIND_GRAZING ? node->multiple : 1);
+    double period = node->period *
+                    (choice != RIC_THROUGH || node->kind == RIC_KIND_GRAZING ? node->multiple : 1);
     const ric_budgets here = budgets_at(g, node, node->multiple);
-    const bool outside = !here.inside && node->depth > 0; /* modes start wherever branches are followed */
-    *which = period < g->limits.period[0] || period > g->limits.period[1] || outside ? RIC_BUDGET_WINDOW
-             : astray(g, node, choice, here.multiply)                                ? RIC_BUDGET_MULTIPLY
-             : ric_node_impacts(node, choice) > here.impacts                         ? RIC_BUDGET_IMPACTS
-             : g->options->symmetric_only && !ric_node_half(g->model, node, choice)  ? RIC_BUDGET_SYMMETRIC
-                                                                                     : RIC_N_BUDGET;
+    const bool outside = !here.inside &&
+                         node->depth > 0; /* modes start wherever branches are followed */
+    *which = period < g->limits.period[0] || period > g->limits.period[1] || outside
+                 ? RIC_BUDGET_WINDOW
+             : astray(g, node, choice, here.multiply)        ? RIC_BUDGET_MULTIPLY
+             : ric_node_impacts(node, choice) > here.impacts ? RIC_BUDGET_IMPACTS
+             : g->options->symmetric_only && !ric_node_half(g->model, node, choice)
+                 ? RIC_BUDGET_SYMMETRIC
+                 : RIC_N_BUDGET;
     return *which != RIC_N_BUDGET;
 }
 
@@ -102,7 +109,8 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
     }
     if (d->job && !ric_workers_await(g->workers, d->job, stopped, g))
         return ric_fail(RIC_E_INTERRUPTED, "stopped on request");
-    if (node->kind == RIC_KIND_CORNER) depth--; /* the same branch goes on with two letters exchanged */
+    if (node->kind == RIC_KIND_CORNER)
+        depth--; /* the same branch goes on with two letters exchanged */
     if (ric_node_passes(node, choice)) {
         /* where two branches of one symmetry cross, the edges that pass have said which they are */
         bool crossing = node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET;
@@ -113,7 +121,9 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
                 !ric_graph_edge_contains(g->model, &g->edges[i], node, &where))
                 continue;
             d->state = RIC_DEPARTURE_KNOWN;
-            return node->kind == RIC_KIND_START ? RIC_OK : ric_graph_edge_attach(&g->edges[i], index, choice, where);
+            return node->kind == RIC_KIND_START
+                       ? RIC_OK
+                       : ric_graph_edge_attach(&g->edges[i], index, choice, where);
         }
         status = ric_graph_follow_through(g, index, choice, depth);
         node->departures[place].state = RIC_DEPARTURE_TAKEN;
@@ -125,7 +135,8 @@ static ric_status take(ric_graph *g, int index, int place, int depth)
     }
     const ric_status whole = ric_trust(RIC_OK);
     if (whole) status = whole;
-    if (status == RIC_E_INTERRUPTED || status == RIC_E_NOMEM) node->departures[place].state = RIC_DEPARTURE_OPEN;
+    if (status == RIC_E_INTERRUPTED || status == RIC_E_NOMEM)
+        node->departures[place].state = RIC_DEPARTURE_OPEN;
     if (status == RIC_E_NUMERIC) {
         node->departures[place].state = RIC_DEPARTURE_REFUSED;
         node->departures[place].why = ric_strdup(ric_detail());
@@ -161,21 +172,25 @@ static void shuffle(uint64_t seed, int n, open_departure *list)
     }
 }
 
-/* Whether nothing more is departed to, but from linear modes. What regions ask for has budgets of its own. */
+/* Whether nothing more is departed to, but from linear modes. What regions ask for has budgets of
+ * its own. */
 static bool spent(const ric_graph *g)
 {
     return g->options->points > 0 && g->counted >= g->options->points;
 }
 
-/* After every departure in the order of the owner, so that it does not matter who else works: the new branches. */
+/* After every departure in the order of the owner, so that it does not matter who else works: the
+ * new branches. */
 static void count_points(ric_graph *g, const ric_node *node, int first)
 {
     if (budgets_at(g, node, node->multiple).raised) return;
-    for (int i = first; i < g->n_edge; i++) g->counted += g->edges[i].trace ? g->edges[i].trace->n_point : 0;
+    for (int i = first; i < g->n_edge; i++)
+        g->counted += g->edges[i].trace ? g->edges[i].trace->n_point : 0;
 }
 
-/* At the last depth of the budget only corners are left: what goes on there is the same branch. Likewise where there
- * are as many points as may be; regions that are asked for have budgets of their own. */
+/* At the last depth of the budget only corners are left: what goes on there is the same branch.
+ * Likewise where there are as many points as may be; regions that are asked for have budgets of
+ * their own. */
 static bool reached(const ric_graph *g, const ric_node *node)
 {
     const ric_budgets here = budgets_at(g, node, node->multiple);
@@ -183,7 +198,8 @@ static bool reached(const ric_graph *g, const ric_node *node)
     return node->depth < limit || (node->depth == limit && node->kind == RIC_KIND_CORNER);
 }
 
-/* Open departures at `depth` of node `first` and those after it, sorted; NULL with *n = 0 when there is none. */
+/* Open departures at `depth` of node `first` and those after it, sorted; NULL with *n = 0 when
+ * there is none. */
 static open_departure *open_at(ric_graph *g, int first, int depth, int *n)
 {
     int count = 0;
@@ -192,7 +208,9 @@ static open_departure *open_at(ric_graph *g, int first, int depth, int *n)
         int k = 0;
         for (int i = first; i < g->n_node; i++)
             for (int j = 0; j < g->nodes[i]->n_departure; j++) {
-                if (g->nodes[i]->depth != depth || g->nodes[i]->departures[j].state != RIC_DEPARTURE_OPEN) continue;
+                if (g->nodes[i]->depth != depth ||
+                    g->nodes[i]->departures[j].state != RIC_DEPARTURE_OPEN)
+                    continue;
                 if (!reached(g, g->nodes[i])) continue;
                 if (list) list[k] = (open_departure){i, j, g->nodes[i]};
                 k++;
@@ -205,21 +223,23 @@ static open_departure *open_at(ric_graph *g, int first, int depth, int *n)
     }
 }
 
-/* Grazings at `depth` gone through several times are junctions, too: those from which some branch can leave within the
- * budgets. */
+/* Grazings at `depth` gone through several times are junctions, too: those from which some branch
+ * can leave within the budgets. */
 static ric_status list_duplicates(ric_graph *g, int depth)
 {
     for (int i = 0; i < g->n_node; i++) {
         ric_node *node = g->nodes[i];
-        if (node->kind != RIC_KIND_GRAZING || node->multiple > 1 || node->depth != depth || node->expanded ||
-            node->refusal)
+        if (node->kind != RIC_KIND_GRAZING || node->multiple > 1 || node->depth != depth ||
+            node->expanded || node->refusal)
             continue;
         node->expanded = true;
         int flown = ric_periodic_impacts(node->springs, node->cycle) - node->n_touch;
         for (int k = 2; k <= g->largest.multiply && k * node->period <= g->limits.period[1]; k++) {
             ric_node *duplicate = NULL;
             const ric_budgets here = budgets_at(g, node, k);
-            if (g->options->base % k || k > here.multiply || k * flown >= here.impacts || depth >= here.depth) continue;
+            if (g->options->base % k || k > here.multiply || k * flown >= here.impacts ||
+                depth >= here.depth)
+                continue;
             ric_status status = ric_node_duplicate(g->model, node, k, &duplicate);
             if (status) return status;
             if (ric_graph_add(g, duplicate, depth) < 0) return ric_no_memory("a junction");
@@ -272,7 +292,8 @@ void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
     for (int i = 0; i < node->n_departure; i++) node->departures[i].job = 0;
     if (ric_graph_append(alone, node) == 0)
         for (int i = 0; i < node->n_departure; i++)
-            if (node->departures[i].choice == choice) take(alone, 0, i, 1); /* an error is met again by the owner */
+            if (node->departures[i].choice == choice)
+                take(alone, 0, i, 1); /* an error is met again by the owner */
     ric_halt_ask(NULL, NULL);
     ric_graph_free(alone);
 }
@@ -282,19 +303,21 @@ static void offer_one(ric_graph *g, ric_node *node, ric_departure *d)
 {
     bool passes = d->choice == RIC_THROUGH && ric_node_passes(node, d->choice);
     if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) &&
-        !over_budget(g, node, d->choice, &d->budget) && !ric_graph_followed_before(g, node, d->choice))
+        !over_budget(g, node, d->choice, &d->budget) &&
+        !ric_graph_followed_before(g, node, d->choice))
         d->job = ric_workers_offer(g->workers, node, d->choice);
 }
 
-/* Of the ways out of one node those with most impacts first: they take longest, and one that is begun last keeps
- * everybody waiting. Across nodes in the order of the owner, who otherwise finds out too late that two of them are the
- * ends of one branch. */
+/* Of the ways out of one node those with most impacts first: they take longest, and one that is
+ * begun last keeps everybody waiting. Across nodes in the order of the owner, who otherwise finds
+ * out too late that two of them are the ends of one branch. */
 static int offer_order(const void *a, const void *b)
 {
     const open_departure *p = a, *q = b;
-    int less = p->index != q->index ? 0
-                                    : ric_node_impacts(q->node, q->node->departures[q->place].choice) -
-                                          ric_node_impacts(p->node, p->node->departures[p->place].choice);
+    int less = p->index != q->index
+                   ? 0
+                   : ric_node_impacts(q->node, q->node->departures[q->place].choice) -
+                         ric_node_impacts(p->node, p->node->departures[p->place].choice);
     return less ? less : departure_order(a, b);
 }
 
@@ -307,12 +330,13 @@ static void offer(ric_graph *g, int n, const open_departure *list)
     memcpy(order, list, (size_t)n * sizeof *order);
     qsort(order, (size_t)n, sizeof *order, offer_order);
     for (int i = 0; i < n; i++)
-        offer_one(g, g->nodes[order[i].index], &g->nodes[order[i].index]->departures[order[i].place]);
+        offer_one(g, g->nodes[order[i].index],
+                  &g->nodes[order[i].index]->departures[order[i].place]);
     free(order);
 }
 
-/* Departures of the next depth as far as they are known, so that no worker is idle while the last ones of this depth
- * are followed. Each node is looked at once. */
+/* Departures of the next depth as far as they are known, so that no worker is idle while the last
+ * ones of this depth are followed. Each node is looked at once. */
 static void offer_ahead(ric_graph *g, int depth, int limit, int *seen)
 {
     int n;
@@ -343,7 +367,8 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
     ric_status status = ric_graph_start(g);
     if (status) return status;
     if (g->model->n_part > 1) {
-        refuse_all(g, "the structure falls into parts that no contact joins: their energies are conserved one by one; "
+        refuse_all(g, "the structure falls into parts that no contact joins: their energies are "
+                      "conserved one by one; "
                       "study each part alone");
         return RIC_OK;
     }
@@ -354,8 +379,8 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
         int n = 0, seen = 0;
         bool deeper = false;
         do {
-            /* edges found at this depth may add nodes of the same depth (a branch met from its side): repeat until none
-             * is open */
+            /* edges found at this depth may add nodes of the same depth (a branch met from its
+             * side): repeat until none is open */
             if (depth < limit && !(spent(g) && depth > 0) && !g->options->n_cascade &&
                 (status = list_duplicates(g, depth)))
                 break;
@@ -363,7 +388,8 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
             if (g->shuffle) shuffle(g->shuffle, n, list);
             offer(g, n, list);
             for (int i = 0; i < n && !status; i++) {
-                if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN) continue;
+                if (g->nodes[list[i].index]->departures[list[i].place].state != RIC_DEPARTURE_OPEN)
+                    continue;
                 if (!reached(g, g->nodes[list[i].index])) continue;
                 g->progress.open = n - i;
                 g->progress.depth = depth;
@@ -381,8 +407,9 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
     return status ? status : ric_graph_settle(g);
 }
 
-/* What workers have left and nobody has asked for: finished traces, and traces that were broken off. Their keys are
- * texts that begin with a digit (graph_follow.c), those of junctions do not (node_cache.c). */
+/* What workers have left and nobody has asked for: finished traces, and traces that were broken
+ * off. Their keys are texts that begin with a digit (graph_follow.c), those of junctions do not
+ * (node_cache.c). */
 static void save_left(const void *key, size_t key_size, const void *value, size_t size, void *user)
 {
     ric_store *store = user;
@@ -404,7 +431,8 @@ static ric_status lend(void *user, const char *key)
     ric_status status = ric_store_trace_get(g->store, key, &blob, &size);
     char name[1100];
     int n = snprintf(name, sizeof name, "%s%s", RIC_LENT, key);
-    if (!status && blob && n < (int)sizeof name) ric_cache_put(g->recall.memo, name, (size_t)n, blob, size);
+    if (!status && blob && n < (int)sizeof name)
+        ric_cache_put(g->recall.memo, name, (size_t)n, blob, size);
     free(blob);
     return status;
 }
@@ -416,16 +444,19 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
     if (g->n_worker > 1 || g->crew) {
         if ((status = ric_cache_create(&g->recall.memo))) goto out;
         if (g->store && (status = ric_store_trace_keys(g->store, RIC_PAUSED, lend, g))) goto out;
-        if ((status = ric_workers_create(g->n_worker > 1 ? g->n_worker : 0, ric_graph_prepare, g, &g->workers)))
+        if ((status = ric_workers_create(g->n_worker > 1 ? g->n_worker : 0, ric_graph_prepare, g,
+                                         &g->workers)))
             goto out;
     }
-    if (g->crew && (status = g->crew->join(g->crew->user, g->study, g->workers, g->recall.memo))) goto out;
+    if (g->crew && (status = g->crew->join(g->crew->user, g->study, g->workers, g->recall.memo)))
+        goto out;
     status = explore(g, run);
     if (g->crew) g->crew->leave(g->crew->user);
 out:
     ric_halt_ask(NULL, NULL);
     ric_workers_free(g->workers);
-    if (status == RIC_E_INTERRUPTED && g->store && g->recall.memo) ric_cache_drain(g->recall.memo, save_left, g->store);
+    if (status == RIC_E_INTERRUPTED && g->store && g->recall.memo)
+        ric_cache_drain(g->recall.memo, save_left, g->store);
     ric_cache_free(g->recall.memo);
     g->workers = NULL;
     g->recall.memo = NULL;

@@ -1,5 +1,5 @@
-/* From a departure to a trace of its branch: what an earlier run or a worker has kept of it, or the trace itself, which
- * is kept. */
+/* From a departure to a trace of its branch: what an earlier run or a worker has kept of it, or the
+ * trace itself, which is kept. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,12 +13,12 @@
 #define PARTS 16     /* of a period, between inner nodes, the first time that they are needed */
 #define MORE_PARTS 4 /* and each time that they do not suffice */
 #define MOST_PARTS 64
-/* NO_BRANCH: of the size: what is lost nearer to its start than this is rounding beside a family of more parameters,
- * and no branch */
+/* NO_BRANCH: of the size: what is lost nearer to its start than this is rounding beside a family of
+ * more parameters, and no branch */
 #define NO_BRANCH 1e-6
 
-/* What is traced: departure `choice` of a node (side -1: the other way, at a branch that passes); or the way back from
- * the end of a trace of that departure, `along`, to its other end. */
+/* What is traced: departure `choice` of a node (side -1: the other way, at a branch that passes);
+ * or the way back from the end of a trace of that departure, `along`, to its other end. */
 typedef struct {
     const ric_limits *limits; /* outlive the trace */
     const ric_node *node;
@@ -34,8 +34,9 @@ static uint64_t mixed(uint64_t hash, const void *from, size_t size)
     return hash;
 }
 
-/* The orbit of a junction, and what of it is left open there. Mirror images in a structure that is none have energy,
- * period and word in common, and so do orbits of several kernels: the state tells them from each other. */
+/* The orbit of a junction, and what of it is left open there. Mirror images in a structure that is
+ * none have energy, period and word in common, and so do orbits of several kernels: the state tells
+ * them from each other. */
 static uint64_t node_hash(const ric_node *node)
 {
     const ric_periodic *c = node->cycle;
@@ -48,24 +49,29 @@ static uint64_t node_hash(const ric_node *node)
     return mixed(hash, c->w, 2 * (size_t)c->n * sizeof *c->w);
 }
 
-/* The text that names a trace for later runs: junction, departure, and everything that shapes the outcome. */
+/* The text that names a trace for later runs: junction, departure, and everything that shapes the
+ * outcome. */
 static ric_status trace_key(const course *way, char *key, size_t size)
 {
     const ric_limits *l = way->limits;
     const ric_node *node = way->node;
     uint64_t hash = node_hash(node);
-    size_t used = ric_c_print(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64, (int)node->kind,
-                              node->cycle->N, node->rotation[0], node->multiple, node->energy, node->period,
-                              way->choice, way->side, l->energy[0], l->energy[1], l->period[0], l->period[1],
-                              l->max_step, l->multiply, hash);
+    size_t used = ric_c_print(key, size, "%d %d %d/%d %a %a %u %d %a %a %a %a %a %d %016" PRIx64,
+                              (int)node->kind, node->cycle->N, node->rotation[0], node->multiple,
+                              node->energy, node->period, way->choice, way->side, l->energy[0],
+                              l->energy[1], l->period[0], l->period[1], l->max_step, l->multiply,
+                              hash);
     if (l->n_asked)
-        used += ric_c_print(key + used, size - used, " %016" PRIx64, ric_user_point_key(l->n_asked, l->asked));
-    if (l->tongue_width > 0) used += ric_c_print(key + used, size - used, " leap %a", l->tongue_width);
+        used += ric_c_print(key + used, size - used, " %016" PRIx64,
+                            ric_user_point_key(l->n_asked, l->asked));
+    if (l->tongue_width > 0)
+        used += ric_c_print(key + used, size - used, " leap %a", l->tongue_width);
     if (way->along) ric_c_print(key + used, size - used, " back");
     return ric_memory_failed() ? ric_no_memory("the name of a branch") : RIC_OK;
 }
 
-/* A trace that was broken off is kept beside those that are finished, with the attempt that it belongs to. */
+/* A trace that was broken off is kept beside those that are finished, with the attempt that it
+ * belongs to. */
 static const char *paused_key(const char *key, char *out, size_t size)
 {
     snprintf(out, size, "%s" RIC_PAUSED, key);
@@ -93,7 +99,8 @@ static ric_status keep_paused(ric_graph *g, const char *key, int parts, const ri
     ric_status status = ric_continuation_pause(tr, parts, &blob, &size);
     paused_key(key, name, sizeof name);
     if (!status && g->store) status = ric_store_trace_put(g->store, name, blob, size);
-    else if (!status && g->recall.worker) ric_cache_put(g->recall.memo, name, strlen(name), blob, size);
+    else if (!status && g->recall.worker)
+        ric_cache_put(g->recall.memo, name, strlen(name), blob, size);
     free(blob);
     return status;
 }
@@ -115,17 +122,20 @@ static ric_status take_paused(ric_graph *g, const ric_limits *limits, const char
         int n = snprintf(lent, sizeof lent, "%s%s", RIC_LENT, name);
         blob = ric_cache_take(g->recall.memo, lent, (size_t)n, &size);
     }
-    if (blob && ric_continuation_resume(g->model, limits, blob, size, parts, out) == RIC_E_NOMEM) status = RIC_E_NOMEM;
+    if (blob && ric_continuation_resume(g->model, limits, blob, size, parts, out) == RIC_E_NOMEM)
+        status = RIC_E_NOMEM;
     free(blob);
     return status;
 }
 
 /* The start of a trace that goes from the end of `tr` back along it. */
-static ric_status turn_back(const ric_continuation *tr, const ric_limits *limits, ric_continuation **out)
+static ric_status turn_back(const ric_continuation *tr, const ric_limits *limits,
+                            ric_continuation **out)
 {
-    const unsigned ignore = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN |
-                            1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A |
-                            1u << RIC_TEST_B | 1u << RIC_TEST_D | 1u << RIC_TEST_DET;
+    const unsigned ignore = 1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX |
+                            1u << RIC_TEST_F_MIN | 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH |
+                            1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_A | 1u << RIC_TEST_B |
+                            1u << RIC_TEST_D | 1u << RIC_TEST_DET;
     ric_shooting *chain = ric_shooting_copy(tr->chain);
     double *back = chain ? ric_calloc((size_t)chain->n_unknown, sizeof *back) : NULL;
     if (!back) {
@@ -139,13 +149,15 @@ static ric_status turn_back(const ric_continuation *tr, const ric_limits *limits
 }
 
 /* *out stays NULL where nothing admissible departs. */
-static ric_status set_out(const ric_model *m, const course *way, const ric_node *node, ric_continuation **out)
+static ric_status set_out(const ric_model *m, const course *way, const ric_node *node,
+                          ric_continuation **out)
 {
     ric_shooting *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore = 0;
     if (way->along) return turn_back(way->along, way->limits, out);
-    ric_status status = ric_switching_depart(m, node, way->choice, way->side, &chain, &u0, &t0, &ignore);
+    ric_status status = ric_switching_depart(m, node, way->choice, way->side, &chain, &u0, &t0,
+                                             &ignore);
     if (!status && chain) status = ric_continuation_create(chain, u0, t0, ignore, way->limits, out);
     free(u0);
     free(t0);
@@ -155,15 +167,19 @@ static ric_status set_out(const ric_model *m, const course *way, const ric_node 
 /* A branch that is lost before it has left its start. */
 static ric_status not_left(const ric_continuation *tr)
 {
-    const ric_point *last = (const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride);
+    const ric_point *last = (const ric_point *)(tr->points +
+                                                (size_t)(tr->n_point - 1) * tr->stride);
     double length = last->arclength, least = NO_BRANCH * tr->chain->scale;
     if (tr->stop != RIC_STOP_FAILED || length > least) return RIC_OK;
-    return ric_fail(RIC_E_NUMERIC, "the branch is lost %.1e from its start (%s), and not told apart from it", length,
-                    ric_continuation_why_text(tr->why));
+    return ric_fail(RIC_E_NUMERIC,
+                    "the branch is lost %.1e from its start (%s), and not told apart from it",
+                    length, ric_continuation_why_text(tr->why));
 }
 
-/* *out that is not NULL before is a trace that was broken off, and goes on; as it does after RIC_E_INTERRUPTED. */
-static ric_status trace_once(const ric_model *m, const course *way, const ric_node *node, ric_continuation **out)
+/* *out that is not NULL before is a trace that was broken off, and goes on; as it does after
+ * RIC_E_INTERRUPTED. */
+static ric_status trace_once(const ric_model *m, const course *way, const ric_node *node,
+                             ric_continuation **out)
 {
     ric_status status = *out ? RIC_OK : ric_trust(set_out(m, way, node, out));
     bool begun = !status;
@@ -185,10 +201,12 @@ static int more_parts(const ric_model *m, const course *way, int parts)
     return parts <= MOST_PARTS ? parts : 0;
 }
 
-/* Under a power law a branch that is not found, or lost on the way, or whose residual is nothing but rounding, is
- * sought once more with inner nodes, and with more of them (shooting_nodes.h). What the last attempt finds counts.
- * *parts: the attempt, 0 the first; with *out it is one that was broken off. */
-static ric_status trace_in_parts(const ric_model *m, const course *way, int *parts, ric_continuation **out)
+/* Under a power law a branch that is not found, or lost on the way, or whose residual is nothing
+ * but rounding, is sought once more with inner nodes, and with more of them (shooting_nodes.h).
+ * What the last attempt finds counts. *parts: the attempt, 0 the first; with *out it is one that
+ * was broken off. */
+static ric_status trace_in_parts(const ric_model *m, const course *way, int *parts,
+                                 ric_continuation **out)
 {
     for (;;) {
         ric_node *divided = ric_node_copy(way->node);
@@ -205,7 +223,8 @@ static ric_status trace_in_parts(const ric_model *m, const course *way, int *par
     }
 }
 
-static ric_status pack_outcome(ric_status status, const ric_continuation *tr, void **blob, size_t *size)
+static ric_status pack_outcome(ric_status status, const ric_continuation *tr, void **blob,
+                               size_t *size)
 {
     *size = 0;
     if (!status) return tr ? ric_continuation_pack(tr, blob, size) : RIC_OK;
@@ -216,8 +235,8 @@ static ric_status pack_outcome(ric_status status, const ric_continuation *tr, vo
     return RIC_OK;
 }
 
-static ric_status unpack_outcome(const ric_model *m, const ric_limits *limits, const char *blob, size_t size,
-                                 ric_continuation **out)
+static ric_status unpack_outcome(const ric_model *m, const ric_limits *limits, const char *blob,
+                                 size_t size, ric_continuation **out)
 {
     size_t head = sizeof RIC_REFUSED - 1;
     if (size == 0) return RIC_OK;
@@ -237,7 +256,8 @@ static ric_status trace_course(ric_graph *g, const course *way, ric_continuation
     if ((status = trace_key(way, key, sizeof key))) return status;
     if (g->store && (status = ric_store_trace_get(g->store, key, &blob, &size))) return status;
     bool stored = blob != NULL;
-    if (!blob && g->recall.memo && !g->recall.worker) blob = ric_cache_take(g->recall.memo, key, strlen(key), &size);
+    if (!blob && g->recall.memo && !g->recall.worker)
+        blob = ric_cache_take(g->recall.memo, key, strlen(key), &size);
     if (blob) {
         if (!stored) status = keep_trace(g, key, blob, size);
         if (!status) status = unpack_outcome(g->model, way->limits, blob, size, out);
@@ -248,12 +268,14 @@ static ric_status trace_course(ric_graph *g, const course *way, ric_continuation
     status = trace_in_parts(g->model, way, &parts, out);
     const ric_status whole = ric_trust(RIC_OK);
     if (whole) status = whole;
-    if (status == RIC_E_INTERRUPTED && (*out || parts) && keep_paused(g, key, parts, *out)) status = RIC_E_NOMEM;
+    if (status == RIC_E_INTERRUPTED && (*out || parts) && keep_paused(g, key, parts, *out))
+        status = RIC_E_NOMEM;
     if ((!status || status == RIC_E_NUMERIC) && (g->store || g->recall.worker)) {
         ric_status kept = pack_outcome(status, *out, &blob, &size);
         if (!kept) kept = keep_trace(g, key, blob, size);
         if (kept) status = kept;
-        else if (status) status = ric_fail(RIC_E_NUMERIC, "%s", (const char *)blob + sizeof RIC_REFUSED - 1);
+        else if (status)
+            status = ric_fail(RIC_E_NUMERIC, "%s", (const char *)blob + sizeof RIC_REFUSED - 1);
     }
     if (status) {
         ric_continuation_free(*out);
@@ -263,7 +285,8 @@ static ric_status trace_course(ric_graph *g, const course *way, ric_continuation
     return status;
 }
 
-/* A branch that comes to a region with multiplications of higher order is traced again, with an eye on them. */
+/* A branch that comes to a region with multiplications of higher order is traced again, with an eye
+ * on them. */
 static ric_status trace_in_regions(ric_graph *g, course *way, ric_continuation **out)
 {
     ric_status status = trace_course(g, way, out);
@@ -275,7 +298,8 @@ static ric_status trace_in_regions(ric_graph *g, course *way, ric_continuation *
     return trace_course(g, way, out);
 }
 
-ric_status ric_graph_trace(ric_graph *g, const ric_node *node, unsigned choice, int side, ric_continuation **out)
+ric_status ric_graph_trace(ric_graph *g, const ric_node *node, unsigned choice, int side,
+                           ric_continuation **out)
 {
     return trace_in_regions(g, &(course){&g->limits, node, choice, side, NULL}, out);
 }

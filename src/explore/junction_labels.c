@@ -1,5 +1,6 @@
-/* Labels of junctions: the article's letter with what the junction is, and a number that counts its family. A label
- * that a finished atlas has shown stays with the key of its junction, whatever larger budgets find beside it. */
+/* Labels of junctions: the article's letter with what the junction is, and a number that counts its
+ * family. A label that a finished atlas has shown stays with the key of its junction, whatever
+ * larger budgets find beside it. */
 #include "base/room.h"
 #include "rows_parts.h"
 
@@ -28,8 +29,10 @@ static int family_order(const ric_junction *a, const ric_junction *b)
     int order = strcmp(letter(a->kind), letter(b->kind));
     if (order) return order;
     bool grazing = a->kind == RIC_KIND_GRAZING;
-    const int mine[2] = {grazing ? a->impacts * a->multiple : a->a, grazing ? a->grazings * a->multiple : a->b};
-    const int yours[2] = {grazing ? b->impacts * b->multiple : b->a, grazing ? b->grazings * b->multiple : b->b};
+    const int mine[2] = {grazing ? a->impacts * a->multiple : a->a,
+                         grazing ? a->grazings * a->multiple : a->b};
+    const int yours[2] = {grazing ? b->impacts * b->multiple : b->a,
+                          grazing ? b->grazings * b->multiple : b->b};
     return mine[0] != yours[0]   ? (mine[0] < yours[0] ? -1 : 1)
            : mine[1] != yours[1] ? (mine[1] < yours[1] ? -1 : 1)
                                  : 0;
@@ -37,7 +40,8 @@ static int family_order(const ric_junction *a, const ric_junction *b)
 
 static int label_order(const void *p, const void *q)
 {
-    const ric_junction *a = &(*(ric_junction_record *const *)p)->row, *b = &(*(ric_junction_record *const *)q)->row;
+    const ric_junction *a = &(*(ric_junction_record *const *)p)->row,
+                       *b = &(*(ric_junction_record *const *)q)->row;
     const int order = family_order(a, b);
     return order ? order : a->id - b->id;
 }
@@ -47,9 +51,12 @@ static char *label_of(const ric_junction *row, int number)
     char text[64];
     const char *l = letter(row->kind);
     if (row->kind == RIC_KIND_GRAZING)
-        snprintf(text, sizeof text, "G%d_%d,%d", number, row->impacts * row->multiple, row->grazings * row->multiple);
-    else if (*l == 'C' && row->b == 0) snprintf(text, sizeof text, "C%d_??", number); /* not measured yet */
-    else if (*l == 'C') snprintf(text, sizeof text, "C%d_%d%d%s", number, row->a, row->b, row->decided ? "" : "?");
+        snprintf(text, sizeof text, "G%d_%d,%d", number, row->impacts * row->multiple,
+                 row->grazings * row->multiple);
+    else if (*l == 'C' && row->b == 0)
+        snprintf(text, sizeof text, "C%d_??", number); /* not measured yet */
+    else if (*l == 'C')
+        snprintf(text, sizeof text, "C%d_%d%d%s", number, row->a, row->b, row->decided ? "" : "?");
     else snprintf(text, sizeof text, "%s%d", l, number);
     return ric_strdup(text);
 }
@@ -136,8 +143,9 @@ static bool is_name(int n, const char **names, const char *text)
     return bsearch(&text, names, (size_t)n, sizeof text, by_text) != NULL;
 }
 
-/* The label that its junction has had before; NULL if it had none, or if that is another junction's name now. Whether
- * the multiplicities were decided may have hung on the last digits: it stays, too. */
+/* The label that its junction has had before; NULL if it had none, or if that is another junction's
+ * name now. Whether the multiplicities were decided may have hung on the last digits: it stays,
+ * too. */
 static char *label_before(const ledger *l, int n_name, const char **names, ric_junction *row)
 {
     const shown *line = find_shown(l, row->key);
@@ -182,7 +190,8 @@ static ric_status write_ledger(const ledger *l, const ric_atlas *atlas, char **o
     return *out ? RIC_OK : ric_no_rows();
 }
 
-static ric_status give(const ledger *l, int n, ric_junction_record **list, int n_name, const char **names)
+static ric_status give(const ledger *l, int n, ric_junction_record **list, int n_name,
+                       const char **names)
 {
     for (int i = 0, number = 0; i < n; i++) {
         ric_junction_record *r = list[i];

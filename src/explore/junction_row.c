@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Relative, energy and frequency together: a name of the study belongs to the nearest junction within this distance, as
- * places are read off printed figures. */
+/* Relative, energy and frequency together: a name of the study belongs to the nearest junction
+ * within this distance, as places are read off printed figures. */
 #define NAMED 2e-3
 
 static void count_departures(const ric_node *node, ric_junction_record *r)
@@ -22,9 +22,10 @@ static void count_departures(const ric_node *node, ric_junction_record *r)
     d->refused += node->unsought;
 }
 
-static const char unsought[] =
-    "modes of one frequency: of their mixtures those were looked for that up to three contacts drive, more contacts "
-    "only at one instant or half a period apart, and contacts of perpendicular normals at no other time";
+static const char unsought[] = "modes of one frequency: of their mixtures those were looked for "
+                               "that up to three contacts drive, more contacts "
+                               "only at one instant or half a period apart, and contacts of "
+                               "perpendicular normals at no other time";
 
 /* Whether departure `place` is refused for a reason that none before it has. */
 static bool new_reason(const ric_node *node, int place)
@@ -48,12 +49,15 @@ static char *refusals(const ric_node *node)
     int used = snprintf(text, size, "%s", whole);
     for (int i = 0; i < node->n_departure; i++)
         if (new_reason(node, i))
-            used += snprintf(text + used, size - (size_t)used, "%s%s", used ? "; " : "", node->departures[i].why);
-    if (node->unsought) snprintf(text + used, size - (size_t)used, "%s%s", used ? "; " : "", unsought);
+            used += snprintf(text + used, size - (size_t)used, "%s%s", used ? "; " : "",
+                             node->departures[i].why);
+    if (node->unsought)
+        snprintf(text + used, size - (size_t)used, "%s%s", used ? "; " : "", unsought);
     return text;
 }
 
-ric_status ric_junction_row_make(const ric_model *m, const ric_node *node, int index, ric_junction_row *out)
+ric_status ric_junction_row_make(const ric_model *m, const ric_node *node, int index,
+                                 ric_junction_row *out)
 {
     ric_status status = RIC_OK;
     ric_junction_record *r = &out->record;
@@ -97,9 +101,10 @@ out:
     return status;
 }
 
-/* The linear motion of a mode at an energy that was asked for; its contacts may not see it, so that it is no node of
- * the graph. */
-static ric_status linear_row(const ric_model *m, int mode, double energy, int index, ric_junction_row *out)
+/* The linear motion of a mode at an energy that was asked for; its contacts may not see it, so that
+ * it is no node of the graph. */
+static ric_status linear_row(const ric_model *m, int mode, double energy, int index,
+                             ric_junction_row *out)
 {
     ric_junction_record *r = &out->record;
     int n = m->n_dof;
@@ -110,7 +115,8 @@ static ric_status linear_row(const ric_model *m, int mode, double energy, int in
     r->flights = ric_calloc(1, sizeof *r->flights);
     r->refusal = ric_strdup("");
     if (!r->word || !r->state || !r->flights || !r->refusal) return ric_no_rows();
-    for (int i = 0; i < n; i++) r->state[i] = m->Phi[i * n + mode] * ric_linear_amplitude(omega, energy);
+    for (int i = 0; i < n; i++)
+        r->state[i] = m->Phi[i * n + mode] * ric_linear_amplitude(omega, energy);
     r->flights[0] = RIC_TWO_PI / omega;
     r->row = (ric_junction){.kind = RIC_KIND_USER,
                             .word = r->word,
@@ -123,8 +129,8 @@ static ric_status linear_row(const ric_model *m, int mode, double energy, int in
     return RIC_OK;
 }
 
-ric_status ric_junction_row_energies(const ric_graph *g, int mode, ric_branch_row *s, ric_junction_row *junctions,
-                                     int *n)
+ric_status ric_junction_row_energies(const ric_graph *g, int mode, ric_branch_row *s,
+                                     ric_junction_row *junctions, int *n)
 {
     ric_status status = RIC_OK;
     ric_branch_record *r = &s->record;
@@ -132,7 +138,8 @@ ric_status ric_junction_row_energies(const ric_graph *g, int mode, ric_branch_ro
     for (int i = 0; i < g->limits.n_asked && !status; i++) {
         const ric_user_point *asked = &g->limits.asked[i];
         if (asked->frequency || asked->value >= r->row.energy_max) continue;
-        r->junction_at[r->row.n_junction++] = ric_linear_amplitude(g->model->frequency[mode], asked->value);
+        r->junction_at[r->row.n_junction++] = ric_linear_amplitude(g->model->frequency[mode],
+                                                                   asked->value);
         status = linear_row(g->model, mode, asked->value, g->n_node + *n, &junctions[*n]);
         (*n)++;
     }
@@ -141,7 +148,8 @@ ric_status ric_junction_row_energies(const ric_graph *g, int mode, ric_branch_ro
 
 int ric_junction_row_order(const void *p, const void *q)
 {
-    const ric_junction *a = &((const ric_junction_row *)p)->record.row, *b = &((const ric_junction_row *)q)->record.row;
+    const ric_junction *a = &((const ric_junction_row *)p)->record.row,
+                       *b = &((const ric_junction_row *)q)->record.row;
     int order;
     if (a->impacts * a->multiple != b->impacts * b->multiple)
         return a->impacts * a->multiple - b->impacts * b->multiple;
@@ -163,7 +171,8 @@ ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_ro
         if (status) return status;
         for (int i = 0; i < n; i++) {
             const ric_junction *j = &junctions[i].record.row;
-            double off = fabs(j->energy / name.energy - 1) + fabs(j->frequency / name.frequency - 1);
+            double off = fabs(j->energy / name.energy - 1) +
+                         fabs(j->frequency / name.frequency - 1);
             if (strcmp(ric_kind_text(j->kind), name.kind) || !(off < least)) continue;
             least = off;
             best = i;
@@ -173,7 +182,8 @@ ric_status ric_junction_rows_name(const ric_study *study, int n, ric_junction_ro
         if (!(junctions[best].record.name = ric_strdup(name.name))) return ric_no_rows();
     }
     for (int i = 0; i < n; i++) {
-        if (!junctions[i].record.name && !(junctions[i].record.name = ric_strdup(""))) return ric_no_rows();
+        if (!junctions[i].record.name && !(junctions[i].record.name = ric_strdup("")))
+            return ric_no_rows();
         junctions[i].record.row.name = junctions[i].record.name;
     }
     return RIC_OK;

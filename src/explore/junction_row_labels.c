@@ -1,4 +1,5 @@
-/* C_ab of the junctions of an atlas: taken from what an earlier run has measured, or measured and kept. */
+/* C_ab of the junctions of an atlas: taken from what an earlier run has measured, or measured and
+ * kept. */
 #include <inttypes.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -24,9 +25,9 @@ typedef struct {
 
 static bool has_label(const ric_junction_row *junction)
 {
-    return junction->node &&
-           (junction->node->kind == RIC_KIND_EXTREMUM || junction->node->kind == RIC_KIND_BRANCH_POINT ||
-            junction->node->kind == RIC_KIND_MULTIPLICATION);
+    return junction->node && (junction->node->kind == RIC_KIND_EXTREMUM ||
+                              junction->node->kind == RIC_KIND_BRANCH_POINT ||
+                              junction->node->kind == RIC_KIND_MULTIPLICATION);
 }
 
 /* ------------------------------------------------------------------- keeping */
@@ -38,7 +39,8 @@ static uint64_t mixed(uint64_t hash, size_t size, const void *bytes)
     return hash;
 }
 
-/* All that a label depends on, as the key of a trace is all that shapes a trace (graph_follow.c). */
+/* All that a label depends on, as the key of a trace is all that shapes a trace (graph_follow.c).
+ */
 static ric_status label_key(const ric_node *node, char *key, size_t size)
 {
     const ric_periodic *c = node->cycle;
@@ -47,8 +49,8 @@ static ric_status label_key(const ric_node *node, char *key, size_t size)
     hash = mixed(hash, (size_t)c->N * sizeof *c->face, c->face);
     hash = mixed(hash, (size_t)c->N * sizeof *c->tau, c->tau);
     hash = mixed(hash, 2 * (size_t)c->n * sizeof *c->w, c->w);
-    ric_c_print(key, size, RIC_LABEL "%d %d %d %d %d %d %a %a %016" PRIx64, (int)node->kind, c->N, c->parts, c->half,
-                c->pure, node->multiple, node->energy, node->period, hash);
+    ric_c_print(key, size, RIC_LABEL "%d %d %d %d %d %d %a %a %016" PRIx64, (int)node->kind, c->N,
+                c->parts, c->half, c->pure, node->multiple, node->energy, node->period, hash);
     return ric_memory_failed() ? ric_no_memory("the name of a label") : RIC_OK;
 }
 
@@ -127,7 +129,8 @@ static ric_status measure_row(void *user, int i)
     bool measured = recall(s, key, row);
     if (!measured && !stopped(s)) {
         ric_halt_ask(stopped, s);
-        status = ric_trust(ric_multiplicity(s->graph->model, node, &row->a, &row->b, &row->decided));
+        status = ric_trust(
+            ric_multiplicity(s->graph->model, node, &row->a, &row->b, &row->decided));
         ric_halt_ask(NULL, NULL);
         measured = !status;
         if (measured) status = keep(s, key, row);

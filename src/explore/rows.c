@@ -19,17 +19,19 @@ static bool departed(const ric_node *node)
 {
     for (int i = 0; i < node->n_departure; i++)
         if (ric_node_impacts(node, node->departures[i].choice) == 0)
-            return node->departures[i].state == RIC_DEPARTURE_KNOWN || node->departures[i].state == RIC_DEPARTURE_TAKEN;
+            return node->departures[i].state == RIC_DEPARTURE_KNOWN ||
+                   node->departures[i].state == RIC_DEPARTURE_TAKEN;
     return false;
 }
 
-static ric_status linear_rows(const ric_graph *g, ric_branch_row *branches, int *n, ric_junction_row *junctions,
-                              int *n_junction)
+static ric_status linear_rows(const ric_graph *g, ric_branch_row *branches, int *n,
+                              ric_junction_row *junctions, int *n_junction)
 {
     const ric_model *m = g->model;
     double *energy = ric_calloc((size_t)m->n_dof, sizeof *energy);
     int *contact = ric_calloc((size_t)m->n_dof, sizeof *contact);
-    ric_status status = energy && contact ? ric_model_grazing_energies(m, energy, contact) : ric_no_rows();
+    ric_status status = energy && contact ? ric_model_grazing_energies(m, energy, contact)
+                                          : ric_no_rows();
     for (int i = 0; i < m->n_dof && !status; i++) {
         int seen = -1, node = -1;
         for (int k = 0; k < m->n; k++)
@@ -37,8 +39,11 @@ static ric_status linear_rows(const ric_graph *g, ric_branch_row *branches, int 
         if (!ric_model_detached(m) && seen >= 0) continue; /* its branch is traced */
         for (int k = 0; k < g->n_node; k++)
             if (seen >= 0 && g->nodes[k]->mode == seen && g->nodes[k]->multiple == 1) node = k;
-        if (m->frequency[i] == 0 || !(started(g->options, i) || (node >= 0 && departed(g->nodes[node])))) continue;
-        status = ric_branch_row_linear(m, g->options, i, seen, node, seen >= 0 ? energy[i] : HUGE_VAL, &branches[*n]);
+        if (m->frequency[i] == 0 ||
+            !(started(g->options, i) || (node >= 0 && departed(g->nodes[node]))))
+            continue;
+        status = ric_branch_row_linear(m, g->options, i, seen, node,
+                                       seen >= 0 ? energy[i] : HUGE_VAL, &branches[*n]);
         if (!started(g->options, i)) branches[*n].record.row.depth = g->nodes[node]->depth + 1;
         if (!status) status = ric_junction_row_energies(g, i, &branches[*n], junctions, n_junction);
         (*n)++;
@@ -51,7 +56,8 @@ static ric_status linear_rows(const ric_graph *g, ric_branch_row *branches, int 
 /* The nodes that some branch meets, or that belong to a mode. */
 static void find_used(const ric_graph *g, bool *used)
 {
-    for (int i = 0; i < g->n_node; i++) used[i] = g->nodes[i]->mode >= 0 || g->nodes[i]->mixture >= 0;
+    for (int i = 0; i < g->n_node; i++)
+        used[i] = g->nodes[i]->mode >= 0 || g->nodes[i]->mixture >= 0;
     for (int i = 0; i < g->n_edge; i++) {
         const ric_edge *e = &g->edges[i];
         if (e->from >= 0) used[e->from] = true;
@@ -73,7 +79,8 @@ static ric_status list_branch(ric_junction_row *k, int id)
 }
 
 /* For each junction the branches that meet there. `junctions` lie in the order of ids. */
-static ric_status list_branches(ric_junction_row *junctions, int n, const ric_branch_row *branches, const int *id)
+static ric_status list_branches(ric_junction_row *junctions, int n, const ric_branch_row *branches,
+                                const int *id)
 {
     ric_status status = RIC_OK;
     for (int i = 0; i < n && !status; i++) {
@@ -91,7 +98,8 @@ static void note_ends(ric_branch_row *s, const int *id)
 {
     const ric_edge *e = s->edge;
     if (!e) return;
-    const int ends[4] = {e->from >= 0 ? id[e->from] : 0, (int)e->leave, e->to >= 0 ? id[e->to] : 0, (int)e->arrive};
+    const int ends[4] = {e->from >= 0 ? id[e->from] : 0, (int)e->leave, e->to >= 0 ? id[e->to] : 0,
+                         (int)e->arrive};
     memcpy(s->ends, ends, sizeof ends);
 }
 
@@ -102,7 +110,8 @@ static void link_branches(int n, ric_branch_row *branches, const int *id)
         r->row.id = i + 1;
         r->row.from = branches[i].from >= 0 ? id[branches[i].from] : 0;
         r->row.to = branches[i].to >= 0 ? id[branches[i].to] : 0;
-        for (int k = 0; k < r->row.n_junction; k++) r->junctions[k] = id[ric_branch_row_passed(&branches[i], k)];
+        for (int k = 0; k < r->row.n_junction; k++)
+            r->junctions[k] = id[ric_branch_row_passed(&branches[i], k)];
     }
 }
 
@@ -127,8 +136,8 @@ static ric_status make_junction(void *user, int i)
 }
 
 /* Junctions are numbered, and branches in the order of what they meet. */
-static ric_status put_in_order(int n_junction, ric_junction_row *junctions, int n_branch, ric_branch_row *branches,
-                               int *id)
+static ric_status put_in_order(int n_junction, ric_junction_row *junctions, int n_branch,
+                               ric_branch_row *branches, int *id)
 {
     qsort(junctions, (size_t)n_junction, sizeof *junctions, ric_junction_row_order);
     for (int i = 0; i < n_junction; i++) {
@@ -141,10 +150,10 @@ static ric_status put_in_order(int n_junction, ric_junction_row *junctions, int 
     return list_branches(junctions, n_branch, branches, id);
 }
 
-/* An atlas with room for junctions, and with the records of branches, which stay those of the rows until all is done.
- */
-static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n, const ric_branch_row *branches,
-                                int n_junction, ric_atlas *atlas)
+/* An atlas with room for junctions, and with the records of branches, which stay those of the rows
+ * until all is done. */
+static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n,
+                                const ric_branch_row *branches, int n_junction, ric_atlas *atlas)
 {
     ric_status status = ric_study_copy(study, &atlas->study);
     if (status) return status;
@@ -177,13 +186,16 @@ ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ri
         goto out;
     }
     if ((status = linear_rows(g, branches, &n_branch, junctions, &n_junction))) goto out;
-    making work = {.graph = g, .branches = branches + n_branch, .junctions = junctions + n_junction};
+    making work = {.graph = g,
+                   .branches = branches + n_branch,
+                   .junctions = junctions + n_junction};
     n_branch += g->n_edge;
     find_used(g, used);
     for (int i = 0; i < g->n_node; i++)
         if (used[i]) junctions[n_junction++].index = i;
     if ((status = ric_workers_each(g->n_worker, g->n_edge, make_branch, &work))) goto out;
-    if ((status = ric_workers_each(g->n_worker, (int)(junctions + n_junction - work.junctions), make_junction, &work)))
+    if ((status = ric_workers_each(g->n_worker, (int)(junctions + n_junction - work.junctions),
+                                   make_junction, &work)))
         goto out;
     if ((status = put_in_order(n_junction, junctions, n_branch, branches, id))) goto out;
     atlas->finished = finished;
@@ -201,8 +213,10 @@ ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ri
     atlas = NULL;
 out:
     if (atlas && n_branch) atlas->n_branch = 0; /* they belong to the rows */
-    for (int i = 0; branches && i < n_branch; i++) ric_atlas_branch_record_free(&branches[i].record);
-    for (int i = 0; junctions && i < n_junction; i++) ric_atlas_junction_record_free(&junctions[i].record);
+    for (int i = 0; branches && i < n_branch; i++)
+        ric_atlas_branch_record_free(&branches[i].record);
+    for (int i = 0; junctions && i < n_junction; i++)
+        ric_atlas_junction_record_free(&junctions[i].record);
     free(branches);
     free(junctions);
     free(id);

@@ -5,8 +5,9 @@
 #include "atlas/room.h"
 #include "graph.h"
 
-/* Labels that are in the store of the graph are taken from there, others are measured and put there. When a stop is
- * asked for (ric_graph_stopped) the rest stays unmeasured, and the atlas unfinished. */
+/* Labels that are in the store of the graph are taken from there, others are measured and put
+ * there. When a stop is asked for (ric_graph_stopped) the rest stays unmeasured, and the atlas
+ * unfinished. */
 ric_status ric_rows_make(ric_graph *graph, const ric_study *study, bool finished, ric_atlas **out);
 
 #endif

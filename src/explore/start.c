@@ -63,7 +63,8 @@ static ric_status take_line(const ric_model *m, const char **text, ric_periodic 
     int N, half, pure, flip;
     *out = NULL;
     if (!take_integer(text, 1, LONGEST, &N) || !take_integer(text, 0, m->symmetric, &half) ||
-        !take_integer(text, -1, N - 1, &pure) || !take_integer(text, -1, m->symmetric ? N - 1 : -1, &flip))
+        !take_integer(text, -1, N - 1, &pure) ||
+        !take_integer(text, -1, m->symmetric ? N - 1 : -1, &flip))
         return ric_fail(RIC_E_FORMAT, "a given start is not readable");
     if (!(*out = ric_periodic_create(m->n, N))) return ric_no_memory("a start");
     if (!take_cycle(m, text, half, *out)) {
@@ -94,8 +95,8 @@ ric_status ric_starts_parse(const ric_model *m, const char *text, ric_starts *ou
     return status;
 }
 
-char *ric_start_line(int n_dof, int N, bool half, int pure, int flip, const int *word, const double *flights,
-                     const double *x, const double *v)
+char *ric_start_line(int n_dof, int N, bool half, int pure, int flip, const int *word,
+                     const double *flights, const double *x, const double *v)
 {
     ric_buffer line;
     if (!ric_buffer_open(&line)) return NULL;
@@ -131,8 +132,10 @@ ric_status ric_start_solve(const ric_model *m, const ric_periodic *given, ric_pe
     double moved = 0;
     for (int i = 0; i < size; i++) moved = fmax(moved, fabs(u[i] - work[i]));
     if (!solved || !(moved < RIC_SAME_LOCATED * chain->scale))
-        status = ric_fail(RIC_E_NUMERIC, "a given start of %d impacts is no orbit: it moves by %.3g when it is solved",
-                          given->N, moved);
+        status =
+            ric_fail(RIC_E_NUMERIC,
+                     "a given start of %d impacts is no orbit: it moves by %.3g when it is solved",
+                     given->N, moved);
     else if (!(*out = ric_periodic_from_chain(chain, u))) status = ric_no_memory("a start");
 out:
     ric_shooting_free(chain);

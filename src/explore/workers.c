@@ -87,9 +87,10 @@ ric_status ric_workers_create(int n, ric_prepare *prepare, void *user, ric_worke
     pthread_cond_init(&w->finished, NULL);
     for (; w->n_thread < n; w->n_thread++)
         if (pthread_create(&w->threads[w->n_thread], NULL, serve, w)) {
-            ric_status status = ric_fail(RIC_E_NOMEM,
-                                         "the system gives no more than %d threads; run with fewer workers",
-                                         w->n_thread);
+            ric_status status =
+                ric_fail(RIC_E_NOMEM,
+                         "the system gives no more than %d threads; run with fewer workers",
+                         w->n_thread);
             ric_workers_free(w);
             return status;
         }
@@ -167,8 +168,8 @@ static void doze(ric_workers *w)
     pthread_cond_timedwait(&w->finished, &w->lock, &until);
 }
 
-/* Without threads the owner works itself: on what is asked for, or on others while that is in hand elsewhere. With the
- * lock held. */
+/* Without threads the owner works itself: on what is asked for, or on others while that is in hand
+ * elsewhere. With the lock held. */
 static void help(ric_workers *w, int number)
 {
     withdraw(w, &w->jobs[number - 1]);
@@ -245,7 +246,8 @@ static void *turn(void *argument)
         pthread_mutex_lock(&l->lock);
         if (status && !l->status) {
             l->status = status;
-            snprintf(l->why, sizeof l->why, "%s", status == RIC_E_NOMEM ? ric_status_text(status) : ric_detail());
+            snprintf(l->why, sizeof l->why, "%s",
+                     status == RIC_E_NOMEM ? ric_status_text(status) : ric_detail());
         }
     }
     pthread_mutex_unlock(&l->lock);
@@ -257,14 +259,17 @@ ric_status ric_workers_each(int n, int count, ric_status (*each)(void *user, int
     if (n < 2 || count < 2) {
         ric_status status = RIC_OK;
         for (int i = 0; i < count && !status; i++) status = each(user, i);
-        return !status && ric_memory_failed() ? ric_fail(RIC_E_NOMEM, "%s", ric_status_text(RIC_E_NOMEM)) : status;
+        return !status && ric_memory_failed()
+                   ? ric_fail(RIC_E_NOMEM, "%s", ric_status_text(RIC_E_NOMEM))
+                   : status;
     }
     loop l = {.count = count, .each = each, .user = user};
     pthread_t *threads = ric_calloc((size_t)n, sizeof *threads);
     int started = 0;
     pthread_mutex_init(&l.lock, NULL);
     /* fewer do as well */
-    while (threads && started < n - 1 && !pthread_create(&threads[started], NULL, turn, &l)) started++;
+    while (threads && started < n - 1 && !pthread_create(&threads[started], NULL, turn, &l))
+        started++;
     turn(&l);
     for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
     pthread_mutex_destroy(&l.lock);

@@ -2,13 +2,14 @@
 
 #include "flight_law.h"
 
-void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *after)
+void ric_flight_go(const ric_model *m, uint64_t closed, int event, double tau, const double *w,
+                   double *after)
 {
     ric_flight_law_of(m)->go(m, closed, event, tau, w, after);
 }
 
-void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix,
-                    double *after, double *rate)
+void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, const double *w,
+                    double *matrix, double *after, double *rate)
 {
     ric_flight_law_of(m)->map(m, closed, event, tau, w, matrix, after, rate);
 }
@@ -30,7 +31,8 @@ double ric_flight_energy(const ric_model *m, uint64_t closed, const double *w)
     return (sum + ric_flight_law_of(m)->store(m, closed, w)) / 2;
 }
 
-void ric_flight_secant(const ric_model *m, uint64_t closed, const double *w0, const double *w1, double *h)
+void ric_flight_secant(const ric_model *m, uint64_t closed, const double *w0, const double *w1,
+                       double *h)
 {
     int n = m->n;
     for (int i = 0; i < n; i++) {

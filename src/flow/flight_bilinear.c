@@ -1,9 +1,9 @@
-/* Flights with springs that are closed: linear in the modes of the structure that the springs have joined (regime.h).
- * Such a set of springs acts from its faces on. */
+/* Flights with springs that are closed: linear in the modes of the structure that the springs have
+ * joined (regime.h). Such a set of springs acts from its faces on. */
 #include "flight_law.h"
 
-/* The regime of a set of closed springs. Without one, for want of memory or because both faces of a contact would be
- * closed, the states are no numbers, and the chain does not converge. */
+/* The regime of a set of closed springs. Without one, for want of memory or because both faces of a
+ * contact would be closed, the states are no numbers, and the chain does not converge. */
 static const ric_regime *regime_of(const ric_model *m, uint64_t closed, double *lost)
 {
     const ric_regime *regime;
@@ -17,7 +17,8 @@ static const ric_face *closing(const ric_model *m, uint64_t closed, int event)
     return event >= 0 && closed >> event & 1 ? &m->face[event] : NULL;
 }
 
-static void go(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *after)
+static void go(const ric_model *m, uint64_t closed, int event, double tau, const double *w,
+               double *after)
 {
     if (!closed) {
         ric_flight_rigid.go(m, closed, event, tau, w, after);
@@ -27,8 +28,8 @@ static void go(const ric_model *m, uint64_t closed, int event, double tau, const
     if (regime) ric_regime_fly(regime, closing(m, closed, event), tau, w, after, NULL);
 }
 
-static void map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix,
-                double *after, double *rate)
+static void map(const ric_model *m, uint64_t closed, int event, double tau, const double *w,
+                double *matrix, double *after, double *rate)
 {
     int n = m->n;
     if (!closed) {
@@ -68,12 +69,14 @@ static double store(const ric_model *m, uint64_t closed, const double *w)
     return springs;
 }
 
-static void secant(const ric_model *m, uint64_t closed, const double *w0, const double *w1, double *h)
+static void secant(const ric_model *m, uint64_t closed, const double *w0, const double *w1,
+                   double *h)
 {
     for (int f = 0; closed >> f && f < m->n_face; f++) {
         if (!(closed >> f & 1)) continue;
         const ric_face *face = &m->face[f];
-        double force = face->spring * (ric_gap(m->n, face, w0) + ric_gap(m->n, face, w1) - 2 * face->gap);
+        double force = face->spring *
+                       (ric_gap(m->n, face, w0) + ric_gap(m->n, face, w1) - 2 * face->gap);
         for (int i = 0; i < m->n; i++) h[i] += force * face->g[i];
     }
 }
@@ -83,16 +86,18 @@ const ric_flight_law ric_flight_bilinear =
 
 /* --------------------------------------------------- flights between events */
 
-double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau, const double *w,
-                        double *by_w, double *by_tau)
+double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau,
+                        const double *w, double *by_w, double *by_tau)
 {
     const ric_regime *regime;
     double lost = NAN;
     if (ric_regime_get(m, closed, &regime)) return lost;
-    return ric_regime_chord(regime, closing(m, closed, event), m->face[face].contact, tau, w, by_w, by_tau);
+    return ric_regime_chord(regime, closing(m, closed, event), m->face[face].contact, tau, w, by_w,
+                            by_tau);
 }
 
-bool ric_flight_fine(const ric_model *m, uint64_t closed, long double tau, int ld, bool states, long double *W)
+bool ric_flight_fine(const ric_model *m, uint64_t closed, long double tau, int ld, bool states,
+                     long double *W)
 {
     const ric_regime *regime;
     if (ric_regime_get(m, closed, &regime)) return false;

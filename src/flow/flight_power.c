@@ -1,4 +1,5 @@
-/* Flights under a power law: contacts act all the time, and the flow is integrated (power_flow.h). */
+/* Flights under a power law: contacts act all the time, and the flow is integrated (power_flow.h).
+ */
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,17 +10,19 @@
 /* The workspace is kept on the stack unless the structure is large. */
 enum { SMALL = 1 << 15 };
 
-/* Where the flow cannot be followed the state is infinite, and no orbit is found there. `matrix` and `lost` may be
- * NULL. */
-void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix, double *lost, double *after)
+/* Where the flow cannot be followed the state is infinite, and no orbit is found there. `matrix`
+ * and `lost` may be NULL. */
+void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix,
+                       double *lost, double *after)
 {
     size_t states = 2 * (size_t)m->n, size = ric_power_flow_work(m, matrix ? 2 * m->n : 0),
            small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
     double *work = size <= SMALL ? stack : ric_malloc(size * sizeof *work), unwanted;
     if (after != w) memcpy(after, w, states * sizeof *w);
-    if (!work || !(matrix ? ric_power_flow_map_surely(m, tau, after, matrix, lost ? lost : &unwanted, work)
-                          : ric_power_flow_fly(m, tau, after, 0, NULL, work))) {
+    if (!work ||
+        !(matrix ? ric_power_flow_map_surely(m, tau, after, matrix, lost ? lost : &unwanted, work)
+                 : ric_power_flow_fly(m, tau, after, 0, NULL, work))) {
         for (size_t i = 0; i < states; i++) after[i] = HUGE_VAL;
         for (size_t i = 0; matrix && i < states * states; i++) matrix[i] = 0;
         if (lost) *lost = 0;
@@ -37,14 +40,15 @@ double ric_flight_pace(const ric_model *m, const double *w)
     return pace;
 }
 
-static void go(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *after)
+static void go(const ric_model *m, uint64_t closed, int event, double tau, const double *w,
+               double *after)
 {
     (void)closed, (void)event;
     ric_flight_smooth(m, tau, w, NULL, NULL, after);
 }
 
-static void map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix,
-                double *after, double *rate)
+static void map(const ric_model *m, uint64_t closed, int event, double tau, const double *w,
+                double *matrix, double *after, double *rate)
 {
     (void)event;
     ric_flight_smooth(m, tau, w, matrix, NULL, after);
@@ -74,7 +78,8 @@ static double store(const ric_model *m, uint64_t closed, const double *w)
     (void)closed;
     for (int f = 0; f < m->n_contact; f++) {
         double s = ric_dot(m->n, m->g + f * m->n, w);
-        springs += m->spring[f] * s * power(s, m->contact[f].exponent) * 2 / (m->contact[f].exponent + 1);
+        springs += m->spring[f] * s * power(s, m->contact[f].exponent) * 2 /
+                   (m->contact[f].exponent + 1);
     }
     return springs;
 }
@@ -90,14 +95,16 @@ static double power_secant(double s0, double s1, int exponent)
     return sum;
 }
 
-static void secant(const ric_model *m, uint64_t closed, const double *w0, const double *w1, double *h)
+static void secant(const ric_model *m, uint64_t closed, const double *w0, const double *w1,
+                   double *h)
 {
     int n = m->n;
     (void)closed;
     for (int f = 0; f < m->n_contact; f++) {
         const double *g = m->g + f * n;
         int exponent = m->contact[f].exponent;
-        double force = 2 * m->spring[f] / (exponent + 1) * power_secant(ric_dot(n, g, w0), ric_dot(n, g, w1), exponent);
+        double force = 2 * m->spring[f] / (exponent + 1) *
+                       power_secant(ric_dot(n, g, w0), ric_dot(n, g, w1), exponent);
         for (int i = 0; i < n; i++) h[i] += force * g[i];
     }
 }

@@ -3,7 +3,8 @@
 
 #include "flight_law.h"
 
-static void go(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *after)
+static void go(const ric_model *m, uint64_t closed, int event, double tau, const double *w,
+               double *after)
 {
     double trig[3 * m->n];
     (void)closed, (void)event;
@@ -11,8 +12,8 @@ static void go(const ric_model *m, uint64_t closed, int event, double tau, const
     ric_flight(m->n, trig, w, after);
 }
 
-static void map(const ric_model *m, uint64_t closed, int event, double tau, const double *w, double *matrix,
-                double *after, double *rate)
+static void map(const ric_model *m, uint64_t closed, int event, double tau, const double *w,
+                double *matrix, double *after, double *rate)
 {
     int n = m->n;
     double trig[3 * n];
@@ -40,7 +41,8 @@ static double store(const ric_model *m, uint64_t closed, const double *w)
     return 0;
 }
 
-static void secant(const ric_model *m, uint64_t closed, const double *w0, const double *w1, double *h)
+static void secant(const ric_model *m, uint64_t closed, const double *w0, const double *w1,
+                   double *h)
 {
     (void)m, (void)closed, (void)w0, (void)w1, (void)h;
 }

@@ -2,9 +2,9 @@
 
 #include <float.h>
 
-/* With a radius of convergence r and the step h = r EPSILON^(1/ORDER) the cost of a time is ORDER^2 / h, least at ORDER
- * = -ln(EPSILON) / 2 = 18 (Jorba and Zou 2005) if only the products counted; what each step costs besides moves it
- * up. */
+/* With a radius of convergence r and the step h = r EPSILON^(1/ORDER) the cost of a time is ORDER^2
+ * / h, least at ORDER = -ln(EPSILON) / 2 = 18 (Jorba and Zou 2005) if only the products counted;
+ * what each step costs besides moves it up. */
 enum { ORDER = 28, PAD = 4, LANES = 2 };
 #define EPSILON DBL_EPSILON
 typedef double real, lane __attribute__((vector_size(16)));
@@ -39,14 +39,18 @@ size_t ric_power_flow_work(const ric_model *m, int columns)
 }
 
 /* The same code with sizes known to the compiler for the structures of the article. */
-static bool go(const ric_model *m, double tau, double *w, int columns, double *X, double *S, double *work)
+static bool go(const ric_model *m, double tau, double *w, int columns, double *X, double *S,
+               double *work)
 {
-    if (m->n == 2 && m->n_contact == 1 && columns == 4) return fly_series(m, 2, 1, 4, tau, w, X, S, work);
-    if (m->n == 2 && m->n_contact == 1 && columns == 0) return fly_series(m, 2, 1, 0, tau, w, X, S, work);
+    if (m->n == 2 && m->n_contact == 1 && columns == 4)
+        return fly_series(m, 2, 1, 4, tau, w, X, S, work);
+    if (m->n == 2 && m->n_contact == 1 && columns == 0)
+        return fly_series(m, 2, 1, 0, tau, w, X, S, work);
     return fly_series(m, m->n, m->n_contact, columns, tau, w, X, S, work);
 }
 
-bool ric_power_flow_fly(const ric_model *m, double tau, double *w, int columns, double *X, double *work)
+bool ric_power_flow_fly(const ric_model *m, double tau, double *w, int columns, double *X,
+                        double *work)
 {
     return go(m, tau, w, columns, X, NULL, work);
 }
@@ -62,7 +66,8 @@ double ric_power_flow_pace(const ric_model *m, const double *w, double *work)
     return advance(m, n, contacts, p, radius(2 * n, W), 1, W, after);
 }
 
-/* Of all steps, S [2n * 2n] in units of `unit` epsilon, and of the start as it is given, carried by M to the end. */
+/* Of all steps, S [2n * 2n] in units of `unit` epsilon, and of the start as it is given, carried by
+ * M to the end. */
 static double loss(int size, double start, double unit, const double *M, const double *S)
 {
     double largest = 0;
@@ -76,7 +81,8 @@ static double loss(int size, double start, double unit, const double *M, const d
     return sqrt(largest);
 }
 
-static bool map(const ric_model *m, double tau, double *w, double *M, double *S, double *lost, double *work)
+static bool map(const ric_model *m, double tau, double *w, double *M, double *S, double *lost,
+                double *work)
 {
     int size = 2 * m->n;
     double start = top_of(size, w);
@@ -93,12 +99,14 @@ static double *losses(const ric_model *m, double *work)
     return work + series_work(m, 2 * m->n);
 }
 
-bool ric_power_flow_map(const ric_model *m, double tau, double *w, double *M, double *lost, double *work)
+bool ric_power_flow_map(const ric_model *m, double tau, double *w, double *M, double *lost,
+                        double *work)
 {
     return map(m, tau, w, M, losses(m, work), lost, work);
 }
 
-bool ric_power_flow_map_surely(const ric_model *m, double tau, double *w, double *M, double *lost, double *work)
+bool ric_power_flow_map_surely(const ric_model *m, double tau, double *w, double *M, double *lost,
+                               double *work)
 {
     int size = 2 * m->n;
     double *S = losses(m, work), w0[size], start = top_of(size, w);

@@ -16,12 +16,14 @@ static inline long double sum_of(lane x)
 
 #include "taylor.h"
 
-double ric_power_flow_again(const ric_model *m, double tau, const double *w0, double *w, double *M, double *S)
+double ric_power_flow_again(const ric_model *m, double tau, const double *w0, double *w, double *M,
+                            double *S)
 {
     int size = 2 * m->n;
     size_t count = (size_t)size * (size_t)size;
     double unit = EPSILON / DBL_EPSILON;
-    real *v = unit < 1 ? ric_malloc(((size_t)size + count + series_work(m, size)) * sizeof *v) : NULL,
+    real *v = unit < 1 ? ric_malloc(((size_t)size + count + series_work(m, size)) * sizeof *v)
+                       : NULL,
          *X = v ? v + size : NULL;
     if (!v) return 1;
     for (int i = 0; i < size; i++) v[i] = w0[i];

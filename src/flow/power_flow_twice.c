@@ -25,7 +25,8 @@ size_t ric_power_flow_twice_work(const ric_model *m, int columns)
     return series_work(m, columns);
 }
 
-bool ric_power_flow_twice(const ric_model *m, ric_twice tau, ric_twice *w, int columns, ric_twice *X, ric_twice *work)
+bool ric_power_flow_twice(const ric_model *m, ric_twice tau, ric_twice *w, int columns,
+                          ric_twice *X, ric_twice *work)
 {
     return fly_series(m, m->n, m->n_contact, columns, tau, w, X, NULL, work);
 }

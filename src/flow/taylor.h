@@ -1,12 +1,13 @@
-/* One step after another of the smooth flow by Taylor series (power_flow.h), for one kind of numbers. This text is
- * included once for each of them, by a file that has defined
+/* One step after another of the smooth flow by Taylor series (power_flow.h), for one kind of
+ * numbers. This text is included once for each of them, by a file that has defined
  *
- *     real                 the numbers, and lane, a vector of LANES of them that is loaded and multiplied at once;
- *                          sum_of adds up one
+ *     real                 the numbers, and lane, a vector of LANES of them that is loaded and
+ *                          multiplied at once; sum_of adds up one
  *     ORDER                of the series, and PAD, what lane may read beyond it
  *     EPSILON              of the numbers
- *     ADD, SUB, MUL, NEG   of them; SCALE, times a double; OVER, a double over an integer; FROM a double, NEAR one;
- *                          LESS: the order of two (taylor_plain.h where C has all of them)
+ *     ADD, SUB, MUL, NEG   of them; SCALE, times a double; OVER, a double over an integer; FROM a
+ *                          double, NEAR one; LESS: the order of two (taylor_plain.h where C has all
+ *                          of them)
  *
  * and gets fly_series. Lengths of steps are double. */
 #include <math.h>
@@ -15,16 +16,17 @@
 #include "base/room.h"
 #include "model/room.h"
 
-/* Last terms of the series, relative to the largest coordinate: the terms left out add up to a quarter of it. */
+/* Last terms of the series, relative to the largest coordinate: the terms left out add up to a
+ * quarter of it. */
 #define TRUNCATION EPSILON
-/* What the equation of motion may be off by at the end of a step, over ORDER, relative to the largest coordinate:
- * rounding takes the half. */
+/* What the equation of motion may be off by at the end of a step, over ORDER, relative to the
+ * largest coordinate: rounding takes the half. */
 #define DEFECT (4 * EPSILON)
 /* Exponents up to this one show all of themselves within the orders computed. */
 enum { SEEN = ORDER - 3 };
 
-/* Coefficients forwards and backwards, so that a convolution is a product of two stretches of memory: back[ORDER - j] =
- * x[j]. */
+/* Coefficients forwards and backwards, so that a convolution is a product of two stretches of
+ * memory: back[ORDER - j] = x[j]. */
 typedef struct {
     real x[ORDER + PAD], back[ORDER + PAD];
 } numbers;
@@ -59,7 +61,8 @@ static inline double top_of(int count, const real *x)
     return larger(a, b);
 }
 
-/* sum of x_l y_(j-l), l = 1 .. j-1: all but the newest coefficients, which wait for it in registers. */
+/* sum of x_l y_(j-l), l = 1 .. j-1: all but the newest coefficients, which wait for it in
+ * registers. */
 static inline real middle(int j, const numbers *x, const numbers *y)
 {
     const real *a = x->x, *b = y->back + ORDER - j;
@@ -129,10 +132,11 @@ static double majorant(const real *s, double R)
     return sum;
 }
 
-/* Powers beyond SEEN announce themselves too late: seen from s = 0 the series of s^99 starts at order 99, and the terms
- * computed say nothing of what is left out. Cauchy's bound does: no coefficient of s^m exceeds S(R)^m R^-j. With it the
- * force leaves less than spring |c| S(R)^m h (h/R)^ORDER / (ORDER (1 - h/R)) out of p, m times that of neighbours. The
- * step is the longest that keeps this below TRUNCATION of the size for one of a few R. */
+/* Powers beyond SEEN announce themselves too late: seen from s = 0 the series of s^99 starts at
+ * order 99, and the terms computed say nothing of what is left out. Cauchy's bound does: no
+ * coefficient of s^m exceeds S(R)^m R^-j. With it the force leaves less than spring |c| S(R)^m h
+ * (h/R)^ORDER / (ORDER (1 - h/R)) out of p, m times that of neighbours. The step is the longest
+ * that keeps this below TRUNCATION of the size for one of a few R. */
 static double guard(const ric_model *m, int n, int contacts, const powers *p, double size, double h)
 {
     for (int f = 0; f < contacts; f++) {
@@ -142,7 +146,9 @@ static double guard(const ric_model *m, int n, int contacts, const powers *p, do
         for (int i = 0; i < n; i++) widest = larger(widest, fabs(m->c[f * n + i]));
         factor *= widest;
         for (double R = 6 * h; R / 2 > best; R *= 0.7) {
-            double bound = pow(TRUNCATION * size / (factor * NEAR(power(FROM(majorant(p[f].power[0].x, R)), exponent))),
+            double bound = pow(TRUNCATION * size /
+                                   (factor *
+                                    NEAR(power(FROM(majorant(p[f].power[0].x, R)), exponent))),
                                1.0 / ORDER);
             best = fmax(best, R * fmin(bound, 0.5));
         }
@@ -152,17 +158,19 @@ static double guard(const ric_model *m, int n, int contacts, const powers *p, do
 }
 
 /* x [count] at h. */
-static inline __attribute__((always_inline)) void sum_series(int count, real h, const real *coefficients, real *x)
+static inline __attribute__((always_inline)) void sum_series(int count, real h,
+                                                             const real *coefficients, real *x)
 {
     memcpy(x, coefficients + (size_t)ORDER * (size_t)count, (size_t)count * sizeof *x);
     for (int j = ORDER - 1; j >= 0; j--)
-        for (int i = 0; i < count; i++) x[i] = ADD(coefficients[(size_t)j * (size_t)count + (size_t)i], MUL(h, x[i]));
+        for (int i = 0; i < count; i++)
+            x[i] = ADD(coefficients[(size_t)j * (size_t)count + (size_t)i], MUL(h, x[i]));
 }
 
-/* Largest |dp/dt - force| at h, where the series has come to w. The last term left out grows like t^ORDER: the error
- * that the step leaves in p is h / ORDER times this. */
-static inline __attribute__((always_inline)) double defect(const ric_model *m, int n, int contacts, real h,
-                                                           const real *W, const real *w)
+/* Largest |dp/dt - force| at h, where the series has come to w. The last term left out grows like
+ * t^ORDER: the error that the step leaves in p is h / ORDER times this. */
+static inline __attribute__((always_inline)) double defect(const ric_model *m, int n, int contacts,
+                                                           real h, const real *W, const real *w)
 {
     double off = 0;
     real push[contacts];
@@ -174,7 +182,8 @@ static inline __attribute__((always_inline)) double defect(const ric_model *m, i
     for (int i = 0; i < n; i++) {
         real rate = SCALE(ORDER, W[(size_t)ORDER * 2 * (size_t)n + (size_t)n + (size_t)i]);
         for (int j = ORDER - 1; j >= 1; j--)
-            rate = ADD(SCALE(j, W[(size_t)j * 2 * (size_t)n + (size_t)n + (size_t)i]), MUL(h, rate));
+            rate = ADD(SCALE(j, W[(size_t)j * 2 * (size_t)n + (size_t)n + (size_t)i]),
+                       MUL(h, rate));
         rate = ADD(rate, SCALE(m->stiff[i], w[i]));
         for (int f = 0; f < contacts; f++) rate = ADD(rate, SCALE(m->c[f * n + i], push[f]));
         off = larger(off, fabs(NEAR(rate)));
@@ -183,10 +192,12 @@ static inline __attribute__((always_inline)) double defect(const ric_model *m, i
 }
 
 /* The step, at most h, and the state w after it. */
-static inline __attribute__((always_inline)) real advance(const ric_model *m, int n, int contacts, const powers *p,
-                                                          real h, int sign, const real *W, real *w)
+static inline __attribute__((always_inline)) real advance(const ric_model *m, int n, int contacts,
+                                                          const powers *p, real h, int sign,
+                                                          const real *W, real *w)
 {
-    double size = top_of(2 * n, W), limit = DEFECT * size * ORDER, longest = guard(m, n, contacts, p, size, NEAR(h));
+    double size = top_of(2 * n, W), limit = DEFECT * size * ORDER,
+           longest = guard(m, n, contacts, p, size, NEAR(h));
     if (LESS(FROM(longest), h)) h = FROM(longest);
     for (;;) {
         const real along = SCALE(sign, h);
@@ -198,7 +209,8 @@ static inline __attribute__((always_inline)) real advance(const ric_model *m, in
 }
 
 /* Coefficient j + 1 of the state [2n] from coefficient j. */
-static inline __attribute__((always_inline)) void state_order(const ric_model *m, int n, int contacts, int j, powers *p,
+static inline __attribute__((always_inline)) void state_order(const ric_model *m, int n,
+                                                              int contacts, int j, powers *p,
                                                               real *W)
 {
     const real *a = W + (size_t)j * 2 * (size_t)n;
@@ -216,10 +228,11 @@ static inline __attribute__((always_inline)) void state_order(const ric_model *m
     }
 }
 
-/* The same of the columns [2n * columns], by lanes: d(s^m) = m s^(m - 1) ds. S [contacts][ORDER + 1][columns] collects
- * ds. */
-static inline __attribute__((always_inline)) void column_order(const ric_model *m, int n, int contacts, int columns,
-                                                               int j, const powers *p, lane *A, lane *S)
+/* The same of the columns [2n * columns], by lanes: d(s^m) = m s^(m - 1) ds. S [contacts][ORDER +
+ * 1][columns] collects ds. */
+static inline __attribute__((always_inline)) void column_order(const ric_model *m, int n,
+                                                               int contacts, int columns, int j,
+                                                               const powers *p, lane *A, lane *S)
 {
     int lanes = columns / LANES;
     const lane *now = A + (size_t)j * 2 * (size_t)n * (size_t)lanes;
@@ -248,13 +261,15 @@ static inline __attribute__((always_inline)) void column_order(const ric_model *
             }
             if (l < j) even = ADD(even, MUL(u[l], all[l * lanes + k]));
             lane push = MUL(factor, ADD(ADD(even, odd), MUL(u[j], ds)));
-            for (int i = 0; i < n; i++) next[(n + i) * lanes + k] = SUB(next[(n + i) * lanes + k], SCALE(c[i], push));
+            for (int i = 0; i < n; i++)
+                next[(n + i) * lanes + k] = SUB(next[(n + i) * lanes + k], SCALE(c[i], push));
         }
     }
 }
 
-/* Adds x^2 N N' to S [2n * 2n], where x is the size of the state w and N the inverse of M [2n * 2n]: that is symplectic
- * in (q, p), a = kappa q, so that the blocks of N are those of M transposed. */
+/* Adds x^2 N N' to S [2n * 2n], where x is the size of the state w and N the inverse of M [2n *
+ * 2n]: that is symplectic in (q, p), a = kappa q, so that the blocks of N are those of M
+ * transposed. */
 static void gather(const ric_model *m, const real *w, const real *M, double *S)
 {
     int n = m->n, size = 2 * n;
@@ -268,11 +283,12 @@ static void gather(const ric_model *m, const real *w, const real *M, double *S)
             N[(n + i) * size + n + j] = NEAR(M[j * size + i]);
         }
     for (int i = 0; i < size; i++)
-        for (int j = 0; j < size; j++) S[i * size + j] += x * x * ric_dot(size, N + i * size, N + j * size);
+        for (int j = 0; j < size; j++)
+            S[i * size + j] += x * x * ric_dot(size, N + i * size, N + j * size);
 }
 
-/* Numbers of workspace for `columns` neighbours; it starts at a multiple of the size of a lane. The powers take an even
- * number of them: what follows is read by lanes. */
+/* Numbers of workspace for `columns` neighbours; it starts at a multiple of the size of a lane. The
+ * powers take an even number of them: what follows is read by lanes. */
 static size_t powers_size(void)
 {
     return (sizeof(powers) + sizeof(lane) - 1) / sizeof(lane) * LANES;
@@ -284,24 +300,30 @@ static size_t series_work(const ric_model *m, int columns)
     return contacts * powers_size() + (ORDER + 1) * (2 * n + contacts) * width;
 }
 
-/* Takes w [2n] and X [2n * columns] through the time tau. S [2n * 2n] may be NULL: where X starts as 1, it gathers the
- * rounding of the steps, over epsilon and squared, taken back to the start. */
-static inline __attribute__((always_inline)) bool fly_series(const ric_model *m, int n, int contacts, int columns,
-                                                             real tau, real *w, real *X, double *S, real *work)
+/* Takes w [2n] and X [2n * columns] through the time tau. S [2n * 2n] may be NULL: where X starts
+ * as 1, it gathers the rounding of the steps, over epsilon and squared, taken back to the start. */
+static inline __attribute__((always_inline)) bool fly_series(const ric_model *m, int n,
+                                                             int contacts, int columns, real tau,
+                                                             real *w, real *X, double *S,
+                                                             real *work)
 {
     powers *p = (powers *)work;
     real *W = work + (size_t)contacts * powers_size(), *A = W + (size_t)(ORDER + 1) * 2 * (size_t)n;
-    real *series = A + (size_t)(ORDER + 1) * 2 * (size_t)n * (size_t)columns, left = NEAR(tau) < 0 ? NEG(tau) : tau;
+    real *series = A + (size_t)(ORDER + 1) * 2 * (size_t)n * (size_t)columns,
+         left = NEAR(tau) < 0 ? NEG(tau) : tau;
     int sign = NEAR(tau) < 0 ? -1 : 1;
     if (!isfinite(NEAR(tau))) return false;
     for (int f = 0; f < contacts; f++) plan(m->contact[f].exponent, &p[f]);
     for (int step = 0; NEAR(left) > 0; step++) {
-        if (step == RIC_SMOOTH_STEPS || ric_halt(ORDER * ORDER * (1.0 + contacts) * (1 + columns))) return false;
+        if (step == RIC_SMOOTH_STEPS || ric_halt(ORDER * ORDER * (1.0 + contacts) * (1 + columns)))
+            return false;
         memcpy(W, w, 2 * (size_t)n * sizeof *w);
         if (columns) memcpy(A, X, 2 * (size_t)n * (size_t)columns * sizeof *X);
         for (int j = 0; j < ORDER; j++) {
             state_order(m, n, contacts, j, p, W);
-            if (columns) column_order(m, n, contacts, columns, j, p, (lane *)(void *)A, (lane *)(void *)series);
+            if (columns)
+                column_order(m, n, contacts, columns, j, p, (lane *)(void *)A,
+                             (lane *)(void *)series);
         }
         double longest = radius(2 * n, W);
         if (columns) longest = fmin(longest, radius(2 * n * columns, A));

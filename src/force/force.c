@@ -7,7 +7,8 @@
 
 #include "base/room.h"
 
-#define DIAGONAL 1e-10 /* relative to the diagonal: couplings that assembling leaves in alpha M + beta K */
+/* DIAGONAL: relative to the diagonal: couplings that assembling leaves in alpha M + beta K */
+#define DIAGONAL 1e-10
 
 void ric_force_free(ric_force *f)
 {
@@ -41,12 +42,17 @@ static bool has_rigid(const ric_model *m)
 static ric_status check_restitution(const ric_model *m, double e)
 {
     if (!(e >= 0 && e <= 1))
-        return ric_fail(RIC_E_INPUT, "restitution %.10g is not above 0 and at most 1; 1 loses nothing", e);
+        return ric_fail(RIC_E_INPUT,
+                        "restitution %.10g is not above 0 and at most 1; 1 loses nothing", e);
     if (e == 0)
-        return ric_fail(RIC_E_INPUT, "restitution 0: bodies stay together after an impact, which no orbit of the atlas "
-                                     "does; give a number above 0, for example 0.95");
+        return ric_fail(
+            RIC_E_INPUT,
+            "restitution 0: bodies stay together after an impact, which no orbit of the atlas "
+            "does; give a number above 0, for example 0.95");
     if (e < 1 && !has_rigid(m))
-        return ric_fail(RIC_E_INPUT, "restitution %.10g, but no contact of this structure is rigid; leave it out", e);
+        return ric_fail(
+            RIC_E_INPUT,
+            "restitution %.10g, but no contact of this structure is rigid; leave it out", e);
     return RIC_OK;
 }
 
@@ -67,7 +73,8 @@ static ric_status take_matrix(ric_force *f, const ric_shaking *s)
     for (int i = 0; i < n && !status; i++)
         for (int j = 0; j < n; j++)
             for (int a = 0; a < n; a++)
-                for (int b = 0; b < n; b++) f->C[i * n + j] += Phi[a * n + i] * s->matrix[a * n + b] * Phi[b * n + j];
+                for (int b = 0; b < n; b++)
+                    f->C[i * n + j] += Phi[a * n + i] * s->matrix[a * n + b] * Phi[b * n + j];
     return status;
 }
 
@@ -127,8 +134,10 @@ ric_status ric_force_create(const ric_atlas *atlas, const ric_shaking *s, ric_fo
         to_modes(f, s->force);
         look_at_damping(f);
         if (f->lossless && f->restitution == 1)
-            status = ric_fail(RIC_E_INPUT, "nothing is lost: the damping is 0 and the restitution 1; a force of any "
-                                           "size drives such a motion. Give one of them");
+            status =
+                ric_fail(RIC_E_INPUT,
+                         "nothing is lost: the damping is 0 and the restitution 1; a force of any "
+                         "size drives such a motion. Give one of them");
     }
     if (!status) *out = f;
     else ric_force_free(f);

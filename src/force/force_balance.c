@@ -1,11 +1,13 @@
-/* What an orbit of the conservative structure would lose by damping and impacts, and what a harmonic force would do,
- * over one period (docs/forcing.md; Hill, Neild and Cammarano 2016; Cenedese and Haller 2020).
+/* What an orbit of the conservative structure would lose by damping and impacts, and what a
+ * harmonic force would do, over one period (docs/forcing.md; Hill, Neild and Cammarano 2016;
+ * Cenedese and Haller 2020).
  *
- * Free flights in closed form: with P_i = p_i + i omega_i q_i at its start p_i(t) = Re(P_i e^{i omega_i t}), and with
- * I(a) = int_0^tau e^{i a t} dt
+ * Free flights in closed form: with P_i = p_i + i omega_i q_i at its start p_i(t) = Re(P_i e^{i
+ * omega_i t}), and with I(a) = int_0^tau e^{i a t} dt
  *     int p_i p_j dt = Re(P_i P_j I(omega_i + omega_j) + P_i conj(P_j) I(omega_i - omega_j)) / 2,
  *     int p_i e^{i Omega t} dt = (P_i I(Omega + omega_i) + conj(P_i) I(Omega - omega_i)) / 2.
- * Flights against springs by the rule of Gauss with eight nodes in panels, halved until two of them agree. */
+ * Flights against springs by the rule of Gauss with eight nodes in panels, halved until two of them
+ * agree. */
 #include <complex.h>
 #include <math.h>
 #include <stdlib.h>
@@ -32,8 +34,8 @@ static cplx turned(double a, double tau)
     return tau * (half == 0 ? 1 : sin(half) / half) * cexp(I * half);
 }
 
-static void free_flight(const ric_force *f, const double *q, const double *p, double tau, double begin, double Omega,
-                        ric_force_balance *sum)
+static void free_flight(const ric_force *f, const double *q, const double *p, double tau,
+                        double begin, double Omega, ric_force_balance *sum)
 {
     const int n = f->n;
     const double *omega = f->model->frequency;
@@ -47,7 +49,8 @@ static void free_flight(const ric_force *f, const double *q, const double *p, do
                             creal(P * Q * turned(omega[i] + omega[j], tau) +
                                   P * conj(Q) * turned(omega[i] - omega[j], tau));
         }
-        work += f->g[i] / 2 * (P * turned(Omega + omega[i], tau) + conj(P) * turned(Omega - omega[i], tau));
+        work += f->g[i] / 2 *
+                (P * turned(Omega + omega[i], tau) + conj(P) * turned(Omega - omega[i], tau));
         sum->size += fabs(f->g[i]) * cabs(P) * tau;
     }
     work *= cexp(I * Omega * begin);
@@ -66,7 +69,8 @@ typedef struct {
     const double *w;          /* [2 n] of the model's own frame */
 } pressed;
 
-static void add_sample(const pressed *s, const double *w, double weight, double t, ric_force_balance *sum)
+static void add_sample(const pressed *s, const double *w, double weight, double t,
+                       ric_force_balance *sum)
 {
     const ric_force *f = s->force;
     const int n = f->n;
@@ -83,11 +87,14 @@ static void add_sample(const pressed *s, const double *w, double weight, double 
     sum->size += weight * fabs(push);
 }
 
-/* A flight that is integrated goes on from node to node; another one starts anew, with its closing. */
+/* A flight that is integrated goes on from node to node; another one starts anew, with its closing.
+ */
 static ric_force_balance composite(const pressed *s, int panels)
 {
-    static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363},
-                        weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+    static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                  0.9602898564975363},
+                        weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                    0.1012285362903763};
     const ric_model *m = s->force->model;
     const bool goes_on = ric_flight_law_of(m)->integrated;
     const double half = s->tau / panels / 2;
@@ -108,7 +115,8 @@ static ric_force_balance composite(const pressed *s, int panels)
 static double apart(const ric_force_balance *a, const ric_force_balance *b)
 {
     const double loss = fabs(a->damping - b->damping) / (b->damping > 0 ? b->damping : 1),
-                 work = hypot(a->work[0] - b->work[0], a->work[1] - b->work[1]) / (b->size > 0 ? b->size : 1);
+                 work = hypot(a->work[0] - b->work[0], a->work[1] - b->work[1]) /
+                        (b->size > 0 ? b->size : 1);
     return fmax(loss, work);
 }
 
@@ -135,12 +143,13 @@ static void pressed_flight(const pressed *s, ric_force_balance *sum)
 static void impact(const ric_force *f, int face, const double *p, ric_force_balance *sum)
 {
     const ric_model *m = f->model;
-    const double *c = m->normal + (size_t)m->face[face].contact * (size_t)f->n, speed = ric_dot(f->n, c, p),
-                 e = f->restitution;
+    const double *c = m->normal + (size_t)m->face[face].contact * (size_t)f->n,
+                 speed = ric_dot(f->n, c, p), e = f->restitution;
     sum->impacts += (1 - e) * (1 + e) * speed * speed / (2 * ric_dot(f->n, c, c));
 }
 
-static void along_cycle(const ric_force *f, const ric_periodic *c, double Omega, ric_force_balance *sum)
+static void along_cycle(const ric_force *f, const ric_periodic *c, double Omega,
+                        ric_force_balance *sum)
 {
     const ric_model *m = f->model;
     const int n = f->n;
@@ -185,8 +194,8 @@ ric_periodic *ric_force_cycle(const ric_force *f, const ric_orbit *orbit, const 
     return c;
 }
 
-ric_status ric_force_balance_of(const ric_force *f, const ric_orbit *orbit, bool linear, int harmonic,
-                                ric_force_balance *out)
+ric_status ric_force_balance_of(const ric_force *f, const ric_orbit *orbit, bool linear,
+                                int harmonic, ric_force_balance *out)
 {
     const int n = f->n;
     double state[2 * n], q[n], p[n];

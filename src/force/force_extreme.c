@@ -1,10 +1,11 @@
 /* Where the threshold F* = D / |V| along a branch is least, or largest (docs/forcing.md).
  *
- * Three stored points tell that there is one. Between the outer two log F* is an analytic function of the place x on
- * their chord; what is sought is the zero of the derivative of its Chebyshev interpolant, on windows around it that are
- * halved: first the interpolant is too poor, at last rounding over the width of the window is left, and where two
- * windows agree best is the answer, and their difference its error (Trefethen, Approximation Theory and Approximation
- * Practice, SIAM 2013). A search for the least value itself would know its place to half the digits only. */
+ * Three stored points tell that there is one. Between the outer two log F* is an analytic function
+ * of the place x on their chord; what is sought is the zero of the derivative of its Chebyshev
+ * interpolant, on windows around it that are halved: first the interpolant is too poor, at last
+ * rounding over the width of the window is left, and where two windows agree best is the answer,
+ * and their difference its error (Trefethen, Approximation Theory and Approximation Practice, SIAM
+ * 2013). A search for the least value itself would know its place to half the digits only. */
 #include <complex.h>
 #include <math.h>
 #include <stdlib.h>
@@ -17,7 +18,8 @@
 #define FIRST_HALF 0.25 /* of the chord: half the second window; the first is the whole chord */
 #define WELL_DONE 1e-13 /* of the chord: no later window knows the place better */
 #define FLAT 1e-12      /* of log F*: what rounding and quadrature leave */
-#define RESOLVED 1e-11  /* relative: last coefficients of an interpolant that says where the place is */
+/* RESOLVED: relative: last coefficients of an interpolant that says where the place is */
+#define RESOLVED 1e-11
 
 enum { NODES = 16, WINDOWS = 9, GRID = 64 /* places where the derivative is looked at */ };
 
@@ -28,10 +30,13 @@ typedef struct {
 } ridge;
 
 /* log F* and V of an orbit; false: no work is done. */
-static bool look(const ridge *r, const ric_orbit *orbit, double *log_threshold, double _Complex *work)
+static bool look(const ridge *r, const ric_orbit *orbit, double *log_threshold,
+                 double _Complex *work)
 {
     ric_force_balance sum;
-    if (ric_force_balance_of(r->force, orbit, false, r->harmonic, &sum) || !ric_force_predict_works(&sum)) return false;
+    if (ric_force_balance_of(r->force, orbit, false, r->harmonic, &sum) ||
+        !ric_force_predict_works(&sum))
+        return false;
     *work = sum.work[0] + I * sum.work[1];
     *log_threshold = log((sum.damping + sum.impacts) / cabs(*work));
     return isfinite(*log_threshold);
@@ -41,7 +46,8 @@ static bool look_at(const ridge *r, double x, double *out)
 {
     ric_orbit *orbit = NULL;
     double _Complex work;
-    const bool found = !ric_orbit_at_chord(r->force->atlas, &r->branch, r->at, x, &orbit) && look(r, orbit, out, &work);
+    const bool found = !ric_orbit_at_chord(r->force->atlas, &r->branch, r->at, x, &orbit) &&
+                       look(r, orbit, out, &work);
     ric_orbit_at_free(orbit);
     return found;
 }
@@ -58,7 +64,8 @@ static bool interpolate(const ridge *r, double centre, double half, double *c, d
     }
     for (int j = 0; j < NODES; j++) {
         c[j] = 0;
-        for (int k = 0; k < NODES; k++) c[j] += 2.0 / NODES * (y[k] - mean) * cos(RIC_PI * j * (k + 0.5) / NODES);
+        for (int k = 0; k < NODES; k++)
+            c[j] += 2.0 / NODES * (y[k] - mean) * cos(RIC_PI * j * (k + 0.5) / NODES);
     }
     *last = fmax(fabs(c[NODES - 1]), fabs(c[NODES - 2]));
     return true;
@@ -82,7 +89,8 @@ static bool turning(const double *c, bool minimum, double *out)
 {
     double best = INFINITY;
     for (int k = 0; k < GRID; k++) {
-        const double a = -1 + 2.0 * k / GRID, b = a + 2.0 / GRID, fa = slope(c, a), fb = slope(c, b);
+        const double a = -1 + 2.0 * k / GRID, b = a + 2.0 / GRID, fa = slope(c, a),
+                     fb = slope(c, b);
         if ((fa < 0) != minimum || (fb < 0) == minimum) continue;
         ric_root root = ric_root_between(a, fa, b, fb, 0);
         while (ric_root_next(&root)) root.f = slope(c, root.x);
@@ -149,7 +157,8 @@ static int places_of(const ridge *r, int *out)
     return n;
 }
 
-/* Whether a tongue was stepped over between two stored points: they are not neighbours on one curve. */
+/* Whether a tongue was stepped over between two stored points: they are not neighbours on one
+ * curve. */
 static bool torn(const ridge *r)
 {
     for (int i = r->at[0]; i < r->at[2]; i++)
@@ -157,12 +166,13 @@ static bool torn(const ridge *r)
     return false;
 }
 
-/* 1: F* is larger in the middle than on both sides, -1: smaller, 0: neither, or V passes through 0, and no force is
- * large enough there. */
+/* 1: F* is larger in the middle than on both sides, -1: smaller, 0: neither, or V passes through 0,
+ * and no force is large enough there. */
 static int bends(const sample *a, const sample *b, const sample *c)
 {
     if (!a->known || !b->known || !c->known) return 0;
-    const double before = b->log_threshold - a->log_threshold, behind = c->log_threshold - b->log_threshold;
+    const double before = b->log_threshold - a->log_threshold,
+                 behind = c->log_threshold - b->log_threshold;
     if (before < -FLAT && behind > FLAT) return -1;
     return before > FLAT && behind < -FLAT && creal(a->work * conj(c->work)) > 0;
 }
@@ -177,33 +187,38 @@ static ric_status extreme_at(ridge *r, bool birth, ric_force_extreme *out)
     locate(r, birth, &x, &error);
     const bool located = !isnan(x) && isfinite(error);
     ric_status status = located ? ric_orbit_at_chord(r->force->atlas, &r->branch, r->at, x, &orbit)
-                                : ric_orbit_find(r->force->atlas, r->branch.id, RIC_AT_POINT, r->at[1], &n, &stored);
+                                : ric_orbit_find(r->force->atlas, r->branch.id, RIC_AT_POINT,
+                                                 r->at[1], &n, &stored);
     if (!status)
-        status = ric_force_predict(r->force, r->branch.id, located ? orbit : stored[0], r->harmonic, 0, &out->at);
-    if (!status) status = ric_atlas_point(r->force->atlas, r->branch.id, r->at[0], &from, NULL, NULL);
+        status = ric_force_predict(r->force, r->branch.id, located ? orbit : stored[0], r->harmonic,
+                                   0, &out->at);
+    if (!status)
+        status = ric_atlas_point(r->force->atlas, r->branch.id, r->at[0], &from, NULL, NULL);
     if (!status) status = ric_atlas_point(r->force->atlas, r->branch.id, r->at[2], &to, NULL, NULL);
     if (!status) {
         ric_point point;
         ric_orbit_data(located ? orbit : stored[0], &point, NULL, NULL, NULL);
         out->arclength = point.arclength;
         out->birth = birth;
-        out->error = located
-                         ? error * fmax(fabs(log(to.energy / from.energy)), fabs(log(to.frequency / from.frequency)))
-                         : NAN;
+        out->error = located ? error * fmax(fabs(log(to.energy / from.energy)),
+                                            fabs(log(to.frequency / from.frequency)))
+                             : NAN;
     }
     ric_orbit_at_free(orbit);
     ric_orbits_free(n, stored);
     return status;
 }
 
-ric_status ric_force_extremes(const ric_force *f, int branch, int harmonic, int *n, ric_force_extreme **out)
+ric_status ric_force_extremes(const ric_force *f, int branch, int harmonic, int *n,
+                              ric_force_extreme **out)
 {
     ridge r = {.force = f, .harmonic = harmonic};
     ric_status status = ric_atlas_branch(f->atlas, branch, &r.branch);
     *n = 0;
     *out = NULL;
     if (status) return status;
-    if (harmonic < 1) return ric_fail(RIC_E_INPUT, "harmonic %d; harmonics are 1, 2, 3, ...", harmonic);
+    if (harmonic < 1)
+        return ric_fail(RIC_E_INPUT, "harmonic %d; harmonics are 1, 2, 3, ...", harmonic);
     if (ric_branch_linear(f->model, &r.branch)) return RIC_OK; /* F* grows with the amplitude */
     sample *s = ric_calloc((size_t)r.branch.n_point + 1, sizeof *s);
     int *place = ric_calloc((size_t)r.branch.n_point + 1, sizeof *place);

@@ -1,8 +1,8 @@
 /* Flights of the shaken structure while a set of springs is closed:
  *     z(tau) = r + L Re(a e^{i theta1}) + e^{A tau} (z - r - L Re(a e^{i theta0})),
- * r the equilibrium, a the steady answer, A the matrix of the first-order system. Where the damping couples no modes
- * e^{A tau} is a decay and a turn of each mode; otherwise it is so in the complex modes of A (Foss 1958), kept as real
- * pairs. */
+ * r the equilibrium, a the steady answer, A the matrix of the first-order system. Where the damping
+ * couples no modes e^{A tau} is a decay and a turn of each mode; otherwise it is so in the complex
+ * modes of A (Foss 1958), kept as real pairs. */
 #include "force_medium.h"
 
 #include <float.h>
@@ -16,7 +16,9 @@
 #define RESONANT 1e-9  /* relative: the force has the frequency of a mode that is not damped */
 #define CRITICAL 1e-7  /* relative: roots of a mode that are one to half of all digits */
 #define SINGULAR 1e-14 /* relative: a stiffness that rounding makes of none */
-#define DEFECTIVE 1e9  /* condition of the complex modes from on which less than seven digits of a flight are left */
+/* DEFECTIVE: condition of the complex modes from on which less than seven digits of a flight are
+ * left */
+#define DEFECTIVE 1e9
 
 typedef double _Complex cplx;
 
@@ -67,17 +69,19 @@ static ric_status complex_modes(const ric_force_medium *m, ric_force_frame *f)
     lapack_int pivot[ld];
     if (!A) return ric_no_memory("complex modes");
     first_order(m, f->closed, A);
-    int info = ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'V', ld, A, ld, f->alpha, f->beta, NULL, ld, f->V, ld));
+    int info = ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'V', ld, A, ld, f->alpha, f->beta,
+                                        NULL, ld, f->V, ld));
     free(A);
     memcpy(f->W, f->V, (size_t)ld * (size_t)ld * sizeof *f->W);
     if (!info) info = ric_lapack(LAPACKE_dgetrf(LAPACK_ROW_MAJOR, ld, ld, f->W, ld, pivot));
     if (!info) info = ric_lapack(LAPACKE_dgetri(LAPACK_ROW_MAJOR, ld, f->W, ld, pivot));
     const double condition = info ? INFINITY : norm(ld, f->V) * norm(ld, f->W);
     if (condition < DEFECTIVE) return RIC_OK;
-    return ric_trust(ric_fail(RIC_E_NUMERIC,
-                              "two complex modes of the damped structure are the same to %.1g of their digits, near "
-                              "critical damping; change the damping a little",
-                              1 / condition));
+    return ric_trust(ric_fail(
+        RIC_E_NUMERIC,
+        "two complex modes of the damped structure are the same to %.1g of their digits, near "
+        "critical damping; change the damping a little",
+        1 / condition));
 }
 
 /* K r = k gap side c: pseudo-inverse, as a free mode has no place of its own. */
@@ -90,15 +94,19 @@ static ric_status find_rest(const ric_force_medium *m, ric_force_frame *f)
     for (int i = 0; i < n; i++) K[i * n + i] = m->omega[i] * m->omega[i];
     for (int face = 0; face < m->model->n_face; face++) {
         if (!(f->closed >> face & 1)) continue;
-        const double *c = ric_force_medium_normal(m, face), k = m->spring[m->model->face[face].contact];
+        const double *c = ric_force_medium_normal(m, face),
+                     k = m->spring[m->model->face[face].contact];
         for (int i = 0; i < n; i++) {
             f->rest[i] += k * m->gap[face] * m->model->face[face].side * c[i];
             for (int j = 0; j < n; j++) K[i * n + j] += k * c[i] * c[j];
         }
     }
-    const int info = ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, n, n, 1, K, n, f->rest, 1, S, SINGULAR, &rank));
+    const int info = ric_lapack(
+        LAPACKE_dgelsd(LAPACK_ROW_MAJOR, n, n, 1, K, n, f->rest, 1, S, SINGULAR, &rank));
     free(K);
-    return info ? ric_trust(ric_fail(RIC_E_NUMERIC, "no equilibrium of the closed springs is found")) : RIC_OK;
+    return info
+               ? ric_trust(ric_fail(RIC_E_NUMERIC, "no equilibrium of the closed springs is found"))
+               : RIC_OK;
 }
 
 /* ------------------------------------------------------------ steady answer */
@@ -108,18 +116,19 @@ static ric_status resonance(const ric_force_medium *m, double omega)
     int mode = 0;
     for (int i = 1; i < m->n; i++)
         if (fabs(m->omega[i] - omega) < fabs(m->omega[mode] - omega)) mode = i;
-    return ric_fail(
-        RIC_E_NUMERIC,
-        "the force has the frequency %.10g of mode %d, which is not damped: its answer grows without bound; "
-        "give that mode a damping",
-        m->omega[mode] * m->time, mode + 1);
+    return ric_fail(RIC_E_NUMERIC,
+                    "the force has the frequency %.10g of mode %d, which is not damped: its answer "
+                    "grows without bound; "
+                    "give that mode a damping",
+                    m->omega[mode] * m->time, mode + 1);
 }
 
 /* (-Omega^2 + i Omega C + K) a = g, and (..) a' = (2 Omega - i C) a. */
 static ric_status solve_steady(const ric_force_medium *m, ric_force_frame *f, double omega)
 {
     const int n = m->n;
-    cplx *Z = ric_malloc(((size_t)n * (size_t)n + 2 * (size_t)n) * sizeof *Z), *b = Z + (size_t)n * (size_t)n;
+    cplx *Z = ric_malloc(((size_t)n * (size_t)n + 2 * (size_t)n) * sizeof *Z),
+         *b = Z + (size_t)n * (size_t)n;
     lapack_int pivot[n];
     double push = 0, size = 0;
     if (!Z) return ric_no_memory("a steady answer");
@@ -131,12 +140,14 @@ static ric_status solve_steady(const ric_force_medium *m, ric_force_frame *f, do
     }
     for (int face = 0; face < m->model->n_face; face++) {
         if (!(f->closed >> face & 1)) continue;
-        const double *c = ric_force_medium_normal(m, face), k = m->spring[m->model->face[face].contact];
+        const double *c = ric_force_medium_normal(m, face),
+                     k = m->spring[m->model->face[face].contact];
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++) Z[i * n + j] += k * c[i] * c[j];
     }
     int info = ric_lapack(LAPACKE_zgetrf(LAPACK_ROW_MAJOR, n, n, Z, n, pivot));
-    if (!info) info = ric_lapack(LAPACKE_zgetrs(LAPACK_ROW_MAJOR, 'N', n, 1, Z, n, pivot, f->answer, 1));
+    if (!info)
+        info = ric_lapack(LAPACKE_zgetrs(LAPACK_ROW_MAJOR, 'N', n, 1, Z, n, pivot, f->answer, 1));
     for (int i = 0; i < n && !info; i++) {
         size = fmax(size, cabs(f->answer[i]));
         b[i] = 2 * omega * f->answer[i];
@@ -145,7 +156,8 @@ static ric_status solve_steady(const ric_force_medium *m, ric_force_frame *f, do
     if (!info) info = ric_lapack(LAPACKE_zgetrs(LAPACK_ROW_MAJOR, 'N', n, 1, Z, n, pivot, b, 1));
     for (int i = 0; i < n && !info; i++) f->slope[i] = b[i];
     free(Z);
-    return !info && size * omega * omega * RESONANT < push ? RIC_OK : ric_trust(resonance(m, omega));
+    return !info && size * omega * omega * RESONANT < push ? RIC_OK
+                                                           : ric_trust(resonance(m, omega));
 }
 
 static ric_status modal_steady(const ric_force_medium *m, ric_force_frame *f, double omega)
@@ -197,7 +209,8 @@ static ric_status make_frame(ric_force_medium *m, uint64_t closed, ric_force_fra
     return status || f->plain ? status : complex_modes(m, f);
 }
 
-ric_status ric_force_frame_find(ric_force_medium *m, uint64_t closed, double omega, const ric_force_frame **out)
+ric_status ric_force_frame_find(ric_force_medium *m, uint64_t closed, double omega,
+                                const ric_force_frame **out)
 {
     ric_force_frame *f = m->frames;
     ric_status status = RIC_OK;
@@ -219,7 +232,8 @@ ric_status ric_force_frame_find(ric_force_medium *m, uint64_t closed, double ome
 
 void ric_force_frame_decay(double omega, double delta, double tau, double *c, double *s)
 {
-    const double square = (omega - delta) * (omega + delta), root = sqrt(fabs(square)), decay = exp(-delta * tau);
+    const double square = (omega - delta) * (omega + delta), root = sqrt(fabs(square)),
+                 decay = exp(-delta * tau);
     if (root * tau <= CRITICAL) {
         *c = decay;
         *s = decay * tau;
@@ -227,8 +241,10 @@ void ric_force_frame_decay(double omega, double delta, double tau, double *c, do
         *c = decay * cos(root * tau);
         *s = decay * sin(root * tau) / root;
     } else {
-        /* Neither the slower rate, root - delta, nor slow - fast is taken as a difference: digits would be lost. */
-        const double slow = exp(-omega * omega / (root + delta) * tau), part = -expm1(-2 * root * tau);
+        /* Neither the slower rate, root - delta, nor slow - fast is taken as a difference: digits
+         * would be lost. */
+        const double slow = exp(-omega * omega / (root + delta) * tau),
+                     part = -expm1(-2 * root * tau);
         *c = slow * (2 - part) / 2;
         *s = slow * part / (2 * root);
     }
@@ -261,7 +277,8 @@ static void mode_matrix(const ric_force_medium *m, int i, double tau, double by[
 }
 
 /* X [2n * ld] <- e^{A tau} X; room [2n * ld]. */
-static void carry(const ric_force_medium *m, const ric_force_frame *f, double tau, int ld, double *X, double *room)
+static void carry(const ric_force_medium *m, const ric_force_frame *f, double tau, int ld,
+                  double *X, double *room)
 {
     const int n = m->n, size = 2 * n;
     for (int i = 0; f->plain && i < n; i++) {
@@ -295,10 +312,10 @@ static void carry(const ric_force_medium *m, const ric_force_frame *f, double ta
             for (int j = 0; j < ld; j++) X[i * ld + j] += f->V[i * size + k] * room[k * ld + j];
 }
 
-/* Columns of deviations: identity, then what theta, Omega and the level at the start make of the steady answer, whose
- * difference is carried. */
-static void derivatives(const ric_force_medium *m, const ric_force_frame *f, const ric_force_drive *d, double tau,
-                        double theta, double *D, double *room)
+/* Columns of deviations: identity, then what theta, Omega and the level at the start make of the
+ * steady answer, whose difference is carried. */
+static void derivatives(const ric_force_medium *m, const ric_force_frame *f,
+                        const ric_force_drive *d, double tau, double theta, double *D, double *room)
 {
     const int size = 2 * m->n, ld = size + RIC_BY_COUNT;
     const double theta1 = theta + d->omega * tau;
@@ -326,8 +343,8 @@ static void derivatives(const ric_force_medium *m, const ric_force_frame *f, con
     }
 }
 
-ric_status ric_force_frame_fly(ric_force_medium *m, uint64_t closed, const ric_force_drive *d, double tau, double theta,
-                               const double *z, double *z1, double *D)
+ric_status ric_force_frame_fly(ric_force_medium *m, uint64_t closed, const ric_force_drive *d,
+                               double tau, double theta, const double *z, double *z1, double *D)
 {
     const int size = 2 * m->n;
     double at[size], x[size], room[size * (D ? size + RIC_BY_COUNT : 1)];
@@ -346,7 +363,8 @@ ric_status ric_force_frame_fly(ric_force_medium *m, uint64_t closed, const ric_f
 
 /* ----------------------------------------------------------------- readings */
 
-/* |s''| <= sum |weight| ..: what is left beside the steady answer has less and less energy in every mode. */
+/* |s''| <= sum |weight| ..: what is left beside the steady answer has less and less energy in every
+ * mode. */
 static double bend_of(const ric_force_reading *r)
 {
     const ric_force_medium *m = r->medium;
@@ -354,27 +372,31 @@ static double bend_of(const ric_force_reading *r)
     const int n = m->n;
     double sum = cabs(r->steady) * r->omega * r->omega;
     for (int i = 0; f->plain && i < n; i++) {
-        const double omega = m->omega[i], loss = m->C[i * n + i], energy = hypot(omega * r->y[i], r->y[n + i]);
+        const double omega = m->omega[i], loss = m->C[i * n + i],
+                     energy = hypot(omega * r->y[i], r->y[n + i]);
         sum += fabs(r->weight[i]) * (omega + loss) * energy;
         sum += fabs(r->weight[n + i]) * ((omega + loss) * (omega + loss) + omega * omega) * energy;
     }
     for (int i = 0; !f->plain && i < 2 * n; i++) {
         const double square = f->alpha[i] * f->alpha[i] + f->beta[i] * f->beta[i];
         if (f->beta[i] == 0) sum += square * fabs(r->weight[i] * r->y[i]);
-        if (f->beta[i] > 0) sum += square * hypot(r->weight[i], r->weight[i + 1]) * hypot(r->y[i], r->y[i + 1]);
+        if (f->beta[i] > 0)
+            sum += square * hypot(r->weight[i], r->weight[i + 1]) * hypot(r->y[i], r->y[i + 1]);
     }
     return sum;
 }
 
-ric_status ric_force_frame_read(ric_force_medium *m, uint64_t closed, const ric_force_drive *d, double theta,
-                                const double *z, const double *row, double *room, ric_force_reading *out)
+ric_status ric_force_frame_read(ric_force_medium *m, uint64_t closed, const ric_force_drive *d,
+                                double theta, const double *z, const double *row, double *room,
+                                ric_force_reading *out)
 {
     const int size = 2 * m->n;
     double at[size], x[size];
     const ric_force_frame *f;
     ric_status status = ric_force_frame_find(m, closed, d->omega, &f);
     if (status) return status;
-    *out = (ric_force_reading){m, f, row, room, room + size, ric_dot(size, row, f->rest), theta, d->omega, 0, 0};
+    *out = (ric_force_reading){m,     f,        row, room, room + size, ric_dot(size, row, f->rest),
+                               theta, d->omega, 0,   0};
     turned(size, f->answer, theta, at);
     for (int i = 0; i < size; i++) {
         x[i] = z[i] - f->rest[i] - d->level * at[i];
@@ -399,7 +421,8 @@ static double look_plain(const ric_force_reading *r, double t, double *slope)
         const double a = r->weight[i], b = r->weight[n + i];
         if (a == 0 && b == 0) continue;
         mode_matrix(m, i, t, by);
-        const double q = by[0] * r->y[i] + by[1] * r->y[n + i], p = by[2] * r->y[i] + by[3] * r->y[n + i];
+        const double q = by[0] * r->y[i] + by[1] * r->y[n + i],
+                     p = by[2] * r->y[i] + by[3] * r->y[n + i];
         s += a * q + b * p;
         *slope += a * p - b * (m->omega[i] * m->omega[i] * q + m->C[i * n + i] * p);
     }
@@ -421,8 +444,8 @@ double ric_force_frame_look(const ric_force_reading *r, double t, double *slope)
             *slope += decay * f->alpha[i] * r->weight[i] * r->y[i];
             continue;
         }
-        const double c = decay * cos(f->beta[i] * t), d = decay * sin(f->beta[i] * t), x = r->y[i], y = r->y[i + 1],
-                     u = c * x + d * y, v = c * y - d * x;
+        const double c = decay * cos(f->beta[i] * t), d = decay * sin(f->beta[i] * t), x = r->y[i],
+                     y = r->y[i + 1], u = c * x + d * y, v = c * y - d * x;
         s += r->weight[i] * u + r->weight[i + 1] * v;
         *slope += r->weight[i] * (f->alpha[i] * u + f->beta[i] * v) +
                   r->weight[i + 1] * (f->alpha[i] * v - f->beta[i] * u);

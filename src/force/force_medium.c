@@ -24,7 +24,8 @@ static double power(double x, int exponent)
     return out;
 }
 
-/* Force of a contact on a scaled gap coordinate, over d, at s = 1 beyond its gap; only power laws have an exponent. */
+/* Force of a contact on a scaled gap coordinate, over d, at s = 1 beyond its gap; only power laws
+ * have an exponent. */
 static double stiffness_of(const ric_model *m, int contact)
 {
     const ric_contact *c = &m->contact[contact];
@@ -49,16 +50,19 @@ static void take_numbers(const ric_force *f, ric_force_medium *m)
     for (int i = 0; i < model->n_contact * n; i++) m->normal[i] = model->normal[i] / m->unit;
     for (int i = 0; i < model->n_face; i++)
         m->gap[i] = model->contact[model->face[i].contact].clearance / ric_model_length(model);
-    for (int i = 0; i < model->n_contact; i++) m->spring[i] = stiffness_of(model, i) * m->unit * m->unit / (t * t);
+    for (int i = 0; i < model->n_contact; i++)
+        m->spring[i] = stiffness_of(model, i) * m->unit * m->unit / (t * t);
 }
 
 ric_status ric_force_medium_create(const ric_force *f, ric_force_medium **out)
 {
     const ric_model *model = f->model;
-    const size_t n = (size_t)f->n, contacts = (size_t)model->n_contact, faces = (size_t)model->n_face;
+    const size_t n = (size_t)f->n, contacts = (size_t)model->n_contact,
+                 faces = (size_t)model->n_face;
     ric_force_medium *m = ric_calloc(1, sizeof *m);
     *out = NULL;
-    if (!m || !(m->omega = ric_calloc(2 * n + n * n + contacts * (n + 1) + faces + 8 * n, sizeof *m->omega))) {
+    if (!m || !(m->omega = ric_calloc(2 * n + n * n + contacts * (n + 1) + faces + 8 * n,
+                                      sizeof *m->omega))) {
         free(m);
         return ric_no_memory("a forced structure");
     }
@@ -93,10 +97,12 @@ bool ric_force_medium_rigid(const ric_force_medium *m, int face)
     return m->spring[m->model->face[face].contact] == 0;
 }
 
-void ric_force_medium_strike(const ric_force_medium *m, double restitution, int face, int ld, double *p)
+void ric_force_medium_strike(const ric_force_medium *m, double restitution, int face, int ld,
+                             double *p)
 {
     const int n = m->n;
-    const double *c = ric_force_medium_normal(m, face), factor = (1 + restitution) / ric_dot(n, c, c);
+    const double *c = ric_force_medium_normal(m, face),
+                 factor = (1 + restitution) / ric_dot(n, c, c);
     if (!ric_force_medium_rigid(m, face)) return;
     for (int j = 0; j < ld; j++) {
         double sum = 0;
@@ -105,18 +111,20 @@ void ric_force_medium_strike(const ric_force_medium *m, double restitution, int 
     }
 }
 
-void ric_force_medium_rate(const ric_force_medium *m, uint64_t closed, const ric_force_drive *d, double theta,
-                           const double *z, double *rate)
+void ric_force_medium_rate(const ric_force_medium *m, uint64_t closed, const ric_force_drive *d,
+                           double theta, const double *z, double *rate)
 {
     const int n = m->n;
     const double *p = z + n, push = d->level * cos(theta);
     for (int i = 0; i < n; i++) {
         rate[i] = p[i];
-        rate[n + i] = push * m->push[i] - m->omega[i] * m->omega[i] * z[i] - ric_dot(n, m->C + i * n, p);
+        rate[n + i] = push * m->push[i] - m->omega[i] * m->omega[i] * z[i] -
+                      ric_dot(n, m->C + i * n, p);
     }
     for (int f = 0; f < m->model->n_face; f++) {
         if (!(closed >> f & 1)) continue;
-        const double *c = ric_force_medium_normal(m, f), beyond = ric_force_medium_towards(m, f, z) - m->gap[f],
+        const double *c = ric_force_medium_normal(m, f),
+                     beyond = ric_force_medium_towards(m, f, z) - m->gap[f],
                      pull = m->spring[m->model->face[f].contact] * m->model->face[f].side * beyond;
         for (int i = 0; i < n; i++) rate[n + i] -= pull * c[i];
     }

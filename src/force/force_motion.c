@@ -7,10 +7,13 @@
 
 #include "base/room.h"
 
-#define TOUCHES 1e-10  /* relative to a clearance: a maximum this near to its face is not known to be below it */
-#define STANDS 1e-10   /* scaled speed at an event that is none */
-#define UNDECIDED 1e-9 /* multipliers nearer to the circle than this decide nothing, however well they are known */
-#define FLAT 1e-14     /* relative: a maximum that is found cannot be passed by more */
+/* TOUCHES: relative to a clearance: a maximum this near to its face is not known to be below it */
+#define TOUCHES 1e-10
+#define STANDS 1e-10 /* scaled speed at an event that is none */
+/* UNDECIDED: multipliers nearer to the circle than this decide nothing, however well they are known
+ */
+#define UNDECIDED 1e-9
+#define FLAT 1e-14 /* relative: a maximum that is found cannot be passed by more */
 
 enum { DEEPEST = 52, PARTS = 64 };
 
@@ -34,12 +37,15 @@ static double crest(const ric_force_reading *r, double a, double b)
 }
 
 /* Maxima between a and b, where values and slopes are known. */
-static void seek(hunt *h, double a, double at_a, double up_a, double b, double at_b, double up_b, int depth)
+static void seek(hunt *h, double a, double at_a, double up_a, double b, double at_b, double up_b,
+                 int depth)
 {
     const double length = b - a, most = h->r->bend * length;
     if (fmax(at_a, at_b) + most * length / 8 <= h->best + FLAT * (1 + fabs(h->best))) return;
-    if (up_a - most > 0 || up_b - most > 0 || up_a + most < 0 || up_b + most < 0) return; /* it rises, or falls */
-    /* Flat within rounding: parts of it could be told apart no better, and there are as many as one looks at. */
+    if (up_a - most > 0 || up_b - most > 0 || up_a + most < 0 || up_b + most < 0)
+        return; /* it rises, or falls */
+    /* Flat within rounding: parts of it could be told apart no better, and there are as many as one
+     * looks at. */
     const bool last = depth == 0 || most * length / 8 <= FLAT * (1 + fabs(h->best));
     if (up_a > 0 && up_b < 0 && (last || depth <= DEEPEST - 4)) {
         double slope;
@@ -58,12 +64,13 @@ static void seek(hunt *h, double a, double at_a, double up_a, double b, double a
 
 static void seek_all(hunt *h, double tau)
 {
-    double up[2], at[2] = {ric_force_frame_look(h->r, 0, &up[0]), ric_force_frame_look(h->r, tau, &up[1])};
+    double up[2],
+        at[2] = {ric_force_frame_look(h->r, 0, &up[0]), ric_force_frame_look(h->r, tau, &up[1])};
     seek(h, 0, at[0], up[0], tau, at[1], up[1], DEEPEST);
 }
 
-ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, double least, double *highest,
-                                    double *time)
+ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, double least,
+                                    double *highest, double *time)
 {
     const ric_force_medium *m = o->medium;
     const int n = o->n;
@@ -76,7 +83,8 @@ ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, d
         row[i] = sign * c[i];
         row[n + i] = 0;
     }
-    ric_status status = ric_force_frame_read(o->medium, o->closed[k], &o->drive, u[2 * n], u, row, room, &r);
+    ric_status status = ric_force_frame_read(o->medium, o->closed[k], &o->drive, u[2 * n], u, row,
+                                             room, &r);
     if (status) return status;
     if (closed) r.rest += 2;
     hunt h = {&r, least, NAN};
@@ -102,8 +110,9 @@ ric_status ric_force_motion_fault(const ric_force_orbit *o, const char **fault)
     for (int k = 0; k < o->N; k++) {
         if (!(ric_force_orbit_tau(o, k) > 0)) *fault = "a flight takes no time";
         else if (o->events && !(ric_force_motion_speed(o, k) > STANDS))
-            *fault = ric_force_medium_rigid(o->medium, o->face[k]) ? "an impact does not approach its stop"
-                                                                   : "a spring is not met in its direction";
+            *fault = ric_force_medium_rigid(o->medium, o->face[k])
+                         ? "an impact does not approach its stop"
+                         : "a spring is not met in its direction";
         for (int f = 0; f < o->medium->model->n_face && !**fault; f++) {
             double highest, time;
             ric_status status = ric_force_motion_highest(o, k, f, 1 - TOUCHES, &highest, &time);
@@ -117,22 +126,24 @@ ric_status ric_force_motion_fault(const ric_force_orbit *o, const char **fault)
 
 /* --------------------------------------------------------------- multipliers */
 
-/* Deviations X [2n * 2n] at one time through a flight and the event at its end, back to one time: the event comes
- * earlier where the face is nearer (the saltation of Mueller 1995). */
+/* Deviations X [2n * 2n] at one time through a flight and the event at its end, back to one time:
+ * the event comes earlier where the face is nearer (the saltation of Mueller 1995). */
 static ric_status carry(const ric_force_orbit *o, int k, double *X, double *room)
 {
     const int n = o->n, size = 2 * n, ld = size + RIC_BY_COUNT, face = ric_force_orbit_end(o, k);
     ric_force_medium *m = o->medium;
     const double *u = ric_force_orbit_node(o, k), theta = u[size] + o->drive.omega * u[size + 1];
     double z[size], in[size], out[size], *D = room, *Y = D + size * ld;
-    ric_status status = ric_force_frame_fly(m, o->closed[k], &o->drive, u[size + 1], u[size], u, z, D);
+    ric_status status = ric_force_frame_fly(m, o->closed[k], &o->drive, u[size + 1], u[size], u, z,
+                                            D);
     if (status) return status;
     memset(Y, 0, (size_t)size * (size_t)size * sizeof *Y);
     for (int i = 0; i < size; i++)
         for (int l = 0; l < size; l++)
             for (int j = 0; j < size; j++) Y[i * size + j] += D[i * ld + l] * X[l * size + j];
     memcpy(X, Y, (size_t)size * (size_t)size * sizeof *X);
-    if (face < 0 || !ric_force_medium_rigid(m, face)) return RIC_OK; /* a spring begins without a force */
+    if (face < 0 || !ric_force_medium_rigid(m, face))
+        return RIC_OK; /* a spring begins without a force */
     const double *c = ric_force_medium_normal(m, face);
     ric_force_medium_rate(m, o->closed[k], &o->drive, theta, z, in);
     ric_force_medium_strike(m, o->drive.restitution, face, 1, z + n);
@@ -150,7 +161,8 @@ static ric_status carry(const ric_force_orbit *o, int k, double *X, double *room
     return RIC_OK;
 }
 
-ric_status ric_force_motion_multipliers(const ric_force_orbit *o, double *out, double *rounding, double *keep)
+ric_status ric_force_motion_multipliers(const ric_force_orbit *o, double *out, double *rounding,
+                                        double *keep)
 {
     const size_t size = 2 * (size_t)o->n;
     double most = 1, *X = ric_calloc(2 * size * size + size * (size + RIC_BY_COUNT), sizeof *X);
@@ -162,18 +174,23 @@ ric_status ric_force_motion_multipliers(const ric_force_orbit *o, double *out, d
     }
     if (keep && !status) memcpy(keep, X, size * size * sizeof *X);
     if (!status && !ric_eigen((int)size, X, out))
-        status = ric_trust(ric_fail(RIC_E_NUMERIC, "the multipliers of a forced orbit cannot be computed"));
+        status = ric_trust(
+            ric_fail(RIC_E_NUMERIC, "the multipliers of a forced orbit cannot be computed"));
     *rounding = most * sqrt(DBL_EPSILON);
     free(X);
     return status;
 }
 
-ric_stability ric_force_motion_judge(int n, const double *multipliers, double rounding, double *largest)
+ric_stability ric_force_motion_judge(int n, const double *multipliers, double rounding,
+                                     double *largest)
 {
     const double near = fmax(rounding, UNDECIDED);
     *largest = 0;
-    for (int i = 0; i < 2 * n; i++) *largest = fmax(*largest, hypot(multipliers[2 * i], multipliers[2 * i + 1]));
-    return *largest < 1 - near ? RIC_STABLE_YES : *largest > 1 + near ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
+    for (int i = 0; i < 2 * n; i++)
+        *largest = fmax(*largest, hypot(multipliers[2 * i], multipliers[2 * i + 1]));
+    return *largest < 1 - near   ? RIC_STABLE_YES
+           : *largest > 1 + near ? RIC_STABLE_NO
+                                 : RIC_STABLE_UNDECIDED;
 }
 
 /* ------------------------------------------------------------------ measures */
@@ -200,8 +217,10 @@ void ric_force_motion_enter(const ric_force_medium *m, const double *state, doub
 }
 
 /* Nodes and weights of Gauss on (-1, 1). */
-static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363},
-                    weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                              0.9602898564975363},
+                    weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                0.1012285362903763};
 
 /* Adds int x_j^2 dt over a flight to rms, and the largest |x_j| at the nodes to peak. */
 static ric_status sample(const ric_force_orbit *o, int k, int panels, ric_force_measures *out)
@@ -215,7 +234,8 @@ static ric_status sample(const ric_force_orbit *o, int k, int panels, ric_force_
         const double t = half * (2 * (i / 8) + 1 + (place < 4 ? -node[at] : node[at])),
                      from = o->medium->smooth ? last : 0;
         ric_status status = ric_force_frame_fly(o->medium, o->closed[k], &o->drive, t - from,
-                                                u[2 * n] + o->drive.omega * from, o->medium->smooth ? z : u, z, NULL);
+                                                u[2 * n] + o->drive.omega * from,
+                                                o->medium->smooth ? z : u, z, NULL);
         if (status) return status;
         last = t;
         ric_force_motion_leave(o->medium, z, state);
@@ -239,7 +259,8 @@ static ric_status peaks(const ric_force_orbit *o, int k, ric_force_measures *out
         ric_force_reading r;
         const double sign = j < n ? 1 : -1;
         for (int i = 0; i < n; i++) row[i] = sign * m->model->Phi[j % n * n + i] / m->unit;
-        ric_status status = ric_force_frame_read(o->medium, o->closed[k], &o->drive, u[2 * n], u, row, room, &r);
+        ric_status status = ric_force_frame_read(o->medium, o->closed[k], &o->drive, u[2 * n], u,
+                                                 row, room, &r);
         if (status) return status;
         double slope;
         hunt h = {&r, fmax(out->peak[j % n], ric_force_frame_look(&r, 0, &slope)), NAN};
@@ -249,7 +270,8 @@ static ric_status peaks(const ric_force_orbit *o, int k, ric_force_measures *out
     return RIC_OK;
 }
 
-/* Where |x_j| is largest under a power law: the speed is zero between two samples, on a motion that is flown anew. */
+/* Where |x_j| is largest under a power law: the speed is zero between two samples, on a motion that
+ * is flown anew. */
 static ric_status smooth_peaks(const ric_force_orbit *o, int k, ric_force_measures *out)
 {
     const int n = o->n;
@@ -266,7 +288,8 @@ static ric_status smooth_peaks(const ric_force_orbit *o, int k, ric_force_measur
             out->peak[j] = fmax(out->peak[j], fabs(state[j]));
             if (state[n + j] * after[n + j] > 0) continue;
             for (int l = 0; l < DEEPEST && !status; l++) {
-                status = ric_force_series_fly(o->medium, &o->drive, (a + b) / 2, theta, z, at, NULL);
+                status = ric_force_series_fly(o->medium, &o->drive, (a + b) / 2, theta, z, at,
+                                              NULL);
                 ric_force_motion_leave(o->medium, at, x);
                 if (x[n + j] * state[n + j] > 0) a = (a + b) / 2;
                 else b = (a + b) / 2;

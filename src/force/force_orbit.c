@@ -16,7 +16,8 @@ enum { NEWTON_MOST = 40, HALVINGS_MOST = 12, CROSSINGS_MOST = 12 };
 
 /* ------------------------------------------------------------------- orbits */
 
-/* Width of a row of the elimination: this flight, the first one, the next state and phase, parameter, residual. */
+/* Width of a row of the elimination: this flight, the first one, the next state and phase,
+ * parameter, residual. */
 static size_t width(const ric_force_orbit *o)
 {
     return 3 * (size_t)o->m + 1;
@@ -25,8 +26,8 @@ static size_t width(const ric_force_orbit *o)
 static size_t room_size(const ric_force_orbit *o)
 {
     const size_t m = (size_t)o->m, size = 2 * (size_t)o->n;
-    return (size_t)(o->N + 2) * 2 * m * width(o) + (m + 1) * (m + 4) + size * (size + RIC_BY_COUNT) + 3 * size +
-           2 * ((size_t)o->N * m + 1);
+    return (size_t)(o->N + 2) * 2 * m * width(o) + (m + 1) * (m + 4) +
+           size * (size + RIC_BY_COUNT) + 3 * size + 2 * ((size_t)o->N * m + 1);
 }
 
 void ric_force_orbit_free(ric_force_orbit *o)
@@ -39,13 +40,17 @@ void ric_force_orbit_free(ric_force_orbit *o)
     free(o);
 }
 
-ric_status ric_force_orbit_create(ric_force_medium *medium, int N, const int *face, const uint64_t *closed,
-                                  int harmonic, ric_force_orbit **out)
+ric_status ric_force_orbit_create(ric_force_medium *medium, int N, const int *face,
+                                  const uint64_t *closed, int harmonic, ric_force_orbit **out)
 {
     ric_force_orbit *o = ric_calloc(1, sizeof *o);
     *out = NULL;
     if (!o) return ric_no_memory("a forced orbit");
-    *o = (ric_force_orbit){.medium = medium, .n = medium->n, .N = N, .m = 2 * medium->n + 2, .harmonic = harmonic};
+    *o = (ric_force_orbit){.medium = medium,
+                           .n = medium->n,
+                           .N = N,
+                           .m = 2 * medium->n + 2,
+                           .harmonic = harmonic};
     o->events = face;
     o->face = ric_calloc((size_t)N, sizeof *o->face);
     o->closed = ric_calloc((size_t)N, sizeof *o->closed);
@@ -73,8 +78,8 @@ void ric_force_orbit_take(ric_force_orbit *o, const ric_force_orbit *from)
 ric_force_orbit *ric_force_orbit_copy(const ric_force_orbit *from)
 {
     ric_force_orbit *o;
-    if (ric_force_orbit_create(from->medium, from->N, from->events ? from->face : NULL, from->closed, from->harmonic,
-                               &o))
+    if (ric_force_orbit_create(from->medium, from->N, from->events ? from->face : NULL,
+                               from->closed, from->harmonic, &o))
         return NULL;
     ric_force_orbit_take(o, from);
     return o;
@@ -98,10 +103,11 @@ ric_status ric_force_orbit_spread(ric_force_orbit *o)
     for (int k = 0; k + 1 < o->N; k++) {
         const double *u = ric_force_orbit_node(o, k);
         double *next = ric_force_orbit_node(o, k + 1);
-        ric_status status = ric_force_frame_fly(o->medium, o->closed[k], &o->drive, u[2 * n + 1], u[2 * n], u, next,
-                                                NULL);
+        ric_status status = ric_force_frame_fly(o->medium, o->closed[k], &o->drive, u[2 * n + 1],
+                                                u[2 * n], u, next, NULL);
         if (status) return status;
-        if (o->events) ric_force_medium_strike(o->medium, o->drive.restitution, o->face[k + 1], 1, next + n);
+        if (o->events)
+            ric_force_medium_strike(o->medium, o->drive.restitution, o->face[k + 1], 1, next + n);
         next[2 * n] = u[2 * n] + o->drive.omega * u[2 * n + 1];
     }
     return RIC_OK;
@@ -109,21 +115,41 @@ ric_status ric_force_orbit_spread(ric_force_orbit *o)
 
 /* ---------------------------------------------------------------- equations */
 
-/* The m equations of flight k in rows of the elimination: flight k, first, next, parameter, -residual. */
+/* The phase of the force goes on by omega tau in flight k; `scale` is that of the column of omega,
+ * 0 for another parameter. */
+static void fill_phase(const ric_force_orbit *o, int k, double scale, double *phase)
+{
+    const int size = 2 * o->n;
+    const size_t w = width(o), next = 2 * (size_t)o->m, last = w - 1, by = w - 2;
+    const double *u = ric_force_orbit_node(o, k), *v = ric_force_orbit_node(o, (k + 1) % o->N),
+                 tau = u[size + 1];
+    phase[size] = -1;
+    phase[size + 1] = -o->drive.omega;
+    phase[next + (size_t)size] = 1;
+    phase[by] = -tau * scale;
+    phase[last] = u[size] + o->drive.omega * tau - v[size] -
+                  (k == o->N - 1 ? o->harmonic * RIC_TWO_PI : 0);
+}
+
+/* The m equations of flight k in rows of the elimination: flight k, first, next, parameter,
+ * -residual. */
 static bool fill(ric_force_orbit *o, int k, ric_force_along along, double scale, double *rows)
 {
-    const int n = o->n, size = 2 * n, m = o->m, ld = size + RIC_BY_COUNT, face = ric_force_orbit_end(o, k);
+    const int n = o->n, size = 2 * n, m = o->m, ld = size + RIC_BY_COUNT,
+              face = ric_force_orbit_end(o, k);
     const size_t w = width(o), next = 2 * (size_t)m, last = w - 1, by = w - 2;
-    const double *u = ric_force_orbit_node(o, k), *v = ric_force_orbit_node(o, (k + 1) % o->N), tau = u[size + 1];
+    const double *u = ric_force_orbit_node(o, k), *v = ric_force_orbit_node(o, (k + 1) % o->N),
+                 tau = u[size + 1];
     double D[size * ld], z[size], rate[size], force[size], kick[size];
     const bool closes = k == o->N - 1;
     ric_force_medium *medium = o->medium;
     if (ric_force_frame_fly(medium, o->closed[k], &o->drive, tau, u[size], u, z, D)) return false;
     ric_force_medium_rate(medium, o->closed[k], &o->drive, u[size] + o->drive.omega * tau, z, rate);
     for (int i = 0; i < size; i++)
-        force[i] = along == RIC_ALONG_RESTITUTION
-                       ? 0
-                       : D[i * ld + size + (along == RIC_ALONG_OMEGA ? RIC_BY_OMEGA : RIC_BY_LEVEL)];
+        force[i] =
+            along == RIC_ALONG_RESTITUTION
+                ? 0
+                : D[i * ld + size + (along == RIC_ALONG_OMEGA ? RIC_BY_OMEGA : RIC_BY_LEVEL)];
     memset(rows, 0, (size_t)m * w * sizeof *rows);
     double *gap = rows + (size_t)(m - 1) * w, *phase = gap - w;
     if (face >= 0) {
@@ -136,14 +162,17 @@ static bool fill(ric_force_orbit *o, int k, ric_force_along along, double scale,
         gap[last] = medium->model->face[face].side * medium->gap[face] - ric_dot(n, c, z);
         memset(kick, 0, sizeof kick);
         if (along == RIC_ALONG_RESTITUTION && ric_force_medium_rigid(medium, face))
-            for (int i = 0; i < n; i++) kick[n + i] = -ric_dot(n, c, z + n) / ric_dot(n, c, c) * c[i];
+            for (int i = 0; i < n; i++)
+                kick[n + i] = -ric_dot(n, c, z + n) / ric_dot(n, c, c) * c[i];
         ric_force_medium_strike(medium, o->drive.restitution, face, ld, D + (size_t)n * (size_t)ld);
         ric_force_medium_strike(medium, o->drive.restitution, face, 1, z + n);
         ric_force_medium_strike(medium, o->drive.restitution, face, 1, rate + n);
         ric_force_medium_strike(medium, o->drive.restitution, face, 1, force + n);
     } else {
         gap[size + 1] = 1;
-        gap[by] = along == RIC_ALONG_OMEGA ? ric_force_orbit_period(o) / o->N / o->drive.omega * scale : 0;
+        gap[by] = along == RIC_ALONG_OMEGA
+                      ? ric_force_orbit_period(o) / o->N / o->drive.omega * scale
+                      : 0;
         gap[last] = ric_force_orbit_period(o) / o->N - tau;
         memset(kick, 0, sizeof kick);
     }
@@ -160,11 +189,7 @@ static bool fill(ric_force_orbit *o, int k, ric_force_along along, double scale,
         phase[last] = -ric_force_orbit_node(o, 0)[size];
         return true;
     }
-    phase[size] = -1;
-    phase[size + 1] = -o->drive.omega;
-    phase[next + (size_t)size] = 1;
-    phase[by] = along == RIC_ALONG_OMEGA ? -tau * scale : 0;
-    phase[last] = u[size] + o->drive.omega * tau - v[size] - (closes ? o->harmonic * RIC_TWO_PI : 0);
+    fill_phase(o, k, along == RIC_ALONG_OMEGA ? scale : 0, phase);
     return true;
 }
 
@@ -173,7 +198,8 @@ static void triangular(int rows, int columns, size_t w, double *A)
 {
     for (int j = 0; j < columns; j++) {
         double sum = 0, *top = A + (size_t)j * w;
-        for (int i = j; i < rows; i++) sum += A[(size_t)i * w + (size_t)j] * A[(size_t)i * w + (size_t)j];
+        for (int i = j; i < rows; i++)
+            sum += A[(size_t)i * w + (size_t)j] * A[(size_t)i * w + (size_t)j];
         const double first = top[j], length = sqrt(sum), beta = first > 0 ? -length : length;
         if (length == 0) continue;
         const double factor = 1 / (beta * (first - beta)); /* -2 / v.v */
@@ -193,8 +219,10 @@ static void triangular(int rows, int columns, size_t w, double *A)
     }
 }
 
-/* Rows of flight k, with the right sides psi [m] of the last flight, 0 of others, instead of the residual. */
-static bool fill_with(ric_force_orbit *o, int k, ric_force_along along, double scale, const double *psi, double *rows)
+/* Rows of flight k, with the right sides psi [m] of the last flight, 0 of others, instead of the
+ * residual. */
+static bool fill_with(ric_force_orbit *o, int k, ric_force_along along, double scale,
+                      const double *psi, double *rows)
 {
     const size_t w = width(o);
     if (!fill(o, k, along, scale, rows)) return false;
@@ -202,10 +230,11 @@ static bool fill_with(ric_force_orbit *o, int k, ric_force_along along, double s
     return true;
 }
 
-/* All flights but the first eliminated: in stage k (1 .. N - 1) of `room` the triangular rows of flight k; in S [m * (m
- * + 2)] what is left of the first flight, the parameter and minus the residual, or psi unless it is NULL. */
-static bool eliminate(ric_force_orbit *o, ric_force_along along, double scale, const double *psi, double *S,
-                      double *residual)
+/* All flights but the first eliminated: in stage k (1 .. N - 1) of `room` the triangular rows of
+ * flight k; in S [m * (m + 2)] what is left of the first flight, the parameter and minus the
+ * residual, or psi unless it is NULL. */
+static bool eliminate(ric_force_orbit *o, ric_force_along along, double scale, const double *psi,
+                      double *S, double *residual)
 {
     const int m = o->m;
     const size_t w = width(o), block = (size_t)m * w, next = 2 * (size_t)m;
@@ -214,7 +243,8 @@ static bool eliminate(ric_force_orbit *o, ric_force_along along, double scale, c
     if (!fill_with(o, 0, along, scale, psi, carry)) return false;
     for (int i = 0; i < m; i++) *residual = fmax(*residual, fabs(carry[(size_t)i * w + w - 1]));
     if (o->N > 1)
-        for (int i = 0; i < m; i++) { /* flight 0 is the first: its columns lie there, and the next is on turn */
+        for (int i = 0; i < m;
+             i++) { /* flight 0 is the first: its columns lie there, and the next is on turn */
             double *row = carry + (size_t)i * w;
             memcpy(row + m, row, (size_t)m * sizeof *row);
             memcpy(row, row + next, (size_t)(m - 1) * sizeof *row);
@@ -242,7 +272,8 @@ static bool eliminate(ric_force_orbit *o, ric_force_along along, double scale, c
     for (int i = 0; i < m; i++) {
         const double *row = carry + (size_t)i * w;
         double *out = S + (size_t)i * (size_t)(m + 2);
-        for (int j = 0; j < m; j++) out[j] = row[first + (size_t)j] + (j < m - 1 ? row[next + (size_t)j] : 0);
+        for (int j = 0; j < m; j++)
+            out[j] = row[first + (size_t)j] + (j < m - 1 ? row[next + (size_t)j] : 0);
         out[m] = row[w - 2];
         out[m + 1] = row[w - 1];
     }
@@ -256,7 +287,8 @@ static void back(const ric_force_orbit *o, bool with, double *x)
     const size_t w = width(o), block = (size_t)m * w;
     const double by = x[(size_t)o->N * (size_t)m];
     for (int k = o->N - 1; k > 0; k--) {
-        const double *A = o->room + (size_t)k * 2 * block, *next = x + (size_t)((k + 1) % o->N) * (size_t)m;
+        const double *A = o->room + (size_t)k * 2 * block,
+                     *next = x + (size_t)((k + 1) % o->N) * (size_t)m;
         double *out = x + (size_t)k * (size_t)m;
         for (int i = m - 1; i >= 0; i--) {
             const double *row = A + (size_t)i * w;
@@ -268,8 +300,10 @@ static void back(const ric_force_orbit *o, bool with, double *x)
     }
 }
 
-/* The last system: S and the row [m + 1], with right sides r [m] and aim; the answer in x [N m + 1]. */
-static bool solve_first(const ric_force_orbit *o, const double *S, const double *row, bool with, double aim, double *x)
+/* The last system: S and the row [m + 1], with right sides r [m] and aim; the answer in x [N m +
+ * 1]. */
+static bool solve_first(const ric_force_orbit *o, const double *S, const double *row, bool with,
+                        double aim, double *x)
 {
     const int m = o->m, size = row ? m + 1 : m;
     double A[(m + 1) * (m + 1)], b[m + 1];
@@ -312,15 +346,16 @@ static double possible(const ric_force_orbit *o, const double *x)
 {
     double part = 1;
     for (int k = 0; k < o->N; k++) {
-        const double tau = ric_force_orbit_tau(o, k), move = x[(size_t)k * (size_t)o->m + 2 * (size_t)o->n + 1];
+        const double tau = ric_force_orbit_tau(o, k),
+                     move = x[(size_t)k * (size_t)o->m + 2 * (size_t)o->n + 1];
         while (!(tau + part * move > 0) && part > DBL_EPSILON) part /= 2;
     }
     return part;
 }
 
 /* u = best + part x, and the parameter. */
-static void go(ric_force_orbit *o, const double *best, double held, double part, const double *x, double scale,
-               double *parameter)
+static void go(ric_force_orbit *o, const double *best, double held, double part, const double *x,
+               double scale, double *parameter)
 {
     const size_t all = (size_t)o->N * (size_t)o->m;
     for (size_t i = 0; i < all; i++) o->u[i] = best[i] + part * x[i];
@@ -334,21 +369,22 @@ static double longest(size_t n, const double *x)
     return most;
 }
 
-/* A step after which the residual is larger is halved: beside a turning point the first one leads to the other orbit.
- */
-bool ric_force_orbit_solve(ric_force_orbit *o, ric_force_along along, double scale, const double *row, double aim,
-                           int *steps)
+/* A step after which the residual is larger is halved: beside a turning point the first one leads
+ * to the other orbit. */
+bool ric_force_orbit_solve(ric_force_orbit *o, ric_force_along along, double scale,
+                           const double *row, double aim, int *steps)
 {
     const int m = o->m;
     const size_t all = (size_t)o->N * (size_t)m;
-    double *S = left(o), *x = step_of(o), *best = x + all + 1, *parameter = ric_force_orbit_parameter(o, along), now,
-           held = *parameter, part = 0;
+    double *S = left(o), *x = step_of(o), *best = x + all + 1,
+           *parameter = ric_force_orbit_parameter(o, along), now, held = *parameter, part = 0;
     int k = 0, halved = 0;
     o->residual = INFINITY;
     memcpy(best, o->u, all * sizeof *best);
     for (; k < NEWTON_MOST; k++) {
         if (!eliminate(o, along, scale, NULL, S, &now)) break;
-        const double off = row ? aim - ric_dot(m, row, o->u) - row[m] * *parameter / scale : 0, size = size_of(o);
+        const double off = row ? aim - ric_dot(m, row, o->u) - row[m] * *parameter / scale : 0,
+                     size = size_of(o);
         now = fmax(now, fabs(off)) / size;
         if (now < o->residual) {
             o->residual = now;
@@ -368,27 +404,30 @@ bool ric_force_orbit_solve(ric_force_orbit *o, ric_force_along along, double sca
     return o->residual <= CONVERGED;
 }
 
-bool ric_force_orbit_tangent(ric_force_orbit *o, ric_force_along along, double scale, const double *row, double *out)
+bool ric_force_orbit_tangent(ric_force_orbit *o, ric_force_along along, double scale,
+                             const double *row, double *out)
 {
     double residual, *S = left(o), length = 0;
     const int m = o->m;
     const size_t all = (size_t)o->N * (size_t)m;
-    if (!eliminate(o, along, scale, NULL, S, &residual) || !solve_first(o, S, row, false, 1, out)) return false;
+    if (!eliminate(o, along, scale, NULL, S, &residual) || !solve_first(o, S, row, false, 1, out))
+        return false;
     for (int i = 0; i < m; i++) length += out[i] * out[i];
     length = sqrt(length + out[all] * out[all]);
     for (size_t i = 0; i <= all; i++) out[i] /= length;
     return isfinite(length);
 }
 
-bool ric_force_orbit_aside(ric_force_orbit *o, ric_force_along along, double scale, const double *tangent, double *out,
-                           double *second)
+bool ric_force_orbit_aside(ric_force_orbit *o, ric_force_along along, double scale,
+                           const double *tangent, double *out, double *second)
 {
     const int m = o->m, size = m + 1;
     double residual, *S = left(o), A[size * size], values[size], U[1], Vt[size * size], super[size];
     if (!eliminate(o, along, scale, NULL, S, &residual)) return false;
     for (int i = 0; i < m; i++) memcpy(A + i * size, S + i * (m + 2), (size_t)size * sizeof *A);
     memcpy(A + m * size, tangent, (size_t)size * sizeof *A);
-    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, A, size, values, U, size, Vt, size, super)))
+    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', size, size, A, size, values, U, size,
+                                  Vt, size, super)))
         return false;
     memcpy(out, Vt + m * size, (size_t)m * sizeof *out);
     out[(size_t)o->N * (size_t)m] = Vt[m * size + m];
@@ -399,11 +438,12 @@ bool ric_force_orbit_aside(ric_force_orbit *o, ric_force_along along, double sca
 
 /* ------------------------------------------------------------- branch points */
 
-/* At a branch point the equations F(y) = 0 of the curve have two directions, and an orbit is known by them to the third
- * root of rounding only. Unfolded, F + b psi = 0 with psi outside of the range, and with two coordinates a = T y of the
- * kernel given, they are regular: y and b are analytic in a, the curves are those where b is 0, and they cross where
- * its two derivatives are, too (method of Lyapunov and Schmidt; Govaerts, Numerical Methods for Bifurcations of
- * Dynamical Equilibria, SIAM 2000). */
+/* At a branch point the equations F(y) = 0 of the curve have two directions, and an orbit is known
+ * by them to the third root of rounding only. Unfolded, F + b psi = 0 with psi outside of the
+ * range, and with two coordinates a = T y of the kernel given, they are regular: y and b are
+ * analytic in a, the curves are those where b is 0, and they cross where its two derivatives are,
+ * too (method of Lyapunov and Schmidt; Govaerts, Numerical Methods for Bifurcations of Dynamical
+ * Equilibria, SIAM 2000). */
 typedef struct {
     ric_force_along along;
     double scale;
@@ -439,20 +479,24 @@ static bool eliminate_psi(ric_force_orbit *o, const unfolding *f, double *p)
     if (!eliminate(o, f->along, f->scale, f->psi, S, &unused)) return false;
     for (int i = 0; i < m; i++) {
         p[i] = S[i * (m + 2) + m + 1];
-        if (o->N > 1) f->top[i] = o->room[((size_t)(o->N - 1) * 2 * (size_t)m + (size_t)i) * w + w - 1];
+        if (o->N > 1)
+            f->top[i] = o->room[((size_t)(o->N - 1) * 2 * (size_t)m + (size_t)i) * w + w - 1];
     }
     return true;
 }
 
-/* T from the kernel of the orbit, and of the unit vectors of the last flight the one that is farthest from the range.
- */
+/* T from the kernel of the orbit, and of the unit vectors of the last flight the one that is
+ * farthest from the range. */
 static bool unfold(ric_force_orbit *o, unfolding *f)
 {
     const int m = o->m;
-    double residual, *S = left(o), A[m * (m + 1)], U[m * m], Vt[(m + 1) * (m + 1)], values[m], super[m], p[m], most = 0;
+    double residual, *S = left(o), A[m * (m + 1)], U[m * m], Vt[(m + 1) * (m + 1)], values[m],
+                     super[m], p[m], most = 0;
     if (!eliminate(o, f->along, f->scale, NULL, S, &residual)) return false;
-    for (int i = 0; i < m; i++) memcpy(A + i * (m + 1), S + i * (m + 2), (size_t)(m + 1) * sizeof *A);
-    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m + 1, A, m + 1, values, U, m, Vt, m + 1, super)))
+    for (int i = 0; i < m; i++)
+        memcpy(A + i * (m + 1), S + i * (m + 2), (size_t)(m + 1) * sizeof *A);
+    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m + 1, A, m + 1, values, U, m, Vt,
+                                  m + 1, super)))
         return false;
     memcpy(f->rows, Vt + (m - 1) * (m + 1), 2 * (size_t)(m + 1) * sizeof *Vt);
     int best = 0;
@@ -475,14 +519,14 @@ static bool unfold(ric_force_orbit *o, unfolding *f)
     return most > 0;
 }
 
-/* One step of Newton's method on the unfolded equations; its length, NaN: none. b and its derivatives are those where
- * the step begins. */
+/* One step of Newton's method on the unfolded equations; its length, NaN: none. b and its
+ * derivatives are those where the step begins. */
 static double unfolded_step(ric_force_orbit *o, unfolding *f)
 {
     const int m = o->m;
     const size_t w = width(o), all = (size_t)o->N * (size_t)m;
-    double *S = left(o), *x = step_of(o), *parameter = ric_force_orbit_parameter(o, f->along), p[m], r[m + 2], e[m + 2],
-           unused;
+    double *S = left(o), *x = step_of(o), *parameter = ric_force_orbit_parameter(o, f->along), p[m],
+           r[m + 2], e[m + 2], unused;
     if (!eliminate_psi(o, f, p) || !eliminate(o, f->along, f->scale, NULL, S, &unused)) return NAN;
     for (int i = 0; i < m; i++) r[i] = S[i * (m + 2) + m + 1];
     for (int j = 0; j < 2; j++) {
@@ -518,7 +562,8 @@ static bool unfolded(ric_force_orbit *o, unfolding *f)
 }
 
 /* Derivatives of b at a + off, from the orbit `base`. */
-static bool slopes_at(ric_force_orbit *o, unfolding *f, const ric_force_orbit *base, int j, double off, double *out)
+static bool slopes_at(ric_force_orbit *o, unfolding *f, const ric_force_orbit *base, int j,
+                      double off, double *out)
 {
     ric_force_orbit_take(o, base);
     f->aim[j] += off;
@@ -539,7 +584,8 @@ static double towards_crossing(ric_force_orbit *o, ric_force_orbit *base, unfold
     }
     if (!slopes_at(o, f, base, 0, 0, g)) return NAN;
     const double det = H[0][0] * H[1][1] - H[0][1] * H[1][0],
-                 move[] = {-(H[1][1] * g[0] - H[0][1] * g[1]) / det, -(H[0][0] * g[1] - H[1][0] * g[0]) / det};
+                 move[] = {-(H[1][1] * g[0] - H[0][1] * g[1]) / det,
+                           -(H[0][0] * g[1] - H[1][0] * g[0]) / det};
     ric_force_orbit_take(base, o);
     for (int j = 0; j < 2; j++) f->aim[j] += move[j];
     if (!unfolded(base, f)) return NAN;
@@ -550,7 +596,8 @@ bool ric_force_orbit_branch_point(ric_force_orbit *o, ric_force_along along, dou
 {
     const size_t m = (size_t)o->m;
     ric_force_orbit *base = ric_force_orbit_copy(o), *trial = ric_force_orbit_copy(o);
-    double *room = ric_calloc(2 * m + 2 * (m + 1), sizeof *room), last = INFINITY, residual = INFINITY;
+    double *room = ric_calloc(2 * m + 2 * (m + 1), sizeof *room), last = INFINITY,
+           residual = INFINITY;
     unfolding f = {.along = along, .scale = scale, .psi = room};
     bool found = false;
     if (base && trial && room) {
@@ -560,7 +607,8 @@ bool ric_force_orbit_branch_point(ric_force_orbit *o, ric_force_along along, dou
         for (int k = 0; begun && k < CROSSINGS_MOST && !found; k++) {
             const double length = towards_crossing(trial, base, &f);
             if (!isfinite(length)) break;
-            found = length < LAST * size_of(base) || (length < CONVERGED * size_of(base) && length >= last / 2);
+            found = length < LAST * size_of(base) ||
+                    (length < CONVERGED * size_of(base) && length >= last / 2);
             last = length;
         }
         found = found && eliminate(base, along, scale, NULL, left(base), &residual) &&

@@ -1,19 +1,21 @@
-/* What the balance of energies of an orbit predicts of the forced structure, and how far that can be trusted.
+/* What the balance of energies of an orbit predicts of the forced structure, and how far that can
+ * be trusted.
  *
- * From one period to the next the energy changes by L |V| cos(phase + arg V) - D and the phase of the force by Omega
- * dT/dE times what the energy is off: a pendulum in the plane of the two, with a centre where dT/dE W'(phase) < 0 and a
- * saddle where it is positive (Shaw and Wiggins 1988; docs/forcing.md). */
+ * From one period to the next the energy changes by L |V| cos(phase + arg V) - D and the phase of
+ * the force by Omega dT/dE times what the energy is off: a pendulum in the plane of the two, with a
+ * centre where dT/dE W'(phase) < 0 and a saddle where it is positive (Shaw and Wiggins 1988;
+ * docs/forcing.md). */
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/room.h"
 #include "force_stability.h"
 
-/* Largest distance between the forced orbit and the one of the atlas, relative, at which the first order is trusted:
- * the second is then a hundredth. */
+/* Largest distance between the forced orbit and the one of the atlas, relative, at which the first
+ * order is trusted: the second is then a hundredth. */
 #define NEAR 0.1
-/* The part of the way to a grazing, or to where the period does not depend on the energy, that the forced orbit may go.
- */
+/* The part of the way to a grazing, or to where the period does not depend on the energy, that the
+ * forced orbit may go. */
 #define HALF_WAY 0.5
 /* Relative: a period that does not depend on the energy, to what steps of a branch tell. */
 #define CONSTANT_PERIOD 1e-9
@@ -48,8 +50,8 @@ static void parabola(const double s[3], const double y[3], double at, double out
     out[1] = 2 * bend;
 }
 
-/* d log T / d log E along a branch, from three stored points around the orbit, and by which part of itself it changes
- * with log E. NaN: there are fewer. */
+/* d log T / d log E along a branch, from three stored points around the orbit, and by which part of
+ * itself it changes with log E. NaN: there are fewer. */
 typedef struct {
     double log_t, change;
 } course;
@@ -74,8 +76,9 @@ static course course_of(const ric_atlas *a, const ric_branch *b, double arclengt
 
 /* -------------------------------------------------------------------- trust */
 
-/* Distance of the multipliers other than the trivial ones from 1, as sqrt |2 - lambda - 1 / lambda| of the nearest
- * pair: the factor by which they damp the answer to a small force. 1 where there are none. */
+/* Distance of the multipliers other than the trivial ones from 1, as sqrt |2 - lambda - 1 / lambda|
+ * of the nearest pair: the factor by which they damp the answer to a small force. 1 where there are
+ * none. */
 static double away_from_one(const ric_orbit *orbit)
 {
     const int n = ric_model_n_mode(ric_orbit_model(orbit)) - 1;
@@ -97,8 +100,9 @@ static double margin(const ric_point *p)
     return least;
 }
 
-/* How far a force of this amplitude moves the structure to and fro, relative to the motion: slow modes as free masses,
- * fast ones as springs. Large where the motion has little of the harmonic in question, and the force must be large. */
+/* How far a force of this amplitude moves the structure to and fro, relative to the motion: slow
+ * modes as free masses, fast ones as springs. Large where the motion has little of the harmonic in
+ * question, and the force must be large. */
 static double shake(const ric_force *f, double level, const ric_prediction *p)
 {
     double sum = 0;
@@ -111,15 +115,16 @@ static double shake(const ric_force *f, double level, const ric_prediction *p)
 
 /* What the estimate of the next order is made of. */
 typedef struct {
-    double exchanged, shaken; /* energy in a period; by the force to and fro: both relative to the motion */
-    double away;              /* of multipliers from 1 */
+    double exchanged,
+        shaken;  /* energy in a period; by the force to and fro: both relative to the motion */
+    double away; /* of multipliers from 1 */
     course way;
 } reasons;
 
-/* The energy that is exchanged in a period, relative, moves amplitudes by half as much; the time that this costs has to
- * be made up by the energy, where the period hardly depends on it by a large part; multipliers near 1 answer with as
- * much more, to the force within a period, too. A level that is no farther from the threshold than this may be on its
- * other side. */
+/* The energy that is exchanged in a period, relative, moves amplitudes by half as much; the time
+ * that this costs has to be made up by the energy, where the period hardly depends on it by a large
+ * part; multipliers near 1 answer with as much more, to the force within a period, too. A level
+ * that is no farther from the threshold than this may be on its other side. */
 static double estimate(const reasons *r)
 {
     return r->exchanged / 2 * (1 + 1 / (2 * RIC_TWO_PI * fabs(r->way.log_t)) + 1 / r->away) +
@@ -146,7 +151,8 @@ static void judge(const ric_point *point, const reasons *r, double level, ric_pr
 
 /* ------------------------------------------------------------------- phases */
 
-/* -arg V +- acos(D / (L |V|)): the plus belongs to a falling W, which is a centre where dT/dE > 0. */
+/* -arg V +- acos(D / (L |V|)): the plus belongs to a falling W, which is a centre where dT/dE > 0.
+ */
 static void find_phases(double level, double work, double loss, double log_t, ric_prediction *p)
 {
     if (!(level >= p->threshold) || isinf(p->threshold)) return;
@@ -162,20 +168,24 @@ bool ric_force_predict_works(const ric_force_balance *sum)
     return hypot(sum->work[0], sum->work[1]) > (NO_WORK + sum->error) * sum->size;
 }
 
-ric_status ric_force_predict_balance(const ric_force *f, int branch, const ric_orbit *orbit, int harmonic, double level,
-                                     ric_prediction *out)
+ric_status ric_force_predict_balance(const ric_force *f, int branch, const ric_orbit *orbit,
+                                     int harmonic, double level, ric_prediction *out)
 {
     ric_branch b;
     ric_point point;
     ric_force_balance sum;
-    if (harmonic < 1) return ric_fail(RIC_E_INPUT, "harmonic %d; harmonics are 1, 2, 3, ...", harmonic);
-    if (!(level >= 0 && isfinite(level))) return ric_fail(RIC_E_INPUT, "a level is an amplitude of the force, above 0");
+    if (harmonic < 1)
+        return ric_fail(RIC_E_INPUT, "harmonic %d; harmonics are 1, 2, 3, ...", harmonic);
+    if (!(level >= 0 && isfinite(level)))
+        return ric_fail(RIC_E_INPUT, "a level is an amplitude of the force, above 0");
     ric_status status = ric_atlas_branch(f->atlas, branch, &b);
-    if (!status) status = ric_force_balance_of(f, orbit, ric_branch_linear(f->model, &b), harmonic, &sum);
+    if (!status)
+        status = ric_force_balance_of(f, orbit, ric_branch_linear(f->model, &b), harmonic, &sum);
     if (status) return status;
     ric_orbit_data(orbit, &point, NULL, NULL, NULL);
     const course way = course_of(f->atlas, &b, point.arclength);
-    const double loss = sum.damping + sum.impacts, work = hypot(sum.work[0], sum.work[1]), log_t = way.log_t;
+    const double loss = sum.damping + sum.impacts, work = hypot(sum.work[0], sum.work[1]),
+                 log_t = way.log_t;
     const bool works = ric_force_predict_works(&sum);
     *out = (ric_prediction){.energy = point.energy,
                             .frequency = point.frequency,
@@ -198,8 +208,8 @@ ric_status ric_force_predict_balance(const ric_force *f, int branch, const ric_o
     return RIC_OK;
 }
 
-ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *orbit, int harmonic, double level,
-                             ric_prediction *out)
+ric_status ric_force_predict(const ric_force *f, int branch, const ric_orbit *orbit, int harmonic,
+                             double level, ric_prediction *out)
 {
     ric_branch b;
     ric_status status = ric_force_predict_balance(f, branch, orbit, harmonic, level, out);

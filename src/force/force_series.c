@@ -1,7 +1,9 @@
-/* Flights of the shaken structure under power laws, summed as power series in time step by step (Jorba and Zou, Exp.
- * Math. 14 (2005)): with it small deviations, which are linear,
- *     d'' = -omega^2 d - C d' - spring m s^(m-1) (c.d) c + (what theta, Omega and the level make of the force).
- * A step is a part of the radius of convergence, at which the last coefficients are below rounding. */
+/* Flights of the shaken structure under power laws, summed as power series in time step by step
+ * (Jorba and Zou, Exp. Math. 14 (2005)): with it small deviations, which are linear,
+ *     d'' = -omega^2 d - C d' - spring m s^(m-1) (c.d) c + (what theta, Omega and the level make of
+ *     the force).
+ * A step is a part of the radius of convergence, at which the last coefficients are below rounding.
+ */
 #include "force_medium.h"
 
 #include <float.h>
@@ -58,7 +60,8 @@ static void powers_at(series *s, int k)
         c->s[k] = 0;
         for (int i = 0; i < n; i++) c->s[k] += normal[i] * s->q[i * TERMS + k];
         c->powers[k] = c->s[k];
-        for (int e = 1; e < c->exponent; e++) c->powers[e * TERMS + k] = product(k, c->powers + (e - 1) * TERMS, c->s);
+        for (int e = 1; e < c->exponent; e++)
+            c->powers[e * TERMS + k] = product(k, c->powers + (e - 1) * TERMS, c->s);
     }
 }
 
@@ -69,10 +72,12 @@ static void state_at(series *s, int k)
     const int n = s->n;
     powers_at(s, k);
     for (int i = 0; i < n; i++) {
-        double a = s->d->level * m->push[i] * s->c[k] - m->omega[i] * m->omega[i] * s->q[i * TERMS + k];
+        double a = s->d->level * m->push[i] * s->c[k] -
+                   m->omega[i] * m->omega[i] * s->q[i * TERMS + k];
         for (int j = 0; j < n; j++) a -= m->C[i * n + j] * s->p[j * TERMS + k];
         for (int f = 0; f < m->model->n_contact; f++)
-            a -= m->spring[f] * m->normal[f * n + i] * s->contacts[f].powers[(s->contacts[f].exponent - 1) * TERMS + k];
+            a -= m->spring[f] * m->normal[f * n + i] *
+                 s->contacts[f].powers[(s->contacts[f].exponent - 1) * TERMS + k];
         s->p[i * TERMS + k + 1] = a / (k + 1);
         s->q[i * TERMS + k + 1] = s->p[i * TERMS + k] / (k + 1);
     }
@@ -91,8 +96,9 @@ static void deviation_at(series *s, int column, int k)
 {
     const ric_force_medium *m = s->m;
     const int n = s->n;
-    double *Q = s->Q + (size_t)column * (size_t)n * TERMS, *P = s->P + (size_t)column * (size_t)n * TERMS,
-           push = forced(s, column, k), pull[m->model->n_contact];
+    double *Q = s->Q + (size_t)column * (size_t)n * TERMS,
+           *P = s->P + (size_t)column * (size_t)n * TERMS, push = forced(s, column, k),
+           pull[m->model->n_contact];
     for (int f = 0; f < m->model->n_contact; f++) {
         const contact *c = &s->contacts[f];
         double sum = 0;
@@ -123,7 +129,8 @@ static double length(int rows, const double *x, double step)
     }
     if (size == 0) return step;
     for (int k = 0; k < 2; k++)
-        if (last[k] > 0) step = fmin(step, pow(DBL_EPSILON / 8 * size / last[k], 1.0 / (ORDER - 1 + k)));
+        if (last[k] > 0)
+            step = fmin(step, pow(DBL_EPSILON / 8 * size / last[k], 1.0 / (ORDER - 1 + k)));
     return step;
 }
 
@@ -181,8 +188,8 @@ static bool create(ric_force_medium *m, const ric_force_drive *d, int columns, s
     return true;
 }
 
-ric_status ric_force_series_fly(ric_force_medium *m, const ric_force_drive *d, double tau, double theta,
-                                const double *z, double *z1, double *D)
+ric_status ric_force_series_fly(ric_force_medium *m, const ric_force_drive *d, double tau,
+                                double theta, const double *z, double *z1, double *D)
 {
     const int n = m->n, columns = D ? 2 * n + RIC_BY_COUNT : 0;
     series s;
@@ -199,7 +206,8 @@ ric_status ric_force_series_fly(ric_force_medium *m, const ric_force_drive *d, d
     while (!status && done < tau) {
         const double h = step(&s, theta + d->omega * done, done, tau - done);
         if (!(h > 0) || !isfinite(s.q[0]) || ++steps > STEPS_MOST)
-            status = ric_fail(RIC_E_NUMERIC, "the forced motion cannot be followed beyond %.6g of a flight",
+            status = ric_fail(RIC_E_NUMERIC,
+                              "the forced motion cannot be followed beyond %.6g of a flight",
                               done / tau);
         done = h >= tau - done ? tau : done + h;
     }

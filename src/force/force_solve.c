@@ -17,8 +17,8 @@ static double apart(int n, const double *a, const double *b)
 }
 
 /* Solved: what leaves. Flights are those of the word, which an orbit without events has none of. */
-static ric_status answer(const ric_force_orbit *o, const double *start, ric_forced *out, double *state, double *flights,
-                         double *multipliers)
+static ric_status answer(const ric_force_orbit *o, const double *start, ric_forced *out,
+                         double *state, double *flights, double *multipliers)
 {
     double rounding = 0;
     ric_status status = ric_force_motion_fault(o, &out->fault);
@@ -26,23 +26,30 @@ static ric_status answer(const ric_force_orbit *o, const double *start, ric_forc
     out->phase = remainder(ric_force_orbit_theta(o, 0), RIC_TWO_PI);
     ric_force_motion_leave(o->medium, o->u, state);
     flights[0] = ric_force_orbit_period(o) / o->medium->time;
-    for (int k = 0; o->events && k < o->N; k++) flights[k] = ric_force_orbit_tau(o, k) / o->medium->time;
+    for (int k = 0; o->events && k < o->N; k++)
+        flights[k] = ric_force_orbit_tau(o, k) / o->medium->time;
     if (!status) status = ric_force_motion_multipliers(o, multipliers, &rounding, NULL);
     if (!status) out->stable = ric_force_motion_judge(o->n, multipliers, rounding, &out->largest);
     return status;
 }
 
-ric_status ric_force_solve(const ric_force *f, const ric_orbit *orbit, int harmonic, double level, double phase,
-                           ric_forced *out, double *state, double *flights, double *multipliers)
+ric_status ric_force_solve(const ric_force *f, const ric_orbit *orbit, int harmonic, double level,
+                           double phase, ric_forced *out, double *state, double *flights,
+                           double *multipliers)
 {
     ric_force_medium *medium = NULL;
     ric_force_orbit *o = NULL;
     double start[2 * f->n];
-    *out = (ric_forced){.fault = "Newton's method does not converge", .stable = RIC_STABLE_UNDECIDED};
-    if (harmonic < 1) return ric_fail(RIC_E_INPUT, "harmonic %d; harmonics are 1, 2, 3, ...", harmonic);
-    if (!(level > 0 && isfinite(level))) return ric_fail(RIC_E_INPUT, "a level is an amplitude of the force, above 0");
+    *out = (ric_forced){.fault = "Newton's method does not converge",
+                        .stable = RIC_STABLE_UNDECIDED};
+    if (harmonic < 1)
+        return ric_fail(RIC_E_INPUT, "harmonic %d; harmonics are 1, 2, 3, ...", harmonic);
+    if (!(level > 0 && isfinite(level)))
+        return ric_fail(RIC_E_INPUT, "a level is an amplitude of the force, above 0");
     if (ric_orbit_letters(orbit) == 0 && ric_model_detached(f->model))
-        return ric_fail(RIC_E_INPUT, "a linear mode meets no stop: its forced motion is that of the linear structure");
+        return ric_fail(
+            RIC_E_INPUT,
+            "a linear mode meets no stop: its forced motion is that of the linear structure");
     ric_status status = ric_force_medium_create(f, &medium);
     if (!status) status = ric_force_start_from(medium, orbit, harmonic, level, phase, &o);
     if (!status) {

@@ -11,7 +11,8 @@
 enum { SMOOTH_PARTS = 4 };
 
 /* The state at phase 0 of the force, which is that much later: *z of the solver. */
-static ric_status smooth_start(const ric_orbit *orbit, double phase, double period, ric_force_orbit *o)
+static ric_status smooth_start(const ric_orbit *orbit, double phase, double period,
+                               ric_force_orbit *o)
 {
     const int n = o->n;
     double state[2 * n];
@@ -27,8 +28,9 @@ static ric_status smooth_start(const ric_orbit *orbit, double phase, double peri
     return ric_force_orbit_spread(o);
 }
 
-static ric_status smooth_from(ric_force_medium *m, const ric_orbit *orbit, const ric_point *point, int harmonic,
-                              const ric_force_drive *drive, double phase, ric_force_orbit **out)
+static ric_status smooth_from(ric_force_medium *m, const ric_orbit *orbit, const ric_point *point,
+                              int harmonic, const ric_force_drive *drive, double phase,
+                              ric_force_orbit **out)
 {
     ric_status status = ric_force_orbit_create(m, SMOOTH_PARTS, NULL, NULL, harmonic, out);
     if (status) return status;
@@ -36,8 +38,8 @@ static ric_status smooth_from(ric_force_medium *m, const ric_orbit *orbit, const
     return smooth_start(orbit, phase, RIC_TWO_PI / point->frequency, *out);
 }
 
-ric_status ric_force_start_from(ric_force_medium *m, const ric_orbit *orbit, int harmonic, double level, double phase,
-                                ric_force_orbit **out)
+ric_status ric_force_start_from(ric_force_medium *m, const ric_orbit *orbit, int harmonic,
+                                double level, double phase, ric_force_orbit **out)
 {
     ric_point point;
     const int n = m->n;
@@ -45,7 +47,8 @@ ric_status ric_force_start_from(ric_force_medium *m, const ric_orbit *orbit, int
     ric_status status;
     *out = NULL;
     ric_orbit_data(orbit, &point, NULL, NULL, NULL);
-    const ric_force_drive drive = {harmonic * point.frequency / m->time, level, m->force->restitution};
+    const ric_force_drive drive = {harmonic * point.frequency / m->time, level,
+                                   m->force->restitution};
     if (m->smooth) return smooth_from(m, orbit, &point, harmonic, &drive, phase, out);
     ric_orbit_data(orbit, NULL, state, NULL, NULL);
     ric_periodic *c = ric_force_cycle(m->force, orbit, state);
@@ -64,8 +67,9 @@ ric_status ric_force_start_from(ric_force_medium *m, const ric_orbit *orbit, int
     return status;
 }
 
-/* To first order the phase is free: beside the orbit of the atlas Newton's method hardly knows it. So it is held first,
- * while the level is free, and the level is brought back on what this gives. */
+/* To first order the phase is free: beside the orbit of the atlas Newton's method hardly knows it.
+ * So it is held first, while the level is free, and the level is brought back on what this gives.
+ */
 bool ric_force_start_settle(ric_force_orbit *o)
 {
     const int size = 2 * o->n;
@@ -76,12 +80,14 @@ bool ric_force_start_settle(ric_force_orbit *o)
     const double speed = sqrt(ric_dot(size, rate, rate));
     for (int i = 0; i < size && !o->events; i++) row[i] = rate[i] / speed;
     row[size] = o->events;
-    if (!ric_force_orbit_solve(o, RIC_ALONG_LEVEL, level, row, ric_dot(o->m, row, o->u), NULL)) return false;
+    if (!ric_force_orbit_solve(o, RIC_ALONG_LEVEL, level, row, ric_dot(o->m, row, o->u), NULL))
+        return false;
     o->drive.level = level;
     return ric_force_orbit_solve(o, RIC_ALONG_LEVEL, level, NULL, 0, NULL);
 }
 
-ric_status ric_force_start_linear(ric_force_medium *m, double omega, double level, ric_force_orbit **out)
+ric_status ric_force_start_linear(ric_force_medium *m, double omega, double level,
+                                  ric_force_orbit **out)
 {
     const int n = m->n, parts = m->smooth ? SMOOTH_PARTS : 1;
     ric_status status = ric_force_orbit_create(m, parts, NULL, NULL, 1, out);

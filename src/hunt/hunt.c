@@ -6,7 +6,8 @@
 
 #include "base/room.h"
 
-/* SAME: impacts of one orbit found twice agree within this; other orbits are farther away or counted as one */
+/* SAME: impacts of one orbit found twice agree within this; other orbits are farther away or
+ * counted as one */
 #define SAME 1e-6
 #define PERIODS 1e-7 /* the same of periods, relative */
 
@@ -32,15 +33,19 @@ void ric_hunt_options_bound(ric_hunt_options *o, const ric_study *study)
 static ric_status check_options(const ric_hunt_options *o)
 {
     if (!(o->energy > 0 && o->energy < INFINITY))
-        return ric_fail(RIC_E_INPUT, "energy: %g is none to look at; give a number above 0", o->energy);
+        return ric_fail(RIC_E_INPUT, "energy: %g is none to look at; give a number above 0",
+                        o->energy);
     if (o->impacts < 1 || o->impacts > RIC_HUNT_IMPACTS)
         return ric_fail(RIC_E_INPUT, "impacts: %d; give 1 to %d", o->impacts, RIC_HUNT_IMPACTS);
     if (!(o->period[0] >= 0 && o->period[0] < o->period[1]))
-        return ric_fail(RIC_E_INPUT, "period: from %g to %g s is no range; give two times, the smaller one first",
-                        o->period[0], o->period[1]);
+        return ric_fail(
+            RIC_E_INPUT,
+            "period: from %g to %g s is no range; give two times, the smaller one first",
+            o->period[0], o->period[1]);
     if (o->lines < 2 || o->row < 2 || o->rows < 0 || o->random < 0 || o->starts < 0)
         return ric_fail(RIC_E_INPUT,
-                        "lines %d, rows %d of %d, random %d, starts %d: lines and points of a row are at least 2, "
+                        "lines %d, rows %d of %d, random %d, starts %d: lines and points of a row "
+                        "are at least 2, "
                         "the others at least 0",
                         o->lines, o->rows, o->row, o->random, o->starts);
     return RIC_OK;
@@ -94,8 +99,10 @@ double ric_hunt_uniform(uint64_t *state)
 
 /* ------------------------------------------------------------------ images */
 
-/* Impact i of the image: `shift` counts in the orbit as it is, which is then run backwards and mirrored. */
-static ric_hit image(const ric_impact_map *s, int N, const ric_hit *hits, int shift, bool reverse, bool mirror, int i)
+/* Impact i of the image: `shift` counts in the orbit as it is, which is then run backwards and
+ * mirrored. */
+static ric_hit image(const ric_impact_map *s, int N, const ric_hit *hits, int shift, bool reverse,
+                     bool mirror, int i)
 {
     int at = reverse ? ((shift - i) % N + N) % N : (shift + i) % N;
     ric_hit hit = hits[at];
@@ -113,15 +120,16 @@ static bool same_hit(ric_hit a, ric_hit b, double tolerance)
 }
 
 /* Whether the image of b is a. */
-static bool matches(const ric_impact_map *s, int N, const ric_hit *a, const ric_hit *b, int shift, bool reverse,
-                    bool mirror, double tolerance)
+static bool matches(const ric_impact_map *s, int N, const ric_hit *a, const ric_hit *b, int shift,
+                    bool reverse, bool mirror, double tolerance)
 {
     for (int i = 0; i < N; i++)
         if (!same_hit(a[i], image(s, N, b, shift, reverse, mirror, i), tolerance)) return false;
     return true;
 }
 
-static bool equivalent(const ric_impact_map *s, int N, const ric_hit *a, const ric_hit *b, double tolerance)
+static bool equivalent(const ric_impact_map *s, int N, const ric_hit *a, const ric_hit *b,
+                       double tolerance)
 {
     int mirrors = ric_model_symmetric(s->model) ? 2 : 1;
     for (int shift = 0; shift < N; shift++)
@@ -142,7 +150,8 @@ static int compare(int N, const ric_hit *a, const ric_hit *b)
 }
 
 /* The smallest image takes the place of hits. */
-static void make_canonical(const ric_impact_map *s, int N, ric_hit *hits, ric_hit *best, ric_hit *trial)
+static void make_canonical(const ric_impact_map *s, int N, ric_hit *hits, ric_hit *best,
+                           ric_hit *trial)
 {
     int mirrors = ric_model_symmetric(s->model) ? 2 : 1;
     memcpy(best, hits, (size_t)N * sizeof *best);
@@ -166,11 +175,13 @@ static void find_symmetries(const ric_impact_map *s, ric_prey *prey)
     int N = prey->N;
     bool mirrors = ric_model_symmetric(s->model);
     prey->pure = prey->flip = -1;
-    prey->symmetric = mirrors && N % 2 == 0 && matches(s, N, prey->hits, prey->hits, N / 2, false, true, SAME);
+    prey->symmetric = mirrors && N % 2 == 0 &&
+                      matches(s, N, prey->hits, prey->hits, N / 2, false, true, SAME);
     for (int shift = 0; shift < N; shift++)
         for (int mirror = 0; mirror <= mirrors; mirror++) {
             int *reversal = mirror ? &prey->flip : &prey->pure;
-            if (*reversal < 0 && matches(s, N, prey->hits, prey->hits, shift, true, mirror, SAME)) *reversal = shift;
+            if (*reversal < 0 && matches(s, N, prey->hits, prey->hits, shift, true, mirror, SAME))
+                *reversal = shift;
         }
     prey->reversible = prey->pure >= 0 || prey->flip >= 0;
 }
@@ -188,7 +199,8 @@ int ric_hunt_find(const ric_hunt *h, int N, const ric_hit *hits, double toleranc
 {
     double period = period_of(N, hits);
     for (int i = 0; i < h->n; i++)
-        if (h->prey[i].N == N && fabs(h->prey[i].period - period) < fmax(PERIODS, tolerance) * (1 + period) &&
+        if (h->prey[i].N == N &&
+            fabs(h->prey[i].period - period) < fmax(PERIODS, tolerance) * (1 + period) &&
             equivalent(h->section, N, h->prey[i].hits, hits, tolerance))
             return i;
     return -1;
@@ -232,11 +244,13 @@ ric_status ric_hunt_try(ric_hunt *h, int N, bool half, const ric_hit *hits, ric_
     if (!solved) return RIC_OK;
     if (half) unfold(h->section, N, orbit);
     double period = period_of(full, orbit);
-    if (period > h->options.period[1] || period < h->options.period[0] || repeats(h->section, full, orbit))
+    if (period > h->options.period[1] || period < h->options.period[0] ||
+        repeats(h->section, full, orbit))
         return RIC_OK;
     int known = ric_hunt_find(h, full, orbit, SAME);
     if (known < 0) {
-        if (!ric_impact_map_admissible(h->section, full, orbit) || !ric_impact_map_around(h->section, full, orbit, D)) {
+        if (!ric_impact_map_admissible(h->section, full, orbit) ||
+            !ric_impact_map_around(h->section, full, orbit, D)) {
             h->ghosts++;
             return RIC_OK;
         }
@@ -277,7 +291,8 @@ int ric_hunt_n_found(const ric_hunt *h)
 /* The roots of lambda^2 - trace lambda + 1, without cancellation. */
 static void write_multipliers(double trace, double *out)
 {
-    double half = trace / 2, root = sqrt(fabs(half - 1)) * sqrt(fabs(half + 1)), large = half + copysign(root, half);
+    double half = trace / 2, root = sqrt(fabs(half - 1)) * sqrt(fabs(half + 1)),
+           large = half + copysign(root, half);
     bool circle = fabs(half) < 1;
     out[0] = circle ? half : large;
     out[1] = circle ? root : 0;
@@ -285,9 +300,11 @@ static void write_multipliers(double trace, double *out)
     out[3] = circle ? -root : 0;
 }
 
-ric_status ric_hunt_found(const ric_hunt *h, int i, ric_found *out, int *word, double *state, double *flights)
+ric_status ric_hunt_found(const ric_hunt *h, int i, ric_found *out, int *word, double *state,
+                          double *flights)
 {
-    if (i < 0 || i >= h->n) return ric_fail(RIC_E_RANGE, "no orbit %d: the hunt has found %d, from 0 on", i, h->n);
+    if (i < 0 || i >= h->n)
+        return ric_fail(RIC_E_RANGE, "no orbit %d: the hunt has found %d, from 0 on", i, h->n);
     const ric_prey *p = &h->prey[i];
     if (out) {
         *out = (ric_found){.impacts = p->N,

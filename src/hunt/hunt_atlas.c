@@ -9,12 +9,14 @@
 #include "base/room.h"
 #include "atlas/room.h"
 
-/* What was found against what an atlas has. Orbits that it lacks are followed: an exploration that starts from them
- * alone, within the budgets of the atlas, makes an atlas of their surroundings, and its junctions are compared with
- * those of the other. */
+/* What was found against what an atlas has. Orbits that it lacks are followed: an exploration that
+ * starts from them alone, within the budgets of the atlas, makes an atlas of their surroundings,
+ * and its junctions are compared with those of the other. */
 
-#define MATCH 1e-5    /* an orbit of the atlas is one of the hunt if all impacts agree within this */
-#define JUNCTION 1e-6 /* relative, of energies, frequencies and states of one junction in two atlases */
+/* MATCH: an orbit of the atlas is one of the hunt if all impacts agree within this */
+#define MATCH 1e-5
+/* JUNCTION: relative, of energies, frequencies and states of one junction in two atlases */
+#define JUNCTION 1e-6
 
 void ric_comparison_free(ric_comparison *c)
 {
@@ -48,9 +50,11 @@ static ric_status read_orbit(const ric_hunt *h, const ric_orbit *o, ric_hit *hit
     return status;
 }
 
-typedef ric_status (*orbit_visitor)(void *user, const ric_branch *branch, const ric_orbit *orbit, int place);
+typedef ric_status (*orbit_visitor)(void *user, const ric_branch *branch, const ric_orbit *orbit,
+                                    int place);
 
-/* Every orbit of an atlas within the bounds of the hunt, and its place among those found (-1: none). */
+/* Every orbit of an atlas within the bounds of the hunt, and its place among those found (-1:
+ * none). */
 static ric_status each_orbit(const ric_hunt *h, const ric_atlas *a, orbit_visitor visit, void *user)
 {
     ric_status status = RIC_OK;
@@ -58,15 +62,19 @@ static ric_status each_orbit(const ric_hunt *h, const ric_atlas *a, orbit_visito
         ric_branch b;
         ric_orbit **orbits = NULL;
         int n = 0;
-        if ((status = ric_atlas_branch(a, id, &b)) || b.impacts == 0 || b.impacts > h->options.impacts) continue;
+        if ((status = ric_atlas_branch(a, id, &b)) || b.impacts == 0 ||
+            b.impacts > h->options.impacts)
+            continue;
         status = ric_orbit_find(a, id, RIC_AT_ENERGY, h->options.energy, &n, &orbits);
-        if (status == RIC_E_NUMERIC) status = RIC_OK; /* none converges there: what the hunt has is then said to lack */
+        if (status == RIC_E_NUMERIC)
+            status = RIC_OK; /* none converges there: what the hunt has is then said to lack */
         for (int i = 0; i < n && !status; i++) {
             ric_point point;
             ric_hit hits[b.impacts];
             ric_orbit_data(orbits[i], &point, NULL, NULL, NULL);
             double period = RIC_TWO_PI / point.frequency;
-            if (!ric_point_admissible(&point) || period > h->options.period[1] || period < h->options.period[0])
+            if (!ric_point_admissible(&point) || period > h->options.period[1] ||
+                period < h->options.period[0])
                 continue;
             if (!(status = read_orbit(h, orbits[i], hits)))
                 status = visit(user, &b, orbits[i], ric_hunt_find(h, b.impacts, hits, MATCH));
@@ -99,8 +107,8 @@ static ric_status count(void *user, const ric_branch *b, const ric_orbit *o, int
         c->missed = grown;
     }
     ric_orbit_data(o, &point, NULL, NULL, NULL);
-    c->missed[c->n_missed++] = (ric_missed){b->id, b->impacts, RIC_TWO_PI / point.frequency, 2 * sinh(point.trace),
-                                            point.approach};
+    c->missed[c->n_missed++] = (ric_missed){b->id, b->impacts, RIC_TWO_PI / point.frequency,
+                                            2 * sinh(point.trace), point.approach};
     return RIC_OK;
 }
 
@@ -108,7 +116,8 @@ static ric_status note_side(void *user, const ric_branch *b, const ric_orbit *o,
 {
     ric_comparison *c = user;
     (void)o;
-    if (place >= 0 && c->findings[place].state != RIC_FOUND_KNOWN) c->findings[place].branch = b->id;
+    if (place >= 0 && c->findings[place].state != RIC_FOUND_KNOWN)
+        c->findings[place].branch = b->id;
     return RIC_OK;
 }
 
@@ -133,7 +142,8 @@ static char *start_lines(const ric_hunt *h, const bool *wanted)
     size_t used = 0;
     for (int i = 0; i < h->n && all; i++) {
         if (!wanted[i]) continue;
-        char *line = start_line(h, &h->prey[i]), *grown = line ? ric_realloc(all, used + strlen(line) + 1) : NULL;
+        char *line = start_line(h, &h->prey[i]),
+             *grown = line ? ric_realloc(all, used + strlen(line) + 1) : NULL;
         if (grown) {
             strcpy(grown + used, line);
             used += strlen(line);
@@ -146,8 +156,8 @@ static char *start_lines(const ric_hunt *h, const bool *wanted)
 
 static bool keep_going(const ric_progress *now, void *user)
 {
-    return ric_hunt_report(user, "following what the atlas lacks", now->open ? 1 - 1.0 / (1 + now->branches) : 1) !=
-           RIC_OK;
+    return ric_hunt_report(user, "following what the atlas lacks",
+                           now->open ? 1 - 1.0 / (1 + now->branches) : 1) != RIC_OK;
 }
 
 static ric_status explore_side(ric_hunt *h, const ric_atlas *a, const bool *wanted, ric_atlas **out)
@@ -176,8 +186,8 @@ static bool near(double a, double b)
     return fabs(a - b) <= JUNCTION * (1 + fabs(a) + fabs(b));
 }
 
-/* One orbit, also where it is a junction gone through different numbers of times. Canonical states are solved from
- * rounded numbers and agree. */
+/* One orbit, also where it is a junction gone through different numbers of times. Canonical states
+ * are solved from rounded numbers and agree. */
 static bool same_orbit(int n_dof, const ric_junction *a, const ric_junction *b)
 {
     if (a->impacts != b->impacts || !near(a->energy, b->energy) ||
@@ -200,8 +210,8 @@ static int junctions_of(const ric_branch *b, int *ids)
     return n;
 }
 
-/* Families of a side atlas: branches that share junctions; family [n_branch + 1], junction_family [n_junction + 1],
- * from 1. */
+/* Families of a side atlas: branches that share junctions; family [n_branch + 1], junction_family
+ * [n_junction + 1], from 1. */
 static void find_families(const ric_atlas *s, int *family, int *junction_family)
 {
     int count = 0;
@@ -226,9 +236,9 @@ static void find_families(const ric_atlas *s, int *family, int *junction_family)
     }
 }
 
-/* What a family meets: junctions of the atlas where something is left to take, or nothing; or one that the atlas has,
- * but gone through another number of times; or, of the side atlas, a multiplication of more periods than the atlas
- * looks for on a branch that it has. 0: none. */
+/* What a family meets: junctions of the atlas where something is left to take, or nothing; or one
+ * that the atlas has, but gone through another number of times; or, of the side atlas, a
+ * multiplication of more periods than the atlas looks for on a branch that it has. 0: none. */
 typedef struct {
     int branches, junctions, over_budget, refused, window, failed;
     int open, settled, again, times, longer;
@@ -242,7 +252,8 @@ static void meet(const ric_atlas *a, const ric_junction *j, surroundings *out)
         ric_atlas_junction(a, id, &other);
         if (!same_orbit(ric_model_n_dof(ric_atlas_model(a)), j, &other)) continue;
         if (other.multiple == j->multiple) {
-            if (other.departures.over_budget + other.departures.refused > 0 || other.refusal[0]) out->open = id;
+            if (other.departures.over_budget + other.departures.refused > 0 || other.refusal[0])
+                out->open = id;
             else out->settled = id;
             return;
         }
@@ -262,12 +273,15 @@ static bool has_junction(const ric_atlas *a, const ric_junction *j)
     for (int id = 1; id <= ric_atlas_n_junction(a); id++) {
         ric_junction other;
         ric_atlas_junction(a, id, &other);
-        if (other.multiple == j->multiple && same_orbit(ric_model_n_dof(ric_atlas_model(a)), j, &other)) return true;
+        if (other.multiple == j->multiple &&
+            same_orbit(ric_model_n_dof(ric_atlas_model(a)), j, &other))
+            return true;
     }
     return false;
 }
 
-/* Whether a branch passes this junction of the side atlas that the atlas has, by another junction on it. */
+/* Whether a branch passes this junction of the side atlas that the atlas has, by another junction
+ * on it. */
 static bool on_known_branch(const ric_atlas *a, const ric_atlas *s, int junction)
 {
     for (int id = 1; id <= ric_atlas_n_branch(s); id++) {
@@ -287,16 +301,19 @@ static bool on_known_branch(const ric_atlas *a, const ric_atlas *s, int junction
 }
 
 /* The multiplication of the least number of periods among those beyond explore.multiply. */
-static void note_longer(const ric_atlas *a, const ric_atlas *s, const ric_junction *j, surroundings *out)
+static void note_longer(const ric_atlas *a, const ric_atlas *s, const ric_junction *j,
+                        surroundings *out)
 {
     ric_junction best = {.multiple = INT_MAX};
-    if (j->kind != RIC_KIND_MULTIPLICATION || j->multiple <= ric_study_options(ric_atlas_study(a))->multiply) return;
+    if (j->kind != RIC_KIND_MULTIPLICATION ||
+        j->multiple <= ric_study_options(ric_atlas_study(a))->multiply)
+        return;
     if (out->longer) ric_atlas_junction(s, out->longer, &best);
     if (j->multiple < best.multiple && on_known_branch(a, s, j->id)) out->longer = j->id;
 }
 
-static surroundings look_around(const ric_atlas *a, const ric_atlas *s, int wanted, const int *family,
-                                const int *junction_family)
+static surroundings look_around(const ric_atlas *a, const ric_atlas *s, int wanted,
+                                const int *family, const int *junction_family)
 {
     surroundings out = {0};
     for (int id = 1; id <= ric_atlas_n_branch(s); id++) {
@@ -320,37 +337,46 @@ static surroundings look_around(const ric_atlas *a, const ric_atlas *s, int want
     return out;
 }
 
-static void explain(const ric_atlas *a, const ric_atlas *s, const surroundings *f, ric_finding *finding)
+static void explain(const ric_atlas *a, const ric_atlas *s, const surroundings *f,
+                    ric_finding *finding)
 {
     ric_junction j;
     int id = f->open ? f->open : f->again ? f->again : f->settled;
     bool beyond = f->open || f->again || f->longer;
-    finding->state = beyond ? RIC_FOUND_BUDGET : f->settled ? RIC_FOUND_UNEXPLAINED : RIC_FOUND_ISOLATED;
+    finding->state = beyond       ? RIC_FOUND_BUDGET
+                     : f->settled ? RIC_FOUND_UNEXPLAINED
+                                  : RIC_FOUND_ISOLATED;
     if (id) ric_atlas_junction(a, id, &j);
     if (f->open && j.refusal[0])
-        snprintf(finding->why, sizeof finding->why, "its family joins the atlas at junction %d (%s), refused: %s", j.id,
-                 j.label, j.refusal);
-    else if (f->open)
         snprintf(finding->why, sizeof finding->why,
-                 "its family joins the atlas at junction %d (%s), where %d departures are over budget", j.id, j.label,
-                 j.departures.over_budget);
+                 "its family joins the atlas at junction %d (%s), refused: %s", j.id, j.label,
+                 j.refusal);
+    else if (f->open)
+        snprintf(
+            finding->why, sizeof finding->why,
+            "its family joins the atlas at junction %d (%s), where %d departures are over budget",
+            j.id, j.label, j.departures.over_budget);
     else if (f->again)
         snprintf(finding->why, sizeof finding->why,
-                 "its family joins the %d-duplicate of junction %d (%s), beyond explore.multiply (%d) or "
+                 "its family joins the %d-duplicate of junction %d (%s), beyond explore.multiply "
+                 "(%d) or "
                  "explore.impacts (%d)",
                  f->times, j.id, j.label, ric_study_options(ric_atlas_study(a))->multiply,
                  ric_study_options(ric_atlas_study(a))->impacts);
     else if (f->longer) {
         ric_atlas_junction(s, f->longer, &j);
         snprintf(finding->why, sizeof finding->why,
-                 "its family joins the atlas at a multiplication by %d at E %.10g, beyond explore.multiply (%d)",
+                 "its family joins the atlas at a multiplication by %d at E %.10g, beyond "
+                 "explore.multiply (%d)",
                  j.multiple, j.energy, ric_study_options(ric_atlas_study(a))->multiply);
     } else if (f->settled)
         snprintf(finding->why, sizeof finding->why,
-                 "its family joins the atlas at junction %d (%s), where no departure is left", j.id, j.label);
+                 "its family joins the atlas at junction %d (%s), where no departure is left", j.id,
+                 j.label);
     else
         snprintf(finding->why, sizeof finding->why,
-                 "within the budgets its family (%d branches, %d junctions) meets no junction of the atlas; beyond: %d "
+                 "within the budgets its family (%d branches, %d junctions) meets no junction of "
+                 "the atlas; beyond: %d "
                  "departures over budget, %d refused, %d ends at a window, %d failed",
                  f->branches, f->junctions, f->over_budget, f->refused, f->window, f->failed);
 }
@@ -404,7 +430,8 @@ ric_status ric_hunt_compare(ric_hunt *h, const ric_atlas *a, ric_comparison **ou
     return status;
 }
 
-ric_status ric_hunt_add(const ric_hunt *h, const ric_comparison *c, const ric_atlas *a, const char *path, int *n)
+ric_status ric_hunt_add(const ric_hunt *h, const ric_comparison *c, const ric_atlas *a,
+                        const char *path, int *n)
 {
     bool *wanted = ric_calloc((size_t)h->n + 1, sizeof *wanted);
     ric_store *store = NULL;
@@ -418,7 +445,8 @@ ric_status ric_hunt_add(const ric_hunt *h, const ric_comparison *c, const ric_at
         *n += wanted[i];
     }
     if (*n) {
-        if (!(lines = start_lines(h, wanted))) status = ric_no_memory("the comparison with an atlas");
+        if (!(lines = start_lines(h, wanted)))
+            status = ric_no_memory("the comparison with an atlas");
         if (!status) status = ric_store_open(path, ric_atlas_study(a), &store);
         if (!status) status = ric_stored_work_check(store, ric_atlas_study(a));
         if (!status) status = ric_store_starts_add(store, lines);
@@ -438,7 +466,8 @@ void ric_comparison_count(const ric_comparison *c, int *n_atlas, int *n_again, i
 
 static ric_status check_place(const char *what, int i, int n)
 {
-    return i >= 0 && i < n ? RIC_OK : ric_fail(RIC_E_RANGE, "no %s %d: there are %d, from 0 on", what, i, n);
+    return i >= 0 && i < n ? RIC_OK
+                           : ric_fail(RIC_E_RANGE, "no %s %d: there are %d, from 0 on", what, i, n);
 }
 
 ric_status ric_comparison_finding(const ric_comparison *c, int i, ric_finding *out)

@@ -22,7 +22,9 @@ void ric_hunt_line_fly(const ric_line *l, double x, ric_strand *out)
     if (from >= 0) out->time[out->n++] = 0;
     while (out->n < l->K) {
         double horizon = l->hunt->options.period[1] - l->times * time;
-        if (!(horizon > 0) || !ric_impact_map_next(s, w, from, horizon, &tau, &out->hit[out->n], after)) break;
+        if (!(horizon > 0) ||
+            !ric_impact_map_next(s, w, from, horizon, &tau, &out->hit[out->n], after))
+            break;
         l->hunt->flights++;
         if (out->n) out->hit[out->n - 1].tau = tau;
         time += tau;

@@ -5,18 +5,22 @@
 #include "hunt_line.h"
 #include "base/room.h"
 
-/* Orbits that are their own image in time: from one mirror point to the next (docs/theory.md sections 4 and 11).
+/* Orbits that are their own image in time: from one mirror point to the next (docs/theory.md
+ * sections 4 and 11).
  *
- * A line of motions starts at mirror points of one kind. Mapped forward, it is looked at wherever it could be at a
- * mirror point again:
+ * A line of motions starts at mirror points of one kind. Mapped forward, it is looked at wherever
+ * it could be at a mirror point again:
  *     at an impact                 angle = 0
  *     at rest in a flight          that leaves and meets one face: y' = y, angle' = -angle
- *     in the centre in a flight    from a face to the one on the other side: y' = -y, angle' = angle
- * A change of sign between two neighbours that stay together is a half of an orbit, or a quarter. */
+ *     in the centre in a flight    from a face to the one on the other side: y' = -y, angle' =
+ *                                  angle
+ * A change of sign between two neighbours that stay together is a half of an orbit, or a quarter.
+ */
 
 #define APART 0.03
 #define SHORTEST 1e-15
-#define CLOSE 1e-9 /* of the distance of two neighbours: as near as this Newton's method takes over */
+/* CLOSE: of the distance of two neighbours: as near as this Newton's method takes over */
+#define CLOSE 1e-9
 
 typedef enum { IMPACT, REST, CENTRE } mirror_kind;
 
@@ -25,7 +29,8 @@ typedef double (*test)(const ric_strand *a, int j);
 static bool start_impact(const ric_line *l, double x, ric_hit *hit, double *w)
 {
     *hit = (ric_hit){l->face, x, 0, 0};
-    return ric_impact_map_state(l->hunt->section, hit, w) && ric_impact_map_inside(l->hunt->section, w, l->face);
+    return ric_impact_map_state(l->hunt->section, hit, w) &&
+           ric_impact_map_inside(l->hunt->section, w, l->face);
 }
 
 /* On V = E: an ellipse, or two straight lines, one after the other, if a mode is free. */
@@ -35,7 +40,8 @@ static bool start_rest(const ric_line *l, double x, ric_hit *hit, double *w)
     double speed = sqrt(2 * s->energy), span = l->high / 2;
     (void)hit;
     w[0] = s->omega[0] > 0 ? speed / s->omega[0] * cos(x) : 2 * (x < span ? x : x - span) - span;
-    w[1] = s->omega[0] > 0 ? speed / s->omega[1] * sin(x) : (x < span ? 1 : -1) * speed / s->omega[1];
+    w[1] = s->omega[0] > 0 ? speed / s->omega[1] * sin(x)
+                           : (x < span ? 1 : -1) * speed / s->omega[1];
     w[2] = w[3] = 0;
     return ric_impact_map_inside(s, w, -1);
 }
@@ -86,7 +92,11 @@ static double onward(const ric_strand *a, int j)
 static const struct {
     test value;
     mirror_kind end;
-} tests[] = {{at_impact, IMPACT}, {at_rest, REST}, {turning, REST}, {across, CENTRE}, {onward, CENTRE}};
+} tests[] = {{at_impact, IMPACT},
+             {at_rest, REST},
+             {turning, REST},
+             {across, CENTRE},
+             {onward, CENTRE}};
 
 /* Whether the test makes sense at hit j: on the flight that ends there, or at the impact itself. */
 static bool applies(const ric_line *l, mirror_kind end, const ric_strand *a, int j)
@@ -100,13 +110,14 @@ static bool applies(const ric_line *l, mirror_kind end, const ric_strand *a, int
 
 /* ----------------------------------------------------------------- unfolding */
 
-/* The whole orbit of a half or quarter one that ends at hit j, or in the middle of the flight before it. out
- * [4 (j + 1)]. */
+/* The whole orbit of a half or quarter one that ends at hit j, or in the middle of the flight
+ * before it. out [4 (j + 1)]. */
 static int unfold(const ric_line *l, const ric_strand *a, int j, mirror_kind end, ric_hit *out)
 {
     const ric_impact_map *s = l->hunt->section;
     mirror_kind start = kind_of(l);
-    double when[4 * (j + 1)], turn = end == IMPACT ? a->time[j] : (a->time[j - 1] + a->time[j]) / 2, period = 2 * turn;
+    double when[4 * (j + 1)], turn = end == IMPACT ? a->time[j] : (a->time[j - 1] + a->time[j]) / 2,
+                              period = 2 * turn;
     int n = 0, last = end == IMPACT ? j : j - 1;
     for (int i = 0; i <= last; i++) {
         when[n] = a->time[i];
@@ -125,7 +136,8 @@ static int unfold(const ric_line *l, const ric_strand *a, int j, mirror_kind end
         }
         period *= 2;
     }
-    for (int i = 0; i < n; i++) out[i].tau = i + 1 < n ? when[i + 1] - when[i] : when[0] + period - when[i];
+    for (int i = 0; i < n; i++)
+        out[i].tau = i + 1 < n ? when[i + 1] - when[i] : when[0] + period - when[i];
     return n;
 }
 
@@ -138,14 +150,16 @@ static ric_status try_half(const ric_line *l, const ric_strand *a, int j, mirror
         if (!(orbit[k].tau > 0)) return RIC_OK;
         period += orbit[k].tau;
     }
-    if (N < 1 || N > l->hunt->options.impacts || period > 1.01 * l->hunt->options.period[1]) return RIC_OK;
+    if (N < 1 || N > l->hunt->options.impacts || period > 1.01 * l->hunt->options.period[1])
+        return RIC_OK;
     return ric_hunt_try(l->hunt, N, false, orbit, RIC_WAY_MIRRORS);
 }
 
 /* ---------------------------------------------------------------- the search */
 
 /* A change of sign between a and b: closed in on, then solved. */
-static ric_status close_in(const ric_line *l, const ric_strand *a, const ric_strand *b, int j, int which)
+static ric_status close_in(const ric_line *l, const ric_strand *a, const ric_strand *b, int j,
+                           int which)
 {
     RIC_STRAND(low, l->K);
     RIC_STRAND(high, l->K);
@@ -177,8 +191,8 @@ static ric_status compare(const ric_line *l, const ric_strand *a, const ric_stra
     return status;
 }
 
-static ric_status scan(ric_hunt *h, bool (*start)(const ric_line *, double, ric_hit *, double *), int face, double low,
-                       double high)
+static ric_status scan(ric_hunt *h, bool (*start)(const ric_line *, double, ric_hit *, double *),
+                       int face, double low, double high)
 {
     ric_line line = {.hunt = h,
                      .low = low,
@@ -202,11 +216,17 @@ ric_status ric_hunt_mirrors(ric_hunt *h)
     for (int f = 0; f < s->n_face && !status; f++) {
         const ric_impact_map_face *face = &s->face[f];
         widest = fmax(widest, fabs(face->at) + face->radius[0]);
-        if (face->radius[0] > 0 && !(symmetric && face->side < 0)) /* the other side is its mirror image */
-            status = scan(h, start_impact, f, face->middle - face->radius[0], face->middle + face->radius[0]);
+        if (face->radius[0] > 0 &&
+            !(symmetric && face->side < 0)) /* the other side is its mirror image */
+            status = scan(h, start_impact, f, face->middle - face->radius[0],
+                          face->middle + face->radius[0]);
     }
     /* V = E has its mirror image, too: half of it will do for a symmetric structure */
-    if (!status) status = scan(h, start_rest, -1, 0, s->omega[0] == 0 ? 8 * widest : symmetric ? round / 2 : round);
+    if (!status)
+        status = scan(h, start_rest, -1, 0,
+                      s->omega[0] == 0 ? 8 * widest
+                      : symmetric      ? round / 2
+                                       : round);
     if (!status && symmetric) status = scan(h, start_centre, -1, 0, round / 2);
     return status;
 }

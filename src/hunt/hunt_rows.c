@@ -8,15 +8,16 @@
 /* All orbits, reversible or not: rows of starts, and starts at random, on the section of every face
  * (docs/theory.md section 11).
  *
- * Every start z is flown N impacts. Whenever it is on its first face again, P the map so far and D its matrix, Newton's
- * step d = (I - D)^-1 (P(z) - z) tells how far the orbit would be if P were linear; where that is not far, the motion
- * is the first guess for Newton's method on all impacts at once. What counts is |d| and not how near to itself the
- * motion comes: near an orbit with multiplier lambda P(z) - z is |lambda| times larger. Half orbits, P(z) = -z on the
- * face opposite, are looked for in the same manner.
+ * Every start z is flown N impacts. Whenever it is on its first face again, P the map so far and D
+ * its matrix, Newton's step d = (I - D)^-1 (P(z) - z) tells how far the orbit would be if P were
+ * linear; where that is not far, the motion is the first guess for Newton's method on all impacts
+ * at once. What counts is |d| and not how near to itself the motion comes: near an orbit with
+ * multiplier lambda P(z) - z is |lambda| times larger. Half orbits, P(z) = -z on the face opposite,
+ * are looked for in the same manner.
  *
- * The motions that have the word of an orbit with multiplier lambda fill a strip as narrow as 1/lambda, but as long as
- * the face. Rows cross it, and as they are refined where neighbours part they do not step over it; starts at random
- * find it if it is not too narrow. */
+ * The motions that have the word of an orbit with multiplier lambda fill a strip as narrow as
+ * 1/lambda, but as long as the face. Rows cross it, and as they are refined where neighbours part
+ * they do not step over it; starts at random find it if it is not too narrow. */
 
 #define FAR 0.15 /* largest |d|, in the size of the face */
 #define APART 0.25
@@ -27,7 +28,8 @@
 typedef struct {
     ric_hunt *hunt;
     int face;
-    uint8_t *tried; /* attempts by guess, hashed: two guesses in one place at worst share their attempts */
+    uint8_t *tried; /* attempts by guess, hashed: two guesses in one place at worst share their
+                       attempts */
     size_t mask;
     uint64_t random;
     double p; /* of the present row: P sin(angle) over its largest value */
@@ -50,8 +52,8 @@ static bool admit(search *g, int N, bool half, const ric_hit *hits, double y, do
 static ric_status consider(search *g, int k, bool half, ric_hit *hits, const double *D)
 {
     const ric_impact_map_face *face = &g->hunt->section->face[g->face];
-    double sign = half ? -1 : 1, a = 1 - sign * D[0], b = -sign * D[1], c = -sign * D[2], d = 1 - sign * D[3],
-           det = a * d - b * c;
+    double sign = half ? -1 : 1, a = 1 - sign * D[0], b = -sign * D[1], c = -sign * D[2],
+           d = 1 - sign * D[3], det = a * d - b * c;
     double ry = sign * hits[k].y - hits[0].y, ra = sign * hits[k].angle - hits[0].angle;
     double dy = (d * ry - b * ra) / det / face->radius[0], da = (a * ra - c * ry) / det;
     if (!(hypot(dy, da) < FAR)) return RIC_OK;
@@ -137,7 +139,8 @@ static ric_status search_face(search *g)
     line.start = start_random;
     RIC_STRAND(a, line.K);
     for (int i = 0; i < h->options.random && !status; i++) {
-        if (i % 4096 == 0) status = ric_hunt_report(h, "random starts", (double)i / h->options.random);
+        if (i % 4096 == 0)
+            status = ric_hunt_report(h, "random starts", (double)i / h->options.random);
         ric_hunt_line_fly(&line, 0, &a);
         if (!status) status = visit(&line, &a);
     }
@@ -152,7 +155,8 @@ ric_status ric_hunt_rows(ric_hunt *h)
     if (!(g.tried = ric_calloc(g.mask + 1, 1))) return ric_no_memory("the hunt");
     for (int f = 0; f < s->n_face && !status; f++) {
         g.face = f;
-        if (s->face[f].radius[0] == 0 || (ric_model_symmetric(s->model) && s->face[f].side < 0)) continue;
+        if (s->face[f].radius[0] == 0 || (ric_model_symmetric(s->model) && s->face[f].side < 0))
+            continue;
         status = search_face(&g);
     }
     free(g.tried);

@@ -5,8 +5,11 @@
 
 #define STEPS 40
 #define HALVINGS 8
-#define SOLVED 1e-9   /* of r, relative to the speed sqrt(2 E): what follows is left to ric_impact_map_polish */
-#define NEARLY 1e-6   /* the same, where no step makes it smaller: beside a slow impact rounding may leave as much */
+/* SOLVED: of r, relative to the speed sqrt(2 E): what follows is left to ric_impact_map_polish */
+#define SOLVED 1e-9
+/* NEARLY: the same, where no step makes it smaller: beside a slow impact rounding may leave as much
+ */
+#define NEARLY 1e-6
 #define GAIN 0.1      /* a step has to take at least this part of what it promises */
 #define BRIEFEST 1e-6 /* flights, in seconds: two impacts of one stop that are no closer */
 #define RESONANT 1e-9 /* sin(omega tau) is no smaller */
@@ -38,8 +41,8 @@ static void turn(ric_times *t, const ric_hit *hits)
     }
 }
 
-/* K y = what is left of e.(arrive - leave) at every impact for y = 0; columns of y [N * (N + 1)] but the first are
- * free. */
+/* K y = what is left of e.(arrive - leave) at every impact for y = 0; columns of y [N * (N + 1)]
+ * but the first are free. */
 static void assemble_places(ric_times *t, const ric_hit *hits)
 {
     int N = t->N, columns = N + 1;
@@ -79,8 +82,8 @@ static void set_velocities(ric_times *t, const ric_hit *hits)
     }
 }
 
-/* Places and velocities, and the derivatives of the places: a longer flight changes its velocities by -b times those at
- * its other end. */
+/* Places and velocities, and the derivatives of the places: a longer flight changes its velocities
+ * by -b times those at its other end. */
 static bool place(ric_times *t, const ric_hit *hits)
 {
     int N = t->N, columns = N + 1;
@@ -104,7 +107,8 @@ static bool place(ric_times *t, const ric_hit *hits)
     }
     memcpy(t->A, t->K, (size_t)(N * N) * sizeof *t->A);
     if (!ric_impact_map_eliminate(N, N, t->A, change)) return false;
-    for (int k = 0; k < N; k++) memcpy(&t->y[k * columns + 1], &change[k * N], (size_t)N * sizeof *change);
+    for (int k = 0; k < N; k++)
+        memcpy(&t->y[k * columns + 1], &change[k * N], (size_t)N * sizeof *change);
     return true;
 }
 
@@ -115,7 +119,8 @@ static void add_flight(ric_times *t, const ric_hit *hits, int k)
     const ric_impact_map_face *from = face_of(t, hits, k), *goal = face_of(t, hits, to);
     const ric_times_flight *f = &t->flight[k];
     const double *y0 = &t->y[k * columns + 1], *y1 = &t->y[to * columns + 1];
-    double out[2], in[2]; /* of y0 and y1: the change of n.leave at the start, and of n.arrive at the end */
+    double out[2],
+        in[2]; /* of y0 and y1: the change of n.leave at the start, and of n.arrive at the end */
     out[0] = out[1] = in[0] = in[1] = 0;
     for (int i = 0; i < 2; i++) {
         out[0] -= from->normal[i] * f->a[i] * from->along[i] / 2;
@@ -139,7 +144,8 @@ static void add_energy(ric_times *t, const ric_hit *hits)
     int N = t->N, columns = N + 1;
     const ric_impact_map_face *from = face_of(t, hits, 0), *goal = face_of(t, hits, 1);
     const ric_times_flight *f = &t->flight[0];
-    const double *y0 = &t->y[1], *y1 = &t->y[(1 % N) * columns + 1], speed = sqrt(2 * t->section->energy);
+    const double *y0 = &t->y[1], *y1 = &t->y[(1 % N) * columns + 1],
+                 speed = sqrt(2 * t->section->energy);
     t->r[N] = -t->section->energy / speed;
     for (int i = 0; i < 2; i++) {
         double stiffness = t->section->omega[i] * t->section->omega[i];
@@ -173,7 +179,8 @@ static int strongest(const ric_times *t, const ric_hit *hits)
     double most = -1;
     for (int k = 0; k < t->N; k++) {
         const double *normal = face_of(t, hits, k)->normal;
-        double impulse = fabs(dot(normal, t->flight[k].leave) - dot(normal, t->flight[(k + t->N - 1) % t->N].arrive));
+        double impulse = fabs(dot(normal, t->flight[k].leave) -
+                              dot(normal, t->flight[(k + t->N - 1) % t->N].arrive));
         if (!(impulse > most)) continue;
         most = impulse;
         best = k;
@@ -231,7 +238,8 @@ bool ric_hunt_times_solve(ric_times *t, ric_hit *hits)
             if (now < (1 - GAIN * part) * before || now < SOLVED * small) break;
             now = INFINITY;
         }
-        if (!(now < INFINITY)) return before < NEARLY * small && evaluate(t, hits) < INFINITY && read_off(t, hits);
+        if (!(now < INFINITY))
+            return before < NEARLY * small && evaluate(t, hits) < INFINITY && read_off(t, hits);
         memcpy(hits, next, (size_t)t->N * sizeof *hits);
         before = now;
     }

@@ -5,21 +5,25 @@
 #include "hunt_times.h"
 #include "base/room.h"
 
-/* Every orbit from its word, without a motion that has it: the times of all impacts are guessed at once
- * (docs/theory.md section 11). This finds orbits whose multipliers are so large that no start in double precision
- * stays beside them for a period.
+/* Every orbit from its word, without a motion that has it: the times of all impacts are guessed at
+ * once (docs/theory.md section 11). This finds orbits whose multipliers are so large that no start
+ * in double precision stays beside them for a period.
  *
- * First the guesses are random. Then they are put together from pieces of the orbits found so far, by whatever search,
- * whose letters are those of the word: what an unstable motion does is told by the letters around it, and long orbits
- * are chains of short ones. Rounds go on until one has found nothing new. A round knows the orbits found before it, and
- * every guess has random numbers of its own, so that the order in which words are taken makes no difference. */
+ * First the guesses are random. Then they are put together from pieces of the orbits found so far,
+ * by whatever search, whose letters are those of the word: what an unstable motion does is told by
+ * the letters around it, and long orbits are chains of short ones. Rounds go on until one has found
+ * nothing new. A round knows the orbits found before it, and every guess has random numbers of its
+ * own, so that the order in which words are taken makes no difference. */
 
 #define ROUNDS 20
-#define WORDS 512        /* of one length in a round, at most; of more words as many are drawn */
-#define ENUMERATED 65536 /* words of one length before rotations are left out; of more as many as WORDS are drawn */
-#define MISFITS 64       /* pieces that do not fit, before a flight is guessed at random */
-#define CHANGE 0.3       /* largest relative change of the flights of a piece; small ones are more frequent */
-#define PAUSE 64         /* starts between two questions whether to stop */
+#define WORDS 512 /* of one length in a round, at most; of more words as many are drawn */
+/* ENUMERATED: words of one length before rotations are left out; of more as many as WORDS are drawn
+ */
+#define ENUMERATED 65536
+#define MISFITS 64 /* pieces that do not fit, before a flight is guessed at random */
+/* CHANGE: largest relative change of the flights of a piece; small ones are more frequent */
+#define CHANGE 0.3
+#define PAUSE 64 /* starts between two questions whether to stop */
 
 typedef struct {
     ric_hunt *hunt;
@@ -61,7 +65,8 @@ static void complete(const ric_impact_map *s, int N, int *word)
     for (int k = 0; k < N; k++) word[N + k] = s->face[word[k]].mirror;
 }
 
-/* Word `code` of N letters, followed by their images if it is half of one; whether it is the least of its images. */
+/* Word `code` of N letters, followed by their images if it is half of one; whether it is the least
+ * of its images. */
 static bool spell(const search *g, int N, bool half, int code, int *word)
 {
     const ric_impact_map *s = g->hunt->section;
@@ -79,12 +84,13 @@ static void guess_scattered(search *g, int N, double longest, ric_hit *hits)
         hits[k].tau = pow(-log1p(-ric_hunt_uniform(&g->random)), scatter);
         sum += hits[k].tau;
     }
-    double period = longest * pow(ric_hunt_uniform(&g->random), ric_hunt_uniform(&g->random) < 0.5 ? 1 : 2);
+    double period = longest *
+                    pow(ric_hunt_uniform(&g->random), ric_hunt_uniform(&g->random) < 0.5 ? 1 : 2);
     for (int k = 0; k < N; k++) hits[k].tau *= period / sum;
 }
 
-/* Flights of the word [N + 1, with the letter after its last one] from `from` on, as an orbit found has them in one of
- * its images: how many lie between the same letters. */
+/* Flights of the word [N + 1, with the letter after its last one] from `from` on, as an orbit found
+ * has them in one of its images: how many lie between the same letters. */
 static int fit_piece(search *g, int N, const int *word, int from, ric_hit *hits)
 {
     const ric_impact_map *s = g->hunt->section;
@@ -93,7 +99,8 @@ static int fit_piece(search *g, int N, const int *word, int from, ric_hit *hits)
     bool back = ric_hunt_uniform(&g->random) < 0.5;
     bool mirror = ric_model_symmetric(s->model) && prey->hits[at].face != word[from];
     for (; from + same < N; same++) {
-        int next = (back ? at + n - 1 : at + 1) % n, here = prey->hits[at].face, there = prey->hits[next].face;
+        int next = (back ? at + n - 1 : at + 1) % n, here = prey->hits[at].face,
+            there = prey->hits[next].face;
         if (mirror) {
             here = s->face[here].mirror;
             there = s->face[there].mirror;
@@ -116,12 +123,14 @@ static void guess_pieces(search *g, int N, const int *word, double longest, ric_
         misfits = 0;
     }
     for (int k = 0; k < N; k++)
-        hits[k].tau *= exp(change * (ric_hunt_uniform(&g->random) + ric_hunt_uniform(&g->random) - 1));
+        hits[k].tau *= exp(change *
+                           (ric_hunt_uniform(&g->random) + ric_hunt_uniform(&g->random) - 1));
 }
 
 /* ------------------------------------------------------------------ search */
 
-/* The longest that N flights may take: without a bound on the period a turn of the slowest mode for each of them. */
+/* The longest that N flights may take: without a bound on the period a turn of the slowest mode for
+ * each of them. */
 static double longest_of(const ric_hunt *h, int N)
 {
     const double *omega = h->section->omega, bound = h->options.period[1];
@@ -143,7 +152,9 @@ static ric_status try_word(search *g, int N, bool half, int code, int *word)
     for (long i = 0; i < (long)h->options.starts * N && !status; i++) {
         double sum = 0;
         if (i % PAUSE == 0 &&
-            (status = ric_hunt_report(h, g->pieces ? "impact times, pieces" : "impact times, random", g->part)))
+            (status = ric_hunt_report(h,
+                                      g->pieces ? "impact times, pieces" : "impact times, random",
+                                      g->part)))
             break;
         g->random = h->options.seed;
         const long own[] = {g->round, N, half, code, i};
@@ -152,12 +163,14 @@ static ric_status try_word(search *g, int N, bool half, int code, int *word)
         if (g->pieces) guess_pieces(g, N, word, t->longest, hits);
         else guess_scattered(g, N, t->longest, hits);
         for (int k = 0; k < N; k++) sum += hits[k].tau;
-        if (sum < t->longest && ric_hunt_times_solve(t, hits)) status = ric_hunt_try(h, N, half, hits, RIC_WAY_WORDS);
+        if (sum < t->longest && ric_hunt_times_solve(t, hits))
+            status = ric_hunt_try(h, N, half, hits, RIC_WAY_WORDS);
     }
     return status;
 }
 
-/* All words of N letters, or of half as many as their orbits have; if these are too many, as many as are drawn. */
+/* All words of N letters, or of half as many as their orbits have; if these are too many, as many
+ * as are drawn. */
 static ric_status try_words(search *g, int N, bool half)
 {
     double all = pow(g->n_face, N), done = g->part;
@@ -172,7 +185,8 @@ static ric_status try_words(search *g, int N, bool half)
             bool least = spell(g, N, half, code, word);
             if (!least || ric_hunt_uniform(&draw) * count > WORDS) continue;
         } else {
-            for (int k = 0; k < N; k++) word[k] = g->face[(int)(ric_hunt_uniform(&draw) * g->n_face)];
+            for (int k = 0; k < N; k++)
+                word[k] = g->face[(int)(ric_hunt_uniform(&draw) * g->n_face)];
             if (half) complete(g->hunt->section, N, word);
         }
         status = try_word(g, N, half, code, word);

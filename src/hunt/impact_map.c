@@ -8,22 +8,30 @@
 #include "check/room.h"
 #include "base/room.h"
 
-#define UNSEEN 1e-12 /* part of the largest modal normal of a contact below which a mode is not seen by it */
-/* PANEL: search step over 1 / omega of the faster mode: the gap has at most one maximum in it but for tiny motions */
+/* UNSEEN: part of the largest modal normal of a contact below which a mode is not seen by it */
+#define UNSEEN 1e-12
+/* PANEL: search step over 1 / omega of the faster mode: the gap has at most one maximum in it but
+ * for tiny motions */
 #define PANEL 0.5
-/* ROUNDING: relative change of the unknowns at which Newton's method has converged; its last step is far below */
+/* ROUNDING: relative change of the unknowns at which Newton's method has converged; its last step
+ * is far below */
 #define ROUNDING 1e-13
 #define RIGHT_ANGLE 1.57079632679489661923
-#define NOTHING 1e-300     /* a pivot below it is zero */
-#define NEARLY 1e-9        /* relative: from there on Newton's method goes by its steps, and may rest */
-#define ASTRAY 1e6         /* a step that long leads nowhere */
-#define STEEPEST 1.6       /* just beyond grazing, so that Newton's method may pass it on its way */
-#define REPLAY 1e-8        /* the simulator's impacts agree with the orbit within this, and, near a grazing, */
-#define NEAR_GRAZING 1e-12 /* within the time that rounding of the gap means: this over the cosine of the angle */
+#define NOTHING 1e-300 /* a pivot below it is zero */
+/* NEARLY: relative: from there on Newton's method goes by its steps, and may rest */
+#define NEARLY 1e-9
+#define ASTRAY 1e6   /* a step that long leads nowhere */
+#define STEEPEST 1.6 /* just beyond grazing, so that Newton's method may pass it on its way */
+/* REPLAY: the simulator's impacts agree with the orbit within this, and, near a grazing, */
+#define REPLAY 1e-8
+/* NEAR_GRAZING: within the time that rounding of the gap means: this over the cosine of the angle
+ */
+#define NEAR_GRAZING 1e-12
 
 /* ------------------------------------------------------------------ create */
 
-static ric_status find_modes(ric_impact_map *s, const ric_model *m, const ric_real *omega, const ric_real *c)
+static ric_status find_modes(ric_impact_map *s, const ric_model *m, const ric_real *omega,
+                             const ric_real *c)
 {
     int n = s->n_dof, seen = 0;
     for (int i = 0; i < n; i++) {
@@ -37,17 +45,18 @@ static ric_status find_modes(ric_impact_map *s, const ric_model *m, const ric_re
         seen += sees;
     }
     if (seen != 2 || ric_model_n_mode(m) != 2)
-        return ric_fail(
-            RIC_E_INPUT,
-            "the stops see %d modes; the map from impact to impact has a two-dimensional section for 2 only",
-            ric_model_n_mode(m));
+        return ric_fail(RIC_E_INPUT,
+                        "the stops see %d modes; the map from impact to impact has a "
+                        "two-dimensional section for 2 only",
+                        ric_model_n_mode(m));
     for (int k = 0; k < 2; k++) s->omega[k] = (double)omega[s->mode[k]];
     if (s->omega[0] == 0 && s->omega[1] == 0)
         return ric_fail(RIC_E_INPUT, "both modes are free: nothing holds the motion in place");
     return RIC_OK;
 }
 
-/* V along the face is V0 + k^2 (y - middle)^2 / 2; k > 0, for a free mode is seen by the contact. */
+/* V along the face is V0 + k^2 (y - middle)^2 / 2; k > 0, for a free mode is seen by the contact.
+ */
 static void fill_face(const ric_impact_map *s, ric_impact_map_face *face)
 {
     double k2 = 0, mixed = 0, constant = 0;
@@ -84,7 +93,8 @@ static ric_status make_faces(ric_impact_map *s, const ric_model *m, const ric_re
         face->along[1] = face->normal[0];
         fill_face(s, face);
         if (!isfinite(face->radius[0]))
-            return ric_fail(RIC_E_INPUT, "contact %d does not see the free mode: motions along it have no bound",
+            return ric_fail(RIC_E_INPUT,
+                            "contact %d does not see the free mode: motions along it have no bound",
                             face->contact + 1);
     }
     return RIC_OK;
@@ -96,10 +106,13 @@ static ric_status check_laws(const ric_model *m)
         ric_contact contact;
         ric_model_contact(m, i, &contact);
         if (contact.law != RIC_LAW_RIGID)
-            return ric_fail(RIC_E_INPUT, "contact %d is no rigid stop; hunting knows rigid stops only", i + 1);
+            return ric_fail(RIC_E_INPUT,
+                            "contact %d is no rigid stop; hunting knows rigid stops only", i + 1);
     }
     if (ric_model_restitution(m) != 1)
-        return ric_fail(RIC_E_INPUT, "with losses at impacts there are no families of periodic orbits to hunt for");
+        return ric_fail(
+            RIC_E_INPUT,
+            "with losses at impacts there are no families of periodic orbits to hunt for");
     return RIC_OK;
 }
 
@@ -117,7 +130,8 @@ ric_status ric_impact_map_create(const ric_model *m, double energy, ric_impact_m
     ric_simulator_frame(s->sim, &omega, &c);
     if ((status = find_modes(s, m, omega, c)) || (status = make_faces(s, m, c))) goto out;
     s->panel = PANEL / fmax(s->omega[0], s->omega[1]);
-    for (int i = 0; i < 2; i++) sincos(s->omega[i] * s->panel, &s->turn[2 * i + 1], &s->turn[2 * i]);
+    for (int i = 0; i < 2; i++)
+        sincos(s->omega[i] * s->panel, &s->turn[2 * i + 1], &s->turn[2 * i]);
     *out = s;
     s = NULL;
 out:
@@ -168,7 +182,8 @@ bool ric_impact_map_state(const ric_impact_map *s, const ric_hit *hit, double *w
 static ric_hit hit_of(const ric_impact_map *s, int face, const double *w)
 {
     const ric_impact_map_face *f = &s->face[face];
-    return (ric_hit){face, dot(f->along, w), atan2(dot(f->along, w + 2), fabs(dot(f->normal, w + 2))), 0};
+    return (ric_hit){face, dot(f->along, w),
+                     atan2(dot(f->along, w + 2), fabs(dot(f->normal, w + 2))), 0};
 }
 
 ric_hit ric_impact_map_mirrored(const ric_impact_map *s, ric_hit hit)
@@ -197,7 +212,8 @@ void ric_impact_map_write(const ric_impact_map *s, const ric_hit *hit, double *x
     ric_simulator_state(s->sim, NULL, x, v);
 }
 
-void ric_impact_map_read(const ric_impact_map *s, int face, const double *x, const double *v, ric_hit *hit)
+void ric_impact_map_read(const ric_impact_map *s, int face, const double *x, const double *v,
+                         ric_hit *hit)
 {
     ric_real full[2 * s->n_dof];
     double w[4];
@@ -245,14 +261,17 @@ static double rate(const ric_impact_map_face *face, const double *w)
     return face->side * dot(face->normal, w + 2);
 }
 
-/* Zero of the gap (order 0), or of its rate (order 1), between times a and b from w, where it changes sign; divided by
- * the time if the flight starts on the face, which takes that zero away. */
-static double zero_between(const ric_impact_map *s, const ric_impact_map_face *face, const double *w, int order,
-                           bool leaving, double a, double b)
+/* Zero of the gap (order 0), or of its rate (order 1), between times a and b from w, where it
+ * changes sign; divided by the time if the flight starts on the face, which takes that zero away.
+ */
+static double zero_between(const ric_impact_map *s, const ric_impact_map_face *face,
+                           const double *w, int order, bool leaving, double a, double b)
 {
     double at[4], f, slope;
     fly(s, w, b, at);
-    ric_root_slope r = ric_root_slope_between(a, b, order ? rate(face, at) > 0 : beyond(face, at) > 0, (a + b) / 2);
+    ric_root_slope r = ric_root_slope_between(a, b,
+                                              order ? rate(face, at) > 0 : beyond(face, at) > 0,
+                                              (a + b) / 2);
     r.part = 2 * DBL_EPSILON;
     do {
         fly(s, w, r.x, at);
@@ -265,22 +284,25 @@ static double zero_between(const ric_impact_map *s, const ric_impact_map_face *f
     return r.x;
 }
 
-/* Time of the impact on a face within a panel that goes from w to end; infinite if there is none. */
-static double within_panel(const ric_impact_map *s, const ric_impact_map_face *face, const double *w, const double *end,
-                           bool leaving)
+/* Time of the impact on a face within a panel that goes from w to end; infinite if there is none.
+ */
+static double within_panel(const ric_impact_map *s, const ric_impact_map_face *face,
+                           const double *w, const double *end, bool leaving)
 {
-    double h = s->panel, g0 = beyond(face, w), g1 = beyond(face, end), v0 = rate(face, w), v1 = rate(face, end);
+    double h = s->panel, g0 = beyond(face, w), g1 = beyond(face, end), v0 = rate(face, w),
+           v1 = rate(face, end);
     if (g1 > 0) return zero_between(s, face, w, 0, leaving, 0, h);
-    if (leaving || !(v0 > 0 && v1 < 0)) return INFINITY; /* hops shorter than a panel are left to the simulator */
-    double cross = (g1 - v1 * h - g0) / (v0 - v1);       /* where the tangents meet, above the maximum */
+    if (leaving || !(v0 > 0 && v1 < 0))
+        return INFINITY; /* hops shorter than a panel are left to the simulator */
+    double cross = (g1 - v1 * h - g0) / (v0 - v1); /* where the tangents meet, above the maximum */
     if (g0 + v0 * cross < 0) return INFINITY;
     double top = zero_between(s, face, w, 1, false, 0, h), at[4];
     fly(s, w, top, at);
     return beyond(face, at) > 0 ? zero_between(s, face, w, 0, false, 0, top) : INFINITY;
 }
 
-bool ric_impact_map_next(const ric_impact_map *s, const double *w, int from, double horizon, double *time, ric_hit *hit,
-                         double *after)
+bool ric_impact_map_next(const ric_impact_map *s, const double *w, int from, double horizon,
+                         double *time, ric_hit *hit, double *after)
 {
     double here[4], end[4];
     memcpy(here, w, sizeof here);
@@ -311,12 +333,14 @@ bool ric_impact_map_next(const ric_impact_map *s, const double *w, int from, dou
 
 /* ------------------------------------------------------------- derivatives */
 
-/* From impact a over its tau to the face of b: gap beyond that face, y and angle there [3], and their derivatives by y,
- * angle of a and by tau [9]. */
-static bool flight_slopes(const ric_impact_map *s, const ric_hit *a, int to, double *value, double *slope)
+/* From impact a over its tau to the face of b: gap beyond that face, y and angle there [3], and
+ * their derivatives by y, angle of a and by tau [9]. */
+static bool flight_slopes(const ric_impact_map *s, const ric_hit *a, int to, double *value,
+                          double *slope)
 {
     const ric_impact_map_face *face = &s->face[a->face], *goal = &s->face[to];
-    double w[4], end[4], push[4], start[4], P = ric_impact_map_speed(s, a->face, a->y), pull = 0, sine, cosine;
+    double w[4], end[4], push[4], start[4], P = ric_impact_map_speed(s, a->face, a->y), pull = 0,
+                                            sine, cosine;
     if (!ric_impact_map_state(s, a, w)) return false;
     fly(s, w, a->tau, end);
     for (int i = 0; i < 2; i++) pull += s->omega[i] * s->omega[i] * w[i] * face->along[i];
@@ -333,7 +357,8 @@ static bool flight_slopes(const ric_impact_map *s, const ric_hit *a, int to, dou
         if (k < 2) fly(s, start, a->tau, push);
         slope[k] = goal->side * dot(goal->normal, push);
         slope[3 + k] = dot(goal->along, push);
-        slope[6 + k] = (v * dot(goal->along, push + 2) - p * goal->side * dot(goal->normal, push + 2)) /
+        slope[6 + k] = (v * dot(goal->along, push + 2) -
+                        p * goal->side * dot(goal->normal, push + 2)) /
                        (v * v + p * p);
     }
     value[0] = beyond(goal, end);
@@ -410,15 +435,18 @@ size_t ric_impact_map_work(int N)
     return (size_t)(3 * N) * (size_t)(3 * N) + (size_t)(3 * N);
 }
 
-/* Residuals r [3N] and their derivatives A [3N * 3N] by y_k, angle_k, tau_k; the largest residual, infinite where there
- * is no motion. */
-static double assemble(const ric_impact_map *s, int N, bool half, const ric_hit *hits, double *A, double *r)
+/* Residuals r [3N] and their derivatives A [3N * 3N] by y_k, angle_k, tau_k; the largest residual,
+ * infinite where there is no motion. */
+static double assemble(const ric_impact_map *s, int N, bool half, const ric_hit *hits, double *A,
+                       double *r)
 {
     int n = 3 * N;
     double largest = 0;
     memset(A, 0, (size_t)n * (size_t)n * sizeof *A);
     for (int k = 0; k < N; k++) {
-        ric_hit next = k + 1 < N ? hits[k + 1] : half ? ric_impact_map_mirrored(s, hits[0]) : hits[0];
+        ric_hit next = k + 1 < N ? hits[k + 1]
+                       : half    ? ric_impact_map_mirrored(s, hits[0])
+                                 : hits[0];
         double value[3], slope[9], sign = k + 1 == N && half ? 1 : -1;
         if (!flight_slopes(s, &hits[k], next.face, value, slope)) return INFINITY;
         int column = 3 * ((k + 1) % N);
@@ -433,7 +461,8 @@ static double assemble(const ric_impact_map *s, int N, bool half, const ric_hit 
     return largest;
 }
 
-/* Part of the step that keeps every impact within the energy and every time positive: at most all of it. */
+/* Part of the step that keeps every impact within the energy and every time positive: at most all
+ * of it. */
 static double allowed(const ric_impact_map *s, int N, const ric_hit *hits, const double *step)
 {
     double part = 1;
@@ -490,7 +519,8 @@ static bool replay_flight(const ric_impact_map *s, const ric_hit *a, const ric_h
         full[n + s->mode[i]] = w[2 + i];
     }
     double slack = REPLAY * (1 + a->tau) + NEAR_GRAZING / cos(b->angle), later = a->tau + slack;
-    if (ric_simulator_start_modal(s->sim, NULL, full) || ric_simulator_advance(s->sim, later, &hit, &impact))
+    if (ric_simulator_start_modal(s->sim, NULL, full) ||
+        ric_simulator_advance(s->sim, later, &hit, &impact))
         return false;
     if (!hit || impact.face != b->face || fabs(impact.time - a->tau) > slack) return false;
     ric_simulator_state_modal(s->sim, NULL, full);
@@ -505,6 +535,7 @@ static bool replay_flight(const ric_impact_map *s, const ric_hit *a, const ric_h
 bool ric_impact_map_admissible(const ric_impact_map *s, int N, const ric_hit *hits)
 {
     for (int k = 0; k < N; k++)
-        if (!(fabs(hits[k].angle) < RIGHT_ANGLE) || !replay_flight(s, &hits[k], &hits[(k + 1) % N])) return false;
+        if (!(fabs(hits[k].angle) < RIGHT_ANGLE) || !replay_flight(s, &hits[k], &hits[(k + 1) % N]))
+            return false;
     return true;
 }

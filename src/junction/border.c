@@ -33,8 +33,8 @@ ric_border *ric_border_create(const ric_shooting *chain)
     q->swap = ric_calloc(2 * states, sizeof *q->swap);
     q->U = ric_calloc(states * states, sizeof *q->U);
     q->V = ric_calloc(unknowns * states, sizeof *q->V);
-    if (q->map && q->rate && q->v && q->beta && q->pivot && q->row && q->pinned && q->X && q->K && q->S && q->left &&
-        q->right && q->sigma && q->small && q->swap && q->U && q->V)
+    if (q->map && q->rate && q->v && q->beta && q->pivot && q->row && q->pinned && q->X && q->K &&
+        q->S && q->left && q->right && q->sigma && q->small && q->swap && q->U && q->V)
         return q;
     ric_border_free(q);
     return NULL;
@@ -63,7 +63,8 @@ void ric_border_free(ric_border *q)
     free(q);
 }
 
-/* The code of one flight is written once and used twice, with its sizes known to the compiler for two modes. */
+/* The code of one flight is written once and used twice, with its sizes known to the compiler for
+ * two modes. */
 #define INLINE static inline __attribute__((always_inline))
 
 /* ------------------------------------------------------------------ flights */
@@ -78,7 +79,8 @@ static void move_block(int n, double rounding, unsigned *bits, double *block)
         for (int j = 0; j < n; j++) block[i * 2 * n + j] += ric_moved(bits, rounding * largest);
 }
 
-/* Displacements and velocities differ by the frequency of a spring: each block of a matrix has its own rounding. */
+/* Displacements and velocities differ by the frequency of a spring: each block of a matrix has its
+ * own rounding. */
 static void move_flight(ric_border *q, int k, double rounding, unsigned *bits)
 {
     const ric_shooting *c = q->chain;
@@ -169,10 +171,12 @@ INLINE double dot(int m, const double *x, const double *y)
     return sum;
 }
 
-/* One reflection makes the row of condition k (0, .., 0, pivot): the last of the 2n columns is pinned, and kept. */
+/* One reflection makes the row of condition k (0, .., 0, pivot): the last of the 2n columns is
+ * pinned, and kept. */
 INLINE bool pin(ric_border *q, int m, int k)
 {
-    double row[m], *v = q->v + (size_t)k * (size_t)m, *h = q->row + (size_t)k * (size_t)m, *X = q->X, sum = 0;
+    double row[m], *v = q->v + (size_t)k * (size_t)m, *h = q->row + (size_t)k * (size_t)m,
+                   *X = q->X, sum = 0;
     condition(q, k, h);
     for (int j = 0; j < m; j++) {
         row[j] = 0;
@@ -194,8 +198,8 @@ INLINE bool pin(ric_border *q, int m, int k)
     return true;
 }
 
-/* From the combinations z [2n] that are left, and the values of the pinned ones (NULL: 0), back to the unknowns
- * y [unknowns] = (w_0 / size, tau). */
+/* From the combinations z [2n] that are left, and the values of the pinned ones (NULL: 0), back to
+ * the unknowns y [unknowns] = (w_0 / size, tau). */
 INLINE void lift_to(ric_border *q, int m, const double *last, const double *pinned, double *y)
 {
     double z[m];
@@ -236,7 +240,8 @@ INLINE bool eliminate(ric_border *q, int m)
     for (int k = 0; k < q->N; k++) {
         if (!pin(q, m, k)) return false;
         fly_columns(q, m / 2, k, m - 1, m, q->X);
-        for (int i = 0; i < m; i++) q->X[i * m + m - 1] = q->rate[(size_t)k * (size_t)m + (size_t)i];
+        for (int i = 0; i < m; i++)
+            q->X[i * m + m - 1] = q->rate[(size_t)k * (size_t)m + (size_t)i];
         strike_columns(q, m / 2, k, m, m, q->X);
     }
     return true;
@@ -253,15 +258,16 @@ bool ric_border_factor(ric_border *q, double rounding, unsigned bits)
         q->S[i] = q->X[i] -= q->K[i]; /* the first rows of K are those of w_0 */
         if (!isfinite(q->S[i])) return false;
     }
-    return !ric_lapack(
-        LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m, q->X, m, q->sigma, q->left, m, q->right, m, super));
+    return !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m, q->X, m, q->sigma, q->left,
+                                      m, q->right, m, super));
 }
 
 void ric_border_kernel(const ric_border *q, int i, double *du)
 {
     int m = 2 * q->n;
     const double *z = q->right + (m - 1 - i) * m;
-    for (int j = 0; j < q->unknowns; j++) du[j] = ric_dot(m, q->K + (size_t)j * (size_t)m, z) * (j < m ? q->size : 1);
+    for (int j = 0; j < q->unknowns; j++)
+        du[j] = ric_dot(m, q->K + (size_t)j * (size_t)m, z) * (j < m ? q->size : 1);
 }
 
 /* ------------------------------------------------------------------- borders */
@@ -305,7 +311,8 @@ INLINE void forward_to(ric_border *q, int m, const double *conditions, double *p
     memset(out, 0, (size_t)m * sizeof *out);
     for (int k = 0; k < q->N; k++) {
         const double *along = q->pinned + (size_t)k * (size_t)m;
-        pinned[k] = (conditions[k] / q->size - dot(m, q->row + (size_t)k * (size_t)m, out)) / q->pivot[k];
+        pinned[k] = (conditions[k] / q->size - dot(m, q->row + (size_t)k * (size_t)m, out)) /
+                    q->pivot[k];
         for (int i = 0; i < m; i++) out[i] += along[i] * pinned[k];
         fly_columns(q, m / 2, k, 1, 1, out);
         strike_columns(q, m / 2, k, 1, 1, out);
@@ -341,9 +348,11 @@ bool ric_border_solve(ric_border *q, const double *r, const double *s, double *x
     for (int i = 0; i < m; i++) rhs[i] = r[i] / q->size - end[i] + x[i];
     for (int i = 0; i < b; i++) {
         rhs[m + i] = s[i];
-        for (int j = 0; j < q->unknowns; j++) rhs[m + i] -= q->V[(size_t)j * (size_t)b + (size_t)i] * x[j];
+        for (int j = 0; j < q->unknowns; j++)
+            rhs[m + i] -= q->V[(size_t)j * (size_t)b + (size_t)i] * x[j];
     }
-    if (ric_lapack(LAPACKE_dgetrs(LAPACK_ROW_MAJOR, 'N', size, 1, q->small, size, q->swap, rhs, 1))) return false;
+    if (ric_lapack(LAPACKE_dgetrs(LAPACK_ROW_MAJOR, 'N', size, 1, q->small, size, q->swap, rhs, 1)))
+        return false;
     memcpy(g, rhs + m, (size_t)b * sizeof *g);
     for (int j = 0; j < q->unknowns; j++) x[j] += ric_dot(m, q->K + (size_t)j * (size_t)m, rhs);
     for (int k = 0; k < N; k++) total += x[m + k];

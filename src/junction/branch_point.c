@@ -6,8 +6,8 @@
 #include "flow/room.h"
 #include "base/room.h"
 
-/* DISTINCT: smallest sine of the angle between two directions that can be told apart at the first step, 1e-3 of the
- * orbit */
+/* DISTINCT: smallest sine of the angle between two directions that can be told apart at the first
+ * step, 1e-3 of the orbit */
 #define DISTINCT 1e-3
 #define NEIGHBOUR 0.1 /* an orbit farther away, relative, is no neighbour */
 
@@ -49,8 +49,10 @@ static void left_vector(const crossing *q, double *left)
         return;
     }
     ric_singular_redundant(&q->at, redundant);
-    double x = ric_dot(equations, both, redundant), y = ric_dot(equations, both + equations, redundant);
-    for (int i = 0; i < equations; i++) left[i] = (y * both[i] - x * both[equations + i]) / hypot(x, y);
+    double x = ric_dot(equations, both, redundant),
+           y = ric_dot(equations, both + equations, redundant);
+    for (int i = 0; i < equations; i++)
+        left[i] = (y * both[i] - x * both[equations + i]) / hypot(x, y);
 }
 
 /* The direction (x, y) of the kernel, out [unknowns]. */
@@ -61,8 +63,9 @@ static void along(const crossing *q, const double way[2], double *out)
     for (int i = 0; i < n; i++) out[i] = way[0] * kernel[i] + way[1] * kernel[n + i];
 }
 
-/* The algebraic branching equation: the second derivative of the equations along the left null vector, Q = (11, 12; 21,
- * 22) on the kernel, vanishes along both branches (H. B. Keller, in: Applications of Bifurcation Theory, 1977). */
+/* The algebraic branching equation: the second derivative of the equations along the left null
+ * vector, Q = (11, 12; 21, 22) on the kernel, vanishes along both branches (H. B. Keller, in:
+ * Applications of Bifurcation Theory, 1977). */
 static ric_status directions(crossing *q)
 {
     int n = q->at.unknowns;
@@ -75,8 +78,9 @@ static ric_status directions(crossing *q)
     double a = Q[0][0], b = (Q[0][1] + Q[1][0]) / 2, d = Q[1][1], root = b * b - a * d,
            size = hypot(a - d, 2 * b) + fabs(a + d);
     if (!(root > 0))
-        return ric_fail(RIC_E_NUMERIC,
-                        "no two branches cross at the branch point: the branching equation has no real roots");
+        return ric_fail(
+            RIC_E_NUMERIC,
+            "no two branches cross at the branch point: the branching equation has no real roots");
     root = sqrt(root);
     /* a x^2 + 2 b x y + d y^2 = 0, without cancellation */
     double p = -(b + copysign(root, b));
@@ -85,14 +89,15 @@ static ric_status directions(crossing *q)
     for (int k = 0; k < 2; k++) {
         double norm = hypot(x[k][0], x[k][1]);
         if (!(norm > RIC_RANK * size))
-            return ric_fail(RIC_E_NUMERIC, "the branching equation at the branch point is degenerate");
+            return ric_fail(RIC_E_NUMERIC,
+                            "the branching equation at the branch point is degenerate");
         for (int j = 0; j < 2; j++) x[k][j] /= norm;
         along(q, x[k], t);
         slope[k] = fabs(ric_shooting_energy_slope(q->chain, t));
     }
     if (fabs(x[0][0] * x[1][1] - x[0][1] * x[1][0]) < DISTINCT)
-        return ric_fail(RIC_E_NUMERIC,
-                        "the branches that cross at the branch point touch: their directions cannot be told apart");
+        return ric_fail(RIC_E_NUMERIC, "the branches that cross at the branch point touch: their "
+                                       "directions cannot be told apart");
     int through = slope[1] > slope[0];
     memcpy(q->way[0], x[through], sizeof x[0]);
     memcpy(q->way[1], x[!through], sizeof x[0]);
@@ -107,8 +112,8 @@ static ric_status solve(const ric_model *m, const ric_node *node, crossing *q)
     return status;
 }
 
-ric_status ric_branch_point_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain,
-                                   double **u0, double **t0)
+ric_status ric_branch_point_depart(const ric_model *m, const ric_node *node, unsigned choice,
+                                   ric_shooting **chain, double **u0, double **t0)
 {
     crossing q;
     ric_status status = solve(m, node, &q);
@@ -125,7 +130,8 @@ ric_status ric_branch_point_depart(const ric_model *m, const ric_node *node, uns
     return status;
 }
 
-ric_status ric_branch_point_choice(const ric_model *m, const ric_node *node, const ric_periodic *near, unsigned *choice)
+ric_status ric_branch_point_choice(const ric_model *m, const ric_node *node,
+                                   const ric_periodic *near, unsigned *choice)
 {
     crossing q;
     ric_shooting *chain = NULL;
@@ -134,14 +140,16 @@ ric_status ric_branch_point_choice(const ric_model *m, const ric_node *node, con
     if (status) return status;
     ric_periodic *home = ric_periodic_nearest(m, node->cycle, near, NEIGHBOUR);
     if (!home) status = ric_fail(RIC_E_NUMERIC, "the orbit does not lie beside the branch point");
-    if (!status && !(status = ric_periodic_to_chain(m, home, &chain, &u)) && chain->n_unknown != q.at.unknowns)
+    if (!status && !(status = ric_periodic_to_chain(m, home, &chain, &u)) &&
+        chain->n_unknown != q.at.unknowns)
         status = ric_fail(RIC_E_NUMERIC, "the orbit has not the symmetry of the branch point");
     const double *kernel = ric_singular_kernel(&q.at, 2);
     for (int i = 0; !status && i < q.at.unknowns; i++) {
         x += kernel[i] * (u[i] - q.u0[i]);
         y += kernel[q.at.unknowns + i] * (u[i] - q.u0[i]);
     }
-    double across[2] = {fabs(x * q.way[0][1] - y * q.way[0][0]), fabs(x * q.way[1][1] - y * q.way[1][0])};
+    double across[2] = {fabs(x * q.way[0][1] - y * q.way[0][0]),
+                        fabs(x * q.way[1][1] - y * q.way[1][0])};
     *choice = across[1] < across[0] ? RIC_SIDE : RIC_THROUGH;
     ric_shooting_free(chain);
     ric_periodic_free(home);

@@ -5,7 +5,8 @@
 
 #include "base/room.h"
 
-#define UNDECIDED (-1) /* which of the problems of a multiplication has the kernel is not known yet */
+/* UNDECIDED: which of the problems of a multiplication has the kernel is not known yet */
+#define UNDECIDED (-1)
 
 ric_criterion_work ric_criterion_begin(ric_criterion what, ric_shooting *chain)
 {
@@ -30,13 +31,14 @@ static ric_symmetry smaller_problem(ric_criterion_work *q, const ric_periodic *c
     if (q->test != RIC_TEST_ROTATION) return ric_symmetry_breaking(cycle, q->test);
     int count = ric_symmetry_multiplying(cycle, q->rotation[0], q->rotation[1], problems);
     /* which is which depends on where the cycle starts: decided once, on the first one seen */
-    if (q->choice == UNDECIDED) q->choice = count == 2 && ric_symmetry_singular(q->chain->model, cycle, problems);
+    if (q->choice == UNDECIDED)
+        q->choice = count == 2 && ric_symmetry_singular(q->chain->model, cycle, problems);
     return problems[q->choice];
 }
 
-/* Bordered determinant of a problem with fewer symmetries, or over several periods, at the orbit u: it vanishes where
- * the factors of section 5 do, or where the multiplier is a root of unity, but does not divide by impact speeds and
- * keeps its digits however unstable the orbit is. */
+/* Bordered determinant of a problem with fewer symmetries, or over several periods, at the orbit u:
+ * it vanishes where the factors of section 5 do, or where the multiplier is a root of unity, but
+ * does not divide by impact speeds and keeps its digits however unstable the orbit is. */
 static double larger_determinant(ric_criterion_work *q, const double *u)
 {
     ric_shooting *large = NULL;
@@ -63,14 +65,16 @@ static double larger_determinant(ric_criterion_work *q, const double *u)
     return value;
 }
 
-/* Distance of the nearest pair from lambda + 1/lambda of the multiplier sought, on the chain's own map: where the
- * period is its square, that of the period only touches -2. q->aside: its imaginary part. */
+/* Distance of the nearest pair from lambda + 1/lambda of the multiplier sought, on the chain's own
+ * map: where the period is its square, that of the period only touches -2. q->aside: its imaginary
+ * part. */
 double ric_criterion_off_rotation(ric_criterion_work *q)
 {
     const ric_shooting *c = q->chain;
     q->aside = HUGE_VAL;
     if (ric_floquet_compute(c, &q->floquet)) return NAN;
-    double nearest = HUGE_VAL, target = ric_symmetry_rho(ric_shooting_halves(c), q->rotation[0], q->rotation[1]);
+    double nearest = HUGE_VAL,
+           target = ric_symmetry_rho(ric_shooting_halves(c), q->rotation[0], q->rotation[1]);
     for (int i = 0; i < q->floquet.n_pair; i++) {
         double off = q->floquet.own[2 * i] - target, aside = fabs(q->floquet.own[2 * i + 1]);
         if (!(hypot(off, aside) < hypot(nearest, q->aside))) continue;
@@ -80,12 +84,14 @@ double ric_criterion_off_rotation(ric_criterion_work *q)
     return nearest;
 }
 
-/* Whether the determinant of the larger problem tells a multiplication: it passes zero where one direction is lost.
- * That is so between mirror points, and at a doubling of the period's own map without them; of higher order without
- * mirror points two directions are lost at once, and it only touches zero. */
+/* Whether the determinant of the larger problem tells a multiplication: it passes zero where one
+ * direction is lost. That is so between mirror points, and at a doubling of the period's own map
+ * without them; of higher order without mirror points two directions are lost at once, and it only
+ * touches zero. */
 bool ric_criterion_by_larger(const ric_criterion_work *q)
 {
-    return q->chain->start != RIC_MIRROR_NONE || (q->rotation[1] == 2 && !ric_shooting_halves(q->chain));
+    return q->chain->start != RIC_MIRROR_NONE ||
+           (q->rotation[1] == 2 && !ric_shooting_halves(q->chain));
 }
 
 static double off_asked(const ric_criterion_work *q, const double *u)
@@ -95,7 +101,8 @@ static double off_asked(const ric_criterion_work *q, const double *u)
                               RIC_TWO_PI / ric_shooting_time(q->chain, u) * m->omega_ref);
 }
 
-double ric_criterion_value(ric_criterion_work *q, const double *u, const double *t, double orientation)
+double ric_criterion_value(ric_criterion_work *q, const double *u, const double *t,
+                           double orientation)
 {
     const ric_shooting *c = q->chain;
     switch (q->test) {
@@ -110,7 +117,8 @@ double ric_criterion_value(ric_criterion_work *q, const double *u, const double 
     }
     case RIC_TEST_ASKED: return off_asked(q, u);
     case RIC_TEST_ROTATION:
-        return ric_criterion_by_larger(q) ? larger_determinant(q, u) : ric_criterion_off_rotation(q);
+        return ric_criterion_by_larger(q) ? larger_determinant(q, u)
+                                          : ric_criterion_off_rotation(q);
     default: return larger_determinant(q, u);
     }
 }

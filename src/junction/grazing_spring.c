@@ -7,11 +7,12 @@
 #include "orbit/room.h"
 #include "grazing_words.h"
 
-/* The force of a spring is continuous, so that a family of orbits goes on smoothly through a grazing: with x along the
- * family that does not know of the touches, gap i passes its face by alpha_i x, and the spring, closed for
- * sqrt(8 alpha_i x / |s''|), gives back an impulse of order x^(3/2) only. So beyond the grazing exactly those springs
- * are met for which alpha_i x > 0: one way out on either side, whatever is found at some distance. For stiff springs
- * that distance is short, and a trial step would land on orbits that do not join this one. */
+/* The force of a spring is continuous, so that a family of orbits goes on smoothly through a
+ * grazing: with x along the family that does not know of the touches, gap i passes its face by
+ * alpha_i x, and the spring, closed for sqrt(8 alpha_i x / |s''|), gives back an impulse of order
+ * x^(3/2) only. So beyond the grazing exactly those springs are met for which alpha_i x > 0: one
+ * way out on either side, whatever is found at some distance. For stiff springs that distance is
+ * short, and a trial step would land on orbits that do not join this one. */
 
 #define STEP 1e-6     /* of the size of the orbit: difference that gives the slopes alpha */
 #define NO_SLOPE 1e-5 /* of the size of the normal: a slope below it has no certain sign */
@@ -40,10 +41,10 @@ static double time_between(const ric_periodic *c, int first, int place)
     return sum;
 }
 
-/* The slopes along the family without the touches, whose orbit is `regular` and starts at event `first` of the node's
- * cycle. */
-static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_periodic *regular, int first,
-                            touch *touches, ric_shooting **chain, double **u, double **t)
+/* The slopes along the family without the touches, whose orbit is `regular` and starts at event
+ * `first` of the node's cycle. */
+static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_periodic *regular,
+                            int first, touch *touches, ric_shooting **chain, double **u, double **t)
 {
     int n = m->n;
     double w[2][2 * n];
@@ -61,15 +62,15 @@ static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_
     ric_shooting_evaluate(c, *u);
     h = STEP * c->scale;
     if (!(c->smallest > SIMPLE)) {
-        status = ric_fail(
-            RIC_E_NUMERIC,
-            "the orbit at the grazing is a branch point of the family without the touch; such grazings are not left by "
-            "this version");
+        status = ric_fail(RIC_E_NUMERIC, "the orbit at the grazing is a branch point of the family "
+                                         "without the touch; such grazings are not left by "
+                                         "this version");
         goto out;
     }
     ric_continuation_tangent(c, NULL, *t);
     if (!ric_turn_find(m, c, *u, regular, &turn)) {
-        status = ric_fail(RIC_E_NUMERIC, "the family without the touches could not be followed at its grazing");
+        status = ric_fail(RIC_E_NUMERIC,
+                          "the family without the touches could not be followed at its grazing");
         goto out;
     }
     for (int k = 0; k < 2; k++) {
@@ -80,7 +81,8 @@ static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_
         const ric_face *face = &m->face[touches[i].face];
         double time = time_between(node->cycle, first, node->touch[i]);
         for (int k = 0; k < 2; k++) ric_periodic_at_time(m, side[k], time, w[k]);
-        touches[i].alpha *= face->side * (ric_gap(n, face, w[1]) - ric_gap(n, face, w[0])) / (2 * h);
+        touches[i].alpha *= face->side * (ric_gap(n, face, w[1]) - ric_gap(n, face, w[0])) /
+                            (2 * h);
     }
 out:
     ric_periodic_free(side[0]);
@@ -89,7 +91,8 @@ out:
     return status;
 }
 
-/* States [n_touch * 2n] and what belongs to every touch; alpha = +-1 tells on which side of the face the gap is. */
+/* States [n_touch * 2n] and what belongs to every touch; alpha = +-1 tells on which side of the
+ * face the gap is. */
 static bool find_touches(const ric_model *m, const ric_node *node, double *W, touch *touches)
 {
     const ric_periodic *c = node->cycle;
@@ -104,7 +107,8 @@ static bool find_touches(const ric_model *m, const ric_node *node, double *W, to
         const ric_face *face = &m->face[c->face[place]];
         memcpy(W + 2 * n * i, all + 2 * n * place, 2 * (size_t)n * sizeof *W);
         ric_flight_rate(m, closed, all + 2 * n * place, rate);
-        bool closes = closed >> c->face[place] & 1; /* the first event of the pair does: the gap is open around it */
+        bool closes = closed >> c->face[place] &
+                      1; /* the first event of the pair does: the gap is open around it */
         touches[i] = (touch){.alpha = closes ? 1 : -1,
                              .bend = fabs(ric_dot(n, face->c, rate + n)),
                              .w = W + 2 * n * i,
@@ -114,7 +118,8 @@ static bool find_touches(const ric_model *m, const ric_node *node, double *W, to
     return true;
 }
 
-/* The side of the family, +-1, on which the touches that are passed are those of `choice`; 0 if there is none. */
+/* The side of the family, +-1, on which the touches that are passed are those of `choice`; 0 if
+ * there is none. */
 static int side_of(const ric_node *node, const touch *touches, unsigned choice)
 {
     for (int side = 1; side >= -1; side -= 2) {
@@ -133,7 +138,8 @@ static bool is_touch(const ric_model *m, const touch *t, int face, const double 
         double sign = op & 2 ? -1 : 1, back = op & 1 ? -1 : 1, off = 0, size = 1;
         if (face != (op & 2 ? m->face[t->face].mirror : t->face)) continue;
         for (int i = 0; i < m->n; i++) {
-            off = fmax(off, fmax(fabs(w[i] - sign * t->w[i]), fabs(w[m->n + i] - sign * back * t->w[m->n + i])));
+            off = fmax(off, fmax(fabs(w[i] - sign * t->w[i]),
+                                 fabs(w[m->n + i] - sign * back * t->w[m->n + i])));
             size = fmax(size, fmax(fabs(w[i]), fabs(w[m->n + i])));
         }
         if (off <= RIC_SAME_EXTRAPOLATED * size) return true;
@@ -141,10 +147,10 @@ static bool is_touch(const ric_model *m, const touch *t, int face, const double 
     return false;
 }
 
-/* To first order only the times of the touches change: a contact grows by sqrt(alpha / |s''|), at the cost of the
- * flights beside it. */
-static bool grow(const ric_model *m, const ric_node *node, const touch *touches, const ric_shooting *c, const double *u,
-                 double *t0)
+/* To first order only the times of the touches change: a contact grows by sqrt(alpha / |s''|), at
+ * the cost of the flights beside it. */
+static bool grow(const ric_model *m, const ric_node *node, const touch *touches,
+                 const ric_shooting *c, const double *u, double *t0)
 {
     int found = 0;
     for (int k = 0; k < c->n_flight; k++) {
@@ -162,14 +168,15 @@ static bool grow(const ric_model *m, const ric_node *node, const touch *touches,
     return found > 0;
 }
 
-static ric_status direction(const ric_model *m, const ric_node *node, const touch *touches, ric_shooting *c,
-                            const double *u, double *t0, bool *singular)
+static ric_status direction(const ric_model *m, const ric_node *node, const touch *touches,
+                            ric_shooting *c, const double *u, double *t0, bool *singular)
 {
     int size = c->n_unknown;
     double kernel[size];
     ric_shooting_evaluate(c, u);
     if (!grow(m, node, touches, c, u, t0))
-        return ric_fail(RIC_E_NUMERIC, "a touch of a spring is not found in the problem of the departure");
+        return ric_fail(RIC_E_NUMERIC,
+                        "a touch of a spring is not found in the problem of the departure");
     double norm = sqrt(ric_dot(size, t0, t0));
     *singular = !(c->smallest > SIMPLE);
     for (int i = 0; i < size; i++) t0[i] *= (*singular ? RIC_LEAVING * c->scale : 1) / norm;
@@ -181,19 +188,22 @@ static ric_status direction(const ric_model *m, const ric_node *node, const touc
     return RIC_OK;
 }
 
-static ric_status leave(const ric_model *m, const ric_node *node, unsigned choice, const touch *touches,
-                        ric_shooting **chain, double **u0, double **t0, bool *singular)
+static ric_status leave(const ric_model *m, const ric_node *node, unsigned choice,
+                        const touch *touches, ric_shooting **chain, double **u0, double **t0,
+                        bool *singular)
 {
     ric_periodic *cycle = ric_grazing_words_cycle(m, node, choice);
-    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, chain, u0) : ric_no_memory("a departure");
+    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, chain, u0)
+                              : ric_no_memory("a departure");
     ric_periodic_free(cycle);
     if (status) return status;
     *t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0);
-    return *t0 ? direction(m, node, touches, *chain, *u0, *t0, singular) : ric_no_memory("a departure");
+    return *t0 ? direction(m, node, touches, *chain, *u0, *t0, singular)
+               : ric_no_memory("a departure");
 }
 
-ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain,
-                                     double **u0, double **t0, bool *singular)
+ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, unsigned choice,
+                                     ric_shooting **chain, double **u0, double **t0, bool *singular)
 {
     ric_status status = RIC_OK;
     int n = m->n, first = 0, N = node->cycle->N;
@@ -205,21 +215,22 @@ ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, u
     *singular = false;
     for (int i = 0; i < node->n_touch; i++)
         if (!ric_node_soft(node, i))
-            return ric_fail(RIC_E_NUMERIC,
-                            "a stop and a spring are touched by one orbit; such grazings are not left by this version");
+            return ric_fail(RIC_E_NUMERIC, "a stop and a spring are touched by one orbit; such "
+                                           "grazings are not left by this version");
     if (!find_touches(m, node, W, touches)) return ric_no_memory("a departure");
     for (int i = 0; i < N; i++) keep[i] = true;
-    for (int i = 0; i < node->n_touch; i++) keep[node->touch[i]] = keep[(node->touch[i] + 1) % N] = false;
+    for (int i = 0; i < node->n_touch; i++)
+        keep[node->touch[i]] = keep[(node->touch[i] + 1) % N] = false;
     while (first < N && !keep[first]) first++;
     if (first < N) { /* else a linear mode, whose amplitude grows */
         regular = ric_grazing_words_keep(m, node->cycle, keep);
-        status = regular ? slopes_of(m, node, regular, first, touches, &family, &u, &t) : ric_no_memory("a departure");
+        status = regular ? slopes_of(m, node, regular, first, touches, &family, &u, &t)
+                         : ric_no_memory("a departure");
     }
     for (int i = 0; i < node->n_touch && !status; i++)
         if (fabs(touches[i].alpha) < NO_SLOPE * sqrt(m->face[touches[i].face].cc))
-            status = ric_fail(
-                RIC_E_NUMERIC,
-                "the gap of a touch does not change along the family: whether the spring is met is lost in rounding");
+            status = ric_fail(RIC_E_NUMERIC, "the gap of a touch does not change along the family: "
+                                             "whether the spring is met is lost in rounding");
     int side = status ? 0 : side_of(node, touches, choice);
     if (side && choice) status = leave(m, node, choice, touches, chain, u0, t0, singular);
     else if (side && family) {

@@ -7,10 +7,11 @@
 /* Whether some touch of a grazing is that of a spring. */
 bool ric_grazing_spring_applies(const ric_node *node);
 
-/* The departure `choice` of such a grazing: its chain, unknowns at the grazing and direction, allocated; all NULL if no
- * motion leaves that way. *singular: the kernel has several dimensions there, and the length of t0 is the first
- * step. */
+/* The departure `choice` of such a grazing: its chain, unknowns at the grazing and direction,
+ * allocated; all NULL if no motion leaves that way. *singular: the kernel has several dimensions
+ * there, and the length of t0 is the first step. */
 ric_status ric_grazing_spring_depart(const ric_model *model, const ric_node *node, unsigned choice,
-                                     ric_shooting **chain, double **u0, double **t0, bool *singular);
+                                     ric_shooting **chain, double **u0, double **t0,
+                                     bool *singular);
 
 #endif

@@ -59,19 +59,23 @@ out:
 ric_status ric_grazing_words_lost(const ric_periodic *cycle)
 {
     if (ric_memory_failed()) return ric_no_memory("a junction");
-    return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts touches more often than is looked at, or for good",
+    return ric_fail(RIC_E_NUMERIC,
+                    "an orbit of %d impacts touches more often than is looked at, or for good",
                     cycle->N);
 }
 
 /* ------------------------------------------------------------------ classes */
 
-/* A symmetry that the touches hide, and which the orbit has without them: that of x -> -x, where the touch is one of a
- * wall that has no opposite side (theory section 2), or the reversal, where contacts close at one instant, as it turns
- * round the order in which they are listed. A branch on one side of its grazing has every symmetry of its orbit there:
- * its problem has one solution to either side, and that with the touch is not the image of the one without. */
-ric_periodic *ric_grazing_words_keep(const ric_model *m, const ric_periodic *whole, const bool *keep)
+/* A symmetry that the touches hide, and which the orbit has without them: that of x -> -x, where
+ * the touch is one of a wall that has no opposite side (theory section 2), or the reversal, where
+ * contacts close at one instant, as it turns round the order in which they are listed. A branch on
+ * one side of its grazing has every symmetry of its orbit there: its problem has one solution to
+ * either side, and that with the touch is not the image of the one without. */
+ric_periodic *ric_grazing_words_keep(const ric_model *m, const ric_periodic *whole,
+                                     const bool *keep)
 {
-    ric_periodic *out = ric_periodic_keep(m, whole, keep), *seen = out ? ric_periodic_copy(out) : NULL;
+    ric_periodic *out = ric_periodic_keep(m, whole, keep),
+                 *seen = out ? ric_periodic_copy(out) : NULL;
     if (seen && ric_periodic_find_symmetries(m, seen, RIC_SAME_LOCATED) == 1) {
         out->half |= seen->half;
         if (out->pure < 0) out->pure = seen->pure;
@@ -84,8 +88,8 @@ ric_periodic *ric_grazing_words_keep(const ric_model *m, const ric_periodic *who
     return out;
 }
 
-/* An operation on the orbit gone through `multiple` times: element 0 identity, 1 half period, 2 reversal, 3 both, then
- * `shift` periods. */
+/* An operation on the orbit gone through `multiple` times: element 0 identity, 1 half period, 2
+ * reversal, 3 both, then `shift` periods. */
 typedef struct {
     int element, shift;
 } operation;
@@ -104,7 +108,8 @@ static void act_on_pairs(const ric_node *node, action out[4])
     for (int e = 0; e < 4; e++) {
         out[e].exists = e == 0 || (e == 1 ? c->half : from[e] >= 0);
         for (int i = 0; i < node->n_touch && out[e].exists; i++) {
-            int place = from[e] + (e < 2 ? node->touch[i] : -node->touch[i] - 1), at = (place % N + N) % N;
+            int place = from[e] + (e < 2 ? node->touch[i] : -node->touch[i] - 1),
+                at = (place % N + N) % N;
             out[e].later[i] = (place - at) / N;
             for (int j = 0; j < node->n_touch; j++)
                 if (node->touch[j] == at) out[e].to[i] = j;
@@ -112,9 +117,10 @@ static void act_on_pairs(const ric_node *node, action out[4])
     }
 }
 
-/* The time that each element adds, of reversals the sum of the times of an event and its image; NAN: the motion lacks
- * it. Two contacts that close at one instant hide a reversal (ric_grazing_words_keep): then the orbit without touches
- * tells, and where that is a linear mode, at rest when it touches. */
+/* The time that each element adds, of reversals the sum of the times of an event and its image;
+ * NAN: the motion lacks it. Two contacts that close at one instant hide a reversal
+ * (ric_grazing_words_keep): then the orbit without touches tells, and where that is a linear mode,
+ * at rest when it touches. */
 static bool times_of(const ric_model *m, const ric_node *node, const double *t, double sums[4])
 {
     const ric_periodic *c = node->cycle;
@@ -137,8 +143,10 @@ static bool times_of(const ric_model *m, const ric_node *node, const double *t, 
     bool half = !rest || rest->half;
     int pure = rest ? rest->pure : 0, flip = rest ? rest->flip : 0;
     if (isnan(sums[1]) && half) sums[1] = period / 2;
-    if (isnan(sums[2]) && pure >= 0) sums[2] = rest ? t[event[0]] + t[event[pure]] : 2 * t[node->touch[0]];
-    if (isnan(sums[3]) && flip >= 0) sums[3] = rest ? t[event[0]] + t[event[flip]] : 2 * t[node->touch[0]] + period / 2;
+    if (isnan(sums[2]) && pure >= 0)
+        sums[2] = rest ? t[event[0]] + t[event[pure]] : 2 * t[node->touch[0]];
+    if (isnan(sums[3]) && flip >= 0)
+        sums[3] = rest ? t[event[0]] + t[event[flip]] : 2 * t[node->touch[0]] + period / 2;
     ric_periodic_free(rest);
     return true;
 }
@@ -232,7 +240,8 @@ static unsigned char *permutations(const ric_model *m, const ric_node *node, int
     int bits = node->n_touch * node->multiple;
     action actions[4];
     unsigned char *table = find_actions(m, node, actions)
-                               ? ric_malloc((size_t)4 * (size_t)node->multiple * (size_t)(bits ? bits : 1))
+                               ? ric_malloc((size_t)4 * (size_t)node->multiple *
+                                            (size_t)(bits ? bits : 1))
                                : NULL;
     *n = 0;
     for (int e = 0; table && e < 4; e++)
@@ -246,8 +255,8 @@ static unsigned char *permutations(const ric_model *m, const ric_node *node, int
     return table;
 }
 
-/* Whether a choice is the smallest of its class and, on a duplicate, no repetition of a shorter one: the first
- * operations are shifts. */
+/* Whether a choice is the smallest of its class and, on a duplicate, no repetition of a shorter
+ * one: the first operations are shifts. */
 static bool is_listed(const ric_node *node, const unsigned char *table, int n, unsigned choice)
 {
     int bits = node->n_touch * node->multiple;
@@ -277,11 +286,14 @@ bool ric_grazing_words_list(const ric_model *m, ric_node *node)
 {
     int n, capacity = 0;
     if (node->refusal)
-        return add(node, &capacity, (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET, .budget = RIC_BUDGET_TOUCHES});
+        return add(node, &capacity,
+                   (ric_departure){.state = RIC_DEPARTURE_OVER_BUDGET,
+                                   .budget = RIC_BUDGET_TOUCHES});
     unsigned char *table = permutations(m, node, &n);
     bool good = table;
     for (unsigned choice = 0; good && choice < 1u << (node->n_touch * node->multiple); choice++)
-        if (is_listed(node, table, n, choice)) good = add(node, &capacity, (ric_departure){.choice = choice});
+        if (is_listed(node, table, n, choice))
+            good = add(node, &capacity, (ric_departure){.choice = choice});
     free(table);
     return good;
 }
@@ -292,9 +304,12 @@ ric_periodic *ric_grazing_words_cycle(const ric_model *m, const ric_node *node, 
 {
     int N = node->cycle->N, all = N * node->multiple, kept = 0, p = node->n_touch;
     bool keep[all];
-    if (node->kind == RIC_KIND_CORNER) return ric_corner_swap(m, node->cycle, p, node->touch, choice, RIC_SAME_LOCATED);
+    if (node->kind == RIC_KIND_CORNER)
+        return ric_corner_swap(m, node->cycle, p, node->touch, choice, RIC_SAME_LOCATED);
     action actions[4];
-    ric_periodic *whole = find_actions(m, node, actions) ? ric_periodic_repeat(node->cycle, node->multiple) : NULL,
+    ric_periodic *whole = find_actions(m, node, actions)
+                              ? ric_periodic_repeat(node->cycle, node->multiple)
+                              : NULL,
                  *out = NULL;
     if (!whole) return NULL;
     for (int i = 0; i < all; i++) keep[i] = true;
@@ -324,7 +339,8 @@ static int corner_choice(const ric_model *m, const ric_node *node, const ric_per
     for (int i = 0; i < node->n_departure && result < 0; i++) {
         unsigned choice = node->departures[i].choice;
         ric_periodic *swapped = ric_grazing_words_cycle(m, node, choice);
-        if (swapped && ric_periodic_match(m, swapped, cycle, FITS, &shift, &reverse, &mirror)) result = (int)choice;
+        if (swapped && ric_periodic_match(m, swapped, cycle, FITS, &shift, &reverse, &mirror))
+            result = (int)choice;
         ric_periodic_free(swapped);
     }
     return result;

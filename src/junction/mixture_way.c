@@ -9,9 +9,11 @@
 #include "base/room.h"
 #include "model/room.h"
 
-#define RISES 1e-6 /* speed per unit of a kernel vector that counts as none: differences leave 1e-10 */
+/* RISES: speed per unit of a kernel vector that counts as none: differences leave 1e-10 */
+#define RISES 1e-6
 
-/* Change of the speed of every impact along every kernel vector, A [impacts * k]; returns the number of impacts. */
+/* Change of the speed of every impact along every kernel vector, A [impacts * k]; returns the
+ * number of impacts. */
 static int rates_of(ric_shooting *c, const double *u, int k, const double *kernel, double *A)
 {
     int size = c->n_unknown, impacts = 0;
@@ -28,14 +30,16 @@ static int rates_of(ric_shooting *c, const double *u, int k, const double *kerne
     return impacts;
 }
 
-/* Whether some combination of the first two columns of U [impacts * impacts] leaves no entry below zero but for
- * rounding: half planes that the entries allow, of which the borders are tried. */
+/* Whether some combination of the first two columns of U [impacts * impacts] leaves no entry below
+ * zero but for rounding: half planes that the entries allow, of which the borders are tried. */
 static bool rises_together(int impacts, const double *U)
 {
     for (int i = 0; i < impacts; i++)
         for (int side = -1; side <= 1; side += 2) {
-            double x = -side * U[i * impacts + 1], y = side * U[i * impacts], least = 0, size = hypot(x, y);
-            for (int j = 0; j < impacts; j++) least = fmin(least, x * U[j * impacts] + y * U[j * impacts + 1]);
+            double x = -side * U[i * impacts + 1], y = side * U[i * impacts], least = 0,
+                   size = hypot(x, y);
+            for (int j = 0; j < impacts; j++)
+                least = fmin(least, x * U[j * impacts] + y * U[j * impacts + 1]);
             if (size > RISES && least > -RISES * size) return true;
         }
     return false;
@@ -52,20 +56,25 @@ static bool rises_alone(int impacts, const double *U)
     return least > -RISES || most < RISES;
 }
 
-/* The part of the kernel [k * size] that is perpendicular to all vectors along which no speed changes. */
-static ric_status rising(ric_shooting *c, const double *u, int k, const double *kernel, double *t, int *count)
+/* The part of the kernel [k * size] that is perpendicular to all vectors along which no speed
+ * changes. */
+static ric_status rising(ric_shooting *c, const double *u, int k, const double *kernel, double *t,
+                         int *count)
 {
     int size = c->n_unknown, most = c->n_flight + 1;
-    double *W = ric_calloc((size_t)k * (size_t)k, sizeof *W), *A = ric_calloc((size_t)(most * k), sizeof *A),
+    double *W = ric_calloc((size_t)k * (size_t)k, sizeof *W),
+           *A = ric_calloc((size_t)(most * k), sizeof *A),
            *U = ric_calloc((size_t)most * (size_t)most, sizeof *U);
     ric_status status = W && A && U ? RIC_OK : ric_no_memory("a departure");
     if (!status) {
         double s[most + k], super[most + k];
         int impacts = rates_of(c, u, k, kernel, A), rank = impacts < k ? impacts : k;
-        if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', impacts, k, A, k, s, U, impacts, W, k, super)))
+        if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', impacts, k, A, k, s, U, impacts,
+                                      W, k, super)))
             status = ric_fail(RIC_E_NUMERIC, "the kernel at the grazing could not be taken apart");
         while (!status && *count < rank && s[*count] > RISES) ++*count;
-        if (!status && ((*count == 1 && !rises_alone(impacts, U)) || (*count == 2 && !rises_together(impacts, U))))
+        if (!status && ((*count == 1 && !rises_alone(impacts, U)) ||
+                        (*count == 2 && !rises_together(impacts, U))))
             *count = 0;
         for (int j = 0; j < k; j++)
             for (int i = 0; i < size; i++) t[i] += W[j] * kernel[j * size + i];

@@ -10,44 +10,52 @@
 #include "base/room.h"
 
 #define TURNS 1e-4 /* the shift, from such differences, is a rotation of its order within this */
-/* RADIUS: first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding (continuation.c) */
+/* RADIUS: first radius, relative to the size of the orbit: nearer by, dE/ds and others are rounding
+ * (continuation.c) */
 #define RADIUS 1e-3
-/* RADII: doublings or halvings of it: to a quarter of the orbit, and to where the angle of order 3 is rounding */
+/* RADII: doublings or halvings of it: to a quarter of the orbit, and to where the angle of order 3
+ * is rounding */
 #define RADII 8
-/* BEND: largest angle between chord and curve, rad: farther along, the parabola s ~ h^2 has left the node behind */
+/* BEND: largest angle between chord and curve, rad: farther along, the parabola s ~ h^2 has left
+ * the node behind */
 #define BEND 1.0
-/* CLEAR: the angular equation must stand out of rounding by this factor: its roots then keep three digits */
+/* CLEAR: the angular equation must stand out of rounding by this factor: its roots then keep three
+ * digits */
 #define CLEAR 1e3
 #define SAMPLES 12 /* of a sector, which holds one period of a sine */
 #define NEWTON_STEPS 12
-#define STALLED 4 /* of the tolerance: what is left where Newton's method stalls, as on branches (continuation.c) */
-#define NEIGHBOUR 0.25 /* an orbit farther away than the widest circle is no neighbour of the node */
+/* STALLED: of the tolerance: what is left where Newton's method stalls, as on branches
+ * (continuation.c) */
+#define STALLED 4
+/* NEIGHBOUR: an orbit farther away than the widest circle is no neighbour of the node */
+#define NEIGHBOUR 0.25
 
 typedef struct {
     ric_shooting *chain;
     int size, order;
-    int sign; /* of the state after one period of the map: -1 where the map is over half a period of an S
-               * orbit */
+    int sign; /* of the state after one period of the map: -1 where the map is over half a period of
+                 an S orbit */
     double *memory;
     double *u0;      /* [size] the orbit gone through r times */
     double *tangent; /* [size] T, of the branch that is repeated */
-    double *plane;   /* [2 * size] conjugate radii of the ellipse on which the shift is a rotation */
-    double *dual;    /* [2 * size] z_i = dual_i . (u - u0) */
-    double *left;    /* [2 * size] left null vectors that are not the energy's */
-    double *energy;  /* [size] left null vector of the redundant equation */
-    double *A, *b;   /* [(size + 2)^2], [size + 2] */
+    double *plane;  /* [2 * size] conjugate radii of the ellipse on which the shift is a rotation */
+    double *dual;   /* [2 * size] z_i = dual_i . (u - u0) */
+    double *left;   /* [2 * size] left null vectors that are not the energy's */
+    double *energy; /* [size] left null vector of the redundant equation */
+    double *A, *b;  /* [(size + 2)^2], [size + 2] */
     ric_singular at; /* the orbit problem at u0 */
     double M[4];     /* d^2(left . equations) / ds dz */
     double radius;
-    double angle[2]; /* the two roots of the first sector, in the order of ric_multiplication_depart */
-    double *start;   /* [2 * size] orbits there */
+    double
+        angle[2]; /* the two roots of the first sector, in the order of ric_multiplication_depart */
+    double *start; /* [2 * size] orbits there */
 } ring;
 
 bool ric_multiplication_applies(const ric_node *node, unsigned choice)
 {
     const ric_periodic *c = node->cycle;
-    return node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH && c->pure < 0 && c->flip < 0 &&
-           ric_symmetry_order(c, node->rotation[0], node->rotation[1]) > 2;
+    return node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH && c->pure < 0 &&
+           c->flip < 0 && ric_symmetry_order(c, node->rotation[0], node->rotation[1]) > 2;
 }
 
 static void ring_free(ring *q)
@@ -64,7 +72,8 @@ static ric_status ring_create(const ric_model *m, const ric_node *node, ring *q)
     ric_symmetry problem = ric_node_problem(node, RIC_SIDE);
     ric_periodic *cycle = ric_symmetry_cycle(node->cycle, &problem);
     double *u = NULL;
-    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, &q->chain, &u) : ric_no_memory("a departure");
+    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, &q->chain, &u)
+                              : ric_no_memory("a departure");
     ric_periodic_free(cycle);
     if (status) return status;
     size_t n = (size_t)q->chain->n_unknown, k = n + 2;
@@ -83,8 +92,8 @@ static ric_status ring_create(const ric_model *m, const ric_node *node, ring *q)
 
 /* -------------------------------------------------------------------- kernel */
 
-/* shift, below, under a power law: one flight for all periods. What the image has along the flow, to which the kernel
- * is perpendicular at the start, is taken away: inner nodes would show it. */
+/* shift, below, under a power law: one flight for all periods. What the image has along the flow,
+ * to which the kernel is perpendicular at the start, is taken away: inner nodes would show it. */
 static ric_status shift_smooth(ring *q, const double *v, double *out)
 {
     const ric_model *m = q->chain->model;
@@ -102,8 +111,8 @@ static ric_status shift_smooth(ring *q, const double *v, double *out)
     return RIC_OK;
 }
 
-/* Where the shift by one period of the map takes the direction v: the state after n_flight / r flights, and the times
- * moved up. */
+/* Where the shift by one period of the map takes the direction v: the state after n_flight / r
+ * flights, and the times moved up. */
 static ric_status shift(ring *q, const double *v, double *out)
 {
     ric_shooting *c = q->chain;
@@ -129,9 +138,9 @@ static void multiply(const double *A, const double *B, double *out)
         }
 }
 
-/* S [9] is the shift in coordinates of the kernel: false unless S^r = 1 with one fixed direction and a plane that
- * turns. P = mean of the powers of S, which projects on the fixed direction; *cosine of the angle by which the plane
- * turns. */
+/* S [9] is the shift in coordinates of the kernel: false unless S^r = 1 with one fixed direction
+ * and a plane that turns. P = mean of the powers of S, which projects on the fixed direction;
+ * *cosine of the angle by which the plane turns. */
 static bool turns(int order, const double *S, double *P, double *cosine)
 {
     double power[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, next[9], off = 0;
@@ -149,11 +158,13 @@ static bool turns(int order, const double *S, double *P, double *cosine)
 /* out = A v, A [9]. */
 static void apply(const double *A, const double *v, double *out)
 {
-    for (int i = 0; i < 3; i++) out[i] = A[3 * i] * v[0] + A[3 * i + 1] * v[1] + A[3 * i + 2] * v[2];
+    for (int i = 0; i < 3; i++)
+        out[i] = A[3 * i] * v[0] + A[3 * i + 1] * v[1] + A[3 * i + 2] * v[2];
 }
 
-/* Of the unit vectors of the unknowns the one whose image under A (kernel coordinates) is longest: a choice that does
- * not depend on the basis of the kernel. out [3]: that image, in kernel coordinates. */
+/* Of the unit vectors of the unknowns the one whose image under A (kernel coordinates) is longest:
+ * a choice that does not depend on the basis of the kernel. out [3]: that image, in kernel
+ * coordinates. */
 static void longest_image(const ring *q, const double *kernel, const double *A, double *out)
 {
     double most = 0;
@@ -169,7 +180,8 @@ static void longest_image(const ring *q, const double *kernel, const double *A, 
 
 static void cross(const double *a, const double *b, double *out)
 {
-    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
 /* Tangent, plane and dual vectors from the kernel [3 * size]. */
@@ -183,14 +195,16 @@ static ric_status split(ring *q, const double *kernel)
         for (int i = 0; i < 3; i++) S[3 * i + j] = ric_dot(n, kernel + i * n, image);
     }
     if (!turns(q->order, S, P, &cosine))
-        return ric_fail(RIC_E_NUMERIC, "the kernel at a multiplication of order %d does not turn with the period",
+        return ric_fail(RIC_E_NUMERIC,
+                        "the kernel at a multiplication of order %d does not turn with the period",
                         q->order);
     for (int i = 0; i < 9; i++) Q[i] = (i % 4 == 0) - P[i];
     longest_image(q, kernel, P, t);
     longest_image(q, kernel, Q, f[0]);
     apply(S, f[0], f[1]);
     for (int i = 0; i < 3; i++) f[1][i] = (f[1][i] - cosine * f[0][i]) / sqrt(1 - cosine * cosine);
-    double size = sqrt((ric_dot(3, f[0], f[0]) + ric_dot(3, f[1], f[1])) / 2), length = sqrt(ric_dot(3, t, t)), volume;
+    double size = sqrt((ric_dot(3, f[0], f[0]) + ric_dot(3, f[1], f[1])) / 2),
+           length = sqrt(ric_dot(3, t, t)), volume;
     for (int i = 0; i < 3; i++) {
         f[0][i] /= size;
         f[1][i] /= size;
@@ -210,7 +224,8 @@ static ric_status split(ring *q, const double *kernel)
     return RIC_OK;
 }
 
-/* Of the left kernel [3 * size] the two directions perpendicular to that of the redundant equation. */
+/* Of the left kernel [3 * size] the two directions perpendicular to that of the redundant equation.
+ */
 static void split_left(ring *q, const double *kernel)
 {
     int n = q->size;
@@ -231,20 +246,22 @@ static void split_left(ring *q, const double *kernel)
     }
 }
 
-/* M = d^2(left . equations) / ds dz: how fast the plane turns as the repeated branch is followed. */
+/* M = d^2(left . equations) / ds dz: how fast the plane turns as the repeated branch is followed.
+ */
 static ric_status twist(ring *q)
 {
     if (!ric_singular_bend(&q->at, q->u0, q->tangent, 2, q->left, 2, q->plane, q->M))
         return ric_no_memory("a departure");
     double size = ric_dot(4, q->M, q->M);
     if (fabs(q->M[0] * q->M[3] - q->M[1] * q->M[2]) > RIC_RANK * size) return RIC_OK;
-    return ric_fail(RIC_E_NUMERIC, "the rotation number does not pass the multiplication, it turns round there");
+    return ric_fail(RIC_E_NUMERIC,
+                    "the rotation number does not pass the multiplication, it turns round there");
 }
 
 /* -------------------------------------------------------------------- circle */
 
-/* Without an event the phase is free, and the first row keeps corrections across the flow. Orbits on the circle start
- * in the plane across the flow at the node. */
+/* Without an event the phase is free, and the first row keeps corrections across the flow. Orbits
+ * on the circle start in the plane across the flow at the node. */
 static void hold_phase(ring *q, const double *u)
 {
     int n = 2 * q->chain->n;
@@ -259,16 +276,18 @@ static void hold_phase(ring *q, const double *u)
     }
 }
 
-/* The orbit problem with z = h (cos, sin)(angle), an unfolding of the redundant equation and one along M (-sin, cos),
- * whose coefficient *g is minus the angular part of the gradient: n + 2 equations for u [size] and the two
- * coefficients. */
+/* The orbit problem with z = h (cos, sin)(angle), an unfolding of the redundant equation and one
+ * along M (-sin, cos), whose coefficient *g is minus the angular part of the gradient: n + 2
+ * equations for u [size] and the two coefficients. */
 static bool on_circle(ring *q, double angle, double *u, double *g)
 {
     ric_shooting *c = q->chain;
     int n = q->size, k = n + 2;
     lapack_int pivot[k];
-    double z[2] = {q->radius * cos(angle), q->radius * sin(angle)}, e[n], energy = 0, last = HUGE_VAL;
-    double m[2] = {q->M[1] * z[0] - q->M[0] * z[1], q->M[3] * z[0] - q->M[2] * z[1]}, norm = hypot(m[0], m[1]);
+    double z[2] = {q->radius * cos(angle), q->radius * sin(angle)}, e[n], energy = 0,
+           last = HUGE_VAL;
+    double m[2] = {q->M[1] * z[0] - q->M[0] * z[1], q->M[3] * z[0] - q->M[2] * z[1]},
+           norm = hypot(m[0], m[1]);
     for (int j = 0; j < n; j++) {
         e[j] = (m[0] * q->left[j] + m[1] * q->left[n + j]) / norm;
         u[j] = q->u0[j] + z[0] * q->plane[j] + z[1] * q->plane[n + j];
@@ -298,7 +317,8 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
         if (size <= tolerance && size > 0.1 * last) return true;
         if (i > 2 && size > 0.5 * last) return size <= STALLED * tolerance;
         last = size;
-        if (ric_lapack(LAPACKE_dgesv(LAPACK_ROW_MAJOR, k, 1, q->A, k, pivot, q->b, 1))) return false;
+        if (ric_lapack(LAPACKE_dgesv(LAPACK_ROW_MAJOR, k, 1, q->A, k, pivot, q->b, 1)))
+            return false;
         for (int j = 0; j < n; j++) u[j] -= q->b[j];
         energy -= q->b[n];
         *g -= q->b[n + 1];
@@ -307,7 +327,8 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
 }
 
 /* Zero of g between two angles; the orbit there in u. */
-static bool zero_between(ring *q, double a, double ga, double b, double gb, double *angle, double *u)
+static bool zero_between(ring *q, double a, double ga, double b, double gb, double *angle,
+                         double *u)
 {
     ric_root r = ric_root_between(a, ga, b, gb, RIC_LAST_DIGIT);
     while (ric_root_next(&r))
@@ -318,7 +339,11 @@ static bool zero_between(ring *q, double a, double ga, double b, double gb, doub
     return q->chain->residual <= STALLED * ric_continuation_tolerance(q->chain);
 }
 
-typedef enum { CIRCLE_GOOD, CIRCLE_NARROW, CIRCLE_WIDE } circle; /* narrow: the angular equation is lost in rounding */
+typedef enum {
+    CIRCLE_GOOD,
+    CIRCLE_NARROW,
+    CIRCLE_WIDE
+} circle; /* narrow: the angular equation is lost in rounding */
 
 /* The coefficient g at SAMPLES + 1 angles of a sector; *most, where it is largest. */
 static circle scan(ring *q, double origin, double *g, double *most)
@@ -331,7 +356,8 @@ static circle scan(ring *q, double origin, double *g, double *most)
         largest = fabs(g[i]);
         *most = angle;
     }
-    return largest > CLEAR * ric_continuation_tolerance(q->chain) * q->chain->scale ? CIRCLE_GOOD : CIRCLE_NARROW;
+    return largest > CLEAR * ric_continuation_tolerance(q->chain) * q->chain->scale ? CIRCLE_GOOD
+                                                                                    : CIRCLE_NARROW;
 }
 
 /* The two roots of a sector at the present radius; slope [2] of the angular part there. */
@@ -340,22 +366,26 @@ static circle search(ring *q, double slope[2])
     double g[SAMPLES + 1], origin = 0, unused, step = RIC_TWO_PI / q->order / SAMPLES;
     int found = 0;
     circle result = scan(q, 0, g, &origin);
-    if (!result) result = scan(q, origin, g, &unused); /* from an extremum to the next: no root at the border */
+    if (!result)
+        result = scan(q, origin, g,
+                      &unused); /* from an extremum to the next: no root at the border */
     for (int i = 0; i < SAMPLES && !result; i++) {
         if ((g[i] < 0) == (g[i + 1] < 0)) continue;
         if (found == 2) return CIRCLE_WIDE;
         double a = origin + i * step;
-        if (!zero_between(q, a, g[i], a + step, g[i + 1], &q->angle[found], q->start + found * q->size))
+        if (!zero_between(q, a, g[i], a + step, g[i + 1], &q->angle[found],
+                          q->start + found * q->size))
             return CIRCLE_WIDE;
         slope[found++] = g[i] - g[i + 1]; /* the angular part is -g */
     }
     return result ? result : found == 2 ? CIRCLE_GOOD : CIRCLE_WIDE;
 }
 
-/* Puts the elliptic root first, of two alike the one of smaller energy. With delta = (E - E_0) / (dE/ds), the place on
- * the repeated branch that has the energy of the orbit, the radial derivative of the gradient is -2 nu delta; its
- * product with the angular one, g', both over nu, is the determinant of the Hessian of H at constant energy: positive
- * where the multipliers are on the unit circle. */
+/* Puts the elliptic root first, of two alike the one of smaller energy. With delta = (E - E_0) /
+ * (dE/ds), the place on the repeated branch that has the energy of the orbit, the radial derivative
+ * of the gradient is -2 nu delta; its product with the angular one, g', both over nu, is the
+ * determinant of the Hessian of H at constant energy: positive where the multipliers are on the
+ * unit circle. */
 static void sort_roots(ring *q, const double slope[2])
 {
     ric_shooting *c = q->chain;
@@ -393,8 +423,8 @@ static double bend(ring *q)
     return most;
 }
 
-/* The radius: wide enough for the angular equation to stand out of rounding, narrow enough for a chord to tell of the
- * curve. */
+/* The radius: wide enough for the angular equation to stand out of rounding, narrow enough for a
+ * chord to tell of the curve. */
 static ric_status choose_radius(ring *q, double slope[2])
 {
     bool wider = false, narrower = false;
@@ -413,7 +443,8 @@ static ric_status choose_radius(ring *q, double slope[2])
         } else return RIC_OK;
     }
     return ric_fail(RIC_E_NUMERIC,
-                    "the directions at a multiplication of order %d are lost in rounding on every circle that is "
+                    "the directions at a multiplication of order %d are lost in rounding on every "
+                    "circle that is "
                     "narrow enough to speak of directions",
                     q->order);
 }
@@ -423,8 +454,8 @@ static bool primitive(ring *q, const double *u)
 {
     ric_shooting_fly(q->chain, u);
     ric_periodic *cycle = ric_periodic_from_chain(q->chain, u);
-    bool result = cycle &&
-                  ric_periodic_find_symmetries(q->chain->model, cycle, 0.01 * q->radius / q->chain->scale) == 1;
+    bool result = cycle && ric_periodic_find_symmetries(q->chain->model, cycle,
+                                                        0.01 * q->radius / q->chain->scale) == 1;
     ric_periodic_free(cycle);
     return result;
 }
@@ -435,8 +466,11 @@ static ric_status open_kernel(ring *q)
     ric_status status = ric_singular_create(q->chain, true, &q->at);
     if (status) return status;
     ric_shooting_fly(q->chain, q->u0);
-    if (!ric_singular_factor(&q->at, q->u0) || q->at.equations != q->size || !ric_singular_opens(&q->at, 3))
-        return ric_fail(RIC_E_NUMERIC, "the kernel at a multiplication without mirror points has not three dimensions");
+    if (!ric_singular_factor(&q->at, q->u0) || q->at.equations != q->size ||
+        !ric_singular_opens(&q->at, 3))
+        return ric_fail(
+            RIC_E_NUMERIC,
+            "the kernel at a multiplication without mirror points has not three dimensions");
     double left[3 * q->size];
     ric_singular_cokernel(&q->at, 3, left);
     if ((status = split(q, ric_singular_kernel(&q->at, 3)))) return status;
@@ -455,9 +489,10 @@ static ric_status solve(const ric_model *m, const ric_node *node, ring *q)
     sort_roots(q, slope);
     for (int i = 0; i < 2; i++)
         if (!primitive(q, q->start + i * q->size))
-            status = ric_fail(RIC_E_NUMERIC,
-                              "what was found beside a multiplication of order %d is an orbit of fewer periods",
-                              q->order);
+            status = ric_fail(
+                RIC_E_NUMERIC,
+                "what was found beside a multiplication of order %d is an orbit of fewer periods",
+                q->order);
 out:
     if (status) ring_free(q);
     return status;
@@ -465,8 +500,8 @@ out:
 
 /* ----------------------------------------------------------------- interface */
 
-ric_status ric_multiplication_depart(const ric_model *m, const ric_node *node, unsigned choice, int side,
-                                     ric_shooting **chain, double **u0, double **t0)
+ric_status ric_multiplication_depart(const ric_model *m, const ric_node *node, unsigned choice,
+                                     int side, ric_shooting **chain, double **u0, double **t0)
 {
     ring q;
     *chain = NULL;
@@ -507,20 +542,23 @@ static double angle_of(const ric_model *m, const ring *q, const ric_periodic *ho
     return atan2(z[1], z[0]);
 }
 
-/* Smallest differences of the angles of `near`, shifted by any number of periods, from the two roots; false if it is no
- * neighbour. The shift turns the plane by whole sectors only in the limit of small circles: one of the images is the
- * orbit that was found, exactly. */
-static bool compare(const ric_model *m, const ric_node *node, const ring *q, const ric_periodic *near, double off[2])
+/* Smallest differences of the angles of `near`, shifted by any number of periods, from the two
+ * roots; false if it is no neighbour. The shift turns the plane by whole sectors only in the limit
+ * of small circles: one of the images is the orbit that was found, exactly. */
+static bool compare(const ric_model *m, const ric_node *node, const ring *q,
+                    const ric_periodic *near, double off[2])
 {
     ric_periodic *repeated = ric_periodic_repeat(node->cycle, node->multiple),
                  *home = repeated ? ric_periodic_nearest(m, repeated, near, NEIGHBOUR) : NULL;
     bool turned = q->order > node->multiple; /* each shift is half a period, joined with x -> -x */
     off[0] = off[1] = HUGE_VAL;
     for (int k = 0; home && k < q->order; k++) {
-        ric_periodic *image = ric_periodic_transform(m, home, k * home->N / q->order, false, turned && k % 2);
+        ric_periodic *image = ric_periodic_transform(m, home, k * home->N / q->order, false,
+                                                     turned && k % 2);
         if (image) ric_periodic_align(m, repeated, image);
         double angle = image ? angle_of(m, q, image) : NAN;
-        for (int i = 0; i < 2; i++) off[i] = fmin(off[i], fabs(remainder(angle - q->angle[i], RIC_TWO_PI)));
+        for (int i = 0; i < 2; i++)
+            off[i] = fmin(off[i], fabs(remainder(angle - q->angle[i], RIC_TWO_PI)));
         ric_periodic_free(image);
     }
     ric_periodic_free(repeated);
@@ -528,15 +566,16 @@ static bool compare(const ric_model *m, const ric_node *node, const ring *q, con
     return off[0] < HUGE_VAL;
 }
 
-ric_status ric_multiplication_class(const ric_model *m, const ric_node *node, const ric_periodic *near,
-                                    unsigned *choice, int *side)
+ric_status ric_multiplication_class(const ric_model *m, const ric_node *node,
+                                    const ric_periodic *near, unsigned *choice, int *side)
 {
     ring q;
     double off[2];
     ric_status status = solve(m, node, &q);
     if (status) return status;
     if (compare(m, node, &q, near, off)) {
-        bool second = off[1] < off[0], passes = ric_symmetry_passes(node->cycle, node->rotation[0], node->rotation[1]);
+        bool second = off[1] < off[0],
+             passes = ric_symmetry_passes(node->cycle, node->rotation[0], node->rotation[1]);
         *choice = second && !passes ? RIC_OTHER_SIDE : RIC_SIDE;
         *side = second && passes ? -1 : 1;
     } else status = ric_fail(RIC_E_NUMERIC, "the orbit does not lie beside the multiplication");

@@ -10,12 +10,15 @@
 
 #define ROUNDING (2 * DBL_EPSILON) /* of entries of J and of the unknowns, relative */
 #define MARGIN 2                   /* of an error that is the largest of a few measured ones */
-#define CLEAR 30  /* a number above its error by this factor is none of a zero; in between nobody can tell */
-#define STEP 1e-8 /* of the unknowns, along the branch: the orbit is left by its square, which is rounding */
-/* PLACED: a junction that is known less exactly has no label: what changes with its place is no longer linear */
+/* CLEAR: a number above its error by this factor is none of a zero; in between nobody can tell */
+#define CLEAR 30
+/* STEP: of the unknowns, along the branch: the orbit is left by its square, which is rounding */
+#define STEP 1e-8
+/* PLACED: a junction that is known less exactly has no label: what changes with its place is no
+ * longer linear */
 #define PLACED 1e-6
-/* EXACT: a zero that the kind of a junction does not demand is one only if its error is that small: two points
- * farther apart are not taken for one */
+/* EXACT: a zero that the kind of a junction does not demand is one only if its error is that small:
+ * two points farther apart are not taken for one */
 #define EXACT 5e-9
 enum {
     MOST_B = 4,   /* kernels beyond that are not counted */
@@ -37,23 +40,26 @@ static void expected(const ric_node *node, int *a, int *b)
     if (node->kind != RIC_KIND_MULTIPLICATION) return;
     bool doubling = node->multiple == 2 && !half;
     *b = doubling ? 2 : 3;
-    *a = doubling && ric_periodic_letters(node->cycle) > 0 ? 2 : 3; /* without impacts the doubled orbit is one flight,
-                                                                     * too */
+    *a = doubling && ric_periodic_letters(node->cycle) > 0
+             ? 2
+             : 3; /* without impacts the doubled orbit is one flight, too */
 }
 
-/* What is read off J: small singular values, from the least up, and the determinant of the border, order by order.
- * With the zero columns of a kernel of dimension b taken out,
+/* What is read off J: small singular values, from the least up, and the determinant of the border,
+ * order by order. With the zero columns of a kernel of dimension b taken out,
  *
  *     det(J - lambda I) = det B(lambda) det g(lambda),  g = lambda (g_1 + lambda g_2 + ..)
  *
- * where B(lambda) is J - lambda I bordered, regular at 0, and g the block of its inverse at the border (Griewank and
- * Reddien 1984; Govaerts 2000): the order of the zero of det g is a, b of it from the factor lambda. */
+ * where B(lambda) is J - lambda I bordered, regular at 0, and g the block of its inverse at the
+ * border (Griewank and Reddien 1984; Govaerts 2000): the order of the zero of det g is a, b of it
+ * from the factor lambda. */
 typedef struct {
-    double at[NUMBERS]; /* SIGMA, DET of g_1 + lambda g_2 + .. order by order, BLOCK: g_0, zero at the junction */
+    double at[NUMBERS]; /* SIGMA, DET of g_1 + lambda g_2 + .. order by order, BLOCK: g_0, zero at
+                           the junction */
 } reading;
 
-/* det [ORDERS] of a matrix of series, entry (i, j) of order l at g[l * b * b + i * b + j]: expansion by the first of
- * the rows that are left; b is at most MOST_B. */
+/* det [ORDERS] of a matrix of series, entry (i, j) of order l at g[l * b * b + i * b + j]:
+ * expansion by the first of the rows that are left; b is at most MOST_B. */
 static void determinant(int b, const double *g, int row, unsigned columns, double *det)
 {
     int sign = 1;
@@ -69,8 +75,8 @@ static void determinant(int b, const double *g, int row, unsigned columns, doubl
     }
 }
 
-/* Order by order J x_j + U g_j = x_(j-1), V' x_j = 0, from J x_0 + U g_0 = 0, V' x_0 = I on, as far as the first
- * `orders` of DET need it; the others stay 0. x [2 * rows]. */
+/* Order by order J x_j + U g_j = x_(j-1), V' x_j = 0, from J x_0 + U g_0 = 0, V' x_0 = I on, as far
+ * as the first `orders` of DET need it; the others stay 0. x [2 * rows]. */
 static bool read_border(ric_border *q, int orders, double *x, reading *out)
 {
     int b = q->b, m = 2 * q->n, rows = q->unknowns + 1;
@@ -83,7 +89,8 @@ static bool read_border(ric_border *q, int orders, double *x, reading *out)
         for (int k = 0; k < b; k++) unit[k] = k == i;
         for (int l = -1; l < orders; l++) {
             if (!ric_border_solve(q, from, l < 0 ? unit : zero, to, column)) return false;
-            for (int k = 0; k < b; k++) *(l < 0 ? &out->at[BLOCK + k * b + i] : &g[(l * b + k) * b + i]) = column[k];
+            for (int k = 0; k < b; k++)
+                *(l < 0 ? &out->at[BLOCK + k * b + i] : &g[(l * b + k) * b + i]) = column[k];
             double *swap = from;
             from = to;
             to = swap;
@@ -102,17 +109,19 @@ typedef struct {
     ric_border *base, *moved;
     double rounding; /* of the flights */
     int a, b;        /* of the kind, least */
-    bool more;       /* there may be more: where flights are fixed, or a branch of one frequency leaves */
+    bool more; /* there may be more: where flights are fixed, or a branch of one frequency leaves */
 } gauge;
 
-/* Orders of the determinant that are looked at: where there cannot be more, only that of the kind counts. */
+/* Orders of the determinant that are looked at: where there cannot be more, only that of the kind
+ * counts. */
 static int orders_of(const gauge *t)
 {
     return t->more ? ORDERS : t->a - t->b + 1;
 }
 
 /* The orbit of the junction gone through as often as it is multiplied, in the general form. */
-static ric_status unfold(const ric_model *m, const ric_periodic *cycle, int multiple, ric_periodic **out)
+static ric_status unfold(const ric_model *m, const ric_periodic *cycle, int multiple,
+                         ric_periodic **out)
 {
     int n = m->n;
     ric_periodic *whole = ric_periodic_repeat(cycle, multiple);
@@ -124,8 +133,8 @@ static ric_status unfold(const ric_model *m, const ric_periodic *cycle, int mult
     return RIC_OK;
 }
 
-/* Under a power law the rounding of a flight adds up that of its steps, in proportion to the angle turned (shooting.c).
- */
+/* Under a power law the rounding of a flight adds up that of its steps, in proportion to the angle
+ * turned (shooting.c). */
 static double rounding_of(const ric_model *m, const ric_periodic *whole)
 {
     int n = 2 * m->n;
@@ -160,7 +169,8 @@ static ric_status gauge_make(const ric_model *m, const ric_node *node, gauge *t)
         t->x = ric_calloc(2 * (unknowns + 1), sizeof *t->x);
         t->base = ric_border_create(t->chain);
         t->moved = ric_border_create(t->chain);
-        if (!t->at || !t->x || !t->base || !t->moved) status = ric_no_memory("the label of a junction");
+        if (!t->at || !t->x || !t->base || !t->moved)
+            status = ric_no_memory("the label of a junction");
     }
     ric_periodic_free(whole);
     return status;
@@ -169,12 +179,13 @@ static ric_status gauge_make(const ric_model *m, const ric_node *node, gauge *t)
 /* What J says where the chain was flown last, bordered as at the junction itself. */
 static bool read_moved(gauge *t, int b, double rounding, unsigned bits, reading *out)
 {
-    if (!ric_border_factor(t->moved, rounding, bits) || !ric_border_set(t->moved, t->base, b)) return false;
+    if (!ric_border_factor(t->moved, rounding, bits) || !ric_border_set(t->moved, t->base, b))
+        return false;
     return read_border(t->moved, orders_of(t), t->x, out);
 }
 
-/* The direction of the branch that passes, du [unknowns], within the kernel: what leaves it there keeps energy and
- * period to first order. */
+/* The direction of the branch that passes, du [unknowns], within the kernel: what leaves it there
+ * keeps energy and period to first order. */
 static void along_branch(gauge *t, int b, double *du)
 {
     int unknowns = t->chain->n_unknown;
@@ -203,8 +214,8 @@ static bool read_at(gauge *t, int b, double step, const double *du, reading *out
     return read_moved(t, b, 0, 0, out);
 }
 
-/* The numbers at the junction, value[0], those with entries moved by rounding, value[1] to value[READINGS], and their
- * derivative along the branch. */
+/* The numbers at the junction, value[0], those with entries moved by rounding, value[1] to
+ * value[READINGS], and their derivative along the branch. */
 static bool read_all(gauge *t, int b, reading *value, reading *slope)
 {
     int unknowns = t->chain->n_unknown;
@@ -218,7 +229,8 @@ static bool read_all(gauge *t, int b, reading *value, reading *slope)
         return false;
     along_branch(t, b, du);
     for (int k = 1; k <= READINGS; k++) {
-        for (int i = 0; i < unknowns; i++) t->at[i] = t->u[i] + ric_moved(&bits, least * fabs(t->u[i]));
+        for (int i = 0; i < unknowns; i++)
+            t->at[i] = t->u[i] + ric_moved(&bits, least * fabs(t->u[i]));
         ric_shooting_fly(t->chain, t->at);
         if (!read_moved(t, b, t->rounding, bits, &value[k])) return false;
     }
@@ -237,14 +249,16 @@ static bool vanishes(const gauge *t, int b, int i)
 static double spread(const reading *value, int i)
 {
     double widest = 0;
-    for (int k = 1; k <= READINGS; k++) widest = fmax(widest, fabs(value[k].at[i] - value[0].at[i]));
+    for (int k = 1; k <= READINGS; k++)
+        widest = fmax(widest, fabs(value[k].at[i] - value[0].at[i]));
     return MARGIN * widest;
 }
 
-/* Moves all readings along the branch to where the number vanishes that tells the place best: what is then left of
- * their spread is the error of the numbers at the junction. Other numbers that vanish there show whether that is large
- * enough. False: the place is not known. */
-static bool settle_place(const gauge *t, int b, reading *value, const reading *slope, reading *error)
+/* Moves all readings along the branch to where the number vanishes that tells the place best: what
+ * is then left of their spread is the error of the numbers at the junction. Other numbers that
+ * vanish there show whether that is large enough. False: the place is not known. */
+static bool settle_place(const gauge *t, int b, reading *value, const reading *slope,
+                         reading *error)
 {
     int by = -1;
     double best = HUGE_VAL, factor = 1;
@@ -279,7 +293,8 @@ static int judge(double value, double error)
 /* The order of the determinant; -1: lost. */
 static int order_of(const gauge *t, int b, const reading *value, const reading *error)
 {
-    int least = b == t->b ? t->a - t->b : 0; /* a kind has no less than that: the place is known by it */
+    int least = b == t->b ? t->a - t->b
+                          : 0; /* a kind has no less than that: the place is known by it */
     double widest = 0;
     for (int order = least; order < ORDERS; order++) {
         double number = value->at[DET + order], of = error->at[DET + order];
@@ -291,15 +306,17 @@ static int order_of(const gauge *t, int b, const reading *value, const reading *
     return -1;
 }
 
-/* Both multiplicities; false where one of them is lost in rounding: two different points lie so close together that
- * both seem to be in one place. */
+/* Both multiplicities; false where one of them is lost in rounding: two different points lie so
+ * close together that both seem to be in one place. */
 static bool measure(gauge *t, int *a, int *b)
 {
     reading value[READINGS + 1], error, slope;
     int states = 2 * t->model->n;
     for (*b = t->b; *b <= MOST_B && *b <= states; (*b)++) {
-        if (!read_all(t, *b, value, &slope) || !settle_place(t, *b, value, &slope, &error)) return false;
-        double next = *b < states ? value[0].at[SIGMA + *b] : 1, of = *b < states ? error.at[SIGMA + *b] : 0;
+        if (!read_all(t, *b, value, &slope) || !settle_place(t, *b, value, &slope, &error))
+            return false;
+        double next = *b < states ? value[0].at[SIGMA + *b] : 1,
+               of = *b < states ? error.at[SIGMA + *b] : 0;
         int is = judge(next, of);
         if (is == LOST || (is == ZERO && (of > EXACT || !t->more))) return false;
         if (is == ZERO) continue;

@@ -4,9 +4,10 @@
 
 #include "node.h"
 
-/* Algebraic (a) and geometric (b) multiplicity at an extremum, a branch point or a multiplication, on the duplicate
- * where it lives. *decided = false: the ranks are lost in rounding, and a and b are those of the kind
- * (docs/theory.md section 7). */
-ric_status ric_multiplicity(const ric_model *model, const ric_node *node, int *a, int *b, bool *decided);
+/* Algebraic (a) and geometric (b) multiplicity at an extremum, a branch point or a multiplication,
+ * on the duplicate where it lives. *decided = false: the ranks are lost in rounding, and a and b
+ * are those of the kind (docs/theory.md section 7). */
+ric_status ric_multiplicity(const ric_model *model, const ric_node *node, int *a, int *b,
+                            bool *decided);
 
 #endif

@@ -11,7 +11,8 @@
 #include "base/room.h"
 
 #define NO_TIME 1e-7 /* scaled: a flight that is as short is none: a corner */
-/* ALONE: a multiplier nearer to one root of unity than this part of its distance to the next one means that one */
+/* ALONE: a multiplier nearer to one root of unity than this part of its distance to the next one
+ * means that one */
 #define ALONE 0.25
 
 void ric_node_free(ric_node *node)
@@ -32,7 +33,8 @@ ric_node *ric_node_copy(const ric_node *node)
     copy->departures = ric_malloc((size_t)(node->n_departure + 1) * sizeof *copy->departures);
     copy->n_departure = copy->departures ? node->n_departure : 0;
     for (int i = 0; i < copy->n_departure; i++)
-        copy->departures[i] = (ric_departure){.choice = node->departures[i].choice, .state = node->departures[i].state};
+        copy->departures[i] = (ric_departure){.choice = node->departures[i].choice,
+                                              .state = node->departures[i].state};
     if (copy->cycle && copy->departures) return copy;
     ric_node_free(copy);
     return NULL;
@@ -50,10 +52,12 @@ const char *ric_node_refusal_text(ric_refusal refusal)
     switch (refusal) {
     case RIC_REFUSAL_TOUCHES: return "more touches at once than are enumerated";
     case RIC_REFUSAL_TOGETHER:
-        return "two contacts with orthogonal normals close at one instant, and on the branches that go on they do so "
+        return "two contacts with orthogonal normals close at one instant, and on the branches "
+               "that go on they do so "
                "for good; such branches are not followed by this version";
     case RIC_REFUSAL_OBLIQUE:
-        return "two contacts close at one instant and their normals are not orthogonal in the metric of M^-1: the "
+        return "two contacts close at one instant and their normals are not orthogonal in the "
+               "metric of M^-1: the "
                "impact law does not say what happens; the branch ends here";
     case RIC_REFUSAL_NONE: break;
     }
@@ -80,14 +84,16 @@ ric_node *ric_node_create(const ric_model *m, ric_kind kind, ric_periodic *cycle
 }
 
 /* A junction at an orbit that was solved for, which it takes over. */
-static ric_status create_solved(const ric_model *m, ric_kind kind, ric_periodic *solved, ric_node **out)
+static ric_status create_solved(const ric_model *m, ric_kind kind, ric_periodic *solved,
+                                ric_node **out)
 {
     *out = NULL;
     if (!ric_node_solve_admissible(m, solved)) {
-        ric_status status = ric_fail(RIC_E_NUMERIC,
-                                     "a junction on a branch of %d impacts has a flight of less than no time, or "
-                                     "passes a stop",
-                                     solved->N);
+        ric_status status =
+            ric_fail(RIC_E_NUMERIC,
+                     "a junction on a branch of %d impacts has a flight of less than no time, or "
+                     "passes a stop",
+                     solved->N);
         ric_periodic_free(solved);
         return status;
     }
@@ -108,16 +114,17 @@ bool ric_node_coincident(const ric_model *m, const ric_periodic *cycle)
     return found;
 }
 
-/* With orthogonal normals the reflections commute: each pair of impacts at one instant may go on in either order, and
- * every choice of orders is a way out. */
-static ric_status finish_corner(const ric_model *m, const ric_periodic *cycle, int n_pair, const int *pairs,
-                                ric_node **out)
+/* With orthogonal normals the reflections commute: each pair of impacts at one instant may go on in
+ * either order, and every choice of orders is a way out. */
+static ric_status finish_corner(const ric_model *m, const ric_periodic *cycle, int n_pair,
+                                const int *pairs, ric_node **out)
 {
     ric_periodic *least = ric_corner_least(m, cycle, n_pair, pairs, RIC_SAME_LOCATED), *solved;
     if (!least) return ric_no_memory("a junction");
     solved = ric_node_solve(m, least, (ric_criterion){.test = RIC_TEST_FLIGHT}, NULL);
     ric_periodic_free(least);
-    if (!solved) return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
+    if (!solved)
+        return ric_fail(RIC_E_NUMERIC, "a corner orbit of %d impacts does not converge", cycle->N);
     ric_node *node;
     ric_status status = create_solved(m, RIC_KIND_CORNER, solved, &node);
     if (status) return status;
@@ -137,12 +144,14 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
     *out = NULL;
     if (!full) return ric_grazing_words_lost(cycle);
     n_pair = ric_corner_pairs(m, full, NO_TIME, RIC_MAX_TOUCHES, pairs);
-    if (n_pair > 0 && (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, RIC_SAME_EXTRAPOLATED)))
+    if (n_pair > 0 &&
+        (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, RIC_SAME_EXTRAPOLATED)))
         n_pair = RIC_CORNER_TOGETHER;
     ric_periodic_free(full);
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
     if (!ric_node_solve_admissible(m, cycle))
-        return ric_fail(RIC_E_NUMERIC, "where two contacts meet, an orbit of %d impacts is none", cycle->N);
+        return ric_fail(RIC_E_NUMERIC, "where two contacts meet, an orbit of %d impacts is none",
+                        cycle->N);
     ric_node *node = ric_node_create(m, RIC_KIND_CORNER, ric_periodic_canonical(m, cycle));
     if (!node) return ric_no_memory("a junction");
     node->refusal = n_pair == RIC_CORNER_TOGETHER ? RIC_REFUSAL_TOGETHER : RIC_REFUSAL_OBLIQUE;
@@ -162,7 +171,8 @@ static bool add_departures(ric_node *node, int count)
     return true;
 }
 
-ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int test, ric_node **out)
+ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int test,
+                             ric_node **out)
 {
     ric_kind kind = test == RIC_TEST_SLOPE    ? RIC_KIND_EXTREMUM
                     : test == RIC_TEST_PERIOD ? RIC_KIND_PERIOD_EXTREMUM
@@ -170,9 +180,14 @@ ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int 
     *out = NULL;
     bool moved = false;
     ric_periodic *solved = ric_node_solve(m, cycle, (ric_criterion){.test = test}, &moved);
-    /* on a branch of one energy, or of one period, an extremum that goes elsewhere, or is nowhere sharp, is rounding */
-    if (!solved && kind != RIC_KIND_BRANCH_POINT && (moved || !ric_node_solve_sharp(m, cycle, test))) return RIC_OK;
-    if (!solved) return ric_fail(RIC_E_NUMERIC, "a junction on a branch of %d impacts does not converge", cycle->N);
+    /* on a branch of one energy, or of one period, an extremum that goes elsewhere, or is nowhere
+     * sharp, is rounding */
+    if (!solved && kind != RIC_KIND_BRANCH_POINT &&
+        (moved || !ric_node_solve_sharp(m, cycle, test)))
+        return RIC_OK;
+    if (!solved)
+        return ric_fail(RIC_E_NUMERIC, "a junction on a branch of %d impacts does not converge",
+                        cycle->N);
     if (kind != RIC_KIND_BRANCH_POINT && !ric_node_solve_sharp(m, solved, test)) {
         ric_periodic_free(solved);
         return RIC_OK;
@@ -189,12 +204,17 @@ ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int 
     return RIC_OK;
 }
 
-ric_status ric_node_user(const ric_model *m, const ric_periodic *cycle, const ric_user_point *asked, ric_node **out)
+ric_status ric_node_user(const ric_model *m, const ric_periodic *cycle, const ric_user_point *asked,
+                         ric_node **out)
 {
     *out = NULL;
-    ric_periodic *solved = ric_node_solve(m, cycle, (ric_criterion){.test = RIC_TEST_ASKED, .asked = asked}, NULL);
+    ric_periodic *solved = ric_node_solve(m, cycle,
+                                          (ric_criterion){.test = RIC_TEST_ASKED, .asked = asked},
+                                          NULL);
     if (!solved)
-        return ric_fail(RIC_E_NUMERIC, "an orbit of %d impacts with what was asked for does not converge", cycle->N);
+        return ric_fail(RIC_E_NUMERIC,
+                        "an orbit of %d impacts with what was asked for does not converge",
+                        cycle->N);
     ric_status status = create_solved(m, RIC_KIND_USER, solved, out);
     if (!status) (*out)->asked = *asked;
     return status;
@@ -212,9 +232,10 @@ ric_status ric_node_start(const ric_model *m, const ric_periodic *cycle, ric_nod
     return RIC_OK;
 }
 
-/* p of a q-tupling from the multipliers of the original orbit; 0 if none fits. Where a branch arrives on a sharp turn
- * rho is off, by 0.2 within 1e-5 of the orbit: the nearest p counts if no other is near, and ric_node_solve tells
- * whether it is met. rho alone does not tell p from q - p unless it is that of half a period: then the smaller one. */
+/* p of a q-tupling from the multipliers of the original orbit; 0 if none fits. Where a branch
+ * arrives on a sharp turn rho is off, by 0.2 within 1e-5 of the orbit: the nearest p counts if no
+ * other is near, and ric_node_solve tells whether it is met. rho alone does not tell p from q - p
+ * unless it is that of half a period: then the smaller one. */
 static int rotation_of(const ric_model *m, const ric_periodic *cycle, int q)
 {
     ric_shooting *chain = NULL;
@@ -225,13 +246,15 @@ static int rotation_of(const ric_model *m, const ric_periodic *cycle, int q)
         bool half = ric_shooting_halves(chain);
         ric_shooting_evaluate(chain, u);
         if (!ric_floquet_compute(chain, &floquet)) {
-            /* over half a period p and p + q would be taken for one; and the orbit run backwards, which is the same
-             * one, has q - p */
-            if (isfinite(floquet.rotation) && !half) p = (int)lrint(q * fmin(floquet.rotation, 1 - floquet.rotation));
+            /* over half a period p and p + q would be taken for one; and the orbit run backwards,
+             * which is the same one, has q - p */
+            if (isfinite(floquet.rotation) && !half)
+                p = (int)lrint(q * fmin(floquet.rotation, 1 - floquet.rotation));
             for (int k = 1; p == 0 && k <= (half ? q - 1 : q / 2); k++) {
                 double off = HUGE_VAL;
                 for (int i = 0; i < floquet.n_pair; i++)
-                    off = fmin(off, hypot(floquet.own[2 * i] - ric_symmetry_rho(half, k, q), floquet.own[2 * i + 1]));
+                    off = fmin(off, hypot(floquet.own[2 * i] - ric_symmetry_rho(half, k, q),
+                                          floquet.own[2 * i + 1]));
                 other = fmin(other, fmax(off, best));
                 if (off < best) {
                     best = off;
@@ -247,23 +270,28 @@ static int rotation_of(const ric_model *m, const ric_periodic *cycle, int q)
     return p;
 }
 
-/* On an S orbit with mirror points, at a multiplication of order 2 q, the families that keep points of rest or impact
- * are images of each other in half a period and x -> -x; a whole number of periods, which is all that a structure
- * without this symmetry has, takes each to itself. For even q they are two curves, for odd q the halves of one. */
+/* On an S orbit with mirror points, at a multiplication of order 2 q, the families that keep points
+ * of rest or impact are images of each other in half a period and x -> -x; a whole number of
+ * periods, which is all that a structure without this symmetry has, takes each to itself. For even
+ * q they are two curves, for odd q the halves of one. */
 static bool has_image(const ric_node *node)
 {
     const ric_periodic *c = node->cycle;
     return !node->mirrors && c->half && c->pure >= 0 && node->rotation[0] % 2;
 }
 
-ric_status ric_node_multiplication(const ric_model *m, const ric_periodic *cycle, int p, int q, ric_node **out)
+ric_status ric_node_multiplication(const ric_model *m, const ric_periodic *cycle, int p, int q,
+                                   ric_node **out)
 {
     ric_criterion what = {.test = RIC_TEST_ROTATION, .rotation = {p, q}};
     ric_symmetry problems[2];
-    int count = ric_symmetry_multiplying(cycle, p, q, problems), order = ric_symmetry_order(cycle, p, q);
+    int count = ric_symmetry_multiplying(cycle, p, q, problems),
+        order = ric_symmetry_order(cycle, p, q);
     *out = NULL;
     ric_periodic *solved = ric_node_solve(m, cycle, what, NULL);
-    if (!solved) return ric_fail(RIC_E_NUMERIC, "the original orbit of a multiplication by %d does not converge", q);
+    if (!solved)
+        return ric_fail(RIC_E_NUMERIC,
+                        "the original orbit of a multiplication by %d does not converge", q);
     ric_node *node;
     ric_status status = create_solved(m, RIC_KIND_MULTIPLICATION, solved, &node);
     if (status) return status;
@@ -278,18 +306,25 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_periodic *cycle
     node->rotation[1] = q;
     if (order == 2) { /* the canonical orbit may start elsewhere: mirror points are counted anew */
         ric_symmetry_multiplying(solved, p, q, problems);
-        node->departures[1].choice = RIC_SIDE + (unsigned)(count == 2 ? ric_symmetry_singular(m, solved, problems) : 0);
+        node->departures[1].choice = RIC_SIDE +
+                                     (unsigned)(count == 2
+                                                    ? ric_symmetry_singular(m, solved, problems)
+                                                    : 0);
         node->n_departure = 2;
-    } else node->n_departure = ric_symmetry_passes(solved, p, q) ? 2 : has_image(node) && q % 2 == 0 ? 4 : 3;
+    } else
+        node->n_departure = ric_symmetry_passes(solved, p, q) ? 2
+                            : has_image(node) && q % 2 == 0   ? 4
+                                                              : 3;
     *out = node;
     return RIC_OK;
 }
 
-/* Which test vanishes on the symmetric orbit `whole` where a branch with the symmetries of `part` arrives: what is lost
- * tells. */
+/* Which test vanishes on the symmetric orbit `whole` where a branch with the symmetries of `part`
+ * arrives: what is lost tells. */
 static int broken_test(const ric_periodic *whole, const ric_periodic *part)
 {
-    if (!(whole->half && whole->pure >= 0)) return whole->pure >= 0 || whole->flip >= 0 ? RIC_TEST_B : RIC_TEST_A;
+    if (!(whole->half && whole->pure >= 0))
+        return whole->pure >= 0 || whole->flip >= 0 ? RIC_TEST_B : RIC_TEST_A;
     return part->half ? RIC_TEST_B : part->flip >= 0 ? RIC_TEST_A : RIC_TEST_D;
 }
 
@@ -305,28 +340,31 @@ ric_status ric_node_arrival(const ric_model *m, const ric_periodic *cycle, ric_n
         if (!(sym = shorter)) return ric_no_memory("a junction");
         ric_periodic_find_symmetries(m, sym, RIC_SAME_EXTRAPOLATED);
         int p = rotation_of(m, sym, q);
-        ric_status status = p > 0 ? ric_node_multiplication(m, sym, p, q, out)
-                                  : ric_fail(RIC_E_NUMERIC,
-                                             "an orbit gone through %d times has no multiplier of that order", q);
+        ric_status status =
+            p > 0 ? ric_node_multiplication(m, sym, p, q, out)
+                  : ric_fail(RIC_E_NUMERIC,
+                             "an orbit gone through %d times has no multiplier of that order", q);
         ric_periodic_free(sym);
         return status;
     }
     ric_status status = ric_node_interior(m, sym, broken_test(sym, cycle), out);
     if (status == RIC_E_NUMERIC && sym->half && sym->pure >= 0) {
-        /* two branch points so close that the orbit of one seems to have the symmetry of the other: one symmetry is
-         * gained at a time */
+        /* two branch points so close that the orbit of one seems to have the symmetry of the other:
+         * one symmetry is gained at a time */
         ric_periodic less = *sym;
         for (int i = 0; i < 3 && status == RIC_E_NUMERIC; i++) {
             less.half = i == 0;
             less.pure = i == 1 ? sym->pure : -1;
             less.flip = i == 2 ? sym->flip : -1;
-            if (less.half == cycle->half && less.pure == cycle->pure && less.flip == cycle->flip) continue;
+            if (less.half == cycle->half && less.pure == cycle->pure && less.flip == cycle->flip)
+                continue;
             status = ric_node_interior(m, &less, broken_test(&less, cycle), out);
         }
     }
     ric_periodic_free(sym);
     if (!status && *out && ric_periodic_repeats(m, (*out)->cycle, RIC_SAME_LOCATED)) {
-        /* read off, the orbit was too far from the repeated one to be known for it; solved, it is */
+        /* read off, the orbit was too far from the repeated one to be known for it; solved, it is
+         */
         ric_node *repeated = *out;
         status = ric_node_arrival(m, repeated->cycle, out);
         ric_node_free(repeated);
@@ -338,7 +376,8 @@ ric_status ric_node_arrival(const ric_model *m, const ric_periodic *cycle, ric_n
 
 bool ric_node_soft(const ric_node *node, int touch)
 {
-    return node->kind == RIC_KIND_GRAZING && node->springs >> node->cycle->face[node->touch[touch]] & 1;
+    return node->kind == RIC_KIND_GRAZING &&
+           node->springs >> node->cycle->face[node->touch[touch]] & 1;
 }
 
 bool ric_node_chooses(const ric_node *node)
@@ -370,18 +409,25 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_pe
     if (!repeated) return node->n_departure > 1 ? node->departures[1].choice : RIC_SIDE;
     ric_periodic *here = ric_periodic_copy(cycle);
     bool found = here && ric_periodic_divide(m, here, repeated->N);
-    found = found && ric_periodic_match(m, repeated, here, RIC_SAME_READ_OFF, &shift, &reverse, &mirror);
-    if (here && !found && ric_periodic_half_mark(m, here)) /* one starts at a rest, the other at a centre */
+    found = found &&
+            ric_periodic_match(m, repeated, here, RIC_SAME_READ_OFF, &shift, &reverse, &mirror);
+    if (here && !found &&
+        ric_periodic_half_mark(m, here)) /* one starts at a rest, the other at a centre */
         found = ric_periodic_match(m, repeated, here, RIC_SAME_READ_OFF, &shift, &reverse, &mirror);
     if (found) home = ric_periodic_transform(m, here, shift, reverse, mirror);
     ric_periodic_free(here);
     ric_symmetry other = ric_node_problem(node, RIC_OTHER_SIDE);
-    /* on an S orbit the two differ by the reversal; else by the mirror points of it, of which those a period
-     * (2N half positions) apart are the same, those half a period apart are not */
-    int r = !home ? -1 : home->pure >= 0 ? home->pure : home->flip, other_r = other.pure >= 0 ? other.pure : other.flip;
+    /* on an S orbit the two differ by the reversal; else by the mirror points of it, of which those
+     * a period (2N half positions) apart are the same, those half a period apart are not */
+    int r = !home             ? -1
+            : home->pure >= 0 ? home->pure
+                              : home->flip,
+        other_r = other.pure >= 0 ? other.pure : other.flip;
     bool reversal = home && (home->flip >= 0) == (other.flip >= 0);
-    if (reversal && (node->cycle->half || (r - other_r) % (2 * node->cycle->N) == 0)) result = RIC_OTHER_SIDE;
-    if (home && result == RIC_SIDE && node->n_departure > 3 && (r - node->cycle->pure) / node->cycle->N % 2)
+    if (reversal && (node->cycle->half || (r - other_r) % (2 * node->cycle->N) == 0))
+        result = RIC_OTHER_SIDE;
+    if (home && result == RIC_SIDE && node->n_departure > 3 &&
+        (r - node->cycle->pure) / node->cycle->N % 2)
         result = RIC_IMAGE_SIDE;
     ric_periodic_free(repeated);
     ric_periodic_free(home);
@@ -392,17 +438,20 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_pe
 
 ric_periodic *ric_node_regular(const ric_model *m, const ric_node *node)
 {
-    return node->kind == RIC_KIND_GRAZING ? ric_grazing_words_cycle(m, node, 0) : ric_periodic_copy(node->cycle);
+    return node->kind == RIC_KIND_GRAZING ? ric_grazing_words_cycle(m, node, 0)
+                                          : ric_periodic_copy(node->cycle);
 }
 
 ric_periodic *ric_node_original(const ric_model *m, const ric_node *node, bool *bare)
 {
-    ric_periodic *regular = ric_node_regular(m, node), *once = NULL, *canonical = NULL, *again = NULL;
+    ric_periodic *regular = ric_node_regular(m, node), *once = NULL, *canonical = NULL,
+                 *again = NULL;
     const bool grazing = node->kind == RIC_KIND_GRAZING;
     *bare = !regular;
     if (!regular) return NULL;
     if (grazing && node->multiple > 1) once = ric_periodic_shorten(regular, node->multiple);
-    if (once || !grazing || node->multiple == 1) canonical = ric_periodic_canonical(m, once ? once : regular);
+    if (once || !grazing || node->multiple == 1)
+        canonical = ric_periodic_canonical(m, once ? once : regular);
     ric_periodic_free(regular);
     ric_periodic_free(once);
     if (canonical && grazing) again = ric_node_solve_again(m, canonical);
@@ -414,7 +463,8 @@ ric_periodic *ric_node_original(const ric_model *m, const ric_node *node, bool *
 int ric_node_impacts(const ric_node *node, unsigned choice)
 {
     int count = ric_periodic_impacts(node->springs, node->cycle), missing = 0;
-    if (node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH) return count * node->multiple;
+    if (node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH)
+        return count * node->multiple;
     if (node->kind != RIC_KIND_GRAZING) return count;
     for (int i = 0; i < node->n_touch * node->multiple; i++) missing += !(choice & 1u << i);
     return count * node->multiple - missing;
@@ -446,8 +496,9 @@ ric_symmetry ric_node_problem(const ric_node *node, unsigned choice)
     return node->test == RIC_TEST_DET ? problems[0] : ric_symmetry_breaking(c, node->test);
 }
 
-/* Whether the two halves of a side branch are mirror images in x -> -x and nothing else takes one to the other: in a
- * structure that lacks this symmetry they are different motions, and the branch is one curve through both. */
+/* Whether the two halves of a side branch are mirror images in x -> -x and nothing else takes one
+ * to the other: in a structure that lacks this symmetry they are different motions, and the branch
+ * is one curve through both. */
 static bool splits(const ric_node *node)
 {
     const ric_periodic *c = node->cycle;

@@ -1,5 +1,5 @@
-/* Junctions at work: where branches meet, solved on their own equations from a canonical orbit (docs/theory.md sections
- * 7 to 9). */
+/* Junctions at work: where branches meet, solved on their own equations from a canonical orbit
+ * (docs/theory.md sections 7 to 9). */
 #ifndef RIC_JUNCTION_NODE_H
 #define RIC_JUNCTION_NODE_H
 
@@ -19,11 +19,12 @@ typedef enum {
     RIC_DEPARTURE_LATER
 } ric_departure_state;
 
-/* One way out: at a grazing the touches that stay as impacts (bit i: touch i), at a corner the pairs of impacts whose
- * order is exchanged (bit i: pair i), at a branch point the branch that passes (THROUGH) or the one that leaves
- * (SIDE; at a multiplication of even order there are two, with other mirror points: SIDE and OTHER_SIDE; and the image
- * in x -> -x of the first, IMAGE_SIDE, where the structure lacks that symmetry of the orbit and nothing else takes the
- * one to the other). */
+/* One way out: at a grazing the touches that stay as impacts (bit i: touch i), at a corner the
+ * pairs of impacts whose order is exchanged (bit i: pair i), at a branch point the branch that
+ * passes (THROUGH) or the one that leaves (SIDE; at a multiplication of even order there are two,
+ * with other mirror points: SIDE and OTHER_SIDE; and the image in x -> -x of the first, IMAGE_SIDE,
+ * where the structure lacks that symmetry of the orbit and nothing else takes the one to the
+ * other). */
 enum { RIC_THROUGH = 0, RIC_SIDE = 1, RIC_OTHER_SIDE = 2, RIC_IMAGE_SIDE = 3 };
 typedef struct {
     unsigned choice;
@@ -34,31 +35,38 @@ typedef struct {
 } ric_departure;
 
 /* Why no branch leaves a junction at all. */
-typedef enum { RIC_REFUSAL_NONE, RIC_REFUSAL_TOUCHES, RIC_REFUSAL_TOGETHER, RIC_REFUSAL_OBLIQUE } ric_refusal;
+typedef enum {
+    RIC_REFUSAL_NONE,
+    RIC_REFUSAL_TOUCHES,
+    RIC_REFUSAL_TOGETHER,
+    RIC_REFUSAL_OBLIQUE
+} ric_refusal;
 const char *ric_node_refusal_text(ric_refusal refusal);
 
 typedef struct {
     ric_kind kind;
-    ric_periodic *cycle; /* canonical; at a grazing the touches are impacts of no speed, or pairs of switches of a
-                          * spring with no time between */
+    ric_periodic *cycle; /* canonical; at a grazing the touches are impacts of no speed, or pairs of
+                            switches of a spring with no time between */
     uint64_t springs;    /* faces that are springs */
     int n_touch;
-    int touch[RIC_MAX_TOUCHES]; /* their places in the cycle; of a pair, and at a corner, of the first impact of each
-                                 * pair */
+    int touch[RIC_MAX_TOUCHES]; /* their places in the cycle; of a pair, and at a corner, of the
+                                   first impact of each pair */
     int test;                   /* which test function vanishes on the branch that passes; -1 */
     int multiple, rotation[2];
     int a, b;
     double energy, period; /* internal units, of the original orbit */
-    int n_departure;       /* of a grazing or a corner only when ric_grazing_words_list has listed them */
+    int n_departure; /* of a grazing or a corner only when ric_grazing_words_list has listed them */
     ric_departure *departures;
     ric_refusal refusal;
     ric_user_point asked; /* of kind user */
     int mode;             /* linear mode that grazes here, from 0; -1 */
     int mixture;          /* or mixture of modes of one frequency, place in the model's list; -1 */
-    bool unsought;        /* mixtures of its mode with those of its frequency were left out (ric_mixtures_all) */
+    bool unsought;        /* mixtures of its mode with those of its frequency were left out
+                             (ric_mixtures_all) */
     int depth;
     bool expanded; /* its duplicates are listed */
-    bool mirrors;  /* x -> -x takes motions of the structure to motions: images of its ways out are no others */
+    bool mirrors;  /* x -> -x takes motions of the structure to motions: images of its ways out are
+                      no others */
 } ric_node;
 
 /* A junction at an orbit, which it takes over, without touches or departures. NULL: no memory. */
@@ -67,26 +75,31 @@ void ric_node_free(ric_node *node);
 /* Without the reasons for which departures were refused. NULL: no memory. */
 ric_node *ric_node_copy(const ric_node *node);
 
-/* The grazing of linear mode `mode` (index among seen modes). *out = NULL if it has none (zero frequency). */
+/* The grazing of linear mode `mode` (index among seen modes). *out = NULL if it has none (zero
+ * frequency). */
 ric_status ric_node_linear(const ric_model *model, int mode, ric_node **out);
 /* That of a mixture of modes of one frequency (mixture.h), by its place in the model's list. */
 ric_status ric_node_mixture(const ric_model *model, int mixture, ric_node **out);
-/* The eigenspace of a node that is a linear motion, with nothing but touches, of modes of one frequency, or -1: beside
- * it lie other motions that touch, and its problems have a kernel of all of them (switching.c). */
+/* The eigenspace of a node that is a linear motion, with nothing but touches, of modes of one
+ * frequency, or -1: beside it lie other motions that touch, and its problems have a kernel of all
+ * of them (switching.c). */
 int ric_node_space(const ric_model *model, const ric_node *node);
 /* The same grazing gone through `multiple` times. */
-ric_status ric_node_duplicate(const ric_model *model, const ric_node *node, int multiple, ric_node **out);
-/* The end of a trace that stopped at a grazing, corner or arrival; or an interior event of it. *choice: the departure
- * there that the branch itself is, in terms of the node returned. *out = NULL for events that are no junction. */
+ric_status ric_node_duplicate(const ric_model *model, const ric_node *node, int multiple,
+                              ric_node **out);
+/* The end of a trace that stopped at a grazing, corner or arrival; or an interior event of it.
+ * *choice: the departure there that the branch itself is, in terms of the node returned. *out =
+ * NULL for events that are no junction. */
 ric_status ric_node_grazing(const ric_model *model, const ric_periodic *cycle, ric_node **out);
 /* Whether gaps of different contacts touch at one instant of a grazing orbit. */
 bool ric_node_coincident(const ric_model *model, const ric_periodic *cycle);
 ric_status ric_node_corner(const ric_model *model, const ric_periodic *cycle, ric_node **out);
 /* A point of a branch where `test` vanishes; `cycle` with the symmetries of the branch. */
-ric_status ric_node_interior(const ric_model *model, const ric_periodic *cycle, int test, ric_node **out);
+ric_status ric_node_interior(const ric_model *model, const ric_periodic *cycle, int test,
+                             ric_node **out);
 /* A point of a branch where an energy or a frequency is what was asked for. */
-ric_status ric_node_user(const ric_model *model, const ric_periodic *cycle, const ric_user_point *asked,
-                         ric_node **out);
+ric_status ric_node_user(const ric_model *model, const ric_periodic *cycle,
+                         const ric_user_point *asked, ric_node **out);
 /* A regular orbit to start from. */
 ric_status ric_node_start(const ric_model *model, const ric_periodic *cycle, ric_node **out);
 /* The symmetric orbit that a branch arrives at. */
@@ -97,15 +110,17 @@ bool ric_node_soft(const ric_node *node, int touch);
 /* Whether the ways out are subsets: of touches, or of pairs of impacts. */
 bool ric_node_chooses(const ric_node *node);
 /* Where the rotation number of the orbit passes p / q. */
-ric_status ric_node_multiplication(const ric_model *model, const ric_periodic *cycle, int p, int q, ric_node **out);
+ric_status ric_node_multiplication(const ric_model *model, const ric_periodic *cycle, int p, int q,
+                                   ric_node **out);
 
-/* Whether the way out leads away from the branch that passes; the problem it is solved in; and whether it goes on on
- * the other side. */
+/* Whether the way out leads away from the branch that passes; the problem it is solved in; and
+ * whether it goes on on the other side. */
 bool ric_node_leaves(const ric_node *node, unsigned choice);
 ric_symmetry ric_node_problem(const ric_node *node, unsigned choice);
 bool ric_node_passes(const ric_node *node, unsigned choice);
 
-/* Nodes whose energies are farther apart are not the same: relative, and beside zero as if it were a thousandth. */
+/* Nodes whose energies are farther apart are not the same: relative, and beside zero as if it were
+ * a thousandth. */
 static inline double ric_node_near(double energy)
 {
     const double low = 1e-3;
@@ -121,8 +136,9 @@ int ric_node_impacts(const ric_node *node, unsigned choice);
 bool ric_node_half(const ric_model *model, const ric_node *node, unsigned choice);
 /* Regular orbit of a node: a grazing without its touches (NULL with no impact left). */
 ric_periodic *ric_node_regular(const ric_model *model, const ric_node *node);
-/* The orbit that is stored for a junction: a grazing's is solved without its touches, and gone through once where the
- * junction is a duplicate. *bare: no impact is left, and NULL; NULL otherwise: no memory. */
+/* The orbit that is stored for a junction: a grazing's is solved without its touches, and gone
+ * through once where the junction is a duplicate. *bare: no impact is left, and NULL; NULL
+ * otherwise: no memory. */
 ric_periodic *ric_node_original(const ric_model *model, const ric_node *node, bool *bare);
 
 #endif

@@ -15,11 +15,14 @@ static void pass_cycle(ric_bytes *b, const ric_model *m, ric_periodic **cycle)
 {
     ric_periodic *c = *cycle;
     int head[HEAD] = {0};
-    if (c) memcpy(head, (int[HEAD]){c->n, c->N, c->half, c->pure, c->flip, c->parts, c->opposite != NULL}, sizeof head);
+    if (c)
+        memcpy(head,
+               (int[HEAD]){c->n, c->N, c->half, c->pure, c->flip, c->parts, c->opposite != NULL},
+               sizeof head);
     ric_bytes_pass(b, head, sizeof head);
     if (b->reading) {
-        b->lost |= head[0] != m->n || head[1] < 0 || !ric_bytes_have(b, (size_t)head[1]) || head[5] < 0 ||
-                   head[5] > RIC_PARTS_MOST;
+        b->lost |= head[0] != m->n || head[1] < 0 || !ric_bytes_have(b, (size_t)head[1]) ||
+                   head[5] < 0 || head[5] > RIC_PARTS_MOST;
         c = *cycle = b->lost ? NULL : ric_periodic_create(head[0], head[1]);
         b->lost |= !c;
         if (!c) return;
@@ -30,7 +33,8 @@ static void pass_cycle(ric_bytes *b, const ric_model *m, ric_periodic **cycle)
     }
     ric_bytes_pass(b, &c->closed, sizeof c->closed);
     ric_bytes_pass(b, c->face, (size_t)c->N * sizeof *c->face);
-    for (int i = 0; b->reading && i < c->N; i++) b->lost |= c->face[i] < -1 || c->face[i] >= m->n_face;
+    for (int i = 0; b->reading && i < c->N; i++)
+        b->lost |= c->face[i] < -1 || c->face[i] >= m->n_face;
     ric_bytes_pass(b, c->tau, (size_t)c->N * sizeof *c->tau);
     ric_bytes_pass(b, c->w, 2 * (size_t)c->n * sizeof *c->w);
     if (!head[6]) return;
@@ -60,7 +64,8 @@ static void pass_node(ric_bytes *b, void *user)
     if (b->lost) return;
     if (b->reading) *n = flat;
     pass_cycle(b, p->model, &n->cycle);
-    if (b->reading && !b->lost) n->departures = ric_calloc((size_t)n->n_departure + 1, sizeof *n->departures);
+    if (b->reading && !b->lost)
+        n->departures = ric_calloc((size_t)n->n_departure + 1, sizeof *n->departures);
     b->lost |= !n->departures && n->n_departure > 0;
     for (int i = 0; i < n->n_departure && !b->lost; i++)
         ric_bytes_pass(b, &n->departures[i].choice, sizeof n->departures[i].choice);
@@ -92,14 +97,16 @@ ric_status ric_node_unpack(const ric_model *m, const void *bytes, size_t size, r
 
 /* -------------------------------------------------------------------- solving */
 
-static ric_status compute(const ric_model *m, const ric_defining *solve, const ric_periodic *cycle, ric_node **out)
+static ric_status compute(const ric_model *m, const ric_defining *solve, const ric_periodic *cycle,
+                          ric_node **out)
 {
     switch (solve->kind) {
     case RIC_DEFINING_ARRIVAL: return ric_node_arrival(m, cycle, out);
     case RIC_DEFINING_CORNER: return ric_node_corner(m, cycle, out);
     case RIC_DEFINING_GRAZING: return ric_node_grazing(m, cycle, out);
     case RIC_DEFINING_INTERIOR: return ric_node_interior(m, cycle, solve->test, out);
-    case RIC_DEFINING_MULTIPLICATION: return ric_node_multiplication(m, cycle, solve->p, solve->q, out);
+    case RIC_DEFINING_MULTIPLICATION:
+        return ric_node_multiplication(m, cycle, solve->p, solve->q, out);
     case RIC_DEFINING_USER: return ric_node_user(m, cycle, &solve->asked, out);
     }
     return ric_fail(RIC_E_INPUT, "no such junction");
@@ -115,7 +122,8 @@ static void pass_key(ric_bytes *b, void *user)
 {
     const question *q = user;
     ric_periodic *cycle = q->cycle;
-    int head[] = {'N', (int)q->solve->kind, q->solve->test, q->solve->p, q->solve->q, q->solve->asked.frequency};
+    int head[] = {'N',         (int)q->solve->kind, q->solve->test,
+                  q->solve->p, q->solve->q,         q->solve->asked.frequency};
     double value = q->solve->asked.value;
     ric_bytes_pass(b, head, sizeof head);
     ric_bytes_pass(b, &value, sizeof value);
@@ -130,12 +138,15 @@ static char *make_key(const ric_defining *solve, const ric_periodic *cycle, size
 }
 
 /* A junction that does not converge is kept as no bytes, one that is none as one. */
-static void keep(ric_cache *memo, const char *key, size_t key_size, ric_status status, const ric_node *node)
+static void keep(ric_cache *memo, const char *key, size_t key_size, ric_status status,
+                 const ric_node *node)
 {
     void *bytes = NULL;
     size_t size = 0;
-    if (status == RIC_E_NUMERIC || (!status && !node)) ric_cache_put(memo, key, key_size, "", status ? 0 : 1);
-    else if (!status && !ric_node_pack(node, &bytes, &size)) ric_cache_put(memo, key, key_size, bytes, size);
+    if (status == RIC_E_NUMERIC || (!status && !node))
+        ric_cache_put(memo, key, key_size, "", status ? 0 : 1);
+    else if (!status && !ric_node_pack(node, &bytes, &size))
+        ric_cache_put(memo, key, key_size, bytes, size);
     free(bytes);
 }
 
@@ -147,7 +158,8 @@ ric_status ric_node_cache_solve(const ric_model *m, ric_node_cache recall, ric_d
     void *bytes = key && !recall.worker ? ric_cache_take(recall.memo, key, key_size, &size) : NULL;
     ric_status status;
     *out = NULL;
-    if (bytes && size <= 1) status = size ? RIC_OK : ric_fail(RIC_E_NUMERIC, "a junction does not converge");
+    if (bytes && size <= 1)
+        status = size ? RIC_OK : ric_fail(RIC_E_NUMERIC, "a junction does not converge");
     else if (bytes) status = ric_node_unpack(m, bytes, size, out);
     else status = compute(m, &solve, cycle, out);
     const ric_status whole = ric_trust(RIC_OK);

@@ -1,5 +1,6 @@
-/* The pure steps of an exploration by way of the memo: a worker computes and leaves them there, the owner of the graph
- * takes them out or computes what is missing. Also nodes and cycles as bytes, for keys and for other machines. */
+/* The pure steps of an exploration by way of the memo: a worker computes and leaves them there, the
+ * owner of the graph takes them out or computes what is missing. Also nodes and cycles as bytes,
+ * for keys and for other machines. */
 #ifndef RIC_JUNCTION_NODE_CACHE_H
 #define RIC_JUNCTION_NODE_CACHE_H
 
@@ -31,7 +32,8 @@ typedef struct {
 ric_status ric_node_cache_solve(const ric_model *model, ric_node_cache recall, ric_defining solve,
                                 const ric_periodic *cycle, ric_node **out);
 
-/* A node with its departures (none of the reasons), and back; bytes of one machine type and version. */
+/* A node with its departures (none of the reasons), and back; bytes of one machine type and
+ * version. */
 ric_status ric_node_pack(const ric_node *node, void **bytes, size_t *size);
 ric_status ric_node_unpack(const ric_model *model, const void *bytes, size_t size, ric_node **out);
 

@@ -1,5 +1,5 @@
-/* Grazings: which impacts of a located orbit are touches, and the motion that is left without them; arrivals at linear
- * modes and at their mixtures (docs/theory.md sections 7 and 8). */
+/* Grazings: which impacts of a located orbit are touches, and the motion that is left without them;
+ * arrivals at linear modes and at their mixtures (docs/theory.md sections 7 and 8). */
 #include "node.h"
 
 #include <stdlib.h>
@@ -11,9 +11,10 @@
 #include "model/room.h"
 #include "node_solve.h"
 
-/* Scaled: an impact below this speed at a located event is a touch that was kept. Newton's method leaves 1e-12 of it;
- * what is faster is an impact, and without it the motion is another one. Where all impacts end at once an orbit is
- * located to less, and what is slower than HARDLY is a touch there. */
+/* Scaled: an impact below this speed at a located event is a touch that was kept. Newton's method
+ * leaves 1e-12 of it; what is faster is an impact, and without it the motion is another one. Where
+ * all impacts end at once an orbit is located to less, and what is slower than HARDLY is a touch
+ * there. */
 #define NO_SPEED 1e-10
 #define HARDLY 1e-7
 #define NO_TIME 1e-7 /* scaled: a contact that lasts no longer is a touch of a spring */
@@ -35,13 +36,16 @@ static bool list_touches(const ric_model *m, ric_node *node, double slow)
     if (!W) return false;
     ric_periodic_states(m, c, W);
     for (int i = 0; i < c->N; i++) {
-        bool spring = m->face[c->face[i]].spring > 0, pair = spring && c->face[(i + 1) % c->N] == c->face[i];
-        if (spring ? !pair || fabs(c->tau[i]) > NO_TIME : fabs(impact_speed(m, c, W, i)) > slow) continue;
+        bool spring = m->face[c->face[i]].spring > 0,
+             pair = spring && c->face[(i + 1) % c->N] == c->face[i];
+        if (spring ? !pair || fabs(c->tau[i]) > NO_TIME : fabs(impact_speed(m, c, W, i)) > slow)
+            continue;
         if (node->n_touch < RIC_MAX_TOUCHES) node->touch[node->n_touch++] = i;
         else fits = false;
     }
     free(W);
-    if (!fits || node->n_touch * node->multiple > RIC_MAX_TOUCHES) node->refusal = RIC_REFUSAL_TOUCHES;
+    if (!fits || node->n_touch * node->multiple > RIC_MAX_TOUCHES)
+        node->refusal = RIC_REFUSAL_TOUCHES;
     return true;
 }
 
@@ -80,8 +84,9 @@ int ric_node_space(const ric_model *m, const ric_node *node)
     return node->mode >= 0 ? ric_mixture_space(m, node->mode) : -1;
 }
 
-/* Whether a motion without impacts comes back after its period: it is one of a single frequency, or all of its
- * frequencies fit. Impacts that are all slow may end at none, where frequencies fit to 1e-7 only. */
+/* Whether a motion without impacts comes back after its period: it is one of a single frequency, or
+ * all of its frequencies fit. Impacts that are all slow may end at none, where frequencies fit to
+ * 1e-7 only. */
 static bool comes_back(const ric_model *m, const ric_node *node)
 {
     const ric_periodic *c = node->cycle;
@@ -89,15 +94,17 @@ static bool comes_back(const ric_model *m, const ric_node *node)
     double open = 0, size = 0;
     if (linear_mode(node) >= 0 || mixture_of(m, c->w, RIC_SAME_LOCATED) >= 0) return true;
     for (int i = 0; i < c->n; i++) {
-        const double turns = m->omega[i] * period / RIC_TWO_PI, own = hypot(c->w[i], c->w[c->n + i]);
-        open = hypot(open, m->omega[i] > 0 ? RIC_TWO_PI * (turns - rint(turns)) * own : period * c->w[c->n + i]);
+        const double turns = m->omega[i] * period / RIC_TWO_PI,
+                     own = hypot(c->w[i], c->w[c->n + i]);
+        open = hypot(open, m->omega[i] > 0 ? RIC_TWO_PI * (turns - rint(turns)) * own
+                                           : period * c->w[c->n + i]);
         size = hypot(size, own);
     }
     return open <= BEYOND * size;
 }
 
-/* Whether a word says which springs of an orbit are closed. One that is closed without end has no letter: where it
- * opens for no time, the orbit without that touch is stored as another one. */
+/* Whether a word says which springs of an orbit are closed. One that is closed without end has no
+ * letter: where it opens for no time, the orbit without that touch is stored as another one. */
 static bool is_spelt(const ric_model *m, const ric_periodic *c)
 {
     uint64_t said = 0;
@@ -106,8 +113,8 @@ static bool is_spelt(const ric_model *m, const ric_periodic *c)
     return !(c->closed & ~said);
 }
 
-/* Whether the orbit without its touches, which is what is stored, comes back, passes no stop and has a word. What does
- * not become a chain is not judged. */
+/* Whether the orbit without its touches, which is what is stored, comes back, passes no stop and
+ * has a word. What does not become a chain is not judged. */
 static bool is_motion(const ric_model *m, const ric_node *node)
 {
     if (node->refusal) return true;
@@ -119,7 +126,8 @@ static bool is_motion(const ric_model *m, const ric_node *node)
     return motion;
 }
 
-static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple, ric_node **out)
+static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple,
+                                 ric_node **out)
 {
     ric_node *node = ric_node_create(m, RIC_KIND_GRAZING, full);
     ric_status status = RIC_OK;
@@ -135,7 +143,8 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
     if (!listed) status = ric_no_memory("a junction");
     else if (!motion)
         status = ric_fail(RIC_E_NUMERIC,
-                          "a grazing orbit of %d impacts passes a stop, does not come back, or keeps a spring closed "
+                          "a grazing orbit of %d impacts passes a stop, does not come back, or "
+                          "keeps a spring closed "
                           "without end, which no word says",
                           full->N);
     if (status) {
@@ -154,7 +163,8 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
 static int times_through(const ric_periodic *cycle, double omega)
 {
     double times = ric_periodic_period(cycle) / (RIC_TWO_PI / omega);
-    return rint(times) >= 1 && fabs(times - rint(times)) <= RIC_SAME_READ_OFF ? (int)rint(times) : 0;
+    return rint(times) >= 1 && fabs(times - rint(times)) <= RIC_SAME_READ_OFF ? (int)rint(times)
+                                                                              : 0;
 }
 
 /* The node instead of which it stands, gone through that often; takes it over. */
@@ -169,22 +179,23 @@ static ric_status gone_through(const ric_model *m, ric_node *once, int times, ri
     return status;
 }
 
-/* A branch that comes to a mixture of modes of one frequency comes to a family of motions that touch, and to the one
- * place on it where branches leave: what the trace has found of that place is replaced by it. *out = NULL: it comes to
- * none. */
+/* A branch that comes to a mixture of modes of one frequency comes to a family of motions that
+ * touch, and to the one place on it where branches leave: what the trace has found of that place is
+ * replaced by it. *out = NULL: it comes to none. */
 static ric_status arrived_mixture(const ric_model *m, const ric_periodic *cycle, ric_node **out)
 {
     ric_node *once = NULL;
     *out = NULL;
     int mixture = m->mixtures->n ? mixture_of(m, cycle->w, RIC_SAME_READ_OFF) : -1;
     if (mixture < 0) return RIC_OK;
-    int times = times_through(cycle, m->omega[m->mixtures->space[m->mixtures->list[mixture].space].first]);
+    int times = times_through(cycle,
+                              m->omega[m->mixtures->space[m->mixtures->list[mixture].space].first]);
     ric_status status = times ? ric_node_mixture(m, mixture, &once) : RIC_OK;
     return status || !once ? status : gone_through(m, once, times, out);
 }
 
-/* A branch that comes to a linear mode is located there to the root of rounding only, as all its impacts end at once;
- * the mode itself is known, and replaces what was found of it. */
+/* A branch that comes to a linear mode is located there to the root of rounding only, as all its
+ * impacts end at once; the mode itself is known, and replaces what was found of it. */
 static ric_status arrived_mode(const ric_model *m, ric_node **node)
 {
     ric_node *once = NULL;
@@ -213,22 +224,28 @@ ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_n
     }
     solved = ric_node_solve(m, full, (ric_criterion){.test = RIC_TEST_APPROACH}, NULL);
     ric_periodic_free(full);
-    if (!solved) return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
+    if (!solved)
+        return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
     ric_status status = finish_grazing(m, solved, q, out);
-    if (!status && (*out)->n_touch && !(*out)->refusal && (*out)->mixture < 0) status = arrived_mode(m, out);
+    if (!status && (*out)->n_touch && !(*out)->refusal && (*out)->mixture < 0)
+        status = arrived_mode(m, out);
     if (status || (*out)->n_touch || (*out)->refusal) return status;
-    ric_node_free(*out); /* beside a family of two parameters the place of a touch is known to nothing */
+    ric_node_free(
+        *out); /* beside a family of two parameters the place of a touch is known to nothing */
     *out = NULL;
-    return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts touches nothing where it converges", cycle->N);
+    return ric_fail(RIC_E_NUMERIC,
+                    "a grazing orbit of %d impacts touches nothing where it converges", cycle->N);
 }
 
-ric_status ric_node_duplicate(const ric_model *m, const ric_node *node, int multiple, ric_node **out)
+ric_status ric_node_duplicate(const ric_model *m, const ric_node *node, int multiple,
+                              ric_node **out)
 {
     *out = NULL;
     return finish_grazing(m, ric_periodic_copy(node->cycle), multiple, out);
 }
 
-/* A touch of a face by a linear motion of one frequency, with the time after the start of its cycle. */
+/* A touch of a face by a linear motion of one frequency, with the time after the start of its
+ * cycle. */
 typedef struct {
     double time;
     int face;
@@ -241,13 +258,15 @@ static int earlier(const void *a, const void *b)
     return p->face - q->face;
 }
 
-/* All touches of a linear motion of frequency omega that starts where it touches, in order: of s = Re(S e^(-i omega t))
- * where |S| is the clearance. What falls within rounding of the start of the period, or of its middle, is there. */
+/* All touches of a linear motion of frequency omega that starts where it touches, in order: of s =
+ * Re(S e^(-i omega t)) where |S| is the clearance. What falls within rounding of the start of the
+ * period, or of its middle, is there. */
 static int touches_of(const ric_model *m, double omega, const double *w, linear_touch *out)
 {
     int n = m->n, count = 0;
     for (int f = 0; f < m->n_face; f++) {
-        double gap = m->face[f].gap, x = ric_dot(n, m->face[f].g, w), y = ric_dot(n, m->face[f].g, w + n);
+        double gap = m->face[f].gap, x = ric_dot(n, m->face[f].g, w),
+               y = ric_dot(n, m->face[f].g, w + n);
         if (fabs(hypot(x, y) / fabs(gap) - 1) > RIC_TIE) continue;
         double phase = atan2(gap < 0 ? -y : y, gap < 0 ? -x : x);
         if (phase < -RIC_TIE) phase += RIC_TWO_PI;
@@ -259,8 +278,8 @@ static int touches_of(const ric_model *m, double omega, const double *w, linear_
     return count;
 }
 
-/* The grazing of a linear motion of one frequency from where it touches, w [2n]: all its contacts are touches, and the
- * cycle starts at the first. */
+/* The grazing of a linear motion of one frequency from where it touches, w [2n]: all its contacts
+ * are touches, and the cycle starts at the first. */
 static ric_status linear_grazing(const ric_model *m, double omega, const double *w, ric_node **out)
 {
     int n = m->n, N = 0;
@@ -270,7 +289,8 @@ static ric_status linear_grazing(const ric_model *m, double omega, const double 
     if (!c) return ric_no_memory("a junction");
     memcpy(c->w, w, 2 * (size_t)n * sizeof *w);
     for (int i = 0; i < count; i++) {
-        if (m->face[touches[i].face].spring > 0) c->face[N++] = touches[i].face; /* it closes, and opens at once */
+        if (m->face[touches[i].face].spring > 0)
+            c->face[N++] = touches[i].face; /* it closes, and opens at once */
         c->tau[N] = (i + 1 < count ? touches[i + 1].time : RIC_TWO_PI / omega) - touches[i].time;
         c->face[N++] = touches[i].face;
     }

@@ -7,39 +7,50 @@
 #include "branch/room.h"
 #include "base/room.h"
 
-/* AT_ZERO: a determinant whose zero is farther away than this, by its slope, has none here: the sign changed at a
- * pole */
+/* AT_ZERO: a determinant whose zero is farther away than this, by its slope, has none here: the
+ * sign changed at a pole */
 #define AT_ZERO 1e-6
 #define TOLD 1e-3  /* of it: two points nearer than this do not tell a slope */
 #define FIRST 1e-6 /* of the size: first step of the secant, and the least that is tried */
 #define LEAST_FIRST 1e-8
 #define ASTRAY 1e-2 /* of the size: a secant that goes so far seeks another zero */
-/* FINE: where rounding may move the zero of a determinant of a smooth flow by more, it is sought in higher precision */
+/* FINE: where rounding may move the zero of a determinant of a smooth flow by more, it is sought in
+ * higher precision */
 #define FINE 1e-12
-/* PLACED: an extremum is listed if its place is known to this part of the size of the orbit (a bound: the error is a
- * tenth) */
+/* PLACED: an extremum is listed if its place is known to this part of the size of the orbit (a
+ * bound: the error is a tenth) */
 #define PLACED 1e-6
 #define NARROWEST 1e-10 /* of the size: shorter branches are none */
-#define STRAIGHT 0.2    /* part of its ends by which a function may be off a straight line that passes zero */
-#define AT_ROOT 1e-6    /* distance of lambda + 1/lambda from the root of unity of a multiplication, beside its error */
-#define NEAR_ROOT 1e-4  /* the same with an error that is larger: farther away there is none */
-#define FIRST_MOVE 1e-12 /* of the size: the first step towards the root, from a zero of the determinant beside it */
-#define BESIDE 1e-4      /* distance, relative, of the points whose slopes tell how sharp it is */
-/* MET: relative distance at which it is: beside a branch point orbits are known to rounding / distance */
+/* STRAIGHT: part of its ends by which a function may be off a straight line that passes zero */
+#define STRAIGHT 0.2
+/* AT_ROOT: distance of lambda + 1/lambda from the root of unity of a multiplication, beside its
+ * error */
+#define AT_ROOT 1e-6
+#define NEAR_ROOT 1e-4 /* the same with an error that is larger: farther away there is none */
+/* FIRST_MOVE: of the size: the first step towards the root, from a zero of the determinant beside
+ * it */
+#define FIRST_MOVE 1e-12
+#define BESIDE 1e-4 /* distance, relative, of the points whose slopes tell how sharp it is */
+/* MET: relative distance at which it is: beside a branch point orbits are known to rounding /
+ * distance */
 #define MET 1e-8
-/* GRAIN: canonical orbits are re-solved from unknowns rounded to this, so that they do not remember where they came
- * from */
+/* GRAIN: canonical orbits are re-solved from unknowns rounded to this, so that they do not remember
+ * where they came from */
 #define GRAIN 0x1p-32
-#define NO_TIME 1e-12 /* of the period: what rounding leaves of a flight between two impacts at one instant */
+/* NO_TIME: of the period: what rounding leaves of a flight between two impacts at one instant */
+#define NO_TIME 1e-12
 #define TOUCHES 1e-13 /* of the clearance: a motion that ends so near to a stop touches it */
-#define WORSE 10      /* times what a motion is off touching: how far it may be from where it touches */
-#define BEYOND 1e-9   /* of the clearance: an orbit that goes through a stop by more is no motion */
-#define PASSES 5      /* most of them: where a place is known to less than a grain they need not come to an end */
-/* COARSE_GRAIN: the same where what vanishes is regular: the fewer orbits that differ by rounding are rounded to
- * different ones */
+/* WORSE: times what a motion is off touching: how far it may be from where it touches */
+#define WORSE 10
+#define BEYOND 1e-9 /* of the clearance: an orbit that goes through a stop by more is no motion */
+/* PASSES: most of them: where a place is known to less than a grain they need not come to an end */
+#define PASSES 5
+/* COARSE_GRAIN: the same where what vanishes is regular: the fewer orbits that differ by rounding
+ * are rounded to different ones */
 #define COARSE_GRAIN 0x1p-28
 
-/* The same zero where rounding hides it: sought with twice the digits from u on, an orbit beside it. */
+/* The same zero where rounding hides it: sought with twice the digits from u on, an orbit beside
+ * it. */
 static bool solve_finely(ric_criterion_work *q, double *u)
 {
     ric_shooting *c = q->chain;
@@ -53,7 +64,8 @@ static bool solve_finely(ric_criterion_work *q, double *u)
 /* f [4]: the function within h of u on either side, at these parts of it. */
 static const double parts[] = {-1, -0.5, 0.5, 1};
 
-static bool around(ric_criterion_work *q, const double *u, const double *normal, double h, double *f, double *noise)
+static bool around(ric_criterion_work *q, const double *u, const double *normal, double h,
+                   double *f, double *noise)
 {
     ric_shooting *c = q->chain;
     int size = c->n_unknown, iterations;
@@ -69,7 +81,8 @@ static bool around(ric_criterion_work *q, const double *u, const double *normal,
     return true;
 }
 
-/* Whether f [4] is a straight line that is `middle` at u: by its slope over h, and more than what it may be off. */
+/* Whether f [4] is a straight line that is `middle` at u: by its slope over h, and more than what
+ * it may be off. */
 static bool straight(const double *f, double middle, double *slope)
 {
     double off = 0;
@@ -86,7 +99,8 @@ static bool passes(ric_criterion_work *q, const double *u, const double *normal,
     return around(q, u, normal, h, f, &noise) && straight(f, 0, &slope) && fabs(slope) > noise;
 }
 
-/* Whether the branch goes on for h on either side of u: all impacts have a speed, and flights a time. */
+/* Whether the branch goes on for h on either side of u: all impacts have a speed, and flights a
+ * time. */
 static bool goes_on(ric_shooting *c, const double *u, const double *normal, double h)
 {
     int size = c->n_unknown, iterations;
@@ -101,23 +115,25 @@ static bool goes_on(ric_shooting *c, const double *u, const double *normal, doub
     return true;
 }
 
-/* Whether the function is any line beside u: on a branch of one period its slope is rounding, of which a bound tells
- * little. It is looked at in two distances, smaller ones beside an end. */
+/* Whether the function is any line beside u: on a branch of one period its slope is rounding, of
+ * which a bound tells little. It is looked at in two distances, smaller ones beside an end. */
 static bool inclines(ric_criterion_work *q, const double *u, const double *normal)
 {
     double f[4], slope, noise;
     int looked = 0;
     for (double h = BESIDE; h >= NARROWEST && looked < 2; h /= 10) {
         const double size = h * q->chain->scale;
-        if (around(q, u, normal, size, f, &noise) && straight(f, (f[0] + f[1] + f[2] + f[3]) / 4, &slope)) return true;
+        if (around(q, u, normal, size, f, &noise) &&
+            straight(f, (f[0] + f[1] + f[2] + f[3]) / 4, &slope))
+            return true;
         looked += goes_on(q->chain, u, normal, size);
     }
     return false;
 }
 
-/* Whether a zero at u stands out of rounding: at some distance the function passes it in a straight line. On a branch
- * of orbits that belong to families of two parameters, or nearly so, determinants are rounding all along, and bounds of
- * it tell little. The chain is left at u. */
+/* Whether a zero at u stands out of rounding: at some distance the function passes it in a straight
+ * line. On a branch of orbits that belong to families of two parameters, or nearly so, determinants
+ * are rounding all along, and bounds of it tell little. The chain is left at u. */
 static bool stands_out(ric_criterion_work *q, const double *u)
 {
     ric_shooting *c = q->chain;
@@ -125,24 +141,29 @@ static bool stands_out(ric_criterion_work *q, const double *u)
     bool found = false;
     ric_shooting_evaluate(c, u);
     ric_continuation_tangent(c, NULL, normal);
-    for (double h = PLACED; h >= NARROWEST && !found; h /= 10) /* deep in a cascade branches are no longer than that */
+    for (double h = PLACED; h >= NARROWEST && !found;
+         h /= 10) /* deep in a cascade branches are no longer than that */
         found = passes(q, u, normal, h * c->scale);
-    for (double h = 10 * PLACED; h <= 1.5 * BESIDE && !found; h *= 10) found = passes(q, u, normal, h * c->scale);
+    for (double h = 10 * PLACED; h <= 1.5 * BESIDE && !found; h *= 10)
+        found = passes(q, u, normal, h * c->scale);
     ric_shooting_evaluate(c, u);
     return found;
 }
 
-/* Error of lambda + 1/lambda at u: of the map, and of the orbit, which is known to rounding, by the slope along the
- * curve. */
+/* Error of lambda + 1/lambda at u: of the map, and of the orbit, which is known to rounding, by the
+ * slope along the curve. */
 static double root_error(const ric_criterion_work *q, double slope)
 {
     const ric_shooting *c = q->chain;
-    return 4 * q->floquet.error + (isfinite(slope) ? fabs(slope) : 0) * ric_continuation_tolerance(c) * c->scale;
+    return 4 * q->floquet.error +
+           (isfinite(slope) ? fabs(slope) : 0) * ric_continuation_tolerance(c) * c->scale;
 }
 
-/* How far lambda + 1/lambda scatters over orbits that are not told apart from that at u, where the chain has been
- * evaluated: along the curve, and across it. Deep in a cascade the multipliers are known far worse than the place. */
-static double scatter_of_root(ric_criterion_work *q, const double *u, const double *normal, double f0)
+/* How far lambda + 1/lambda scatters over orbits that are not told apart from that at u, where the
+ * chain has been evaluated: along the curve, and across it. Deep in a cascade the multipliers are
+ * known far worse than the place. */
+static double scatter_of_root(ric_criterion_work *q, const double *u, const double *normal,
+                              double f0)
 {
     enum { ALONG = 4, ALL = ALONG + RIC_TRACE_WAYS };
     static const int place[ALONG] = {-2, -1, 1, 2};
@@ -155,24 +176,27 @@ static double scatter_of_root(ric_criterion_work *q, const double *u, const doub
     for (int i = 0; i < ALL; i++) {
         double *at = v + i * size;
         if (i >= ALONG) ric_shooting_fly(c, at);
-        else if (!ric_continuation_correct(c, at, u, normal, place[i] * grain, du, &iterations)) continue;
+        else if (!ric_continuation_correct(c, at, u, normal, place[i] * grain, du, &iterations))
+            continue;
         double f = ric_criterion_off_rotation(q);
         if (isfinite(f)) scatter = fmax(scatter, fabs(f - f0));
     }
     return scatter;
 }
 
-/* The determinant of the larger problem holds a stiff spring that closes for a short time to rounding times its
- * stiffness, and over that time the multipliers run through all they can: its zero is near the root, and may be far
- * from it in what matters. There the multipliers themselves are exact, and lead on from u by the secant, which is moved
- * if it comes nearer. False: it is known that no multiplier has the root, or nothing of them is. */
+/* The determinant of the larger problem holds a stiff spring that closes for a short time to
+ * rounding times its stiffness, and over that time the multipliers run through all they can: its
+ * zero is near the root, and may be far from it in what matters. There the multipliers themselves
+ * are exact, and lead on from u by the secant, which is moved if it comes nearer. False: it is
+ * known that no multiplier has the root, or nothing of them is. */
 static bool solve_root(ric_criterion_work *q, double *u)
 {
     ric_shooting *c = q->chain;
     int size = c->n_unknown, iterations;
     double origin[size], normal[size], best[size], du[size], x0 = 0, x1 = FIRST_MOVE * c->scale;
     ric_shooting_evaluate(c, u);
-    double f0 = ric_criterion_off_rotation(q), least = hypot(f0, q->aside), error = root_error(q, 0);
+    double f0 = ric_criterion_off_rotation(q), least = hypot(f0, q->aside),
+           error = root_error(q, 0);
     if (!isfinite(least)) return !q->last; /* lost: nothing is known to be there */
     if (least <= fmin(NEAR_ROOT, AT_ROOT + error)) return true;
     ric_continuation_tangent(c, NULL, normal);
@@ -201,7 +225,8 @@ static bool solve_root(ric_criterion_work *q, double *u)
     return least <= fmin(NEAR_ROOT, AT_ROOT + error + scatter);
 }
 
-/* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false where there is none. */
+/* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false
+ * where there is none. */
 static bool solve_criterion(ric_criterion_work *q, double *u)
 {
     ric_shooting *c = q->chain;
@@ -246,8 +271,8 @@ static bool solve_criterion(ric_criterion_work *q, double *u)
     if (!by_determinant) /* an extremum, unless the secant has led away from it */
         return (q->test != RIC_TEST_SLOPE && q->test != RIC_TEST_PERIOD) ||
                least <= fmax(PLACED * c->scale * slope, ric_continuation_blur(c, q->test));
-    bool blurred = ric_flight_law_of(c->model)->integrated && ric_criterion_breaks_symmetry(q->test) &&
-                   !(q->noise <= FINE * c->scale * slope);
+    bool blurred = ric_flight_law_of(c->model)->integrated &&
+                   ric_criterion_breaks_symmetry(q->test) && !(q->noise <= FINE * c->scale * slope);
     if (blurred) return !q->last || solve_finely(q, u);
     if (!(least <= AT_ZERO * c->scale * slope)) return false;
     const bool told = q->test == RIC_TEST_ROTATION || !ric_flight_law_of(c->model)->integrated;
@@ -255,15 +280,16 @@ static bool solve_criterion(ric_criterion_work *q, double *u)
     return !q->last || q->test != RIC_TEST_ROTATION || solve_root(q, u);
 }
 
-/* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of one spring that is
- * shortest. */
+/* Impact of the chain (index into approach) whose speed is smallest, or flight between switches of
+ * one spring that is shortest. */
 static int slowest(const ric_shooting *c, const double *u, bool *soft)
 {
     int best = -1;
     double least = HUGE_VAL;
     *soft = false;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0 && c->model->face[c->face[k]].spring == 0 && fabs(c->approach[k]) < least) {
+        if (c->face[k] >= 0 && c->model->face[c->face[k]].spring == 0 &&
+            fabs(c->approach[k]) < least) {
             least = fabs(c->approach[k]);
             best = k;
         }
@@ -276,8 +302,8 @@ static int slowest(const ric_shooting *c, const double *u, bool *soft)
     return best;
 }
 
-/* Rounds the unknowns u [n] to the grain. *grid: those of the pass before, NULL for none; replaced. True if they are
- * the same: another pass would find the same bits. */
+/* Rounds the unknowns u [n] to the grain. *grid: those of the pass before, NULL for none; replaced.
+ * True if they are the same: another pass would find the same bits. */
 static bool settled(int n, double grain, double *u, int *n_grid, double **grid)
 {
     bool same = *grid && *n_grid == n;
@@ -285,13 +311,16 @@ static bool settled(int n, double grain, double *u, int *n_grid, double **grid)
     for (int i = 0; same && i < n; i++) same = u[i] == (*grid)[i];
     free(*grid);
     *n_grid = n;
-    if ((*grid = ric_malloc((size_t)n * sizeof **grid))) memcpy(*grid, u, (size_t)n * sizeof **grid);
+    if ((*grid = ric_malloc((size_t)n * sizeof **grid)))
+        memcpy(*grid, u, (size_t)n * sizeof **grid);
     return same;
 }
 
-/* Where an unknown lies between two grains, one source of a junction rounds it up and another down, and what is found
- * differs in its last bits: it is rounded and solved again until it does not change. */
-ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_criterion what, bool *moved)
+/* Where an unknown lies between two grains, one source of a junction rounds it up and another down,
+ * and what is found differs in its last bits: it is rounded and solved again until it does not
+ * change. */
+ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_criterion what,
+                             bool *moved)
 {
     ric_periodic *canonical = NULL, *out = NULL, *before = NULL;
     double *grid = NULL;
@@ -306,9 +335,10 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
         bool good = source && !ric_periodic_to_chain(m, source, &q.chain, &u);
         done = good && pass && settled(q.chain->n_unknown, grain, u, &n_grid, &grid);
         if (good && !done && !ric_floquet_create(m->n, &q.floquet)) {
-            ric_shooting_evaluate(q.chain, u); /* of several touches the slowest is noise unless it is that of the
-                                                * rounded unknowns */
-            if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0) good = false;
+            ric_shooting_evaluate(q.chain, u); /* of several touches the slowest is noise unless it
+                                                  is that of the rounded unknowns */
+            if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0)
+                good = false;
             if (q.test == RIC_TEST_FLIGHT) q.place = ric_criterion_shortest(q.chain, u);
             good = good && solve_criterion(&q, u);
             out = good ? ric_periodic_from_chain(q.chain, u) : NULL;
@@ -324,9 +354,12 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
     }
     free(grid);
     if (!out) return NULL;
-    /* a chain may start at another impact than the canonical one; and what was found must be what was looked for */
-    /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to another branch */
-    double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED : RIC_SAME_READ_OFF;
+    /* a chain may start at another impact than the canonical one; and what was found must be what
+     * was looked for */
+    /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to
+     * another branch */
+    double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED
+                                                                             : RIC_SAME_READ_OFF;
     bool near = ric_periodic_same(m, cycle, out, far);
     canonical = near ? ric_periodic_canonical(m, out) : NULL;
     if (moved) *moved = !near;
@@ -365,21 +398,23 @@ static bool solve_chain(ric_shooting *chain, double *u)
     return moved <= RIC_SAME_LOCATED * chain->scale;
 }
 
-/* How far the motion of the chain reaches beyond the stop that it comes nearest to, of its clearance. */
+/* How far the motion of the chain reaches beyond the stop that it comes nearest to, of its
+ * clearance. */
 static double beyond(ric_shooting *c, const double *u)
 {
     ric_shooting_fly(c, u);
     return ric_reach(c, u, NULL) - 1;
 }
 
-/* Moves u along its curve to where the motion touches, by no more than a place is known to: with its touches an orbit
- * may lack a symmetry that it has without them, and be known worse, as far as it is off touching. */
+/* Moves u along its curve to where the motion touches, by no more than a place is known to: with
+ * its touches an orbit may lack a symmetry that it has without them, and be known worse, as far as
+ * it is off touching. */
 static void settle_touch(ric_shooting *c, double *u, double off)
 {
     const double farthest = fmin(fmax(RIC_SAME_LOCATED, WORSE * off), RIC_SAME_READ_OFF) * c->scale;
     const int size = c->n_unknown;
-    double origin[size], normal[size], v[size], du[size], x0 = 0, x1 = LEAST_FIRST * c->scale, f0 = beyond(c, u),
-                                                          least = fabs(f0);
+    double origin[size], normal[size], v[size], du[size], x0 = 0, x1 = LEAST_FIRST * c->scale,
+                                                          f0 = beyond(c, u), least = fabs(f0);
     int iterations;
     memcpy(origin, u, sizeof origin);
     ric_shooting_evaluate(c, u);
@@ -399,9 +434,10 @@ static void settle_touch(ric_shooting *c, double *u, double off)
     }
 }
 
-/* Of an orbit with mirror points the state at one of these is solved for, and flown to where the orbit is said to
- * begin: on the way stiff springs multiply its rounding, and the rest of the period does so again. Where that leaves it
- * open, that state is solved for itself, on the whole period; it moves by next to nothing. */
+/* Of an orbit with mirror points the state at one of these is solved for, and flown to where the
+ * orbit is said to begin: on the way stiff springs multiply its rounding, and the rest of the
+ * period does so again. Where that leaves it open, that state is solved for itself, on the whole
+ * period; it moves by next to nothing. */
 static void close_up(const ric_model *m, ric_periodic *c)
 {
     ric_shooting *chain = NULL;
@@ -413,7 +449,8 @@ static void close_up(const ric_model *m, ric_periodic *c)
     if (!ric_periodic_to_chain(m, plain, &chain, &u)) {
         ric_shooting_evaluate(chain, u);
         const double open = chain->residual;
-        bool closes = open > ric_continuation_tolerance(chain) && solve_chain(chain, u) && 2 * chain->residual < open;
+        bool closes = open > ric_continuation_tolerance(chain) && solve_chain(chain, u) &&
+                      2 * chain->residual < open;
         for (int k = chain->n_start; closes && k < chain->n_unknown; k++) closes = u[k] >= 0;
         if (closes) {
             memcpy(c->w, u, 2 * (size_t)m->n * sizeof *u);
@@ -433,8 +470,10 @@ ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle
     bool good = !ric_periodic_to_chain(m, cycle, &chain, &u);
     const double given = good ? fabs(beyond(chain, u)) : 0;
     if (good && (good = solve_chain(chain, u))) settle_touch(chain, u, given);
-    /* in a family of two parameters Newton's method may slide to where nothing touches: then it stays as it was */
-    if (good && fabs(beyond(chain, u)) <= fmax(10 * TOUCHES, 2 * given)) solved = ric_periodic_from_chain(chain, u);
+    /* in a family of two parameters Newton's method may slide to where nothing touches: then it
+     * stays as it was */
+    if (good && fabs(beyond(chain, u)) <= fmax(10 * TOUCHES, 2 * given))
+        solved = ric_periodic_from_chain(chain, u);
     if (solved) out = ric_periodic_canonical(m, solved);
     if (out && ric_periodic_has_events(m) && out->N > 0) close_up(m, out);
     ric_periodic_free(solved);
@@ -448,7 +487,8 @@ bool ric_node_solve_admissible(const ric_model *m, const ric_periodic *cycle)
     ric_shooting *chain = NULL;
     double *u = NULL;
     bool admissible = true;
-    for (int i = 0; i < cycle->N; i++) admissible &= cycle->tau[i] >= -NO_TIME * ric_periodic_period(cycle);
+    for (int i = 0; i < cycle->N; i++)
+        admissible &= cycle->tau[i] >= -NO_TIME * ric_periodic_period(cycle);
     admissible = admissible && !ric_periodic_to_chain(m, cycle, &chain, &u);
     if (admissible) {
         ric_shooting_fly(chain, u);

@@ -1,7 +1,8 @@
-/* The flow and its neighbours in twice the digits of a double, for one purpose: where a multiplier passes 1 so slowly
- * that the rounding of a flight in double covers the place. Beside a multiplication of high order tau2 - 2 may stay
- * below 1e-9 over a whole branch, and its zero is known to 1e-14 / 1e-9 only; with twice the digits nothing of that is
- * seen. The orbit itself is known well enough: its corrections are solved for in double, from residuals with twice the
+/* The flow and its neighbours in twice the digits of a double, for one purpose: where a multiplier
+ * passes 1 so slowly that the rounding of a flight in double covers the place. Beside a
+ * multiplication of high order tau2 - 2 may stay below 1e-9 over a whole branch, and its zero is
+ * known to 1e-14 / 1e-9 only; with twice the digits nothing of that is seen. The orbit itself is
+ * known well enough: its corrections are solved for in double, from residuals with twice the
  * digits. */
 #include "node_solve_twice.h"
 
@@ -14,20 +15,23 @@
 #include "base/room.h"
 #include "branch/room.h"
 
-/* What is not a flight is computed in 113 bits, of the compiler on x86, or in long double elsewhere: it is little. */
+/* What is not a flight is computed in 113 bits, of the compiler on x86, or in long double
+ * elsewhere: it is little. */
 #ifdef __SIZEOF_FLOAT128__
 __extension__ typedef __float128 real;
 #else
 typedef long double real;
 #endif
 
-/* SETTLED: an orbit is corrected until it moves by less, relative; the next time it would move by a billionth of
- * that */
+/* SETTLED: an orbit is corrected until it moves by less, relative; the next time it would move by a
+ * billionth of that */
 #define SETTLED 1e-17
 #define PLACED 1e-18 /* and the branch point until it does */
 #define FIRST 1e-8   /* first step of the secant */
-#define REGULAR 1e-9 /* smaller singular values, relative, belong to the family and to the phase */
-#define NEAR 1e-2    /* a branch point farther away, relative, is another one */
+#define REGULAR                                                                                    \
+    1e-9          /* smaller singular values, relative, belong to the family and to the phase      \
+                   */
+#define NEAR 1e-2 /* a branch point farther away, relative, is another one */
 enum { CORRECTIONS = 12, SECANTS = 20 };
 
 typedef struct {
@@ -35,9 +39,10 @@ typedef struct {
     const ric_model *m;
     int kind, n, rows;
     double scale;
-    real *w, *X;        /* [2n] and [2n * columns] state and neighbours */
-    int columns;        /* unknowns of the orbit in one flight: inner nodes count for nothing here */
-    real *u, *residual; /* a point of the branch [columns] and what it leaves of the conditions at its end [rows] */
+    real *w, *X; /* [2n] and [2n * columns] state and neighbours */
+    int columns; /* unknowns of the orbit in one flight: inner nodes count for nothing here */
+    real *u, *residual; /* a point of the branch [columns] and what it leaves of the conditions at
+                           its end [rows] */
     double *inverse;    /* [columns * rows] of their derivatives */
     real *B;            /* [(2n)^2], and at least [(n + 1)^2] */
     ric_twice *flown, *work; /* of a flight: tau, w and X in twice the digits */
@@ -64,7 +69,8 @@ static bool fly(fine *q, real tau, int columns)
     const int n2 = 2 * q->n;
     put(q->flown, q->w, n2);
     put(q->flown + n2, q->X, n2 * columns);
-    if (!ric_power_flow_twice(q->m, twice(tau), q->flown, columns, q->flown + n2, q->work)) return false;
+    if (!ric_power_flow_twice(q->m, twice(tau), q->flown, columns, q->flown + n2, q->work))
+        return false;
     take(q->w, q->flown, n2);
     take(q->X, q->flown + n2, n2 * columns);
     return true;
@@ -94,8 +100,8 @@ static void lift(fine *q, const real *u, bool neighbours)
     for (int i = 0; i < count; i++) q->X[(first + i) * count + i] = 1;
 }
 
-/* What a condition at the end of the flight leaves of a state that has come from `start`, or of a derivative of one:
- * components a stride apart. */
+/* What a condition at the end of the flight leaves of a state that has come from `start`, or of a
+ * derivative of one: components a stride apart. */
 static real off_end(const fine *q, int row, const real *end, int stride, real start)
 {
     const ric_shooting *c = q->chain;
@@ -131,12 +137,15 @@ static bool invert(fine *q)
     if (!fly(q, q->u[n_start], n_start)) return false;
     rate(q, q->w, velocity);
     for (int i = 0; i < rows; i++) {
-        for (int k = 0; k < n_start; k++) J[i * columns + k] = (double)off_end(q, i, q->X + k, n_start, i == k);
-        J[i * columns + n_start] = (double)velocity[q->chain->end == RIC_MIRROR_REST ? q->n + i : i];
+        for (int k = 0; k < n_start; k++)
+            J[i * columns + k] = (double)off_end(q, i, q->X + k, n_start, i == k);
+        J[i * columns + n_start] = (double)
+            velocity[q->chain->end == RIC_MIRROR_REST ? q->n + i : i];
     }
     memset(B, 0, sizeof B);
     for (int i = 0; i < rows; i++) B[i * rows + i] = 1;
-    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, rows, J, columns, B, rows, values, REGULAR, &rank)))
+    if (ric_lapack(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, columns, rows, J, columns, B, rows,
+                                  values, REGULAR, &rank)))
         return false;
     memcpy(q->inverse, B, (size_t)columns * (size_t)rows * sizeof *B);
     return true;
@@ -189,11 +198,11 @@ static real determinant(int size, real *A)
     return product;
 }
 
-/* The matrix of the flight takes neighbours that keep the mirror point at its start, and those that do not, to such
- * that keep and do not keep the one at its end: one block of it gets a kernel where the symmetry breaks
- * (docs/theory.md section 5). That of type b has one already, along the flow, and the rows of its image are
- * perpendicular to the gradient of the energy: both border it. Without mirror points a neighbour closes that is not
- * turned round in half a period. */
+/* The matrix of the flight takes neighbours that keep the mirror point at its start, and those that
+ * do not, to such that keep and do not keep the one at its end: one block of it gets a kernel where
+ * the symmetry breaks (docs/theory.md section 5). That of type b has one already, along the flow,
+ * and the rows of its image are perpendicular to the gradient of the energy: both border it.
+ * Without mirror points a neighbour closes that is not turned round in half a period. */
 static bool test(fine *q, real *value)
 {
     const ric_shooting *c = q->chain;
@@ -214,7 +223,8 @@ static bool test(fine *q, real *value)
     ric_flight_secant(q->m, 0, end, end, h);
     memset(q->B, 0, (size_t)size * (size_t)size * sizeof *q->B);
     for (int i = 0; i < count; i++) {
-        for (int k = 0; k < count; k++) q->B[i * size + k] = q->X[(row + i) * count + k] - (!mirrored && i == k);
+        for (int k = 0; k < count; k++)
+            q->B[i * size + k] = q->X[(row + i) * count + k] - (!mirrored && i == k);
         if (size == count) continue;
         q->B[i * size + count] = h[row + i];
         q->B[count * size + i] = f[column + i];
@@ -238,11 +248,17 @@ static bool look(fine *q, const double *u0, const double *t, real x, real *value
 static bool create(fine *q, const ric_shooting *c, int kind)
 {
     size_t n2 = 2 * (size_t)c->n;
-    *q = (fine){.chain = c, .m = c->model, .kind = kind, .n = c->n, .columns = c->n_start + 1, .scale = c->scale};
+    *q = (fine){.chain = c,
+                .m = c->model,
+                .kind = kind,
+                .n = c->n,
+                .columns = c->n_start + 1,
+                .scale = c->scale};
     q->rows = c->end == RIC_MIRROR_NONE ? 2 * c->n : c->n;
     q->work = ric_malloc(ric_power_flow_twice_work(c->model, 2 * c->n) * sizeof *q->work);
     q->flown = ric_malloc((n2 * n2 + n2) * sizeof *q->flown);
-    q->X = ric_malloc((n2 * n2 + n2 + (size_t)q->columns + n2 + (n2 + 1) * (n2 + 1)) * sizeof *q->X);
+    q->X = ric_malloc((n2 * n2 + n2 + (size_t)q->columns + n2 + (n2 + 1) * (n2 + 1)) *
+                      sizeof *q->X);
     q->inverse = ric_malloc(((size_t)q->columns + 1) * (n2 + 1) * sizeof *q->inverse);
     if (!q->work || !q->flown || !q->X || !q->inverse) return false;
     q->w = q->X + n2 * n2;

@@ -14,15 +14,22 @@
 #include "orbit/room.h"
 
 #define SEVERAL 1e-9 /* a pivot below it belongs to a kernel of several dimensions */
-#define TRIAL 1e-4   /* first trial step of a departure, relative to the size of the orbit; its tenth must agree */
-#define SECANT 1e-4  /* distance, relative, of the point that gives the direction of a side branch */
-#define NEAR 1e-5    /* the same of points that are not solved: directions are their differences */
-/* ITSELF: of an orbit and its image, one is the orbit itself if its distance is less than this part of the other's */
+/* TRIAL: first trial step of a departure, relative to the size of the orbit; its tenth must agree
+ */
+#define TRIAL 1e-4
+/* SECANT: distance, relative, of the point that gives the direction of a side branch */
+#define SECANT 1e-4
+#define NEAR 1e-5 /* the same of points that are not solved: directions are their differences */
+/* ITSELF: of an orbit and its image, one is the orbit itself if its distance is less than this part
+ * of the other's */
 #define ITSELF 1e-2
-#define SECOND 1e-6 /* what counts as zero in the end rows that the flights leave, whose entries are of order one */
+/* SECOND: what counts as zero in the end rows that the flights leave, whose entries are of order
+ * one */
+#define SECOND 1e-6
 
-static const char move_together[] = "the kernel at the grazing has more than one dimension: modes of commensurate "
-                                    "frequencies move together there and no single branch leaves";
+static const char move_together[] =
+    "the kernel at the grazing has more than one dimension: modes of commensurate "
+    "frequencies move together there and no single branch leaves";
 
 /* Two contacts of a kept word that close at one instant. */
 static const char *together(const ric_model *m, const ric_periodic *c)
@@ -30,16 +37,17 @@ static const char *together(const ric_model *m, const ric_periodic *c)
     for (int i = 0; i < c->N; i++) {
         const ric_face *f = &m->face[c->face[i]], *g = &m->face[c->face[(i + 1) % c->N]];
         if (f->contact == g->contact || c->tau[i] > RIC_COINCIDENT) continue;
-        return ric_corner_commute(m, f, g)
-                   ? "two contacts close together for a whole branch; such branches are not followed by this version"
-                   : "two contacts close together and their normals are not orthogonal in the metric of M^-1: the "
-                     "impact law does not say what happens";
+        return ric_corner_commute(m, f, g) ? "two contacts close together for a whole branch; such "
+                                             "branches are not followed by this version"
+                                           : "two contacts close together and their normals are "
+                                             "not orthogonal in the metric of M^-1: the "
+                                             "impact law does not say what happens";
     }
     return NULL;
 }
 
-/* Admissible at distance h along t from u0? Strictly: every margin has its sign; -1 where an impact has no speed but
- * rounding. */
+/* Admissible at distance h along t from u0? Strictly: every margin has its sign; -1 where an impact
+ * has no speed but rounding. */
 static int admissible(ric_shooting *c, const double *u0, const double *t, double h)
 {
     int size = c->n_unknown, iterations;
@@ -57,8 +65,10 @@ static int admissible(ric_shooting *c, const double *u0, const double *t, double
     return ric_reach(c, u, NULL) < 1;
 }
 
-/* The side of t [n_unknown] on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown] points there. */
-static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, double *t0, int *found)
+/* The side of t [n_unknown] on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown]
+ * points there. */
+static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, double *t0,
+                            int *found)
 {
     for (int side = 1; side >= -1; side -= 2) {
         double h = side * TRIAL * c->scale;
@@ -68,9 +78,12 @@ static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, 
             second = admissible(c, u0, t, h / 10);
         }
         if (first != second || first < 0)
-            return ric_fail(RIC_E_NUMERIC, "whether the departure is admissible is lost in rounding");
+            return ric_fail(RIC_E_NUMERIC,
+                            "whether the departure is admissible is lost in rounding");
         if (first != 1) continue;
-        if (*found) return ric_fail(RIC_E_NUMERIC, "the departure is admissible both ways: the touch does not end it");
+        if (*found)
+            return ric_fail(RIC_E_NUMERIC,
+                            "the departure is admissible both ways: the touch does not end it");
         *found = side;
         for (int i = 0; i < c->n_unknown; i++) t0[i] = side * t[i];
     }
@@ -83,14 +96,16 @@ static ric_status find_side(ric_shooting *c, double *u0, double *t0, int *found)
     int iterations;
     *found = 0;
     if (!ric_continuation_correct(c, u0, NULL, NULL, 0, t, &iterations))
-        return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)", c->residual);
+        return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)",
+                        c->residual);
     if (c->smallest < SEVERAL) return ric_fail(RIC_E_NUMERIC, "%s", move_together);
     ric_continuation_tangent(c, NULL, t);
     return try_sides(c, u0, t, t0, found);
 }
 
-/* Whether a mode beside those of a linear motion has a frequency that the period of it, gone through `multiple` times,
- * is a whole number of periods of: it moves along at will, and takes part in what the impacts drive. */
+/* Whether a mode beside those of a linear motion has a frequency that the period of it, gone
+ * through `multiple` times, is a whole number of periods of: it moves along at will, and takes part
+ * in what the impacts drive. */
 static bool commensurate(const ric_model *m, const ric_node *node)
 {
     double turn = node->multiple * node->period / RIC_TWO_PI;
@@ -103,27 +118,31 @@ static bool commensurate(const ric_model *m, const ric_node *node)
     return false;
 }
 
-/* The same at a linear motion of modes that share a frequency. Its kernel holds the other linear motions that touch;
- * across them lies the one branch, if there is one: beside a motion that is none of ric_mixtures the impulses do not
- * drive that motion itself, and no impact gets any speed. */
-static ric_status find_shared_side(const ric_node *node, ric_shooting *c, const double *u0, double *t0, int *found)
+/* The same at a linear motion of modes that share a frequency. Its kernel holds the other linear
+ * motions that touch; across them lies the one branch, if there is one: beside a motion that is
+ * none of ric_mixtures the impulses do not drive that motion itself, and no impact gets any speed.
+ */
+static ric_status find_shared_side(const ric_node *node, ric_shooting *c, const double *u0,
+                                   double *t0, int *found)
 {
     double t[c->n_unknown];
     int count;
     *found = 0;
     if (c->n_unknown > RIC_DENSE_MOST)
-        return ric_fail(RIC_E_NUMERIC,
-                        "a grazing of modes of one frequency with %d unknowns: more than this version "
-                        "looks for a way out of",
-                        c->n_unknown);
+        return ric_fail(
+            RIC_E_NUMERIC,
+            "a grazing of modes of one frequency with %d unknowns: more than this version "
+            "looks for a way out of",
+            c->n_unknown);
     ric_shooting_fly(c, u0);
     ric_status status = ric_mixture_way(c, u0, t, &count);
-    if (!status && count != 1 && commensurate(c->model, node)) return ric_fail(RIC_E_NUMERIC, "%s", move_together);
+    if (!status && count != 1 && commensurate(c->model, node))
+        return ric_fail(RIC_E_NUMERIC, "%s", move_together);
     if (status || count == 0) return status;
     if (count > 1)
-        return ric_fail(RIC_E_NUMERIC,
-                        "modes of one frequency, and impacts that share their impulse in any way: no single branch "
-                        "leaves");
+        return ric_fail(RIC_E_NUMERIC, "modes of one frequency, and impacts that share their "
+                                       "impulse in any way: no single branch "
+                                       "leaves");
     status = try_sides(c, u0, t, t0, found);
     for (int i = 0; i < c->n_unknown; i++) t0[i] *= RIC_LEAVING * c->scale;
     return status;
@@ -139,14 +158,15 @@ static void drop(ric_shooting **chain, double **u0, double **t0)
 }
 
 /* From a grazing or a corner. */
-static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain,
-                                double **u0, double **t0, bool *singular)
+static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice,
+                                ric_shooting **chain, double **u0, double **t0, bool *singular)
 {
     ric_periodic *cycle = ric_grazing_words_cycle(m, node, choice);
     int found = 0;
     if (!cycle) return ric_no_memory("a departure");
     const char *refused = node->kind == RIC_KIND_GRAZING ? together(m, cycle) : NULL;
-    ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused) : ric_periodic_to_chain(m, cycle, chain, u0);
+    ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused)
+                                : ric_periodic_to_chain(m, cycle, chain, u0);
     ric_periodic_free(cycle);
     if (status) return status;
     if (ric_grazing_spring_applies(node)) {
@@ -164,8 +184,9 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
     return status;
 }
 
-/* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. The largest singular value is
- * that of a flight time, hundreds in stiff structures: regular ones may be 1e-8 of it, and what counts is the gap. */
+/* Kernel [2 rows of `size`] of the dense Jacobian; false if it has not two dimensions. The largest
+ * singular value is that of a flight time, hundreds in stiff structures: regular ones may be 1e-8
+ * of it, and what counts is the gap. */
 static bool dense_plane(ric_shooting *c, const double *u, double *kernel)
 {
     ric_singular q;
@@ -184,10 +205,11 @@ static bool plane(ric_shooting *c, const double *u, double *kernel)
     return ric_shooting_plane(c, kernel, &second) && second <= SECOND;
 }
 
-/* A neighbour of the node on the branch that passes, at distance h, as unknowns of the problem in which the other one
- * leaves. */
-static ric_status neighbour(const ric_model *m, ric_shooting *form, const double *v, const double *t, double h,
-                            const ric_turn *turn, const ric_symmetry *problem, double **u)
+/* A neighbour of the node on the branch that passes, at distance h, as unknowns of the problem in
+ * which the other one leaves. */
+static ric_status neighbour(const ric_model *m, ric_shooting *form, const double *v,
+                            const double *t, double h, const ric_turn *turn,
+                            const ric_symmetry *problem, double **u)
 {
     double point[form->n_unknown];
     ric_shooting *chain = NULL;
@@ -195,21 +217,24 @@ static ric_status neighbour(const ric_model *m, ric_shooting *form, const double
     for (int i = 0; i < form->n_unknown; i++) point[i] = v[i] + h * t[i];
     ric_periodic *home = ric_turn_cycle(m, form, point, turn),
                  *repeated = home ? ric_symmetry_cycle(home, problem) : NULL;
-    status = repeated ? ric_periodic_to_chain(m, repeated, &chain, u) : ric_no_memory("a departure");
+    status = repeated ? ric_periodic_to_chain(m, repeated, &chain, u)
+                      : ric_no_memory("a departure");
     ric_shooting_free(chain);
     ric_periodic_free(home);
     ric_periodic_free(repeated);
     return status;
 }
 
-/* In the kernel of the larger problem, perpendicular to the symmetric branch, largest component positive. */
-static ric_status side_direction(ric_shooting *c, const double *u0, const double *before, const double *after,
-                                 double *t0)
+/* In the kernel of the larger problem, perpendicular to the symmetric branch, largest component
+ * positive. */
+static ric_status side_direction(ric_shooting *c, const double *u0, const double *before,
+                                 const double *after, double *t0)
 {
     int size = c->n_unknown;
     double kernel[2 * size], p = 0, q = 0;
     ric_shooting_fly(c, u0);
-    if (!plane(c, u0, kernel)) return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
+    if (!plane(c, u0, kernel))
+        return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
     for (int i = 0; i < size; i++) {
         p += kernel[i] * (after[i] - before[i]);
         q += kernel[size + i] * (after[i] - before[i]);
@@ -219,8 +244,9 @@ static ric_status side_direction(ric_shooting *c, const double *u0, const double
     return RIC_OK;
 }
 
-/* The kernel vector is perpendicular to the symmetric branch, the branch that leaves need not be: its direction is that
- * of a point on it. The symmetric branch has no point in the plane that is solved in. */
+/* The kernel vector is perpendicular to the symmetric branch, the branch that leaves need not be:
+ * its direction is that of a point on it. The symmetric branch has no point in the plane that is
+ * solved in. */
 static bool secant_direction(ric_shooting *c, const double *u0, double *t0)
 {
     int size = c->n_unknown, iterations;
@@ -254,12 +280,13 @@ static double largest_difference(int size, const double *a, const double *b)
     return most;
 }
 
-/* A family of even order is its own image half its period on, turned round: its direction is that part of the kernel
- * vector which changes its sign. Nothing is solved, so that families of any smallness are left in the right direction:
- * deep in a cascade other orbits lie about. A cycle may be read from either of its mirror points, which the shift
- * exchanges, and on S orbits the other one shows the mirror image: of the two sets of unknowns one must be that of the
- * chain itself. */
-static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_shooting *c, const double *u0, double *t0)
+/* A family of even order is its own image half its period on, turned round: its direction is that
+ * part of the kernel vector which changes its sign. Nothing is solved, so that families of any
+ * smallness are left in the right direction: deep in a cascade other orbits lie about. A cycle may
+ * be read from either of its mirror points, which the shift exchanges, and on S orbits the other
+ * one shows the mirror image: of the two sets of unknowns one must be that of the chain itself. */
+static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_shooting *c,
+                                const double *u0, double *t0)
 {
     int size = c->n_unknown;
     double point[size], norm = 0, sign = 0;
@@ -269,19 +296,24 @@ static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_sh
     ric_periodic *here = ric_periodic_from_chain(c, point);
     if (!here) return ric_no_memory("a departure");
     for (int mirror = 0; mirror <= ric_periodic_mirrors(m, here) && !found; mirror++) {
-        double *v = image_unknowns(m, here, 0, mirror), *w = image_unknowns(m, here, here->N / 2, mirror != turned);
-        double a = v && w ? largest_difference(size, v, point) : 0, b = v && w ? largest_difference(size, w, point) : 0;
+        double *v = image_unknowns(m, here, 0, mirror),
+               *w = image_unknowns(m, here, here->N / 2, mirror != turned);
+        double a = v && w ? largest_difference(size, v, point) : 0,
+               b = v && w ? largest_difference(size, w, point) : 0;
         found = fmin(a, b) < ITSELF * fmax(a, b);
         for (int i = 0; found && i < size; i++) {
             norm += (v[i] - w[i]) * (v[i] - w[i]);
             sign += (v[i] - w[i]) * t0[i];
         }
-        for (int i = 0; found && i < size; i++) t0[i] = copysign(1 / sqrt(norm), sign) * (v[i] - w[i]);
+        for (int i = 0; found && i < size; i++)
+            t0[i] = copysign(1 / sqrt(norm), sign) * (v[i] - w[i]);
         free(v);
         free(w);
     }
     ric_periodic_free(here);
-    return found && norm > 0 ? RIC_OK : ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
+    return found && norm > 0
+               ? RIC_OK
+               : ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
 }
 
 static bool turns_round(const ric_node *node)
@@ -290,15 +322,16 @@ static bool turns_round(const ric_node *node)
            ric_symmetry_order(node->cycle, node->rotation[0], node->rotation[1]) % 2 == 0;
 }
 
-static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice, ric_shooting **chain,
-                              double **u0, double **t0)
+static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice,
+                              ric_shooting **chain, double **u0, double **t0)
 {
     ric_symmetry problem = ric_node_problem(node, choice);
     ric_shooting *form = NULL;
     double *v = NULL, *before = NULL, *after = NULL, *t = NULL;
     ric_turn turn;
     ric_periodic *cycle = ric_symmetry_cycle(node->cycle, &problem);
-    ric_status status = cycle ? ric_periodic_to_chain(m, node->cycle, &form, &v) : ric_no_memory("a departure");
+    ric_status status = cycle ? ric_periodic_to_chain(m, node->cycle, &form, &v)
+                              : ric_no_memory("a departure");
     if (status) goto out;
     if ((status = ric_periodic_to_chain(m, cycle, chain, u0))) goto out;
     *t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0);
@@ -311,10 +344,12 @@ static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned
     ric_continuation_tangent(form, NULL, t);
     /* the cycle of a chain may start elsewhere than the canonical one */
     if (!ric_turn_find(m, form, v, node->cycle, &turn)) {
-        status = ric_fail(RIC_E_NUMERIC, "the symmetric branch could not be followed at its branch point");
+        status = ric_fail(RIC_E_NUMERIC,
+                          "the symmetric branch could not be followed at its branch point");
         goto out;
     }
-    if ((status = neighbour(m, form, v, t, -NEAR * form->scale, &turn, &problem, &before))) goto out;
+    if ((status = neighbour(m, form, v, t, -NEAR * form->scale, &turn, &problem, &before)))
+        goto out;
     if ((status = neighbour(m, form, v, t, NEAR * form->scale, &turn, &problem, &after))) goto out;
     if ((status = side_direction(*chain, *u0, before, after, *t0))) goto out;
     if (turns_round(node)) status = odd_direction(m, node, *chain, *u0, *t0);
@@ -331,25 +366,27 @@ out:
     return status;
 }
 
-static ric_status depart_through(const ric_model *m, const ric_node *node, ric_shooting **chain, double **u0,
-                                 double **t0)
+static ric_status depart_through(const ric_model *m, const ric_node *node, ric_shooting **chain,
+                                 double **u0, double **t0)
 {
     ric_status status = ric_periodic_to_chain(m, node->cycle, chain, u0);
     if (status) return status;
-    if (!(*t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0))) return ric_no_memory("a departure");
+    if (!(*t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0)))
+        return ric_no_memory("a departure");
     ric_shooting_evaluate(*chain, *u0);
     ric_continuation_tangent(*chain, NULL, *t0);
     return RIC_OK;
 }
 
-/* Along t0, or for side = -1 against it; the start may be singular: its first step is the length of t0. */
+/* Along t0, or for side = -1 against it; the start may be singular: its first step is the length of
+ * t0. */
 static void orient(const ric_shooting *c, int side, double length, double *t0)
 {
     for (int i = 0; i < c->n_unknown; i++) t0[i] *= side * length;
 }
 
-/* Whether a spring is met from here on: the contact is short as the distance x from the grazing, and energy and period
- * change as x^2. */
+/* Whether a spring is met from here on: the contact is short as the distance x from the grazing,
+ * and energy and period change as x^2. */
 static bool keeps_soft(const ric_node *node, unsigned choice)
 {
     for (int bit = 0; bit < node->n_touch * node->multiple; bit++)

@@ -79,7 +79,8 @@ ric_status ric_locus_end(ric_locus *locus, const char *why)
     return RIC_OK;
 }
 
-ric_status ric_locus_keep(ric_locus *locus, const ric_locus_orbit *o, ric_locus_mark mark, const char *what)
+ric_status ric_locus_keep(ric_locus *locus, const ric_locus_orbit *o, ric_locus_mark mark,
+                          const char *what)
 {
     const ric_model *m = o->model;
     const int n = m->n_dof;
@@ -122,11 +123,13 @@ static ric_status check_values(const ric_vary *v, const ric_locus_options *o)
 {
     for (int i = 0; i < o->n_value; i++)
         if (!(o->values[i] >= v->from && o->values[i] <= v->to))
-            return ric_fail(RIC_E_INPUT, "%.10g is outside the range of %s, %.10g to %.10g", o->values[i], v->name,
-                            v->from, v->to);
+            return ric_fail(RIC_E_INPUT, "%.10g is outside the range of %s, %.10g to %.10g",
+                            o->values[i], v->name, v->from, v->to);
     return o->max_points > 0 && o->max_step >= 0
                ? RIC_OK
-               : ric_fail(RIC_E_INPUT, "a locus needs a positive number of points and a step that is not negative");
+               : ric_fail(
+                     RIC_E_INPUT,
+                     "a locus needs a positive number of points and a step that is not negative");
 }
 
 ric_status ric_locus_follow(const ric_atlas *atlas, const ric_vary *vary, int junction,
@@ -164,7 +167,8 @@ int ric_locus_n_point(const ric_locus *locus)
 
 ric_status ric_locus_point_at(const ric_locus *locus, int i, ric_locus_point *out)
 {
-    if (i < 0 || i >= locus->n) return ric_fail(RIC_E_RANGE, "no point %d; there are %d, from 0", i, locus->n);
+    if (i < 0 || i >= locus->n)
+        return ric_fail(RIC_E_RANGE, "no point %d; there are %d, from 0", i, locus->n);
     *out = locus->points[i];
     return RIC_OK;
 }

@@ -9,8 +9,9 @@
 #include "model/room.h"
 #include "orbit/room.h"
 
-#define COMMENSURATE 1e-5 /* of the range: a locus is lost as near as this to where modes are commensurate */
-#define WHOLE 3e-3        /* swings in a period: an orbit that comes so near to a linear motion */
+/* COMMENSURATE: of the range: a locus is lost as near as this to where modes are commensurate */
+#define COMMENSURATE 1e-5
+#define WHOLE 3e-3 /* swings in a period: an orbit that comes so near to a linear motion */
 enum { COMMENSURATE_MOST = 8, RATIO_MOST = 100, COMMENSURATE_STEPS = 40 };
 
 double ric_locus_range(const ric_vary *v)
@@ -25,12 +26,13 @@ static double *sum_of(size_t n, const double *value, double p, const double *rat
     return out;
 }
 
-ric_status ric_locus_model(const ric_model *model, const ric_vary *v, double value, const ric_model *near,
-                           ric_model **out)
+ric_status ric_locus_model(const ric_model *model, const ric_vary *v, double value,
+                           const ric_model *near, ric_model **out)
 {
     const size_t nn = (size_t)model->n_dof * (size_t)model->n_dof;
     const double p = value - v->at;
-    double *mass = sum_of(nn, model->M, p, v->mass), *stiffness = sum_of(nn, model->K, p, v->stiffness);
+    double *mass = sum_of(nn, model->M, p, v->mass),
+           *stiffness = sum_of(nn, model->K, p, v->stiffness);
     ric_contact *contacts = ric_calloc((size_t)model->n_contact, sizeof *contacts);
     ric_status status = mass && stiffness && contacts ? RIC_OK : ric_no_memory("a structure");
     *out = NULL;
@@ -39,8 +41,8 @@ ric_status ric_locus_model(const ric_model *model, const ric_vary *v, double val
         if (v->clearance && contacts[f].clearance > 0) contacts[f].clearance += p * v->clearance[f];
     }
     if (!status)
-        status = ric_model_create_near(near, model->n_dof, mass, stiffness, model->n_contact, contacts,
-                                       model->restitution, out);
+        status = ric_model_create_near(near, model->n_dof, mass, stiffness, model->n_contact,
+                                       contacts, model->restitution, out);
     free(mass);
     free(stiffness);
     free(contacts);
@@ -74,19 +76,20 @@ static void put_start(const ric_shooting *c, const double *w, double *u)
     u[n] = -f->side * ric_dot(n, f->c, w + n) / sqrt(f->cc);
 }
 
-ric_status ric_locus_carry(const ric_shooting *chain, const double *u, const ric_model *to, ric_shooting **out,
-                           double **v)
+ric_status ric_locus_carry(const ric_shooting *chain, const double *u, const ric_model *to,
+                           ric_shooting **out, double **v)
 {
     const ric_model *from = chain->model;
     const int n = chain->n, nodes = chain->n_start + chain->n_flight;
     const double root = sqrt(chain->parts);
     double w[2 * n];
     *out = NULL;
-    ric_status status = ric_shooting_create(to, chain->start, chain->end, chain->sigma, chain->n_flight, chain->face,
-                                            out);
+    ric_status status = ric_shooting_create(to, chain->start, chain->end, chain->sigma,
+                                            chain->n_flight, chain->face, out);
     if (!status) ric_shooting_close(*out, chain->closed[0]);
     if (!status && chain->parts > 1) status = ric_shooting_nodes_divide(*out, chain->parts);
-    if (!status && !(*v = ric_calloc((size_t)chain->n_unknown, sizeof **v))) status = ric_no_memory("an orbit");
+    if (!status && !(*v = ric_calloc((size_t)chain->n_unknown, sizeof **v)))
+        status = ric_no_memory("an orbit");
     if (status) return status;
     memcpy(w, chain->w, sizeof w);
     carry_state(from, to, w);
@@ -106,7 +109,8 @@ static double ratio_off(const ric_model *m, const ric_locus_commensurate *c)
     return m->frequency[c->mode[1]] / m->frequency[c->mode[0]] - (double)c->ratio[1] / c->ratio[0];
 }
 
-/* The value between those of two structures, ends [2], where two modes have the ratio of c, by secants. */
+/* The value between those of two structures, ends [2], where two modes have the ratio of c, by
+ * secants. */
 static bool ratio_between(const ric_locus_problem *q, const double *ends, ric_model *const *at,
                           ric_locus_commensurate *c)
 {
@@ -142,8 +146,8 @@ static bool swings(const double *omega, double frequency, ric_locus_commensurate
 }
 
 /* Of the ratios between two structures the smallest, of modes that meet a contact. */
-static bool smallest_between(const ric_locus_problem *q, const double *ends, double frequency, ric_model *const *at,
-                             ric_locus_commensurate *out)
+static bool smallest_between(const ric_locus_problem *q, const double *ends, double frequency,
+                             ric_model *const *at, ric_locus_commensurate *out)
 {
     const double *omega = at[0]->frequency;
     for (int n = 1; n <= COMMENSURATE_MOST; n++)
@@ -158,9 +162,11 @@ static bool smallest_between(const ric_locus_problem *q, const double *ends, dou
     return false;
 }
 
-bool ric_locus_commensurate_near(const ric_locus_problem *q, double p, double frequency, ric_locus_commensurate *out)
+bool ric_locus_commensurate_near(const ric_locus_problem *q, double p, double frequency,
+                                 ric_locus_commensurate *out)
 {
-    const double within = COMMENSURATE * ric_locus_range(&q->vary), ends[2] = {p - within, p + within};
+    const double within = COMMENSURATE * ric_locus_range(&q->vary),
+                 ends[2] = {p - within, p + within};
     ric_model *at[2] = {NULL, NULL};
     const bool made = !ric_locus_model(q->base, &q->vary, ends[0], NULL, &at[0]) &&
                       !ric_locus_model(q->base, &q->vary, ends[1], NULL, &at[1]);

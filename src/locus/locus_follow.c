@@ -1,4 +1,5 @@
-/* Following a locus: predict along its direction in the chart, solve, look for what it meets, adapt the step. */
+/* Following a locus: predict along its direction in the chart, solve, look for what it meets, adapt
+ * the step. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,14 +10,22 @@
 #define FIRST_STEP 0.01 /* of a locus, in the metric of its chart */
 #define LARGEST_STEP 0.03
 #define SMALLEST_STEP 1e-7
-#define BEND 0.9       /* cosine of the angle between two directions: a step over a sharper bend is halved */
-#define PLACE 1e-12    /* of a step: where the place of what is met is known */
-#define NO_MARGIN 1e-7 /* what is this small at the start has to be so by symmetry, and tells nothing */
-#define ZERO 1e-6      /* of a value at the ends of a step: what is larger where it was located is none */
-#define CROSSED 0.1    /* of the bordered determinant at the start: where a locus is lost with less, a branch crosses */
-#define STANDS 1e-3    /* of the speed at the start: an impact that has less has all but lost it */
-#define KNOWN 1e-10    /* of a parameter: no less is said of how well a place is known that is on a line through two */
-#define SLOW 1e-5      /* a step below it is a slow one: of SLOW_STEPS in a row nothing more is to be hoped */
+/* BEND: cosine of the angle between two directions: a step over a sharper bend is halved */
+#define BEND 0.9
+#define PLACE 1e-12 /* of a step: where the place of what is met is known */
+/* NO_MARGIN: what is this small at the start has to be so by symmetry, and tells nothing */
+#define NO_MARGIN 1e-7
+/* ZERO: of a value at the ends of a step: what is larger where it was located is none */
+#define ZERO 1e-6
+/* CROSSED: of the bordered determinant at the start: where a locus is lost with less, a branch
+ * crosses */
+#define CROSSED 0.1
+#define STANDS 1e-3 /* of the speed at the start: an impact that has less has all but lost it */
+/* KNOWN: of a parameter: no less is said of how well a place is known that is on a line through two
+ */
+#define KNOWN 1e-10
+/* SLOW: a step below it is a slow one: of SLOW_STEPS in a row nothing more is to be hoped */
+#define SLOW 1e-5
 enum { PLACE_STEPS = 80, LEAST_CLOSED = 3, SLOW_STEPS = 20, KINDS = RIC_LOCUS_MEETINGS + 7 };
 
 /* What is looked for in a step: first the ends, then the fold, then what is met. */
@@ -43,7 +52,8 @@ static const char *const texts[KINDS] = {
     [MEETING + 2] = "is a branch point that breaks a symmetry, too",
     [MEETING + 3] = "is a branch point that breaks a symmetry, too",
     [MEETING + 4] = "is a branch point that breaks a symmetry, too",
-    [IMAGE] = "ends in an orbit with more symmetry, or of fewer periods: on the other side it is its own image",
+    [IMAGE] = "ends in an orbit with more symmetry, or of fewer periods: on the other side it is "
+              "its own image",
 };
 
 typedef struct {
@@ -71,7 +81,8 @@ static void stand_free(stand *x)
     *x = (stand){.orbit = NULL};
 }
 
-static ric_status stand_make(walk *w, double s, ric_locus_orbit *orbit, const double *before, stand *out)
+static ric_status stand_make(walk *w, double s, ric_locus_orbit *orbit, const double *before,
+                             stand *out)
 {
     *out = (stand){.s = s, .orbit = ric_malloc(sizeof *orbit)};
     if (!out->orbit) {
@@ -89,7 +100,8 @@ static ric_status stand_make(walk *w, double s, ric_locus_orbit *orbit, const do
 static ric_status advance(walk *w, const stand *from, double s, stand *out)
 {
     const ric_locus_chart *chart = &from->chart;
-    const double at[2] = {s * chart->ahead[0], s * chart->ahead[1]}, across[2] = {-chart->ahead[1], chart->ahead[0]};
+    const double at[2] = {s * chart->ahead[0], s * chart->ahead[1]},
+                 across[2] = {-chart->ahead[1], chart->ahead[0]};
     ric_locus_orbit orbit;
     *out = (stand){.orbit = NULL};
     ric_status status = ric_locus_orbit_solve(w->q, chart, at, across, &orbit);
@@ -116,8 +128,10 @@ static double value_of(const walk *w, sought what, const stand *x)
     return isfinite(parameter) ? p - parameter : fmin(p - v->from, v->to - p);
 }
 
-/* Where a value changes its sign between two places of a step; false positions that halve, after Illinois. */
-static ric_status locate(walk *w, const stand *from, sought what, const stand *lo, const stand *hi, stand *out)
+/* Where a value changes its sign between two places of a step; false positions that halve, after
+ * Illinois. */
+static ric_status locate(walk *w, const stand *from, sought what, const stand *lo, const stand *hi,
+                         stand *out)
 {
     double a = lo->s, b = hi->s, fa = value_of(w, what, lo), fb = value_of(w, what, hi);
     const double first = fa, last = fb;
@@ -142,8 +156,10 @@ static ric_status locate(walk *w, const stand *from, sought what, const stand *l
         }
         side = left ? 1 : -1;
     }
-    /* a sign that changes without a zero: the step has left the curve, and a shorter one will tell */
-    if (!status && out->orbit && fabs(value_of(w, what, out)) > ZERO * fmax(fabs(first), fabs(last)))
+    /* a sign that changes without a zero: the step has left the curve, and a shorter one will tell
+     */
+    if (!status && out->orbit &&
+        fabs(value_of(w, what, out)) > ZERO * fmax(fabs(first), fabs(last)))
         status = ric_fail(RIC_E_NUMERIC, "what ends it changes its sign without passing zero");
     return status;
 }
@@ -162,7 +178,10 @@ static ric_status solve_at(walk *w, const stand *near, double parameter, ric_loc
 {
     static const double along[2] = {1, 0};
     const double b = (parameter - near->orbit->p) / ric_locus_range(&w->q->vary),
-                 at[2] = {near->chart.ahead[1] != 0 ? b * near->chart.ahead[0] / near->chart.ahead[1] : 0, b};
+                 at[2] = {near->chart.ahead[1] != 0
+                              ? b * near->chart.ahead[0] / near->chart.ahead[1]
+                              : 0,
+                          b};
     ric_status status = ric_locus_orbit_solve(w->q, &near->chart, at, along, out);
     if (!status) out->p = parameter;
     return status;
@@ -181,7 +200,8 @@ static int by_place(const void *x, const void *y)
 
 static bool ends(const event *e)
 {
-    return e->what.kind < FOLD || e->what.kind == IMAGE || (e->what.kind == WINDOW && !isfinite(e->what.parameter));
+    return e->what.kind < FOLD || e->what.kind == IMAGE ||
+           (e->what.kind == WINDOW && !isfinite(e->what.parameter));
 }
 
 static ric_status keep_event(walk *w, const event *e)
@@ -190,7 +210,8 @@ static ric_status keep_event(walk *w, const event *e)
                                 : e->what.kind == WINDOW ? RIC_LOCUS_ASKED
                                 : e->what.kind == FOLD   ? RIC_LOCUS_FOLD
                                                          : RIC_LOCUS_MEETS;
-    return ric_locus_keep(w->locus, e->at.orbit, mark, mark == RIC_LOCUS_ASKED ? "asked for" : texts[e->what.kind]);
+    return ric_locus_keep(w->locus, e->at.orbit, mark,
+                          mark == RIC_LOCUS_ASKED ? "asked for" : texts[e->what.kind]);
 }
 
 /* What a step meets, in order: at most every kind and every value on either side of a fold. */
@@ -206,7 +227,8 @@ static void events_free(events *x)
     *x = (events){.n = 0};
 }
 
-static ric_status add_event(walk *w, const stand *from, sought what, const stand *lo, const stand *hi, events *out)
+static ric_status add_event(walk *w, const stand *from, sought what, const stand *lo,
+                            const stand *hi, events *out)
 {
     const ric_vary *v = &w->q->vary;
     event *e = &out->list[out->n];
@@ -214,7 +236,7 @@ static ric_status add_event(walk *w, const stand *from, sought what, const stand
     ric_status status = locate(w, from, what, lo, hi, &e->at);
     if (!status && what.kind == WINDOW) {
         ric_locus_orbit exact;
-        const double p = isfinite(what.parameter)                                        ? what.parameter
+        const double p = isfinite(what.parameter) ? what.parameter
                          : fabs(e->at.orbit->p - v->from) < fabs(e->at.orbit->p - v->to) ? v->from
                                                                                          : v->to;
         status = solve_at(w, &e->at, p, &exact);
@@ -229,18 +251,22 @@ static ric_status add_event(walk *w, const stand *from, sought what, const stand
     return status;
 }
 
-static ric_status add_between(walk *w, const stand *from, const stand *lo, const stand *hi, events *out)
+static ric_status add_between(walk *w, const stand *from, const stand *lo, const stand *hi,
+                              events *out)
 {
     ric_status status = RIC_OK;
     for (int i = 0; i < KINDS + w->options->n_value && !status; i++) {
-        const sought what = {i < KINDS ? i : WINDOW, i < KINDS ? NAN : w->options->values[i - KINDS]};
-        if (what.kind != FOLD && changes(w, what, lo, hi)) status = add_event(w, from, what, lo, hi, out);
+        const sought what = {i < KINDS ? i : WINDOW,
+                             i < KINDS ? NAN : w->options->values[i - KINDS]};
+        if (what.kind != FOLD && changes(w, what, lo, hi))
+            status = add_event(w, from, what, lo, hi, out);
     }
     return status;
 }
 
-/* Where a locus of orbits meets its own image the parameter turns, too, but nothing is annihilated: the orbit there has
- * a symmetry that its neighbours have not, or is one of fewer periods gone through several times. */
+/* Where a locus of orbits meets its own image the parameter turns, too, but nothing is annihilated:
+ * the orbit there has a symmetry that its neighbours have not, or is one of fewer periods gone
+ * through several times. */
 static bool is_image(const stand *fold)
 {
     const ric_model *m = fold->orbit->model;
@@ -257,7 +283,8 @@ static bool is_image(const stand *fold)
 /* A fold first, as the parameter passes a value twice beside it. */
 static ric_status find_events(walk *w, const stand *from, const stand *next, events *out)
 {
-    *out = (events){.list = ric_calloc(2 * (size_t)(KINDS + w->options->n_value) + 1, sizeof *out->list)};
+    *out = (events){
+        .list = ric_calloc(2 * (size_t)(KINDS + w->options->n_value) + 1, sizeof *out->list)};
     if (!out->list) return ric_no_memory("a locus");
     stand fold = {.orbit = NULL};
     const sought turn = {FOLD, NAN};
@@ -265,7 +292,8 @@ static ric_status find_events(walk *w, const stand *from, const stand *next, eve
     ric_status status = folds ? locate(w, from, turn, from, next, &fold) : RIC_OK;
     if (!status) status = add_between(w, from, from, folds ? &fold : next, out);
     if (!status && folds) status = add_between(w, from, &fold, next, out);
-    if (!status && folds) out->list[out->n++] = (event){.what = {is_image(&fold) ? IMAGE : FOLD, NAN}, .at = fold};
+    if (!status && folds)
+        out->list[out->n++] = (event){.what = {is_image(&fold) ? IMAGE : FOLD, NAN}, .at = fold};
     else stand_free(&fold);
     if (!status) qsort(out->list, (size_t)out->n, sizeof *out->list, by_place);
     else events_free(out);
@@ -289,13 +317,15 @@ static ric_status end_here(walk *w, const stand *at, const char *why)
     return ric_locus_keep(w->locus, at->orbit, RIC_LOCUS_END, why);
 }
 
-/* Whether a step passes the orbit from which the locus began: the same one where the parameter has its value there. */
+/* Whether a step passes the orbit from which the locus began: the same one where the parameter has
+ * its value there. */
 static ric_status closes(walk *w, const stand *now, const stand *next, bool *closed)
 {
     const ric_locus_orbit *start = &w->start;
     ric_locus_orbit again;
     *closed = false;
-    if (w->points < LEAST_CLOSED || (now->orbit->p - start->p) * (next->orbit->p - start->p) > 0) return RIC_OK;
+    if (w->points < LEAST_CLOSED || (now->orbit->p - start->p) * (next->orbit->p - start->p) > 0)
+        return RIC_OK;
     const bool later = fabs(next->orbit->p - start->p) < fabs(now->orbit->p - start->p);
     const ric_status status = solve_at(w, later ? next : now, start->p, &again);
     if (status) return status == RIC_E_NUMERIC ? RIC_OK : status;
@@ -305,8 +335,10 @@ static ric_status closes(walk *w, const stand *now, const stand *next, bool *clo
     return RIC_OK;
 }
 
-/* The next place and what lies before it, with the step halved until both are solved; *found false: there is none. */
-static ric_status step_on(walk *w, const stand *now, double *step, stand *next, events *met, bool *found)
+/* The next place and what lies before it, with the step halved until both are solved; *found false:
+ * there is none. */
+static ric_status step_on(walk *w, const stand *now, double *step, stand *next, events *met,
+                          bool *found)
 {
     *found = false;
     for (; *step > SMALLEST_STEP && !*found; *step /= 2) {
@@ -322,9 +354,9 @@ static ric_status step_on(walk *w, const stand *now, double *step, stand *next, 
     return ric_trust(RIC_OK);
 }
 
-/* Why no further place is found. Where another branch crosses, and where modes are commensurate so that orbits of two
- * parameters take over, the surface of orbits is not smooth, and no place is solved close by: what the last one has to
- * spare tells. */
+/* Why no further place is found. Where another branch crosses, and where modes are commensurate so
+ * that orbits of two parameters take over, the surface of orbits is not smooth, and no place is
+ * solved close by: what the last one has to spare tells. */
 static ric_status end_lost(walk *w, const stand *at)
 {
     const ric_locus_orbit *o = at->orbit;
@@ -336,22 +368,28 @@ static ric_status end_lost(walk *w, const stand *at)
     snprintf(detail, sizeof detail, "%s", ric_detail());
     if (ric_locus_commensurate_near(w->q, o->p, o->frequency, &c))
         snprintf(why, sizeof why,
-                 "it is not followed further: its period is %d of mode %d within %.1g, and modes %d and %d are "
+                 "it is not followed further: its period is %d of mode %d within %.1g, and modes "
+                 "%d and %d are "
                  "commensurate, %d to %d, where the parameter is %.15g",
-                 c.swings, c.swinging + 1, c.off, c.mode[0] + 1, c.mode[1] + 1, c.ratio[0], c.ratio[1], c.value);
+                 c.swings, c.swinging + 1, c.off, c.mode[0] + 1, c.mode[1] + 1, c.ratio[0],
+                 c.ratio[1], c.value);
     else if (speed < STANDS * w->start.spare[SPARE_SPEED])
         snprintf(why, sizeof why,
-                 "it is not followed further: an impact loses its speed, of which %.1g of that at the start is left, "
-                 "and what it is told by turns ever more sharply; that is where the parameter is %.10g within %.1g",
+                 "it is not followed further: an impact loses its speed, of which %.1g of that at "
+                 "the start is left, "
+                 "and what it is told by turns ever more sharply; that is where the parameter is "
+                 "%.10g within %.1g",
                  speed / w->start.spare[SPARE_SPEED], o->p + rest, fmax(fabs(rest), KNOWN));
     else if (left < CROSSED)
         snprintf(why, sizeof why,
-                 "it is not followed further: another branch crosses the one that it lies on, or comes near; the "
+                 "it is not followed further: another branch crosses the one that it lies on, or "
+                 "comes near; the "
                  "determinant that vanishes there is %.2g of that at the start",
                  left);
     else
         snprintf(why, sizeof why,
-                 "it is not followed further: %s; the slowest impact has a speed of %.3g, the shortest flight takes "
+                 "it is not followed further: %s; the slowest impact has a speed of %.3g, the "
+                 "shortest flight takes "
                  "%.3g s",
                  detail, o->spare[SPARE_SPEED], o->spare[SPARE_FLIGHT] / o->model->omega_ref);
     return end_here(w, at, why);
@@ -374,7 +412,8 @@ static ric_status go(walk *w, stand now, bool *closed)
         else if (w->points < w->options->max_points && slow < SLOW_STEPS)
             status = step_on(w, &now, &step, &next, &met, &found);
         if (!status && !found) {
-            status = w->points < w->options->max_points ? end_lost(w, &now) : end_here(w, &now, "budget of points");
+            status = w->points < w->options->max_points ? end_lost(w, &now)
+                                                        : end_here(w, &now, "budget of points");
             done = true;
         }
         if (!status && !done) status = keep_events(w, &met, &done);
@@ -397,7 +436,8 @@ static ric_status go(walk *w, stand now, bool *closed)
     return status;
 }
 
-static ric_status stand_at_start(walk *w, const ric_periodic *cycle, const double *before, stand *out)
+static ric_status stand_at_start(walk *w, const ric_periodic *cycle, const double *before,
+                                 stand *out)
 {
     static const double along[2] = {1, 0}, here[2] = {0, 0};
     ric_locus_orbit rough, exact;

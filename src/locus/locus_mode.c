@@ -1,5 +1,5 @@
-/* The locus of the first touch of a linear mode: E = omega^2 d^2 / (2 c^2) at every value of the parameter, in closed
- * form (docs/theory.md section 8). */
+/* The locus of the first touch of a linear mode: E = omega^2 d^2 / (2 c^2) at every value of the
+ * parameter, in closed form (docs/theory.md section 8). */
 #include <math.h>
 #include <stdlib.h>
 
@@ -10,7 +10,8 @@
 enum { INTERVALS = 64 };
 
 /* State of the mode at its largest displacement, where it touches `contact`. */
-static ric_status touch_of(const ric_model *m, int mode, double energy, ric_locus_point *point, double *state)
+static ric_status touch_of(const ric_model *m, int mode, double energy, ric_locus_point *point,
+                           double *state)
 {
     const int n = m->n_dof;
     double shape[n * n], frequency[n];
@@ -27,8 +28,8 @@ static ric_status touch_of(const ric_model *m, int mode, double energy, ric_locu
     return RIC_OK;
 }
 
-/* The way of a mode: its structure at the last value, whose modes those at the next one are like, and what it touches.
- */
+/* The way of a mode: its structure at the last value, whose modes those at the next one are like,
+ * and what it touches. */
 typedef struct {
     ric_locus *locus;
     const ric_locus_problem *q;
@@ -45,9 +46,14 @@ static ric_status add_value(way *w, double p, ric_locus_mark mark, const char *w
     const int n = m->n_dof, mode = w->mode;
     double energy[n], state[2 * n], period;
     int contacts[n];
-    ric_locus_point point = {.value = p, .length = ric_model_length(m), .mark = mark, .what = what, .state = state};
+    ric_locus_point point = {.value = p,
+                             .length = ric_model_length(m),
+                             .mark = mark,
+                             .what = what,
+                             .state = state};
     status = ric_model_grazing_energies(m, energy, contacts);
-    if (!status && !isfinite(energy[mode])) status = ric_fail(RIC_E_NUMERIC, "the mode touches no contact");
+    if (!status && !isfinite(energy[mode]))
+        status = ric_fail(RIC_E_NUMERIC, "the mode touches no contact");
     if (!status && w->contact >= 0 && contacts[mode] != w->contact && mark == RIC_LOCUS_PLAIN) {
         point.mark = RIC_LOCUS_MEETS;
         point.what = "another contact is touched first from here on";
@@ -80,7 +86,8 @@ static ric_status go(ric_locus *locus, const ric_locus_problem *q, int mode, dou
     if (!values) return ric_no_memory("a locus");
     for (int i = 1; i <= INTERVALS; i++) values[n++] = sign * (at + (end - at) * i / INTERVALS);
     for (int i = 0; i < options->n_value; i++)
-        if ((options->values[i] - at) * (end - options->values[i]) > 0) values[n++] = sign * options->values[i];
+        if ((options->values[i] - at) * (end - options->values[i]) > 0)
+            values[n++] = sign * options->values[i];
     qsort(values, (size_t)n, sizeof *values, ascending);
     ric_status status = RIC_OK;
     for (int i = 0; i < n && !status; i++) {
@@ -88,8 +95,13 @@ static ric_status go(ric_locus *locus, const ric_locus_problem *q, int mode, dou
         bool asked = false;
         for (int k = 0; k < options->n_value; k++) asked |= options->values[k] == p;
         const bool last = i + 1 == n;
-        const ric_locus_mark mark = last ? RIC_LOCUS_END : asked ? RIC_LOCUS_ASKED : RIC_LOCUS_PLAIN;
-        status = add_value(&w, p, mark, last ? "border of the range of the parameter" : asked ? "asked for" : "");
+        const ric_locus_mark mark = last    ? RIC_LOCUS_END
+                                    : asked ? RIC_LOCUS_ASKED
+                                            : RIC_LOCUS_PLAIN;
+        status = add_value(&w, p, mark,
+                           last    ? "border of the range of the parameter"
+                           : asked ? "asked for"
+                                   : "");
         if (status == RIC_E_NUMERIC) {
             char why[300];
             snprintf(why, sizeof why, "it is not followed further: %s", ric_detail());
@@ -106,7 +118,8 @@ ric_status ric_locus_follow_mode(ric_locus *locus, const ric_locus_problem *q, i
                                  const ric_locus_options *options)
 {
     way w = {.locus = locus, .q = q, .mode = mode, .contact = -1};
-    ric_status status = q->vary.from < q->vary.at ? go(locus, q, mode, q->vary.from, options) : RIC_OK;
+    ric_status status = q->vary.from < q->vary.at ? go(locus, q, mode, q->vary.from, options)
+                                                  : RIC_OK;
     if (status) return status;
     ric_locus_turn(locus);
     status = add_value(&w, q->vary.at, RIC_LOCUS_START, "the structure of the atlas");

@@ -1,4 +1,5 @@
-/* Orbits on the surface of place along the branch and parameter, and the charts in which a locus is solved. */
+/* Orbits on the surface of place along the branch and parameter, and the charts in which a locus is
+ * solved. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,11 +8,15 @@
 #include "flow/room.h"
 #include "locus_parts.h"
 
-#define HALF_OPEN 0.5  /* reach, of the clearance: gaps that open less are no touches, nor near one */
-#define TOGETHER 1e-6  /* of the clearance: touches that symmetry brings about together differ by less */
+/* HALF_OPEN: reach, of the clearance: gaps that open less are no touches, nor near one */
+#define HALF_OPEN 0.5
+/* TOGETHER: of the clearance: touches that symmetry brings about together differ by less */
+#define TOGETHER 1e-6
 #define DIRECTION 0.01 /* part by which two measurements of a direction may differ */
 #define SHORTEST 1e-7  /* half step of a difference, of the orbit and of the range */
-#define STEP_LAST 1e-9 /* of the size: a secant whose last step is longer has not come to a zero */
+#define STEP_LAST                                                                                  \
+    1e-9 /* of the size: a secant whose last step is longer has not come to a zero                 \
+          */
 enum { TOUCHES_MOST = 64, SECANT_STEPS = 15 };
 
 void ric_locus_orbit_free(ric_locus_orbit *o)
@@ -39,9 +44,10 @@ static double apart(const ric_locus_orbit *o, const ric_locus_touch *from, const
     return fabs(to->time / o->u[o->chain->n_start + to->flight] - from->share);
 }
 
-/* The gaps in flight: the value of the touch that is followed, NAN if it is lost, and what the others leave. Without
- * `from` the touch is the largest, and those that are as large go with it. */
-static double measure_gaps(const ric_locus_problem *q, const ric_locus_touch *from, ric_locus_orbit *o, int *n_touch)
+/* The gaps in flight: the value of the touch that is followed, NAN if it is lost, and what the
+ * others leave. Without `from` the touch is the largest, and those that are as large go with it. */
+static double measure_gaps(const ric_locus_problem *q, const ric_locus_touch *from,
+                           ric_locus_orbit *o, int *n_touch)
 {
     ric_touch touches[TOUCHES_MOST];
     const bool grazing = q->what.test == RIC_TEST_TOUCH;
@@ -59,11 +65,13 @@ static double measure_gaps(const ric_locus_problem *q, const ric_locus_touch *fr
             own = i;
     if (!from && n) {
         own = 0;
-        for (*n_touch = 1; *n_touch < n && touches[*n_touch].value > touches[0].value - TOGETHER;) ++*n_touch;
+        for (*n_touch = 1; *n_touch < n && touches[*n_touch].value > touches[0].value - TOGETHER;)
+            ++*n_touch;
     }
     if (own < 0) return NAN;
     const ric_touch *touch = &touches[own];
-    o->touch = (ric_locus_touch){touch->flight, touch->face, touch->time / o->u[o->chain->n_start + touch->flight]};
+    o->touch = (ric_locus_touch){touch->flight, touch->face,
+                                 touch->time / o->u[o->chain->n_start + touch->flight]};
     for (int i = 0; i < n && i <= *n_touch; i++) {
         const double off = touches[i].value - touch->value;
         o->spare[0] = fmin(o->spare[0], i < *n_touch ? TOGETHER - fabs(off) : -off);
@@ -76,7 +84,8 @@ static double shortest_flight(const ric_locus_problem *q, const ric_locus_orbit 
     const ric_shooting *c = o->chain;
     double least = HUGE_VAL;
     for (int k = 0; k < c->n_flight; k++)
-        if (k != q->place && c->face[k] >= 0 && c->face[k + 1] >= 0) least = fmin(least, o->u[c->n_start + k]);
+        if (k != q->place && c->face[k] >= 0 && c->face[k + 1] >= 0)
+            least = fmin(least, o->u[c->n_start + k]);
     return isfinite(least) ? least : 1;
 }
 
@@ -85,25 +94,31 @@ static double definite(double value, double error)
     return fabs(value) > error ? value : NAN;
 }
 
-/* Signs that tell what else is met: extrema of energy and period, and kernels that break a symmetry. */
+/* Signs that tell what else is met: extrema of energy and period, and kernels that break a
+ * symmetry. */
 static void measure_meetings(const ric_locus_problem *q, const ric_floquet *f, ric_locus_orbit *o)
 {
     const ric_shooting *c = o->chain;
-    const bool kernel = ric_criterion_breaks_symmetry(q->what.test) || q->what.test == RIC_TEST_ROTATION;
+    const bool kernel = ric_criterion_breaks_symmetry(q->what.test) ||
+                        q->what.test == RIC_TEST_ROTATION;
     double period = 0;
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) period += o->t[k];
-    o->meets[0] = q->what.test == RIC_TEST_SLOPE ? NAN
-                                                 : definite(ric_shooting_energy_slope(c, o->t) / c->scale,
-                                                            ric_continuation_blur(c, RIC_TEST_SLOPE));
-    o->meets[1] = q->what.test == RIC_TEST_PERIOD ? NAN : definite(period, ric_continuation_blur(c, RIC_TEST_PERIOD));
+    o->meets[0] = q->what.test == RIC_TEST_SLOPE
+                      ? NAN
+                      : definite(ric_shooting_energy_slope(c, o->t) / c->scale,
+                                 ric_continuation_blur(c, RIC_TEST_SLOPE));
+    o->meets[1] = q->what.test == RIC_TEST_PERIOD
+                      ? NAN
+                      : definite(period, ric_continuation_blur(c, RIC_TEST_PERIOD));
     o->meets[2] = kernel ? NAN : definite(f->det_a, f->error_a);
     o->meets[3] = kernel ? NAN : definite(f->det_b, f->error_b);
     o->meets[4] = kernel ? NAN : definite(f->det_d, f->error_d);
 }
 
-/* What vanishes, by the criterion of a junction; `near` (may be NULL) tells the orientation of the larger problem. */
-static double measure_criterion(ric_locus_problem *q, const ric_locus_orbit *near, double orientation,
-                                ric_criterion_work *work, ric_locus_orbit *o)
+/* What vanishes, by the criterion of a junction; `near` (may be NULL) tells the orientation of the
+ * larger problem. */
+static double measure_criterion(ric_locus_problem *q, const ric_locus_orbit *near,
+                                double orientation, ric_criterion_work *work, ric_locus_orbit *o)
 {
     work->choice = q->choice;
     work->place = q->place;
@@ -142,7 +157,8 @@ static ric_status measure(ric_locus_problem *q, const ric_locus_orbit *near, ric
     if (!near) q->sign = q->what.test == RIC_TEST_DET ? 0 : copysign(1, orientation * c->end_det);
     o->spare[3] = q->sign != 0 ? q->sign * orientation * c->end_det : 1;
     if (q->what.test != RIC_TEST_TOUCH) o->f = measure_criterion(q, near, orientation, &work, o);
-    if (!isfinite(o->f)) status = ric_fail(RIC_E_NUMERIC, "what vanishes at the junction is lost in rounding");
+    if (!isfinite(o->f))
+        status = ric_fail(RIC_E_NUMERIC, "what vanishes at the junction is lost in rounding");
 out:
     ric_criterion_release(&work);
     return ric_trust(status);
@@ -150,13 +166,14 @@ out:
 
 /* ------------------------------------------------------------------ orbits */
 
-static ric_status open_orbit(const ric_locus_problem *q, double p, const ric_shooting *chain, const double *u,
-                             ric_locus_orbit *o)
+static ric_status open_orbit(const ric_locus_problem *q, double p, const ric_shooting *chain,
+                             const double *u, ric_locus_orbit *o)
 {
     o->p = p;
     ric_status status = ric_locus_model(q->base, &q->vary, p, chain->model, &o->model);
     if (!status) status = ric_locus_carry(chain, u, o->model, &o->chain, &o->u);
-    if (!status && !(o->t = ric_calloc((size_t)o->chain->n_unknown, sizeof *o->t))) status = ric_no_memory("an orbit");
+    if (!status && !(o->t = ric_calloc((size_t)o->chain->n_unknown, sizeof *o->t)))
+        status = ric_no_memory("an orbit");
     return status;
 }
 
@@ -167,7 +184,8 @@ static void take(ric_locus_orbit *from, ric_locus_orbit *to)
     *from = (ric_locus_orbit){.p = 0};
 }
 
-ric_status ric_locus_orbit_begin(ric_locus_problem *q, const ric_periodic *cycle, ric_locus_orbit *o)
+ric_status ric_locus_orbit_begin(ric_locus_problem *q, const ric_periodic *cycle,
+                                 ric_locus_orbit *o)
 {
     int iterations;
     *o = (ric_locus_orbit){.p = 0};
@@ -185,17 +203,18 @@ ric_status ric_locus_orbit_begin(ric_locus_problem *q, const ric_periodic *cycle
     return measure(q, NULL, o);
 }
 
-/* The orbit at (a, b) of a chart. RIC_E_NUMERIC where there is none or it does not converge. offset [n_unknown], may be
- * NULL: of the orbit from the centre carried to its structure. */
-static ric_status orbit_at(ric_locus_problem *q, const ric_locus_chart *chart, double a, double b, double *offset,
-                           ric_locus_orbit *o)
+/* The orbit at (a, b) of a chart. RIC_E_NUMERIC where there is none or it does not converge. offset
+ * [n_unknown], may be NULL: of the orbit from the centre carried to its structure. */
+static ric_status orbit_at(ric_locus_problem *q, const ric_locus_chart *chart, double a, double b,
+                           double *offset, ric_locus_orbit *o)
 {
     const ric_locus_orbit *centre = chart->centre;
     const int size = centre->chain->n_unknown;
     int iterations;
     double origin[size], du[size], target = a * centre->chain->scale;
     *o = (ric_locus_orbit){.p = 0};
-    ric_status status = open_orbit(q, centre->p + b * ric_locus_range(&q->vary), centre->chain, centre->u, o);
+    ric_status status = open_orbit(q, centre->p + b * ric_locus_range(&q->vary), centre->chain,
+                                   centre->u, o);
     if (status) return status;
     memcpy(origin, o->u, sizeof origin);
     for (int i = 0; i < size; i++) o->u[i] += target * centre->t[i] + b * chart->drift[i];
@@ -206,10 +225,11 @@ static ric_status orbit_at(ric_locus_problem *q, const ric_locus_chart *chart, d
 }
 
 /* Secant iteration to the last digit: the best of what it passes counts. */
-ric_status ric_locus_orbit_solve(ric_locus_problem *q, const ric_locus_chart *chart, const double at[2],
-                                 const double across[2], ric_locus_orbit *out)
+ric_status ric_locus_orbit_solve(ric_locus_problem *q, const ric_locus_chart *chart,
+                                 const double at[2], const double across[2], ric_locus_orbit *out)
 {
-    double x0 = 0, x1 = 0, f0 = 0, slope = chart->slope[0] * across[0] + chart->slope[1] * across[1], last = HUGE_VAL;
+    double x0 = 0, x1 = 0, f0 = 0,
+           slope = chart->slope[0] * across[0] + chart->slope[1] * across[1], last = HUGE_VAL;
     ric_status status = RIC_OK;
     ric_locus_orbit now;
     *out = (ric_locus_orbit){.f = HUGE_VAL};
@@ -241,9 +261,10 @@ void ric_locus_chart_free(ric_locus_chart *chart)
     chart->drift = NULL;
 }
 
-/* Central difference of f along an axis of the chart, with that of the unknowns, drift [n_unknown]. */
-static ric_status difference(ric_locus_problem *q, const ric_locus_chart *chart, int axis, double h, double *drift,
-                             double *slope)
+/* Central difference of f along an axis of the chart, with that of the unknowns, drift [n_unknown].
+ */
+static ric_status difference(ric_locus_problem *q, const ric_locus_chart *chart, int axis, double h,
+                             double *drift, double *slope)
 {
     const int size = chart->centre->chain->n_unknown;
     double offset[2][size], f[2];
@@ -260,8 +281,8 @@ static ric_status difference(ric_locus_problem *q, const ric_locus_chart *chart,
     return RIC_OK;
 }
 
-/* Two lengths of a difference agree unless rounding, or another orbit next to this one, makes them: the longest pair
- * that does, as functions turn sharply where modes become commensurate. */
+/* Two lengths of a difference agree unless rounding, or another orbit next to this one, makes them:
+ * the longest pair that does, as functions turn sharply where modes become commensurate. */
 static ric_status slope_along(ric_locus_problem *q, ric_locus_chart *chart, int axis, double *drift)
 {
     const int size = chart->centre->chain->n_unknown;
@@ -283,19 +304,23 @@ static ric_status slopes(ric_locus_problem *q, ric_locus_chart *chart)
     ric_status status = slope_along(q, chart, 0, drift);
     if (!status) status = slope_along(q, chart, 1, chart->drift);
     if (status) return status;
-    return hypot(chart->doubt[0], chart->doubt[1]) <= DIRECTION * hypot(chart->slope[0], chart->slope[1])
+    return hypot(chart->doubt[0], chart->doubt[1]) <=
+                   DIRECTION * hypot(chart->slope[0], chart->slope[1])
                ? RIC_OK
                : ric_fail(RIC_E_NUMERIC, "its direction is lost in rounding");
 }
 
-ric_status ric_locus_chart_make(ric_locus_problem *q, const ric_locus_orbit *centre, const double *before,
-                                ric_locus_chart *out)
+ric_status ric_locus_chart_make(ric_locus_problem *q, const ric_locus_orbit *centre,
+                                const double *before, ric_locus_chart *out)
 {
     const int size = centre->chain->n_unknown;
-    *out = (ric_locus_chart){.centre = centre, .drift = ric_calloc((size_t)size, sizeof *out->drift)};
+    *out = (ric_locus_chart){.centre = centre,
+                             .drift = ric_calloc((size_t)size, sizeof *out->drift)};
     ric_status status = out->drift ? slopes(q, out) : ric_no_memory("a chart");
-    const double norm = hypot(out->slope[0], out->slope[1]), drift = ric_dot(size, out->drift, out->drift);
-    if (!status && !(norm > 0)) status = ric_fail(RIC_E_NUMERIC, "the junction is not regular: two of them meet");
+    const double norm = hypot(out->slope[0], out->slope[1]),
+                 drift = ric_dot(size, out->drift, out->drift);
+    if (!status && !(norm > 0))
+        status = ric_fail(RIC_E_NUMERIC, "the junction is not regular: two of them meet");
     if (status) {
         ric_locus_chart_free(out);
         return status;
@@ -305,6 +330,7 @@ ric_status ric_locus_chart_make(ric_locus_problem *q, const ric_locus_orbit *cen
     const double same = before ? ric_dot(2, out->ahead, before) : out->ahead[1];
     for (int i = 0; i < 2 && same < 0; i++) out->ahead[i] = -out->ahead[i];
     const double scale = centre->chain->scale, turn = out->ahead[1];
-    out->stretch = sqrt(out->ahead[0] * out->ahead[0] + turn * turn * (1 + drift / (scale * scale)));
+    out->stretch = sqrt(out->ahead[0] * out->ahead[0] +
+                        turn * turn * (1 + drift / (scale * scale)));
     return RIC_OK;
 }

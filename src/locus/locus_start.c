@@ -14,9 +14,12 @@ int ric_locus_start_mode(const ric_atlas *atlas, const ric_junction *j)
     const int n = m->n_dof;
     double energy[n];
     int contact[n], found = -1, equal = 0;
-    if (j->kind != RIC_KIND_GRAZING || j->letters || ric_model_grazing_energies(m, energy, contact)) return -1;
+    if (j->kind != RIC_KIND_GRAZING || j->letters || ric_model_grazing_energies(m, energy, contact))
+        return -1;
     for (int i = 0; i < n; i++) {
-        if (!m->seen[i] || fabs(m->frequency[i] / (j->multiple * j->frequency) - 1) > RIC_SAME_SOLVED) continue;
+        if (!m->seen[i] ||
+            fabs(m->frequency[i] / (j->multiple * j->frequency) - 1) > RIC_SAME_SOLVED)
+            continue;
         equal++;
         if (fabs(energy[i] / j->energy - 1) <= RIC_SAME_SOLVED) found = i;
     }
@@ -48,18 +51,22 @@ static ric_status orbit_of(const ric_atlas *atlas, const ric_junction *j, ric_pe
     ric_status status = branch_of(atlas, j, &branch);
     if (status) return status;
     for (int i = 0; i < letters; i++) tau[i] = j->flights[i] * m->omega_ref;
-    if (!(*out = ric_periodic_spelled(m, j->letters, j->word, tau))) return ric_no_memory("the orbit of a junction");
+    if (!(*out = ric_periodic_spelled(m, j->letters, j->word, tau)))
+        return ric_no_memory("the orbit of a junction");
     ric_model_from_state(m, j->state, j->state + m->n_dof, (*out)->w);
     if (ric_periodic_has_events(m)) ric_periodic_find_symmetries(m, *out, RIC_SAME_LOCATED);
     else {
-        const ric_periodic_claim claim = {branch.symmetric, branch.reversible, strstr(branch.mirror, "centre"),
-                                          strstr(branch.mirror, "rest"), strstr(branch.mirror, "impact")};
+        const ric_periodic_claim claim = {branch.symmetric, branch.reversible,
+                                          strstr(branch.mirror, "centre"),
+                                          strstr(branch.mirror, "rest"),
+                                          strstr(branch.mirror, "impact")};
         ric_periodic_claimed(m, &claim, *out);
     }
     return ric_trust(RIC_OK);
 }
 
-/* Which kernel a branch point has: that whose zero is found again at its orbit. RIC_N_TEST: none of them. */
+/* Which kernel a branch point has: that whose zero is found again at its orbit. RIC_N_TEST: none of
+ * them. */
 static int kernel_of(const ric_model *m, const ric_periodic *cycle)
 {
     static const int tests[] = {RIC_TEST_A, RIC_TEST_B, RIC_TEST_D, RIC_TEST_DET};
@@ -73,7 +80,8 @@ static int kernel_of(const ric_model *m, const ric_periodic *cycle)
     return RIC_N_TEST;
 }
 
-static ric_status criterion_of(const ric_junction *j, const ric_model *m, const ric_periodic *cycle, ric_criterion *out)
+static ric_status criterion_of(const ric_junction *j, const ric_model *m, const ric_periodic *cycle,
+                               ric_criterion *out)
 {
     *out = (ric_criterion){.rotation = {j->rotation[0], j->rotation[1]}};
     switch (j->kind) {
@@ -85,16 +93,19 @@ static ric_status criterion_of(const ric_junction *j, const ric_model *m, const 
     case RIC_KIND_BRANCH_POINT:
         out->test = kernel_of(m, cycle);
         if (out->test != RIC_N_TEST) return RIC_OK;
-        return ric_fail(RIC_E_INPUT, "branch point %s: what its kernel breaks was not found", j->label);
+        return ric_fail(RIC_E_INPUT, "branch point %s: what its kernel breaks was not found",
+                        j->label);
     default:
         return ric_fail(RIC_E_INPUT,
-                        "junction %s is a place that was asked for, where nothing vanishes: there is no locus of it; "
+                        "junction %s is a place that was asked for, where nothing vanishes: there "
+                        "is no locus of it; "
                         "name a grazing, a corner, an extremum, a branch point or a multiplication",
                         j->label);
     }
 }
 
-ric_status ric_locus_start(const ric_atlas *atlas, int junction, ric_locus_problem *q, ric_periodic **cycle)
+ric_status ric_locus_start(const ric_atlas *atlas, int junction, ric_locus_problem *q,
+                           ric_periodic **cycle)
 {
     const ric_model *m = ric_atlas_model(atlas);
     ric_junction j;
@@ -105,7 +116,8 @@ ric_status ric_locus_start(const ric_atlas *atlas, int junction, ric_locus_probl
     q->choice = q->place = -1;
     if (!status && j.kind == RIC_KIND_GRAZING && !j.letters)
         status = ric_fail(RIC_E_INPUT,
-                          "grazing %s is that of a mixture of modes of one frequency, which no parameter leaves as it "
+                          "grazing %s is that of a mixture of modes of one frequency, which no "
+                          "parameter leaves as it "
                           "is; name that of a mode",
                           j.label);
     if (!status) status = orbit_of(atlas, &j, cycle);

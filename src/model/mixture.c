@@ -8,8 +8,9 @@
 #include "modal.h"
 #include "modes.h"
 
-#define FAINT 1e-9  /* of the modal normal: a part in the eigenspace below it is rounding */
-#define FLAT 1e-9   /* relative: a pivot of a Gram matrix below it says that normals depend on each other */
+#define FAINT 1e-9 /* of the modal normal: a part in the eigenspace below it is rounding */
+/* FLAT: relative: a pivot of a Gram matrix below it says that normals depend on each other */
+#define FLAT 1e-9
 #define PUSHES 1e-9 /* least share of a contact in driving a mixture */
 #define SQUARE 1e-9 /* cosine of normals that counts as none */
 #define DRIVEN 1e-8 /* relative: what is left of Z when the contacts have driven it */
@@ -64,7 +65,8 @@ static bool solve(int k, double *A, double *b)
 /* gamma . Z of one contact. */
 static void gap_of(const looking *q, int f, double s[2])
 {
-    for (int part = 0; part < 2; part++) s[part] = ric_dot(q->size, q->g + f * q->size, q->z + part * q->size);
+    for (int part = 0; part < 2; part++)
+        s[part] = ric_dot(q->size, q->g + f * q->size, q->z + part * q->size);
 }
 
 static bool meets_nothing_else(const looking *q)
@@ -80,12 +82,14 @@ static bool meets_nothing_else(const looking *q)
 /* Whether the contacts of a set drive Z, each with some share: least squares for mu. */
 static bool is_driven(const looking *q, int k, const int *set)
 {
-    double s[RIC_MIXTURE_CONTACTS][2], A[RIC_MIXTURE_CONTACTS * RIC_MIXTURE_CONTACTS], mu[RIC_MIXTURE_CONTACTS];
+    double s[RIC_MIXTURE_CONTACTS][2], A[RIC_MIXTURE_CONTACTS * RIC_MIXTURE_CONTACTS],
+        mu[RIC_MIXTURE_CONTACTS];
     double left = 0, all = 0;
     for (int i = 0; i < k; i++) gap_of(q, set[i], s[i]);
     for (int i = 0; i < k; i++) {
         for (int j = 0; j < k; j++)
-            A[i * k + j] = (s[i][0] * s[j][0] + s[i][1] * s[j][1]) * q->gram[set[i] * q->n + set[j]];
+            A[i * k + j] = (s[i][0] * s[j][0] + s[i][1] * s[j][1]) *
+                           q->gram[set[i] * q->n + set[j]];
         mu[i] = s[i][0] * s[i][0] + s[i][1] * s[i][1];
     }
     if (!solve(k, A, mu)) return false;
@@ -117,7 +121,8 @@ bool ric_mixture_same(const ric_model *m, const ric_mixture *a, const double *w,
     }
     double product = fmax(hypot(forward[0], forward[1]), hypot(backward[0], backward[1]));
     /* 1 - cos is half the square of the angle */
-    return fabs(aa - bb) <= tolerance * aa && fabs(product - aa) <= fmax(tolerance * tolerance, SAME * SAME) * aa;
+    return fabs(aa - bb) <= tolerance * aa &&
+           fabs(product - aa) <= fmax(tolerance * tolerance, SAME * SAME) * aa;
 }
 
 static ric_status keep(looking *q, int k, const int *set)
@@ -129,7 +134,8 @@ static ric_status keep(looking *q, int k, const int *set)
     for (int part = 0; part < 2; part++)
         memcpy(z + part * n + q->space->first, q->z + part * q->size, (size_t)q->size * sizeof *z);
     for (int i = 0; i < all->n; i++)
-        if (all->list[i].space == q->index && ric_mixture_same(q->m, &all->list[i], z, SAME)) return RIC_OK;
+        if (all->list[i].space == q->index && ric_mixture_same(q->m, &all->list[i], z, SAME))
+            return RIC_OK;
     if (all->n == all->capacity) {
         int capacity = all->capacity ? 2 * all->capacity : 8;
         ric_mixture *grown = ric_realloc(all->list, (size_t)capacity * sizeof *grown);
@@ -151,7 +157,11 @@ static ric_status keep(looking *q, int k, const int *set)
         energy += (x * x + y * y) / 2;
     }
     ric_mixture *made = &all->list[all->n++];
-    *made = (ric_mixture){.space = q->index, .n_contact = k, .straight = straight, .energy = energy, .w = w};
+    *made = (ric_mixture){.space = q->index,
+                          .n_contact = k,
+                          .straight = straight,
+                          .energy = energy,
+                          .w = w};
     for (int i = 0; i < k; i++) made->contact[i] = q->contact[set[i]];
     return RIC_OK;
 }
@@ -170,7 +180,8 @@ static bool least(looking *q, int k, const int *set, double s[2][RIC_MIXTURE_CON
         for (int i = 0; i < k * k; i++) A[i] = q->gram[set[i / k] * q->n + set[i % k]];
         if (!solve(k, A, s[part])) return false;
         for (int i = 0; i < k; i++)
-            for (int l = 0; l < q->size; l++) q->z[part * q->size + l] += s[part][i] * q->g[set[i] * q->size + l];
+            for (int l = 0; l < q->size; l++)
+                q->z[part * q->size + l] += s[part][i] * q->g[set[i] * q->size + l];
     }
     return true;
 }
@@ -187,10 +198,11 @@ static ric_status in_phase(looking *q, int k, const int *set)
     return status;
 }
 
-/* Three contacts whose normals are independent: |Z|^2 = sum_ij Q_ij d_i d_j cos(phi_i - phi_j), Q the inverse of their
- * Gram matrix, is stationary where a_12 sin(phi_1 - phi_2) = a_23 sin(phi_2 - phi_3) = a_31 sin(phi_3 - phi_1),
- * a_ij = Q_ij d_i d_j: but for the phases of in_phase, the outer angles of a triangle with sides 1/|a_ij|, contacts
- * turned round by half a period until all a_ij have one sign. */
+/* Three contacts whose normals are independent: |Z|^2 = sum_ij Q_ij d_i d_j cos(phi_i - phi_j), Q
+ * the inverse of their Gram matrix, is stationary where a_12 sin(phi_1 - phi_2) = a_23 sin(phi_2 -
+ * phi_3) = a_31 sin(phi_3 - phi_1), a_ij = Q_ij d_i d_j: but for the phases of in_phase, the outer
+ * angles of a triangle with sides 1/|a_ij|, contacts turned round by half a period until all a_ij
+ * have one sign. */
 static ric_status by_triangle(looking *q, const int *set)
 {
     double inverse[3][3], a[3], side[3], phase[3] = {0}; /* a: of 12, 23, 31 */
@@ -203,12 +215,14 @@ static ric_status by_triangle(looking *q, const int *set)
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3;
         a[i] = inverse[i][j] * q->gap[set[i]] * q->gap[set[j]];
-        if (fabs(a[i]) <= SQUARE * fabs(inverse[i][i]) * q->gap[set[i]] * q->gap[set[i]]) return RIC_OK;
+        if (fabs(a[i]) <= SQUARE * fabs(inverse[i][i]) * q->gap[set[i]] * q->gap[set[i]])
+            return RIC_OK;
         side[i] = 1 / fabs(a[i]);
     }
     double sign = a[0] * a[1] * a[2] > 0 ? 1 : -1, outer[2];
     for (int i = 0; i < 2; i++) { /* at the corner opposite to the side of phi_i - phi_(i+1) */
-        double b = side[(i + 1) % 3], c = side[(i + 2) % 3], cosine = (b * b + c * c - side[i] * side[i]) / (2 * b * c);
+        double b = side[(i + 1) % 3], c = side[(i + 2) % 3],
+               cosine = (b * b + c * c - side[i] * side[i]) / (2 * b * c);
         if (!(fabs(cosine) < 1)) return RIC_OK;
         outer[i] = RIC_PI - acos(cosine);
     }
@@ -222,8 +236,8 @@ static ric_status by_triangle(looking *q, const int *set)
     return least(q, 3, set, s) ? consider(q, 3, set) : RIC_OK;
 }
 
-/* Three contacts whose normals lie in a plane, gamma_3 = x gamma_1 + y gamma_2: the phase between the first two follows
- * from |s_3| = d_3. */
+/* Three contacts whose normals lie in a plane, gamma_3 = x gamma_1 + y gamma_2: the phase between
+ * the first two follows from |s_3| = d_3. */
 static ric_status in_plane(looking *q, const int *set)
 {
     const double *row = q->gram;
@@ -231,9 +245,11 @@ static ric_status in_plane(looking *q, const int *set)
     double A[4] = {row[i * n + i], row[i * n + j], row[j * n + i], row[j * n + j]};
     double x[2] = {row[i * n + k], row[j * n + k]};
     if (!solve(2, A, x)) return RIC_OK;
-    double u = x[0] * q->gap[i], v = x[1] * q->gap[j], cosine = (q->gap[k] * q->gap[k] - u * u - v * v) / (2 * u * v);
+    double u = x[0] * q->gap[i], v = x[1] * q->gap[j],
+           cosine = (q->gap[k] * q->gap[k] - u * u - v * v) / (2 * u * v);
     if (!(fabs(cosine) < 1)) return RIC_OK;
-    double s[2][RIC_MIXTURE_CONTACTS] = {{q->gap[i], q->gap[j] * cosine}, {0, q->gap[j] * sqrt(1 - cosine * cosine)}};
+    double s[2][RIC_MIXTURE_CONTACTS] = {{q->gap[i], q->gap[j] * cosine},
+                                         {0, q->gap[j] * sqrt(1 - cosine * cosine)}};
     return least(q, 2, set, s) ? consider(q, 3, set) : RIC_OK;
 }
 
@@ -249,7 +265,8 @@ static ric_status sets(looking *q, int k, int *set)
 {
     ric_status status = RIC_OK;
     if (k > 0 && k <= q->size) status = in_phase(q, k, set);
-    if (k == TRIPLES && !status) status = dependent(q, k, set) ? in_plane(q, set) : by_triangle(q, set);
+    if (k == TRIPLES && !status)
+        status = dependent(q, k, set) ? in_plane(q, set) : by_triangle(q, set);
     for (int f = k ? set[k - 1] + 1 : 0; f < q->n && k < q->set_most && !status; f++) {
         set[k] = f;
         status = sets(q, k + 1, set);
@@ -261,7 +278,9 @@ static void count(looking *q)
 {
     ric_eigenspace *space = q->space;
     int enough = q->size < q->n ? q->size : q->n;
-    q->set_most = q->n > ALL_SETS ? PAIRS : q->n < RIC_MIXTURE_CONTACTS ? q->n : RIC_MIXTURE_CONTACTS;
+    q->set_most = q->n > ALL_SETS               ? PAIRS
+                  : q->n < RIC_MIXTURE_CONTACTS ? q->n
+                                                : RIC_MIXTURE_CONTACTS;
     space->contacts = q->n;
     space->sets = q->set_most < enough ? q->set_most : enough;
     space->turning = q->set_most < TRIPLES ? q->set_most : TRIPLES;
@@ -286,7 +305,8 @@ static void read_normals(looking *q)
         q->contact[q->n++] = f;
     }
     for (int f = 0; f < q->n; f++)
-        for (int h = 0; h < q->n; h++) q->gram[f * q->n + h] = ric_dot(q->size, q->g + f * q->size, q->g + h * q->size);
+        for (int h = 0; h < q->n; h++)
+            q->gram[f * q->n + h] = ric_dot(q->size, q->g + f * q->size, q->g + h * q->size);
 }
 
 static ric_status look(ric_model *m, int index)
@@ -298,7 +318,9 @@ static ric_status look(ric_model *m, int index)
     q.g = ric_calloc((size_t)m->n_contact * (size_t)size, sizeof *q.g);
     q.gram = ric_calloc((size_t)m->n_contact * (size_t)m->n_contact, sizeof *q.gram);
     q.z = ric_calloc(2 * (size_t)size, sizeof *q.z);
-    ric_status status = q.contact && q.gap && q.g && q.gram && q.z ? RIC_OK : ric_no_memory("mixtures of modes");
+    ric_status status = q.contact && q.gap && q.g && q.gram && q.z
+                            ? RIC_OK
+                            : ric_no_memory("mixtures of modes");
     if (!status) {
         read_normals(&q);
         count(&q);
@@ -326,12 +348,14 @@ ric_status ric_mixtures_create(ric_model *m)
 {
     ric_status status = RIC_OK;
     ric_mixtures *all = m->mixtures = ric_calloc(1, sizeof *all);
-    if (!all || !(all->space = ric_calloc((size_t)m->n, sizeof *all->space))) return ric_no_memory("mixtures of modes");
+    if (!all || !(all->space = ric_calloc((size_t)m->n, sizeof *all->space)))
+        return ric_no_memory("mixtures of modes");
     for (int i = 0, end; i < m->n; i = end) {
         end = end_of(m, i);
         if (end > i + 1) all->space[all->n_space++] = (ric_eigenspace){.first = i, .size = end - i};
     }
-    for (int i = 0; i < all->n_space && ric_model_detached(m) && m->n_part == 1 && !status; i++) status = look(m, i);
+    for (int i = 0; i < all->n_space && ric_model_detached(m) && m->n_part == 1 && !status; i++)
+        status = look(m, i);
     return status;
 }
 

@@ -13,9 +13,11 @@
 #include "regime.h"
 #include "base/room.h"
 
-/* Of the largest entry: what rounding of a study's numbers leaves of symmetry; more is a mistake in them. */
+/* Of the largest entry: what rounding of a study's numbers leaves of symmetry; more is a mistake in
+ * them. */
 #define ASYMMETRIC 1e-12
-/* Entry of a matrix: products with twice the digits of a double overflow beyond 1.3e300 (twice.h). */
+/* Entry of a matrix: products with twice the digits of a double overflow beyond 1.3e300 (twice.h).
+ */
 #define LARGEST 1e300
 /* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
 #define ORTHOGONAL 1e-12
@@ -32,11 +34,13 @@ static ric_status check_matrix(int n, const double *A, const char *name)
     double largest = 0;
     for (int i = 0; i < n * n; i++) {
         if (!isfinite(A[i]))
-            return ric_fail(RIC_E_INPUT, "%s matrix: the entry of row %d, column %d is not a finite number", name,
-                            i / n + 1, i % n + 1);
+            return ric_fail(RIC_E_INPUT,
+                            "%s matrix: the entry of row %d, column %d is not a finite number",
+                            name, i / n + 1, i % n + 1);
         if (fabs(A[i]) > LARGEST)
             return ric_fail(RIC_E_INPUT,
-                            "%s matrix: the entry of row %d, column %d is %g, and numbers up to %g are taken; choose "
+                            "%s matrix: the entry of row %d, column %d is %g, and numbers up to %g "
+                            "are taken; choose "
                             "other units",
                             name, i / n + 1, i % n + 1, A[i], LARGEST);
         largest = fmax(largest, fabs(A[i]));
@@ -45,7 +49,8 @@ static ric_status check_matrix(int n, const double *A, const char *name)
         for (int j = 0; j < i; j++)
             if (fabs(A[i * n + j] - A[j * n + i]) > ASYMMETRIC * largest)
                 return ric_fail(RIC_E_INPUT,
-                                "%s matrix is not symmetric: row %d, column %d is %.17g but row %d, column %d is "
+                                "%s matrix is not symmetric: row %d, column %d is %.17g but row "
+                                "%d, column %d is "
                                 "%.17g; make them equal",
                                 name, i + 1, j + 1, A[i * n + j], j + 1, i + 1, A[j * n + i]);
     return RIC_OK;
@@ -55,40 +60,50 @@ static ric_status check_contact(int n, int i, const ric_contact *contact)
 {
     if (contact->law == RIC_LAW_POWER) {
         if (contact->exponent < 3 || contact->exponent > 99 || contact->exponent % 2 == 0)
-            return ric_fail(RIC_E_INPUT, "contact %d: exponent %d is not an odd number from 3 to 99", i + 1,
+            return ric_fail(RIC_E_INPUT,
+                            "contact %d: exponent %d is not an odd number from 3 to 99", i + 1,
                             contact->exponent);
         const double *value = contact->length != 0 ? &contact->reference : &contact->stiffness;
         if (!isfinite(*value) || *value <= 0 || !isfinite(contact->length) || contact->length < 0)
-            return ric_fail(
-                RIC_E_INPUT,
-                "contact %d: a power law needs a stiffness, or a length with a reference stiffness, positive", i + 1);
+            return ric_fail(RIC_E_INPUT,
+                            "contact %d: a power law needs a stiffness, or a length with a "
+                            "reference stiffness, positive",
+                            i + 1);
     } else if (!isfinite(contact->clearance) || contact->clearance <= 0)
         return ric_fail(RIC_E_INPUT,
-                        "contact %d: clearance %g is not a positive length; the linear motion that every branch starts "
+                        "contact %d: clearance %g is not a positive length; the linear motion that "
+                        "every branch starts "
                         "from needs an open gap (for a preloaded stop use a small clearance)",
                         i + 1, contact->clearance);
-    if (contact->law == RIC_LAW_BILINEAR && (!isfinite(contact->stiffness) || contact->stiffness <= 0))
-        return ric_fail(RIC_E_INPUT, "contact %d: contact stiffness %g is not positive", i + 1, contact->stiffness);
+    if (contact->law == RIC_LAW_BILINEAR &&
+        (!isfinite(contact->stiffness) || contact->stiffness <= 0))
+        return ric_fail(RIC_E_INPUT, "contact %d: contact stiffness %g is not positive", i + 1,
+                        contact->stiffness);
     double largest = 0;
     for (int j = 0; j < n; j++) {
         if (!isfinite(contact->normal[j]))
-            return ric_fail(RIC_E_INPUT, "contact %d: number %d of the normal is not finite", i + 1, j + 1);
+            return ric_fail(RIC_E_INPUT, "contact %d: number %d of the normal is not finite", i + 1,
+                            j + 1);
         largest = fmax(largest, fabs(contact->normal[j]));
     }
     if (largest == 0)
         return ric_fail(RIC_E_INPUT,
-                        "contact %d: the normal is all zeros; it must name the displacements that close the gap",
+                        "contact %d: the normal is all zeros; it must name the displacements that "
+                        "close the gap",
                         i + 1);
     return RIC_OK;
 }
 
-static ric_status check(int n, const double *M, const double *K, int n_contact, const ric_contact *contacts,
-                        double restitution)
+static ric_status check(int n, const double *M, const double *K, int n_contact,
+                        const ric_contact *contacts, double restitution)
 {
     ric_status status = RIC_OK;
-    if (n < 1 || n > 10000) return ric_fail(RIC_E_INPUT, "%d degrees of freedom; there must be 1 to 10000", n);
+    if (n < 1 || n > 10000)
+        return ric_fail(RIC_E_INPUT, "%d degrees of freedom; there must be 1 to 10000", n);
     if (n_contact < 1)
-        return ric_fail(RIC_E_INPUT, "no contacts; without one the structure is linear and its modes are the answer");
+        return ric_fail(
+            RIC_E_INPUT,
+            "no contacts; without one the structure is linear and its modes are the answer");
     if (!(restitution >= 0 && restitution <= 1))
         return ric_fail(RIC_E_INPUT, "restitution %g is outside [0, 1]", restitution);
     if ((status = check_matrix(n, M, "mass"))) return status;
@@ -96,8 +111,9 @@ static ric_status check(int n, const double *M, const double *K, int n_contact, 
     for (int i = 0; i < n_contact; i++) {
         if ((status = check_contact(n, i, &contacts[i]))) return status;
         if ((contacts[i].law == RIC_LAW_POWER) != (contacts[0].law == RIC_LAW_POWER))
-            return ric_fail(RIC_E_INPUT, "contact %d: a power law and contacts that open and close cannot be mixed",
-                            i + 1);
+            return ric_fail(
+                RIC_E_INPUT,
+                "contact %d: a power law and contacts that open and close cannot be mixed", i + 1);
     }
     return RIC_OK;
 }
@@ -114,24 +130,25 @@ static ric_status check_mass(int n, const double *M)
     }
     memcpy(A, M, (size_t)n * (size_t)n * sizeof *A);
     if (ric_lapack(LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n, A, n, value))) {
-        status = ric_fail(RIC_E_NUMERIC, "the eigenvalues of the mass matrix could not be computed");
+        status = ric_fail(RIC_E_NUMERIC,
+                          "the eigenvalues of the mass matrix could not be computed");
         goto out;
     }
     if (value[0] <= n * DBL_EPSILON * value[n - 1]) {
         int worst = 0;
         for (int i = 0; i < n; i++)
             if (M[i * n + i] < M[worst * n + worst]) worst = i;
-        status =
-            value[0] > 0
-                ? ric_fail(RIC_E_INPUT,
-                           "mass matrix is singular to rounding: its eigenvalues go from %g to %g; check row "
-                           "%d, column %d, which is %g",
-                           value[0], value[n - 1], worst + 1, worst + 1, M[worst * n + worst])
-                : ric_fail(
-                      RIC_E_INPUT,
-                      "mass matrix is not positive definite: its smallest eigenvalue is %g; check row %d, column %d, "
-                      "which is %g",
-                      value[0], worst + 1, worst + 1, M[worst * n + worst]);
+        status = value[0] > 0
+                     ? ric_fail(RIC_E_INPUT,
+                                "mass matrix is singular to rounding: its eigenvalues go from %g "
+                                "to %g; check row "
+                                "%d, column %d, which is %g",
+                                value[0], value[n - 1], worst + 1, worst + 1, M[worst * n + worst])
+                     : ric_fail(RIC_E_INPUT,
+                                "mass matrix is not positive definite: its smallest eigenvalue is "
+                                "%g; check row %d, column %d, "
+                                "which is %g",
+                                value[0], worst + 1, worst + 1, M[worst * n + worst]);
     }
 out:
     free(A);
@@ -143,7 +160,8 @@ out:
 
 void ric_model_complement(int n, const double *h, double *E)
 {
-    double norm = sqrt(ric_dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]), beta = 1 / (norm * (norm + fabs(h[0])));
+    double norm = sqrt(ric_dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]),
+           beta = 1 / (norm * (norm + fabs(h[0])));
     for (int i = 1; i < n; i++)
         for (int j = 0; j < n; j++) E[(i - 1) * n + j] = (i == j) - beta * h[i] * (j ? h[j] : v0);
     /* the reflection's pivot sign would turn the basis over where h[0] changes sign */
@@ -153,7 +171,8 @@ void ric_model_complement(int n, const double *h, double *E)
 /* The reflection is 1 - beta v v' with v = (v0, h_1, ..). */
 void ric_model_across(int n, const double *h, int columns, int ld, double *X)
 {
-    double norm = sqrt(ric_dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]), beta = 1 / (norm * (norm + fabs(h[0])));
+    double norm = sqrt(ric_dot(n, h, h)), v0 = h[0] + copysign(norm, h[0]),
+           beta = 1 / (norm * (norm + fabs(h[0])));
     double along[columns];
     for (int j = 0; j < columns; j++) along[j] = v0 * X[j];
     for (int i = 1; i < n; i++)
@@ -164,21 +183,26 @@ void ric_model_across(int n, const double *h, int columns, int ld, double *X)
     for (int j = 0; n > 1 && h[0] < 0 && j < columns; j++) X[j] = -X[j];
 }
 
-#define LINEAR_ENERGY 1e-6 /* amplitudes of a thousandth of the length at which a power law acts */
-#define FAST 20.0          /* ratio to the lowest frequency */
-#define NEAR_ONE 4         /* powers of two by which a unit may be off before it is changed: a digit */
+#define LINEAR_ENERGY                                                                              \
+    1e-6          /* amplitudes of a thousandth of the length at which a power law acts            \
+                   */
+#define FAST 20.0 /* ratio to the lowest frequency */
+/* NEAR_ONE: powers of two by which a unit may be off before it is changed: a digit */
+#define NEAR_ONE 4
 
-/* The length at which a contact acts: its clearance, or where the force of a power law is that of the structure,
- * k_c s^m c.c = omega_ref^2 s. */
+/* The length at which a contact acts: its clearance, or where the force of a power law is that of
+ * the structure, k_c s^m c.c = omega_ref^2 s. */
 static double acting_length(const ric_model *m, int f)
 {
     const ric_contact *contact = &m->contact[f];
     double cc = 0, order = contact->exponent - 1, omega2 = m->omega_ref * m->omega_ref;
     if (contact->law != RIC_LAW_POWER) return contact->clearance;
-    for (int i = 0; i < m->n; i++) cc += m->normal[f * m->n_dof + m->mode[i]] * m->normal[f * m->n_dof + m->mode[i]];
+    for (int i = 0; i < m->n; i++)
+        cc += m->normal[f * m->n_dof + m->mode[i]] * m->normal[f * m->n_dof + m->mode[i]];
     if (!(cc > 0)) return HUGE_VAL;
-    return contact->length > 0 ? contact->length * pow(omega2 / (contact->reference * cc), 1 / order)
-                               : pow(omega2 / (contact->stiffness * cc), 1 / order);
+    return contact->length > 0
+               ? contact->length * pow(omega2 / (contact->reference * cc), 1 / order)
+               : pow(omega2 / (contact->stiffness * cc), 1 / order);
 }
 
 /* A power of two near x, so that nothing is rounded by it; 1 as long as that will do. */
@@ -201,8 +225,9 @@ static double scaled_spring(const ric_model *m, const ric_contact *contact, doub
     double d = ric_model_length(m) * m->length;
     if (contact->law == RIC_LAW_RIGID) return 0;
     if (contact->law == RIC_LAW_BILINEAR) return contact->stiffness / unit;
-    double k = contact->length > 0 ? contact->reference * pow(d / contact->length, contact->exponent - 1)
-                                   : contact->stiffness * pow(d, contact->exponent - 1);
+    double k = contact->length > 0
+                   ? contact->reference * pow(d / contact->length, contact->exponent - 1)
+                   : contact->stiffness * pow(d, contact->exponent - 1);
     return k / unit;
 }
 
@@ -221,10 +246,12 @@ static void scale_modes(ric_model *m)
     m->length = length_unit(m);
     m->energy_unit = stiffness * m->length * m->length;
     if (m->law == RIC_LAW_POWER) m->linear_energy = LINEAR_ENERGY * unit_near(m->energy_unit);
-    for (int f = 0; f < m->n_contact; f++) m->spring[f] = scaled_spring(m, &m->contact[f], stiffness);
+    for (int f = 0; f < m->n_contact; f++)
+        m->spring[f] = scaled_spring(m, &m->contact[f], stiffness);
     for (int i = 0; i < n; i++) {
         int mode = m->mode[i];
-        long double omega = ((long double)m->frequency[mode] + m->frequency_low[mode]) / m->omega_ref;
+        long double omega = ((long double)m->frequency[mode] + m->frequency_low[mode]) /
+                            m->omega_ref;
         m->omega[i] = (double)omega;
         m->omega_low[i] = (double)(omega - m->omega[i]);
         m->fast |= omega > FAST;
@@ -234,8 +261,8 @@ static void scale_modes(ric_model *m)
             m->c[f * n + i] = m->normal[f * nd + mode] / unit;
             m->g[f * n + i] = m->c[f * n + i] / m->kappa[i];
         }
-        double shape[nd]; /* columns of a large matrix are far apart in memory; M is symmetric, so that its rows will
-                           * do */
+        double shape[nd]; /* columns of a large matrix are far apart in memory; M is symmetric, so
+                             that its rows will do */
         for (int l = 0; l < nd; l++) shape[l] = m->Phi[l * nd + mode];
         for (int j = 0; j < nd; j++) {
             m->to_modal[i * nd + j] = ric_dot(nd, shape, m->M + j * nd) * unit / m->length;
@@ -261,8 +288,8 @@ static void make_faces(ric_model *m)
             m->face[m->n_face++] = (ric_face){.contact = f,
                                               .side = side,
                                               .mirror = mirror,
-                                              .gap = side * m->contact[f].clearance / m->contact[0].clearance /
-                                                     m->length,
+                                              .gap = side * m->contact[f].clearance /
+                                                     m->contact[0].clearance / m->length,
                                               .spring = m->spring[f],
                                               .c = m->c + f * n,
                                               .g = m->g + f * n,
@@ -287,8 +314,8 @@ static ric_status allocate(ric_model *m, int n, int n_contact)
     m->Phi = array(nn, sizeof(double));
     m->normal = array(fn, sizeof(double));
     m->seen = array((size_t)n, sizeof *m->seen);
-    if (!m->M || !m->K || !m->b || !m->contact || !m->spring || !m->frequency || !m->frequency_low || !m->Phi ||
-        !m->normal || !m->seen)
+    if (!m->M || !m->K || !m->b || !m->contact || !m->spring || !m->frequency ||
+        !m->frequency_low || !m->Phi || !m->normal || !m->seen)
         return ric_fail(RIC_E_NOMEM, "no memory for a model of %d degrees of freedom", n);
     return RIC_OK;
 }
@@ -307,14 +334,15 @@ static ric_status allocate_scaled(ric_model *m)
     m->face = array(2 * f, sizeof *m->face);
     m->to_modal = array(n * (size_t)m->n_dof, sizeof(double));
     m->to_space = array(n * (size_t)m->n_dof, sizeof(double));
-    if (!m->mode || !m->omega || !m->omega_low || !m->kappa || !m->stiff || !m->c || !m->g || !m->E || !m->face ||
-        !m->to_modal || !m->to_space)
+    if (!m->mode || !m->omega || !m->omega_low || !m->kappa || !m->stiff || !m->c || !m->g ||
+        !m->E || !m->face || !m->to_modal || !m->to_space)
         return ric_fail(RIC_E_NOMEM, "no memory for %d seen modes", m->n);
     return RIC_OK;
 }
 
-ric_status ric_model_create_near(const ric_model *near, int n_dof, const double *mass, const double *stiffness,
-                                 int n_contact, const ric_contact *contacts, double restitution, ric_model **out)
+ric_status ric_model_create_near(const ric_model *near, int n_dof, const double *mass,
+                                 const double *stiffness, int n_contact,
+                                 const ric_contact *contacts, double restitution, ric_model **out)
 {
     ric_model *m = NULL;
     ric_status status = check(n_dof, mass, stiffness, n_contact, contacts, restitution);
@@ -340,7 +368,8 @@ ric_status ric_model_create_near(const ric_model *near, int n_dof, const double 
             goto out;
         }
     }
-    for (int i = 0; i < n_contact; i++) m->law = contacts[i].law > m->law ? contacts[i].law : m->law;
+    for (int i = 0; i < n_contact; i++)
+        m->law = contacts[i].law > m->law ? contacts[i].law : m->law;
     m->restitution = restitution;
     const bool taken = near && ric_modes_take(m, near);
     if (taken && !m->n_part) status = ric_no_memory("a model");
@@ -361,16 +390,18 @@ out:
 ric_status ric_model_create(int n_dof, const double *mass, const double *stiffness, int n_contact,
                             const ric_contact *contacts, double restitution, ric_model **out)
 {
-    return ric_model_create_near(NULL, n_dof, mass, stiffness, n_contact, contacts, restitution, out);
+    return ric_model_create_near(NULL, n_dof, mass, stiffness, n_contact, contacts, restitution,
+                                 out);
 }
 
 void ric_model_free(ric_model *m)
 {
     if (!m) return;
     for (int i = 0; m->contact && i < m->n_contact; i++) free(ric_own(m->contact[i].name));
-    void *owned[] = {m->M,     m->K,      m->b,    m->contact, m->spring, m->frequency, m->frequency_low,
-                     m->Phi,   m->normal, m->seen, m->mode,    m->omega,  m->omega_low, m->kappa,
-                     m->stiff, m->c,      m->g,    m->E,       m->face,   m->to_modal,  m->to_space};
+    void *owned[] =
+        {m->M,     m->K,      m->b,    m->contact, m->spring, m->frequency, m->frequency_low,
+         m->Phi,   m->normal, m->seen, m->mode,    m->omega,  m->omega_low, m->kappa,
+         m->stiff, m->c,      m->g,    m->E,       m->face,   m->to_modal,  m->to_space};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     ric_regimes_free(m);
     ric_mixtures_free(m);
@@ -381,8 +412,9 @@ void ric_model_free(ric_model *m)
 
 static bool same_contact(const ric_contact *a, const ric_contact *b)
 {
-    return a->clearance == b->clearance && a->sides == b->sides && a->law == b->law && a->stiffness == b->stiffness &&
-           a->exponent == b->exponent && a->length == b->length && a->reference == b->reference;
+    return a->clearance == b->clearance && a->sides == b->sides && a->law == b->law &&
+           a->stiffness == b->stiffness && a->exponent == b->exponent && a->length == b->length &&
+           a->reference == b->reference;
 }
 
 /* The structure, whatever is lost at its stops. */
@@ -392,7 +424,8 @@ bool ric_model_same(const ric_model *a, const ric_model *b)
     const size_t n = (size_t)a->n_dof, size = n * n * sizeof *a->M;
     bool same = !memcmp(a->M, b->M, size) && !memcmp(a->K, b->K, size) &&
                 !memcmp(a->b, b->b, (size_t)a->n_contact * n * sizeof *a->b);
-    for (int f = 0; f < a->n_contact && same; f++) same = same_contact(&a->contact[f], &b->contact[f]);
+    for (int f = 0; f < a->n_contact && same; f++)
+        same = same_contact(&a->contact[f], &b->contact[f]);
     return same;
 }
 
@@ -449,7 +482,8 @@ const double *ric_model_stiffness(const ric_model *m)
 ric_status ric_model_contact(const ric_model *m, int contact, ric_contact *out)
 {
     if (contact < 0 || contact >= m->n_contact)
-        return ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
+        return ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact,
+                        m->n_contact);
     *out = m->contact[contact];
     return RIC_OK;
 }
@@ -457,7 +491,8 @@ ric_status ric_model_contact(const ric_model *m, int contact, ric_contact *out)
 ric_status ric_model_face(const ric_model *m, int face, int *contact, int *side, int *mirror)
 {
     if (face < 0 || face >= m->n_face)
-        return ric_fail(RIC_E_RANGE, "face %d does not exist; there are %d, from 0", face, m->n_face);
+        return ric_fail(RIC_E_RANGE, "face %d does not exist; there are %d, from 0", face,
+                        m->n_face);
     if (contact) *contact = m->face[face].contact;
     if (side) *side = m->face[face].side;
     if (mirror) *mirror = m->face[face].mirror;
@@ -488,16 +523,16 @@ ric_status ric_model_modal_normals(const ric_model *m, double *out)
     return RIC_OK;
 }
 
-/* Linear mode i with amplitude A reaches c_fi A = d_f; E / d^2 = omega_i^2 (d_f/d)^2 / (2 c_fi^2). Law power is met at
- * once. */
+/* Linear mode i with amplitude A reaches c_fi A = d_f; E / d^2 = omega_i^2 (d_f/d)^2 / (2 c_fi^2).
+ * Law power is met at once. */
 ric_status ric_model_grazing_energies(const ric_model *m, double *energy, int *contact)
 {
     for (int i = 0; i < m->n_dof; i++) {
         energy[i] = INFINITY;
         contact[i] = -1;
         for (int f = 0; f < m->n_contact; f++) {
-            double c = m->normal[f * m->n_dof + i], d = m->contact[f].clearance / ric_model_length(m),
-                   omega = m->frequency[i];
+            double c = m->normal[f * m->n_dof + i],
+                   d = m->contact[f].clearance / ric_model_length(m), omega = m->frequency[i];
             if (c == 0 || omega == 0) continue;
             double E = omega * omega * d * d / (2 * c * c);
             if (E < energy[i]) {
@@ -509,15 +544,16 @@ ric_status ric_model_grazing_energies(const ric_model *m, double *energy, int *c
     return RIC_OK;
 }
 
-/* Linear mode i with the force of contact f under a power law as large as that of the structure along it: with r the
- * displacement c_fi A over the contact's length, reference r^m c_fi = omega_i^2 A, so that r^(m-1) = omega_i^2 /
- * (reference c_fi^2). */
+/* Linear mode i with the force of contact f under a power law as large as that of the structure
+ * along it: with r the displacement c_fi A over the contact's length, reference r^m c_fi =
+ * omega_i^2 A, so that r^(m-1) = omega_i^2 / (reference c_fi^2). */
 static double power_onset(const ric_model *m, int f, int i)
 {
     const ric_contact *contact = &m->contact[f];
     const bool own = contact->length > 0;
     const double c = m->normal[f * m->n_dof + i], omega2 = m->frequency[i] * m->frequency[i],
-                 k = own ? contact->reference : contact->stiffness, length = own ? contact->length : 1,
+                 k = own ? contact->reference : contact->stiffness,
+                 length = own ? contact->length : 1,
                  ratio = pow(omega2 / (k * c * c), 1.0 / (contact->exponent - 1)),
                  amplitude = length / c * ratio / ric_model_length(m);
     return omega2 * amplitude * amplitude / 2;
@@ -554,15 +590,17 @@ double ric_model_onset(const ric_model *m, int *mode)
     return NAN;
 }
 
-/* Eigenfrequencies with s = 0 held: diag(omega^2) restricted to the complement of c, in mass-normalised modal
- * coordinates. */
+/* Eigenfrequencies with s = 0 held: diag(omega^2) restricted to the complement of c, in
+ * mass-normalised modal coordinates. */
 ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double *out)
 {
     ric_status status = RIC_OK;
     int n = m->n_dof;
-    double *E = array((size_t)n * (size_t)n, sizeof *E), *A = array((size_t)n * (size_t)n, sizeof *A);
+    double *E = array((size_t)n * (size_t)n, sizeof *E),
+           *A = array((size_t)n * (size_t)n, sizeof *A);
     if (contact < 0 || contact >= m->n_contact) {
-        status = ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
+        status = ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact,
+                          m->n_contact);
         goto out;
     }
     if (!E || !A) {
@@ -573,13 +611,15 @@ ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double 
     for (int i = 0; i < n - 1; i++)
         for (int j = 0; j < n - 1; j++)
             for (int k = 0; k < n; k++)
-                A[i * (n - 1) + j] += E[i * n + k] * m->frequency[k] * m->frequency[k] * E[j * n + k];
+                A[i * (n - 1) + j] += E[i * n + k] * m->frequency[k] * m->frequency[k] *
+                                      E[j * n + k];
     if (n > 1 && ric_lapack(LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'U', n - 1, A, n - 1, out))) {
         status = ric_fail(RIC_E_NUMERIC, "the locked frequencies could not be computed");
         goto out;
     }
     double largest = n > 1 ? fabs(out[n - 2]) : 0;
-    for (int i = 0; i < n - 1; i++) out[i] = out[i] <= 16.0 * n * DBL_EPSILON * largest ? 0 : sqrt(out[i]);
+    for (int i = 0; i < n - 1; i++)
+        out[i] = out[i] <= 16.0 * n * DBL_EPSILON * largest ? 0 : sqrt(out[i]);
 out:
     free(E);
     free(A);
@@ -590,7 +630,8 @@ ric_status ric_model_compliance(const ric_model *m, int contact, double *cumulat
 {
     double sum = 0;
     if (contact < 0 || contact >= m->n_contact)
-        return ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact, m->n_contact);
+        return ric_fail(RIC_E_RANGE, "contact %d does not exist; there are %d, from 0", contact,
+                        m->n_contact);
     for (int i = 0; i < m->n_dof; i++) {
         double c = m->normal[contact * m->n_dof + i];
         cumulative[i] = sum += c * c;
@@ -598,14 +639,15 @@ ric_status ric_model_compliance(const ric_model *m, int contact, double *cumulat
     return RIC_OK;
 }
 
-/* x' A x, with A x of twice the digits: it cancels by as much as the highest mode is stiffer than the motion, 1e9 in a
- * beam of short finite elements. */
+/* x' A x, with A x of twice the digits: it cancels by as much as the highest mode is stiffer than
+ * the motion, 1e9 in a beam of short finite elements. */
 static double quadratic(int n, const double *A, const double *x)
 {
     double sum = 0;
     for (int i = 0; i < n; i++) {
         ric_twice force = {0, 0};
-        for (int j = 0; j < n; j++) force = ric_twice_add(force, ric_twice_product(A[i * n + j], x[j]));
+        for (int j = 0; j < n; j++)
+            force = ric_twice_add(force, ric_twice_product(A[i * n + j], x[j]));
         sum += x[i] * force.hi;
     }
     return sum;
@@ -616,7 +658,8 @@ double ric_model_energy(const ric_model *m, const double *x, const double *v)
     double energy = (quadratic(m->n_dof, m->M, v) + quadratic(m->n_dof, m->K, x)) / 2;
     for (int f = 0; f < m->n_contact; f++) {
         const ric_contact *contact = &m->contact[f];
-        double s = ric_dot(m->n_dof, contact->normal, x), unit = m->energy_unit / (m->length * m->length),
+        double s = ric_dot(m->n_dof, contact->normal, x),
+               unit = m->energy_unit / (m->length * m->length),
                d = contact->clearance / ric_model_length(m);
         if (contact->law == RIC_LAW_POWER)
             energy += m->energy_unit * m->spring[f] * pow(s / m->length, contact->exponent + 1) /
@@ -633,7 +676,8 @@ double ric_model_energy(const ric_model *m, const double *x, const double *v)
 bool ric_model_orthogonal(const ric_model *m, int f, int g)
 {
     const double *c = m->c + f * m->n, *d = m->c + g * m->n;
-    return fabs(ric_dot(m->n, c, d)) <= ORTHOGONAL * sqrt(ric_dot(m->n, c, c) * ric_dot(m->n, d, d));
+    return fabs(ric_dot(m->n, c, d)) <=
+           ORTHOGONAL * sqrt(ric_dot(m->n, c, c) * ric_dot(m->n, d, d));
 }
 
 void ric_model_to_state(const ric_model *m, const double *w, double *x, double *v)

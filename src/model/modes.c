@@ -12,11 +12,14 @@
 
 /* A modal normal below this fraction of |c_f| is rounding: the mode is not seen by the contact. */
 #define UNSEEN 1e-12
-/* Frequencies closer than this (relative, in omega^2) may count as equal, where rounding of the entries of M and K
- * makes as much: their eigenvectors are not determined by M and K. */
+/* Frequencies closer than this (relative, in omega^2) may count as equal, where rounding of the
+ * entries of M and K makes as much: their eigenvectors are not determined by M and K. */
 #define EQUAL 1e-11
-#define ROUNDINGS 512 /* of omega^2, by which equal ones differ in any case: 2e-13 of a state in a turn */
-#define REFINED 400   /* largest n for which eigenpairs are refined: beyond it the cubic cost in long double is felt */
+/* ROUNDINGS: of omega^2, by which equal ones differ in any case: 2e-13 of a state in a turn */
+#define ROUNDINGS 512
+/* REFINED: largest n for which eigenpairs are refined: beyond it the cubic cost in long double is
+ * felt */
+#define REFINED 400
 
 /* out = A X, of square matrices; row by row, which is how they lie in memory. */
 static void multiply(int n, const double *A, const long double *X, long double *out)
@@ -29,10 +32,11 @@ static void multiply(int n, const double *A, const long double *X, long double *
         }
 }
 
-/* The same with sums of twice the digits of a double: of a low mode K x cancels by as much as the highest mode is
- * stiffer, 1e9 in a beam of short finite elements, and what rounding leaves of it mixes the low modes. `room` [n * n].
- */
-static void multiply_twice(int n, const double *A, const long double *X, long double *out, ric_twice *room)
+/* The same with sums of twice the digits of a double: of a low mode K x cancels by as much as the
+ * highest mode is stiffer, 1e9 in a beam of short finite elements, and what rounding leaves of it
+ * mixes the low modes. `room` [n * n]. */
+static void multiply_twice(int n, const double *A, const long double *X, long double *out,
+                           ric_twice *room)
 {
     for (int i = 0; i < n * n; i++) room[i] = ric_twice_of(X[i]);
     for (int i = 0; i < n; i++) {
@@ -41,15 +45,16 @@ static void multiply_twice(int n, const double *A, const long double *X, long do
         for (int k = 0; k < n; k++) {
             const double a = A[i * n + k];
             if (a == 0) continue;
-            for (int j = 0; j < n; j++) sum[j] = ric_twice_add(sum[j], ric_twice_scale(a, room[k * n + j]));
+            for (int j = 0; j < n; j++)
+                sum[j] = ric_twice_add(sum[j], ric_twice_scale(a, room[k * n + j]));
         }
         for (int j = 0; j < n; j++) out[i * n + j] = (long double)sum[j].hi + sum[j].lo;
     }
 }
 
 /* out = factor X' Y, and one more with `and_one`. */
-static void multiply_transposed(int n, bool and_one, double factor, const long double *X, const long double *Y,
-                                long double *out)
+static void multiply_transposed(int n, bool and_one, double factor, const long double *X,
+                                const long double *Y, long double *out)
 {
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) out[i * n + j] = and_one && i == j;
@@ -68,11 +73,11 @@ static void turn(int n, double factor, const long double *S, long double *X, lon
     memcpy(X, room, (size_t)n * (size_t)n * sizeof *X);
 }
 
-/* One step of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007) for K X = M X Lambda in long double:
- * LAPACK's small eigenvalues are accurate relative to the largest one only, and a period needs them relative to
- * themselves. */
-static void refine_once(const ric_model *m, int n, long double *X, long double *MX, long double *KX, long double *R,
-                        long double *S, long double *lambda)
+/* One step of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007) for K X = M X Lambda
+ * in long double: LAPACK's small eigenvalues are accurate relative to the largest one only, and a
+ * period needs them relative to themselves. */
+static void refine_once(const ric_model *m, int n, long double *X, long double *MX, long double *KX,
+                        long double *R, long double *S, long double *lambda)
 {
     multiply(n, m->M, X, MX);
     multiply_twice(n, m->K, X, KX, (ric_twice *)R);
@@ -82,16 +87,19 @@ static void refine_once(const ric_model *m, int n, long double *X, long double *
     for (int i = 0; i < n; i++) /* S becomes the correction E */
         for (int j = 0; j < n; j++) {
             long double gap = lambda[j] - lambda[i], large = fabsl(lambda[i]) + fabsl(lambda[j]);
-            if (fabsl(gap) > RIC_TIE * large) S[i * n + j] = (S[i * n + j] + lambda[j] * R[i * n + j]) / gap;
+            if (fabsl(gap) > RIC_TIE * large)
+                S[i * n + j] = (S[i * n + j] + lambda[j] * R[i * n + j]) / gap;
             else S[i * n + j] = R[i * n + j] / 2;
         }
     turn(n, 1, S, X, MX);
 }
 
-/* X <- X (1 + R/2), R = 1 - X' M X: orthonormal in M to the square of what was missing, whatever the gaps between the
- * frequencies (Newton and Schulz: Higham, Functions of Matrices, SIAM 2008, section 8.3). A division by a gap leaves
- * the vectors of a cluster off by rounding over that gap. */
-static void orthonormalise(const ric_model *m, int n, long double *X, long double *MX, long double *R)
+/* X <- X (1 + R/2), R = 1 - X' M X: orthonormal in M to the square of what was missing, whatever
+ * the gaps between the frequencies (Newton and Schulz: Higham, Functions of Matrices, SIAM 2008,
+ * section 8.3). A division by a gap leaves the vectors of a cluster off by rounding over that gap.
+ */
+static void orthonormalise(const ric_model *m, int n, long double *X, long double *MX,
+                           long double *R)
 {
     multiply(n, m->M, X, MX);
     multiply_transposed(n, true, -1, X, MX, R);
@@ -108,8 +116,10 @@ static ric_status refine_modes(ric_model *m)
     long double *lambda = work + 5 * square;
     for (size_t i = 0; i < square; i++) work[i] = m->Phi[i];
     for (int step = 0; step < 3; step++)
-        refine_once(m, n, work, work + square, work + 2 * square, work + 3 * square, work + 4 * square, lambda);
-    for (int step = 0; step < 2; step++) orthonormalise(m, n, work, work + square, work + 2 * square);
+        refine_once(m, n, work, work + square, work + 2 * square, work + 3 * square,
+                    work + 4 * square, lambda);
+    for (int step = 0; step < 2; step++)
+        orthonormalise(m, n, work, work + square, work + 2 * square);
     for (size_t i = 0; i < square; i++) m->Phi[i] = (double)work[i];
     for (int i = 0; i < n; i++) {
         m->frequency[i] = (double)lambda[i];
@@ -131,10 +141,10 @@ static ric_status eigenmodes(ric_model *m)
     }
     memcpy(m->Phi, m->K, (size_t)n * (size_t)n * sizeof *B);
     memcpy(B, m->M, (size_t)n * (size_t)n * sizeof *B);
-    if (ric_lapack(LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'U', n, m->Phi, n, B, n, m->frequency))) {
-        status =
-            ric_fail(RIC_E_NUMERIC,
-                     "the eigenvalue problem of stiffness and mass could not be solved; are they scaled sensibly?");
+    if (ric_lapack(
+            LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'U', n, m->Phi, n, B, n, m->frequency))) {
+        status = ric_fail(RIC_E_NUMERIC, "the eigenvalue problem of stiffness and mass could not "
+                                         "be solved; are they scaled sensibly?");
         goto out;
     }
     if ((status = refine_modes(m))) goto out;
@@ -146,12 +156,14 @@ static ric_status eigenmodes(ric_model *m)
         rounding = 16.0 * n * DBL_EPSILON * norm * phi2; /* of phi' K phi */
         if (lambda < -rounding) {
             status = ric_fail(RIC_E_INPUT,
-                              "stiffness matrix is not positive semidefinite: mode %d has omega^2 = %g; an unstable "
+                              "stiffness matrix is not positive semidefinite: mode %d has omega^2 "
+                              "= %g; an unstable "
                               "structure has no free vibration about this equilibrium",
                               i + 1, lambda);
             goto out;
         }
-        long double omega = lambda <= rounding ? 0 : sqrtl((long double)lambda + m->frequency_low[i]);
+        long double omega = lambda <= rounding ? 0
+                                               : sqrtl((long double)lambda + m->frequency_low[i]);
         m->frequency[i] = (double)omega;
         m->frequency_low[i] = (double)(omega - m->frequency[i]); /* of omega, from here on */
     }
@@ -184,17 +196,19 @@ static double rounding_of(const ric_model *m, int mode)
     return DBL_EPSILON * sum;
 }
 
-/* Whether rounding alone may tell apart the frequencies of two modes, the lower one first. What is taken for equal and
- * is not, every orbit of these modes is off by: no more than that may be. */
+/* Whether rounding alone may tell apart the frequencies of two modes, the lower one first. What is
+ * taken for equal and is not, every orbit of these modes is off by: no more than that may be. */
 static bool are_equal(const ric_model *m, int lower, int upper)
 {
-    const double square = (double)squared(m, upper), gap = (double)(squared(m, upper) - squared(m, lower));
+    const double square = (double)squared(m, upper),
+                 gap = (double)(squared(m, upper) - squared(m, lower));
     if (!(gap <= EQUAL * square)) return false;
     return m->n_dof > REFINED || gap <= ROUNDINGS * DBL_EPSILON * square ||
            gap <= rounding_of(m, lower) + rounding_of(m, upper);
 }
 
-/* Modes first..last have one frequency from here on, that of their mean square, whatever their basis is. */
+/* Modes first..last have one frequency from here on, that of their mean square, whatever their
+ * basis is. */
 static void join_frequencies(ric_model *m, int first, int last)
 {
     long double sum = 0;
@@ -206,14 +220,17 @@ static void join_frequencies(ric_model *m, int first, int last)
     }
 }
 
-/* Within modes first..last of one frequency, turns the basis by the right singular vectors of the modal normals: the
- * first rank(C) vectors are seen, the others are not (docs/theory.md section 1). */
+/* Within modes first..last of one frequency, turns the basis by the right singular vectors of the
+ * modal normals: the first rank(C) vectors are seen, the others are not (docs/theory.md section 1).
+ */
 static ric_status rotate_equal(ric_model *m, int first, int last)
 {
     ric_status status = RIC_OK;
     int n = m->n_dof, k = last - first + 1, f = m->n_contact;
-    double *C = ric_calloc((size_t)f * (size_t)k, sizeof *C), *V = ric_calloc((size_t)k * (size_t)k, sizeof *V);
-    double *s = ric_calloc((size_t)(f > k ? f : k), sizeof *s), *row = ric_calloc((size_t)k, sizeof *row);
+    double *C = ric_calloc((size_t)f * (size_t)k, sizeof *C),
+           *V = ric_calloc((size_t)k * (size_t)k, sizeof *V);
+    double *s = ric_calloc((size_t)(f > k ? f : k), sizeof *s),
+           *row = ric_calloc((size_t)k, sizeof *row);
     double *super = ric_calloc((size_t)(f > k ? f : k), sizeof *super);
     if (!C || !V || !s || !row || !super) {
         status = ric_no_memory("equal frequencies");
@@ -222,7 +239,8 @@ static ric_status rotate_equal(ric_model *m, int first, int last)
     for (int i = 0; i < f; i++)
         for (int j = 0; j < k; j++)
             for (int l = 0; l < n; l++) C[i * k + j] += m->b[i * n + l] * m->Phi[l * n + first + j];
-    if (ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', f, k, C, k, s, NULL, 1, V, k, super))) {
+    if (ric_lapack(
+            LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', f, k, C, k, s, NULL, 1, V, k, super))) {
         status = ric_fail(RIC_E_NUMERIC, "equal frequencies could not be separated");
         goto out;
     }
@@ -252,15 +270,16 @@ static ric_status separate_equal(ric_model *m)
     return status;
 }
 
-/* The sign of an eigenvector is free: the component of largest modulus is made positive, so that results do not depend
- * on LAPACK. */
+/* The sign of an eigenvector is free: the component of largest modulus is made positive, so that
+ * results do not depend on LAPACK. */
 static void fix_signs(ric_model *m)
 {
     int n = m->n_dof;
     for (int i = 0; i < n; i++) {
         int largest = 0;
         for (int j = 1; j < n; j++)
-            if (fabs(m->Phi[j * n + i]) > fabs(m->Phi[largest * n + i]) * (1 + RIC_TIE)) largest = j;
+            if (fabs(m->Phi[j * n + i]) > fabs(m->Phi[largest * n + i]) * (1 + RIC_TIE))
+                largest = j;
         if (m->Phi[largest * n + i] < 0)
             for (int j = 0; j < n; j++) m->Phi[j * n + i] = -m->Phi[j * n + i];
     }
@@ -285,11 +304,13 @@ static void find_seen(ric_model *m)
     for (int i = 0; i < n; i++) m->n += m->seen[i];
 }
 
-/* Groups of modes that no contact joins vibrate independently: several conserved energies, no isolated branches. */
+/* Groups of modes that no contact joins vibrate independently: several conserved energies, no
+ * isolated branches. */
 static int count_parts(const ric_model *m)
 {
     int n = m->n_dof, parts = 0; /* stays 0 without memory */
-    bool *done = ric_calloc((size_t)n, sizeof *done), *queued = ric_calloc((size_t)n, sizeof *queued);
+    bool *done = ric_calloc((size_t)n, sizeof *done),
+         *queued = ric_calloc((size_t)n, sizeof *queued);
     int *queue = ric_calloc((size_t)n, sizeof *queue);
     if (!done || !queued || !queue) n = 0;
     for (int start = 0; start < n; start++) {
@@ -330,7 +351,9 @@ ric_status ric_modes_find(ric_model *m)
 bool ric_modes_distinct(const ric_model *m)
 {
     for (int i = 1; i < m->n_dof; i++)
-        if (m->frequency[i - 1] == m->frequency[i] && m->frequency_low[i - 1] == m->frequency_low[i]) return false;
+        if (m->frequency[i - 1] == m->frequency[i] &&
+            m->frequency_low[i - 1] == m->frequency_low[i])
+            return false;
     return true;
 }
 
@@ -348,8 +371,9 @@ bool ric_modes_take(ric_model *m, const ric_model *same)
     return true;
 }
 
-#define SAME_SHAPE                                                                                                     \
-    0.7 /* cosine of the angle between two shapes that are one mode: beyond half a right angle another                 \
+#define SAME_SHAPE                                                                                 \
+    0.7 /* cosine of the angle between two shapes that are one mode: beyond half a right angle     \
+         * another                                                                                 \
          */
 
 /* phi_i . M phi_i' of mode i here and there. */
@@ -358,7 +382,8 @@ static double overlap(const ric_model *m, const ric_model *near, int i)
     const int n = m->n_dof;
     double sum = 0;
     for (int j = 0; j < n; j++)
-        for (int k = 0; k < n; k++) sum += m->Phi[j * n + i] * m->M[j * n + k] * near->Phi[k * n + i];
+        for (int k = 0; k < n; k++)
+            sum += m->Phi[j * n + i] * m->M[j * n + k] * near->Phi[k * n + i];
     return sum;
 }
 
@@ -368,7 +393,8 @@ ric_status ric_modes_orient(ric_model *m, const ric_model *near)
     for (int i = 0; i < n; i++) {
         const double o = overlap(m, near, i);
         if (m->seen[i] != near->seen[i])
-            return ric_fail(RIC_E_NUMERIC, "mode %d begins or ceases to be seen by the contacts", i + 1);
+            return ric_fail(RIC_E_NUMERIC, "mode %d begins or ceases to be seen by the contacts",
+                            i + 1);
         if (m->seen[i] && fabs(o) < SAME_SHAPE)
             return ric_fail(RIC_E_NUMERIC, "mode %d changes its place with another one", i + 1);
         if (o >= 0) continue;

@@ -8,9 +8,10 @@
 
 #include "base/room.h"
 
-#define SMALL 0.25 /* phases y below which differences of 1, cos y and sin y / y are summed as series */
-/* NO_STIFFNESS: eigenvalues below this many last digits of the largest, in extended precision, are those of free
- * modes */
+/* SMALL: phases y below which differences of 1, cos y and sin y / y are summed as series */
+#define SMALL 0.25
+/* NO_STIFFNESS: eigenvalues below this many last digits of the largest, in extended precision, are
+ * those of free modes */
 #define NO_STIFFNESS 64
 
 struct ric_phases {
@@ -36,7 +37,8 @@ ric_status ric_regimes_create(ric_model *m)
         if (!(face->spring > 0)) continue;
         if (f >= RIC_FACES_MAX)
             return ric_fail(RIC_E_INPUT,
-                            "face %d belongs to a contact of law bilinear; this version takes such contacts among the "
+                            "face %d belongs to a contact of law bilinear; this version takes such "
+                            "contacts among the "
                             "first %d faces only: list them first",
                             f, RIC_FACES_MAX);
         bool second = f > 0 && m->face[f - 1].contact == face->contact;
@@ -45,11 +47,11 @@ ric_status ric_regimes_create(ric_model *m)
             continue;
         }
         if (++count > RIC_REGIME_CONTACTS)
-            return ric_fail(
-                RIC_E_INPUT,
-                "more than %d contacts have law bilinear; this version takes that many, as each set of closed ones has "
-                "modes of its own; make some of them rigid",
-                RIC_REGIME_CONTACTS);
+            return ric_fail(RIC_E_INPUT,
+                            "more than %d contacts have law bilinear; this version takes that "
+                            "many, as each set of closed ones has "
+                            "modes of its own; make some of them rigid",
+                            RIC_REGIME_CONTACTS);
         p->place[f] = p->n_set;
         p->n_set *= 3;
     }
@@ -98,9 +100,9 @@ static int index_of(const ric_model *m, uint64_t closed)
 
 /* -------------------------------------------------------------------- modes */
 
-/* Eigenvalues of the symmetric A [n * n] on its diagonal, eigenvectors in the rows of V, by cyclic Jacobi rotations
- * (Golub and Van Loan, Matrix Computations, 8.5): stiff springs grade A, and soft modes keep their digits. False: no
- * convergence. */
+/* Eigenvalues of the symmetric A [n * n] on its diagonal, eigenvectors in the rows of V, by cyclic
+ * Jacobi rotations (Golub and Van Loan, Matrix Computations, 8.5): stiff springs grade A, and soft
+ * modes keep their digits. False: no convergence. */
 static bool jacobi(int n, long double *A, long double *V)
 {
     enum { SWEEPS = 64 };
@@ -109,9 +111,12 @@ static bool jacobi(int n, long double *A, long double *V)
         for (int i = 0; i < n; i++)
             for (int j = i + 1; j < n; j++) {
                 long double off = A[i * n + j], d = A[i * n + i], e = A[j * n + j];
-                if (fabsl(off) <= LDBL_EPSILON * (sqrtl(fabsl(d * e)) + LDBL_EPSILON * (fabsl(d) + fabsl(e)))) continue;
+                if (fabsl(off) <=
+                    LDBL_EPSILON * (sqrtl(fabsl(d * e)) + LDBL_EPSILON * (fabsl(d) + fabsl(e))))
+                    continue;
                 done = false;
-                long double theta = (e - d) / (2 * off), t = copysignl(1, theta) / (fabsl(theta) + hypotl(1, theta));
+                long double theta = (e - d) / (2 * off),
+                            t = copysignl(1, theta) / (fabsl(theta) + hypotl(1, theta));
                 long double co = 1 / hypotl(1, t), si = t * co;
                 for (int k = 0; k < n; k++) {
                     long double x = A[k * n + i], y = A[k * n + j];
@@ -119,7 +124,8 @@ static bool jacobi(int n, long double *A, long double *V)
                     A[k * n + j] = si * x + co * y;
                 }
                 for (int k = 0; k < n; k++) {
-                    long double x = A[i * n + k], y = A[j * n + k], v = V[i * n + k], w = V[j * n + k];
+                    long double x = A[i * n + k], y = A[j * n + k], v = V[i * n + k],
+                                w = V[j * n + k];
                     A[i * n + k] = co * x - si * y;
                     A[j * n + k] = si * x + co * y;
                     V[i * n + k] = co * v - si * w;
@@ -147,7 +153,8 @@ static void assemble(const ric_model *m, uint64_t closed, long double *K, long d
         if (!(closed >> g & 1)) continue;
         for (int i = 0; i < n; i++) {
             f[i] += (long double)face->spring * face->c[i] * face->gap;
-            for (int j = 0; j < n; j++) K[i * n + j] += (long double)face->spring * face->c[i] * face->c[j];
+            for (int j = 0; j < n; j++)
+                K[i * n + j] += (long double)face->spring * face->c[i] * face->c[j];
         }
     }
 }
@@ -197,7 +204,9 @@ static void fill(const ric_model *m, ric_regime *p, const long double *square, c
         for (int i = 0; i < n; i++) {
             long double sum = 0;
             for (int j = 0; j < n; j++) sum += V[i * n + j] * m->c[c * n + j];
-            p->G[c * n + i] = (double)(sum / (p->omega[i] > 0 ? (long double)p->omega[i] + p->omega_low[i] : 1));
+            p->G[c * n + i] = (double)(sum / (p->omega[i] > 0
+                                                  ? (long double)p->omega[i] + p->omega_low[i]
+                                                  : 1));
             rest += sum * balance[i];
         }
         p->rest[c] = (double)rest;
@@ -210,7 +219,8 @@ static ric_status phase_create(const ric_model *m, uint64_t closed, ric_regime *
     int n = m->n;
     size_t nn = (size_t)n * (size_t)n;
     ric_regime *p = ric_calloc(1, sizeof *p);
-    long double *K = ric_calloc(3 * nn + (size_t)n, sizeof *K), *A = K + nn, *V = A + nn, *f = V + nn;
+    long double *K = ric_calloc(3 * nn + (size_t)n, sizeof *K), *A = K + nn, *V = A + nn,
+                *f = V + nn;
     *out = NULL;
     if (!p || !K || !allocate(p, n, m->n_contact)) {
         status = ric_no_memory("the modes with closed contacts");
@@ -252,8 +262,9 @@ ric_status ric_regime_get(const ric_model *m, uint64_t closed, const ric_regime 
 
 /* ------------------------------------------------------------------- flight */
 
-/* A = omega (r - rest) is the difference of displacements a thousand times the depth of a contact: taken in doubles it
- * loses as many digits, and they are missing in the velocity that a stiff spring gives back. */
+/* A = omega (r - rest) is the difference of displacements a thousand times the depth of a contact:
+ * taken in doubles it loses as many digits, and they are missing in the velocity that a stiff
+ * spring gives back. */
 
 void ric_regime_enter(const ric_regime *p, const double *w, double *z)
 {
@@ -272,7 +283,8 @@ void ric_regime_enter(const ric_regime *p, const double *w, double *z)
     memcpy(z, x, sizeof x);
 }
 
-/* From the face that closes there: displacements at the clearance to the last digit of extended precision. */
+/* From the face that closes there: displacements at the clearance to the last digit of extended
+ * precision. */
 static void enter_at(const ric_regime *p, const ric_face *closing, const double *w, double *z)
 {
     int n = p->n;
@@ -328,8 +340,8 @@ static void turn(const ric_regime *p, int i, double tau, double *co, double *si)
     *si = s + low * c;
 }
 
-void ric_regime_fly(const ric_regime *p, const ric_face *closing, double tau, const double *w, double *after,
-                    double *pull)
+void ric_regime_fly(const ric_regime *p, const ric_face *closing, double tau, const double *w,
+                    double *after, double *pull)
 {
     int n = p->n;
     double z[2 * n];
@@ -361,7 +373,8 @@ void ric_regime_matrix(const ric_regime *p, double tau, double *D)
         for (int j = 0; j < n; j++) {
             double aa = 0, ap = 0, pa = 0, pp = 0;
             for (int k = 0; k < n; k++) {
-                double f = p->from[i * n + k], u = p->U[i * n + k], t = p->into[k * n + j], v = p->U[j * n + k];
+                double f = p->from[i * n + k], u = p->U[i * n + k], t = p->into[k * n + j],
+                       v = p->U[j * n + k];
                 aa += f * co[k] * t;
                 ap += f * s1[k] * v;
                 pa -= u * s2[k] * t;
@@ -429,8 +442,8 @@ static void ratios(double y, double *h1, double *h2, double *d1, double *d2)
     *d2 = (c - *h2) / y;
 }
 
-double ric_regime_chord(const ric_regime *p, const ric_face *closing, int contact, double tau, const double *w,
-                        double *by_w, double *by_tau)
+double ric_regime_chord(const ric_regime *p, const ric_face *closing, int contact, double tau,
+                        const double *w, double *by_w, double *by_tau)
 {
     int n = p->n;
     const double *G = p->G + contact * n;

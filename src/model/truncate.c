@@ -1,10 +1,11 @@
-/* A structure with its lowest modes only (docs/theory.md section 1). Its contacts act along b_N = M Phi_N Phi_N' b,
- * which moves the modes that are kept as b does and no other: M, K and the new normals are a structure like any other,
- * in which the rest of the modes is not seen, and whoever checks an orbit needs to know no more.
+/* A structure with its lowest modes only (docs/theory.md section 1). Its contacts act along b_N = M
+ * Phi_N Phi_N' b, which moves the modes that are kept as b does and no other: M, K and the new
+ * normals are a structure like any other, in which the rest of the modes is not seen, and whoever
+ * checks an orbit needs to know no more.
  *
- * The rest gives way to a force F at contact f by R F, R = sum over the rest of c c' / omega^2. Behind a spring that is
- * one of its own, k / (1 + k R); a rigid stop would no longer be one, and a power law none either: there it is left
- * out. */
+ * The rest gives way to a force F at contact f by R F, R = sum over the rest of c c' / omega^2.
+ * Behind a spring that is one of its own, k / (1 + k R); a rigid stop would no longer be one, and a
+ * power law none either: there it is left out. */
 #include "truncate.h"
 
 #include <math.h>
@@ -31,16 +32,19 @@ double ric_truncate_rest(const ric_model *m, int n_mode, int f, int g)
     double sum = 0;
     for (int i = n_mode; i < m->n_dof; i++)
         if (m->frequency[i] > 0)
-            sum += m->normal[f * m->n_dof + i] * m->normal[g * m->n_dof + i] / (m->frequency[i] * m->frequency[i]);
+            sum += m->normal[f * m->n_dof + i] * m->normal[g * m->n_dof + i] /
+                   (m->frequency[i] * m->frequency[i]);
     return sum;
 }
 
 ric_status ric_truncate_check(const ric_model *m, int n_mode)
 {
     const int n = m->n_dof;
-    if (n_mode < 1 || n_mode > n) return ric_fail(RIC_E_INPUT, "%d modes; the structure has modes 1 to %d", n_mode, n);
+    if (n_mode < 1 || n_mode > n)
+        return ric_fail(RIC_E_INPUT, "%d modes; the structure has modes 1 to %d", n_mode, n);
     if (n_mode < n && m->frequency[n_mode] <= m->frequency[n_mode - 1] * (1 + EQUAL))
-        return ric_fail(RIC_E_INPUT, "modes %d and %d have one frequency; keep both, or none of them", n_mode,
+        return ric_fail(RIC_E_INPUT,
+                        "modes %d and %d have one frequency; keep both, or none of them", n_mode,
                         n_mode + 1);
     for (int f = 0; f < m->n_contact; f++) {
         double kept = 0, all = 0;
@@ -50,8 +54,9 @@ ric_status ric_truncate_check(const ric_model *m, int n_mode)
             if (i < n_mode) kept += c * c;
         }
         if (kept < UNSEEN * all)
-            return ric_fail(RIC_E_INPUT, "contact %d is seen by none of the %d modes that are kept; keep more", f + 1,
-                            n_mode);
+            return ric_fail(RIC_E_INPUT,
+                            "contact %d is seen by none of the %d modes that are kept; keep more",
+                            f + 1, n_mode);
     }
     return RIC_OK;
 }
@@ -86,7 +91,8 @@ ric_status ric_model_truncate(const ric_model *m, int n_mode, ric_model **out)
     }
     const ric_model *same = ric_modes_distinct(m) ? m : NULL; /* of which the modes are taken */
     if (!status)
-        status = ric_model_create_near(same, m->n_dof, m->M, m->K, m->n_contact, contacts, m->restitution, out);
+        status = ric_model_create_near(same, m->n_dof, m->M, m->K, m->n_contact, contacts,
+                                       m->restitution, out);
     free(contacts);
     free(normals);
     return status;

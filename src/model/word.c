@@ -1,10 +1,12 @@
-/* Words: cyclic sequences of faces up to rotation, x -> -x (every face becomes its mirror) and reversal.
+/* Words: cyclic sequences of faces up to rotation, x -> -x (every face becomes its mirror) and
+ * reversal.
  *
- * Canonical form by the least rotation of each image, O(n) each (Booth, Inf. Process. Lett. 10 (1980) 240-242).
+ * Canonical form by the least rotation of each image, O(n) each (Booth, Inf. Process. Lett. 10
+ * (1980) 240-242).
  * Counts by Burnside's lemma over the cyclic or dihedral group times the flip.
- * Enumeration in ascending order by Duval's step from one necklace to the next (Duval, J. Algorithms 4 (1983) 363-381),
- * skipping every prefix that an image undercuts; without that, the gaps between canonical words grow exponentially with
- * n. */
+ * Enumeration in ascending order by Duval's step from one necklace to the next (Duval, J.
+ * Algorithms 4 (1983) 363-381), skipping every prefix that an image undercuts; without that, the
+ * gaps between canonical words grow exponentially with n. */
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,8 +39,8 @@ static bool is_spring(const ric_model *model, int face)
 {
     ric_contact contact;
     int index;
-    return model && !ric_model_face(model, face, &index, NULL, NULL) && !ric_model_contact(model, index, &contact) &&
-           contact.law == RIC_LAW_BILINEAR;
+    return model && !ric_model_face(model, face, &index, NULL, NULL) &&
+           !ric_model_contact(model, index, &contact) && contact.law == RIC_LAW_BILINEAR;
 }
 
 static ric_status check_letters(const ric_model *model, int n, const int *word)
@@ -46,15 +48,15 @@ static ric_status check_letters(const ric_model *model, int n, const int *word)
     int faces = n_face(model);
     for (int i = 0; i < n; i++)
         if (word[i] < 0 || word[i] >= faces)
-            return ric_fail(RIC_E_RANGE, "letter %d of the word is face %d; the faces are 0 to %d", i + 1, word[i],
-                            faces - 1);
+            return ric_fail(RIC_E_RANGE, "letter %d of the word is face %d; the faces are 0 to %d",
+                            i + 1, word[i], faces - 1);
     return RIC_OK;
 }
 
 /* --------------------------------------------------------------- canonical */
 
-/* Start of the lexicographically least rotation: two candidates race, each mismatch throws one of them past what it has
- * matched. */
+/* Start of the lexicographically least rotation: two candidates race, each mismatch throws one of
+ * them past what it has matched. */
 static int least_rotation(int n, const int *word)
 {
     int i = 0, j = 1, k = 0;
@@ -84,10 +86,12 @@ static int compare(int n, const int *a, const int *b)
     return 0;
 }
 
-ric_status ric_word_canonical(const ric_model *model, int n, const int *word, bool reversal, int *out)
+ric_status ric_word_canonical(const ric_model *model, int n, const int *word, bool reversal,
+                              int *out)
 {
     int *copy = NULL, *image = NULL, *rotated = NULL;
-    ric_status status = n < 0 ? ric_fail(RIC_E_RANGE, "a word has %d letters; there must be 0 or more", n)
+    ric_status status = n < 0 ? ric_fail(RIC_E_RANGE,
+                                         "a word has %d letters; there must be 0 or more", n)
                               : check_letters(model, n, word);
     if (status || n == 0) return status;
     copy = ric_malloc((size_t)n * sizeof *copy);
@@ -140,8 +144,8 @@ static int totient(int n)
     return n > 1 ? phi - phi / n : phi;
 }
 
-/* Words fixed by the rotations, then by the flipped rotations: a cycle of d places closes under d flips only if d is
- * even, as no face is its own mirror. */
+/* Words fixed by the rotations, then by the flipped rotations: a cycle of d places closes under d
+ * flips only if d is even, as no face is its own mirror. */
 static bool fixed_by_rotations(uint64_t k, int n, bool flip, wide limit, wide *sum)
 {
     wide words;
@@ -173,22 +177,24 @@ ric_status ric_word_count(const ric_model *model, int n, bool reversal, uint64_t
         return RIC_OK;
     }
     wide group = (wide)n * (flip ? 2 : 1) * (reversal ? 2 : 1), sum = 0;
-    /* a power above this makes a count above 64 bits; n < 2^31 such powers times their totients stay below 2^128 */
+    /* a power above this makes a count above 64 bits; n < 2^31 such powers times their totients
+     * stay below 2^128 */
     wide limit = group * UINT64_MAX;
     bool fits = n < 256 && fixed_by_rotations((uint64_t)faces, n, flip, limit, &sum) &&
                 (!reversal || fixed_by_reflections((uint64_t)faces, n, flip, limit, &sum));
     if (!fits || sum / group > UINT64_MAX)
         return ric_fail(RIC_E_RANGE,
-                        "the number of words of %d letters on %d faces does not fit 64 bits; ask for fewer impacts", n,
-                        faces);
+                        "the number of words of %d letters on %d faces does not fit 64 bits; ask "
+                        "for fewer impacts",
+                        n, faces);
     *out = (uint64_t)(sum / group);
     return RIC_OK;
 }
 
 /* ------------------------------------------------------------- enumeration */
 
-/* Duval's step on the first `length` letters: drop trailing greatest letters, raise the last, repeat the result up to
- * n. Returns the length of what is repeated, 0 at the end. */
+/* Duval's step on the first `length` letters: drop trailing greatest letters, raise the last,
+ * repeat the result up to n. Returns the length of what is repeated, 0 at the end. */
 static int step(int k, int n, int length, int *word)
 {
     while (length > 0 && word[length - 1] == k - 1) length--;
@@ -203,8 +209,8 @@ static int letter_image(const int *mirror, bool flip, int letter)
     return flip ? mirror[letter] : letter;
 }
 
-/* First place p such that an image of some word[i..p] is below the prefix of the same length: no word with the prefix
- * word[0..p] is canonical. n if there is none. */
+/* First place p such that an image of some word[i..p] is below the prefix of the same length: no
+ * word with the prefix word[0..p] is canonical. n if there is none. */
 static int undercut(int n, const int *word, const int *mirror, bool flip, bool reversal)
 {
     int first = n;
@@ -224,8 +230,8 @@ static int undercut(int n, const int *word, const int *mirror, bool flip, bool r
     return first;
 }
 
-static ric_status next_canonical(const ric_model *model, int n, bool reversal, const int *mirror, int *word, int *image,
-                                 bool *more)
+static ric_status next_canonical(const ric_model *model, int n, bool reversal, const int *mirror,
+                                 int *word, int *image, bool *more)
 {
     int k = n_face(model), length = n;
     bool flip = has_flip(model);
@@ -281,7 +287,8 @@ ric_status ric_word_format(const ric_model *model, int n, const int *word, size_
     ric_status status = RIC_OK;
     if (size > 0) out[0] = '\0';
     for (int i = 0; i < n && !status; i++) {
-        int face = word[i] >= faces && is_spring(model, word[i] - faces) ? word[i] - faces : word[i];
+        int face = word[i] >= faces && is_spring(model, word[i] - faces) ? word[i] - faces
+                                                                         : word[i];
         char text[16];
         if ((status = check_letters(model, 1, &face)) || implied(n, word, i, faces)) continue;
         const char *sign = word[i] == face ? "" : "-";
@@ -289,7 +296,8 @@ ric_status ric_word_format(const ric_model *model, int n, const int *word, size_
         else snprintf(text, sizeof text, "%s%c", sign, letters[face]);
         size_t length = strlen(text);
         if (used + length + 1 > size)
-            return ric_fail(RIC_E_RANGE, "the text of a word of %d letters needs more than %zu bytes", n, size);
+            return ric_fail(RIC_E_RANGE,
+                            "the text of a word of %d letters needs more than %zu bytes", n, size);
         memcpy(out + used, text, length + 1);
         used += length;
     }
@@ -324,8 +332,8 @@ static int read_letters(const ric_model *model, const char *text, int *word)
     return n;
 }
 
-/* Whether the opening that belongs to the closing i is not written: the face closes again, or the word is over, before
- * it opens. */
+/* Whether the opening that belongs to the closing i is not written: the face closes again, or the
+ * word is over, before it opens. */
 static bool opens_at_once(const ric_model *model, int n, const int *word, int i)
 {
     int faces = n_face(model);

@@ -12,22 +12,27 @@
 #include "floquet_pairs.h"
 #include "floquet_sharp.h"
 
-/* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic, with a margin. */
+/* Rounding of one flight and impact, in units of DBL_EPSILON: measured against 40-digit arithmetic,
+ * with a margin. */
 #define ROUNDING 16.0
-/* SMOOTH_STEPS: of law power, in the same units: several of its steps make one error, tens of them a period */
+/* SMOOTH_STEPS: of law power, in the same units: several of its steps make one error, tens of them
+ * a period */
 #define SMOOTH_STEPS 12
 #define NO_SPEED 1e-60
 #define ACCURATE 1e-6 /* error of rho from which on the factors of the map are not multiplied */
-/* MOST_PAIRS: up to which the halves are taken apart, or extended precision is used: they need 32 k^2 numbers */
+/* MOST_PAIRS: up to which the halves are taken apart, or extended precision is used: they need 32
+ * k^2 numbers */
 #define MOST_PAIRS 64
-#define ROUGH 1e-12 /* error of rho, over 1 + |rho|, from which on the map is made in extended precision */
+/* ROUGH: error of rho, over 1 + |rho|, from which on the map is made in extended precision */
+#define ROUGH 1e-12
 
 ric_status ric_floquet_create(int n, ric_floquet *out)
 {
     size_t k = (size_t)(n > 1 ? n - 1 : 1), nn = (size_t)n;
     memset(out, 0, sizeof *out);
     out->n_pair = n - 1;
-    out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn + (k <= MOST_PAIRS ? 12 * k * k : 0);
+    out->n_work = 4 * nn * k + 2 * nn * nn + 20 * k * k + 8 * nn +
+                  (k <= MOST_PAIRS ? 12 * k * k : 0);
     out->rho = ric_calloc(2 * k, sizeof(double));
     out->own = ric_calloc(2 * k, sizeof(double));
     out->each = ric_calloc(k, sizeof(double));
@@ -53,20 +58,21 @@ void ric_floquet_release(ric_floquet *f)
 
 /* ---------------------------------------------------------------- sections */
 
-/* At a touch a derivative by the time of impact has no bound: its sign and a size far beyond any regular one are kept,
- * the products are scaled. */
+/* At a touch a derivative by the time of impact has no bound: its sign and a size far beyond any
+ * regular one are kept, the products are scaled. */
 static double not_zero(double speed)
 {
     return fabs(speed) < NO_SPEED ? copysign(NO_SPEED, speed) : speed;
 }
 
-/* A mirror point at an impact, w on one side of it: the reversal followed by the impact keeps displacements along the
- * face and the normal velocity, the latter less what the force `pull` makes of a normal displacement. These are the
- * coordinates of what is symmetric, so that normal displacement and velocity of the columns V [2n * count] exchange
- * their roles: (q, p) -> (p - slope q, -q), which is canonical and does not divide by the speed but for the kick that
- * there is. */
-static void exchange(const ric_shooting *c, uint64_t closed, const double *w, const ric_face *f, bool back, int count,
-                     double *V)
+/* A mirror point at an impact, w on one side of it: the reversal followed by the impact keeps
+ * displacements along the face and the normal velocity, the latter less what the force `pull` makes
+ * of a normal displacement. These are the coordinates of what is symmetric, so that normal
+ * displacement and velocity of the columns V [2n * count] exchange their roles: (q, p) -> (p -
+ * slope q, -q), which is canonical and does not divide by the speed but for the kick that there is.
+ */
+static void exchange(const ric_shooting *c, uint64_t closed, const double *w, const ric_face *f,
+                     bool back, int count, double *V)
 {
     int n = c->n;
     const ric_model *m = c->model;
@@ -87,10 +93,11 @@ static void exchange(const ric_shooting *c, uint64_t closed, const double *w, co
     }
 }
 
-/* The direction h [n] that the section of a mirror point leaves out, which is the velocity at a centre, else the
- * gradient of the energy in the coordinates of what is symmetric. E is what is perpendicular to it. Written in
- * canonical coordinates (q, p). */
-static void left_out(const ric_shooting *c, ric_mirror mirror, uint64_t closed, const double *w, int face, double *h)
+/* The direction h [n] that the section of a mirror point leaves out, which is the velocity at a
+ * centre, else the gradient of the energy in the coordinates of what is symmetric. E is what is
+ * perpendicular to it. Written in canonical coordinates (q, p). */
+static void left_out(const ric_shooting *c, ric_mirror mirror, uint64_t closed, const double *w,
+                     int face, double *h)
 {
     int n = c->n;
     double rate[2 * n];
@@ -99,7 +106,8 @@ static void left_out(const ric_shooting *c, ric_mirror mirror, uint64_t closed, 
     for (int i = 0; i < n; i++) h[i] = mirror == RIC_MIRROR_CENTRE ? w[n + i] : -rate[n + i];
 }
 
-/* Columns of the section at the start as states (da, dp): the first k move q along E, the others p along E. */
+/* Columns of the section at the start as states (da, dp): the first k move q along E, the others p
+ * along E. */
 static void section_columns(const ric_shooting *c, const double *E, double *V)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
@@ -110,10 +118,12 @@ static void section_columns(const ric_shooting *c, const double *E, double *V)
             V[i * ld + j] = m->kappa[i] * E[j * n + i];
             V[(n + i) * ld + k + j] = E[j * n + i];
         }
-    if (c->start == RIC_MIRROR_IMPACT) exchange(c, c->closed[0], c->w, &m->face[c->face[0]], true, ld, V);
+    if (c->start == RIC_MIRROR_IMPACT)
+        exchange(c, c->closed[0], c->w, &m->face[c->face[0]], true, ld, V);
 }
 
-/* Coordinates (E dq, E dp) of a state's columns at the end, on the side of an impact that V is on; V is used up. */
+/* Coordinates (E dq, E dp) of a state's columns at the end, on the side of an impact that V is on;
+ * V is used up. */
 static void project(const ric_shooting *c, const double *h, double *V, double *P)
 {
     int n = c->n, k = n - 1, ld = 2 * k, last = c->n_flight;
@@ -130,11 +140,13 @@ static void project(const ric_shooting *c, const double *h, double *V, double *P
 
 /* ------------------------------------------------------------- propagation */
 
-/* One impact at w, the state right after it, on columns: both q and p are reflected, and p gets a kick proportional to
- * 1 / speed (saltation, eq. 41-46 of the article in modal coordinates). The kick goes with the whole force that pulls
- * the structure towards the stop, that of the closed springs included (docs/theory.md section 5). */
-static inline __attribute__((always_inline)) void saltation(const ric_model *m, int n, const ric_face *f,
-                                                            uint64_t closed, const double *w, const double *before,
+/* One impact at w, the state right after it, on columns: both q and p are reflected, and p gets a
+ * kick proportional to 1 / speed (saltation, eq. 41-46 of the article in modal coordinates). The
+ * kick goes with the whole force that pulls the structure towards the stop, that of the closed
+ * springs included (docs/theory.md section 5). */
+static inline __attribute__((always_inline)) void saltation(const ric_model *m, int n,
+                                                            const ric_face *f, uint64_t closed,
+                                                            const double *w, const double *before,
                                                             double *V)
 {
     const int ld = 2 * (n - 1);
@@ -171,9 +183,10 @@ static inline __attribute__((always_inline)) int rescale(int count, double *V, d
     return exponent;
 }
 
-/* Takes V through the flights from .. to - 1; *exponent collects the scaling, *growth the largest entry met (scaled
- * likewise). */
-static inline __attribute__((always_inline)) void propagate_of(const ric_shooting *c, int n, const int *span, double *V,
+/* Takes V through the flights from .. to - 1; *exponent collects the scaling, *growth the largest
+ * entry met (scaled likewise). */
+static inline __attribute__((always_inline)) void propagate_of(const ric_shooting *c, int n,
+                                                               const int *span, double *V,
                                                                int *exponent, double *growth)
 {
     const int ld = 2 * (n - 1);
@@ -186,7 +199,8 @@ static inline __attribute__((always_inline)) void propagate_of(const ric_shootin
         if (dense) ric_flight_carry(n, map, ld, ld, V);
         else
             for (int i = 0; i < n; i++) {
-                double *a = V + i * ld, *p = V + (n + i) * ld, co = map[i], s1 = map[n + i], s2 = map[2 * n + i];
+                double *a = V + i * ld, *p = V + (n + i) * ld, co = map[i], s1 = map[n + i],
+                       s2 = map[2 * n + i];
                 for (int j = 0; j < ld; j++) {
                     double t = a[j];
                     a[j] = co * t + s1 * p[j];
@@ -198,14 +212,16 @@ static inline __attribute__((always_inline)) void propagate_of(const ric_shootin
         if (!struck && !dense) continue;
         double top;
         if (struck)
-            saltation(m, n, &m->face[c->face[k + 1]], c->closed[k], c->w + 2 * n * (k + 1), c->before + n * k, V);
+            saltation(m, n, &m->face[c->face[k + 1]], c->closed[k], c->w + 2 * n * (k + 1),
+                      c->before + n * k, V);
         int shift = rescale(2 * n * ld, V, &top);
         *exponent += shift;
         *growth = ric_larger(shift ? ldexp(*growth, -shift) : *growth, top);
     }
 }
 
-static void propagate(const ric_shooting *c, int from, int to, double *V, int *exponent, double *growth)
+static void propagate(const ric_shooting *c, int from, int to, double *V, int *exponent,
+                      double *growth)
 {
     const int span[2] = {from, to};
     switch (c->n) {
@@ -217,9 +233,10 @@ static void propagate(const ric_shooting *c, int from, int to, double *V, int *e
 
 /* --------------------------------------------------------- small matrices */
 
-/* *error: of the determinant, when every entry of A may be off by `rounding`: the smallest pivot decides whether it has
- * a sign. */
-static double determinant(int k, int ld, const double *A, double *work, double rounding, double *error)
+/* *error: of the determinant, when every entry of A may be off by `rounding`: the smallest pivot
+ * decides whether it has a sign. */
+static double determinant(int k, int ld, const double *A, double *work, double rounding,
+                          double *error)
 {
     double det = 1, others = 1, least = HUGE_VAL;
     *error = 0;
@@ -242,14 +259,17 @@ static double determinant(int k, int ld, const double *A, double *work, double r
 
 /* ------------------------------------------------------------ reversible */
 
-/* Blocks from P; a centre exchanges the roles of q and p, (Q, P) = (dp, -dq), so that P stays symplectic. */
-static void blocks(const ric_shooting *c, const double *P, double *a, double *b, double *cc, double *d)
+/* Blocks from P; a centre exchanges the roles of q and p, (Q, P) = (dp, -dq), so that P stays
+ * symplectic. */
+static void blocks(const ric_shooting *c, const double *P, double *a, double *b, double *cc,
+                   double *d)
 {
     int k = c->n - 1, ld = 2 * k;
     bool start = c->start == RIC_MIRROR_CENTRE, end = c->end == RIC_MIRROR_CENTRE;
     for (int r = 0; r < k; r++)
         for (int j = 0; j < k; j++) {
-            int s = start ? k + j : j, t = start ? j : k + j; /* columns: symmetric, antisymmetric */
+            int s = start ? k + j : j,
+                t = start ? j : k + j; /* columns: symmetric, antisymmetric */
             int S = end ? k + r : r, T = end ? r : k + r;
             double from = start ? -1 : 1, to = end ? -1 : 1;
             a[r * k + j] = P[S * ld + s];
@@ -259,30 +279,33 @@ static void blocks(const ric_shooting *c, const double *P, double *a, double *b,
         }
 }
 
-/* Hadamard's bound of the determinants of two blocks side by side: no pivot, which may change its place, but the
- * lengths of their common rows. */
+/* Hadamard's bound of the determinants of two blocks side by side: no pivot, which may change its
+ * place, but the lengths of their common rows. */
 static double bound(int k, const double *left, const double *right)
 {
     double product = 1;
     for (int r = 0; r < k; r++) {
         double sum = 0;
-        for (int j = 0; j < k; j++) sum += left[r * k + j] * left[r * k + j] + right[r * k + j] * right[r * k + j];
+        for (int j = 0; j < k; j++)
+            sum += left[r * k + j] * left[r * k + j] + right[r * k + j] * right[r * k + j];
         product *= sqrt(sum);
     }
     return product;
 }
 
-/* What closing or opening of a spring at event k adds to the roundings: its time is off by the rounding of its gap over
- * the speed there (over what the speed changes by, where it is less), its stiffness acts so much too long, and where a
- * family is almost one of two parameters that turns up in the trace with its full size (two equal modes beside a spring
- * of 4,400 times their stiffness: 9e-12 of a trace that is 2). */
+/* What closing or opening of a spring at event k adds to the roundings: its time is off by the
+ * rounding of its gap over the speed there (over what the speed changes by, where it is less), its
+ * stiffness acts so much too long, and where a family is almost one of two parameters that turns up
+ * in the trace with its full size (two equal modes beside a spring of 4,400 times their stiffness:
+ * 9e-12 of a trace that is 2). */
 static double of_switch(const ric_shooting *c, int k)
 {
     int n = c->n;
     const ric_face *f = &c->model->face[c->face[k]];
     double rate[2 * n];
     ric_flight_rate(c->model, c->closed[k], c->w + 2 * n * k, rate);
-    return f->spring * f->cc * c->scale / not_zero(fabs(c->approach[k]) + fabs(ric_dot(n, f->c, rate + n)));
+    return f->spring * f->cc * c->scale /
+           not_zero(fabs(c->approach[k]) + fabs(ric_dot(n, f->c, rate + n)));
 }
 
 /* Roundings that a state goes through: one of a rigid flight, one of every step of a smooth one. */
@@ -291,8 +314,9 @@ static double steps(const ric_shooting *c)
     return ric_flight_law_of(c->model)->integrated ? SMOOTH_STEPS : c->n_flight + 2;
 }
 
-/* Those that its neighbours go through, which the times of springs move. Determinants, whose signs tell branch points,
- * are bounded without: what moves them by less than themselves is looked for by moving the orbit. */
+/* Those that its neighbours go through, which the times of springs move. Determinants, whose signs
+ * tell branch points, are bounded without: what moves them by less than themselves is looked for by
+ * moving the orbit. */
 static double roundings(const ric_shooting *c)
 {
     double sum = steps(c);
@@ -303,14 +327,18 @@ static double roundings(const ric_shooting *c)
 
 /* ------------------------------------------------------ extended precision */
 
-/* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far is kept. */
-static bool made_fine(const ric_shooting *c, ric_floquet *f, const double *start, const double *end, double *size)
+/* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far
+ * is kept. */
+static bool made_fine(const ric_shooting *c, ric_floquet *f, const double *start, const double *end,
+                      double *size)
 {
     double least = HUGE_VAL;
-    for (int i = 0; i < f->n_pair; i++) least = fmin(least, hypot(f->own[2 * i], f->own[2 * i + 1]));
+    for (int i = 0; i < f->n_pair; i++)
+        least = fmin(least, hypot(f->own[2 * i], f->own[2 * i + 1]));
     f->rough = f->error;
     if (!(f->rough > fmax(ROUGH, f->enough) * (1 + least)) && isfinite(least)) return false;
-    return f->n_pair <= MOST_PAIRS && ric_floquet_fine_fits(c) && ric_floquet_fine_map(c, start, end, f->fine, size);
+    return f->n_pair <= MOST_PAIRS && ric_floquet_fine_fits(c) &&
+           ric_floquet_fine_map(c, start, end, f->fine, size);
 }
 
 /* P as the sum of two matrices in double. */
@@ -329,10 +357,12 @@ static double fine_rounding(const ric_shooting *c, double size)
 }
 
 /* The reversible form: work [8 k^2] and f->work beside it are free, E0 and E1 are not. */
-static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double *E0, const double *E1, double *work)
+static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double *E0,
+                            const double *E1, double *work)
 {
     int k = c->n - 1, kk = k * k;
-    double size, *high = f->work, *low = high + 4 * kk, *x = work, *y = x + 4 * kk, most = 0, known[2 * k];
+    double size, *high = f->work, *low = high + 4 * kk, *x = work, *y = x + 4 * kk, most = 0,
+                 known[2 * k];
     ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
     bool quarter = c->multiple == 4, found;
     if (!made_fine(c, f, E0, E1, &size)) return;
@@ -344,7 +374,8 @@ static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double 
         ric_fine_real part[4];
         for (int i = 0; i < 4; i++) part[i] = (ric_fine_real)x[i] + y[i];
         double bc = (double)(part[1] * part[2]), ad = (double)(part[0] * part[3]);
-        if (!isfinite(bc) || !isfinite(ad)) return; /* beyond a double, where the scaled map has its logarithm */
+        if (!isfinite(bc) || !isfinite(ad))
+            return; /* beyond a double, where the scaled map has its logarithm */
         error += 8 * DBL_EPSILON * fmin(1 + fabs(bc), 1 + fabs(ad));
         ric_floquet_judge_plane(f, quarter, bc, ad, x[3] * x[1], 0, error);
         return;
@@ -361,11 +392,13 @@ static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double 
     error += 8 * k * DBL_EPSILON * (1 + most);
     found = error <= ACCURATE
                 ? ric_floquet_pairs_of_matrix(high, error, low, &pairs)
-                : ric_floquet_pairs_of_blocks(x + kk, x + 2 * kk, 0, fine_rounding(c, size) + 2 * DBL_EPSILON * size,
-                                              high, &pairs);
+                : ric_floquet_pairs_of_blocks(x + kk, x + 2 * kk, 0,
+                                              fine_rounding(c, size) + 2 * DBL_EPSILON * size, high,
+                                              &pairs);
     if (!found) return;
     if (f->sharp > 0) {
-        for (int i = 0; i < 2 * kk; i++) f->fine[i] = (ric_fine_real)x[kk + i] + y[kk + i]; /* b, then c */
+        for (int i = 0; i < 2 * kk; i++)
+            f->fine[i] = (ric_fine_real)x[kk + i] + y[kk + i]; /* b, then c */
         ric_floquet_sharpen_blocks(f->fine, f->fine + kk, fine_rounding(c, size), f->sharp, &pairs);
     }
     ric_floquet_judge_pairs(f, quarter, &pairs);
@@ -381,11 +414,13 @@ typedef struct {
 static linear_map reversible_map(const ric_shooting *c, ric_floquet *f)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
-    double *V = f->work, *P = V + 2 * n * ld, *E0 = P + ld * ld, *E1 = E0 + k * n, *a = E1 + k * n, *b = a + k * k,
-           *cc = b + k * k, *d = cc + k * k, *A = d + k * k, first[n], last[n];
-    linear_map q = {.P = P, .E0 = E0, .E1 = E1, .a = a, .b = b, .c = cc, .d = d, .A = A, .tmp = A + k * k};
+    double *V = f->work, *P = V + 2 * n * ld, *E0 = P + ld * ld, *E1 = E0 + k * n, *a = E1 + k * n,
+           *b = a + k * k, *cc = b + k * k, *d = cc + k * k, *A = d + k * k, first[n], last[n];
+    linear_map q =
+        {.P = P, .E0 = E0, .E1 = E1, .a = a, .b = b, .c = cc, .d = d, .A = A, .tmp = A + k * k};
     left_out(c, c->start, c->closed[0], c->w, c->face[0], first);
-    left_out(c, c->end, c->closed[c->n_flight], c->w + 2 * n * c->n_flight, c->face[c->n_flight], last);
+    left_out(c, c->end, c->closed[c->n_flight], c->w + 2 * n * c->n_flight, c->face[c->n_flight],
+             last);
     ric_model_complement(n, first, E0);
     ric_model_complement(n, last, E1);
     section_columns(c, E0, V);
@@ -411,7 +446,8 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
     const double rounding = ROUNDING * DBL_EPSILON * roundings(c) * q.size;
     double error = rounding * q.size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
-        ric_floquet_judge_plane(f, quarter, q.b[0] * q.c[0], q.a[0] * q.d[0], q.d[0] * q.b[0], exponent, error);
+        ric_floquet_judge_plane(f, quarter, q.b[0] * q.c[0], q.a[0] * q.d[0], q.d[0] * q.b[0],
+                                exponent, error);
         reversible_fine(c, f, q.E0, q.E1, q.A);
         return RIC_OK;
     }
@@ -423,7 +459,8 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
     if (found && error <= ACCURATE) {
         ric_floquet_pairs_product(k, q.b, q.c, exponent, q.A);
         found = ric_floquet_pairs_of_matrix(q.A, error, q.P, &pairs);
-    } else if (found) found = ric_floquet_pairs_of_blocks(q.b, q.c, exponent, rounding, q.P, &pairs);
+    } else if (found)
+        found = ric_floquet_pairs_of_blocks(q.b, q.c, exponent, rounding, q.P, &pairs);
     if (found) ric_floquet_judge_pairs(f, quarter, &pairs);
     else ric_floquet_judge_lost(f);
     if (found) reversible_fine(c, f, q.E0, q.E1, q.A);
@@ -432,11 +469,12 @@ static ric_status reversible(const ric_shooting *c, ric_floquet *f)
 
 /* --------------------------------------------------------------- general */
 
-/* No event is cut at: a map on the face of a slow impact has entries of 1 / speed^2, whose sum is all that is wanted
- * (1e7 and 1e-9 of the trace at a speed of 2.4e-4 of the fastest). q + i p has a complex structure that turns the
- * gradient of the energy into the flow; a unitary basis of the complement of the gradient is a symplectic basis of what
- * is perpendicular to both, real parts first. At the start of a flight: V [2n * ld] as states; inner products with dual
- * [2n * ld] are coordinates. */
+/* No event is cut at: a map on the face of a slow impact has entries of 1 / speed^2, whose sum is
+ * all that is wanted (1e7 and 1e-9 of the trace at a speed of 2.4e-4 of the fastest). q + i p has a
+ * complex structure that turns the gradient of the energy into the flow; a unitary basis of the
+ * complement of the gradient is a symplectic basis of what is perpendicular to both, real parts
+ * first. At the start of a flight: V [2n * ld] as states; inner products with dual [2n * ld] are
+ * coordinates. */
 static void free_section(const ric_shooting *c, int flight, double *V, double *dual)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
@@ -478,14 +516,16 @@ static void in_section(int n, const double *dual, const double *V, double *P)
 }
 
 /* P [ld * ld] of the return map; V and dual [2n * ld] are workspace. */
-static void return_map(const ric_shooting *c, double *V, double *dual, double *P, int *exponent, double *growth)
+static void return_map(const ric_shooting *c, double *V, double *dual, double *P, int *exponent,
+                       double *growth)
 {
     free_section(c, 0, V, dual);
     propagate(c, 0, c->n_flight, V, exponent, growth);
     in_section(c->n, dual, V, P);
 }
 
-/* The impact between two halves of about the same growth, which is that of 1 / speed. 0: there is none. */
+/* The impact between two halves of about the same growth, which is that of 1 / speed. 0: there is
+ * none. */
 static int middle_impact(const ric_shooting *c)
 {
     int best = 0;
@@ -501,18 +541,21 @@ static int middle_impact(const ric_shooting *c)
     return best;
 }
 
-/* With the return map M = sigma P2 P1 from two halves, M + M^-1 + 2 = sigma (P2 + sigma P1^-1) (P1 + sigma P2^-1): the
- * factors have the square root of the size of M. work [28 k^2],
- * V [2n * 2k]. False: it cannot be done. */
+/* With the return map M = sigma P2 P1 from two halves, M + M^-1 + 2 = sigma (P2 + sigma P1^-1) (P1
+ * + sigma P2^-1): the factors have the square root of the size of M. work [28 k^2], V [2n * 2k].
+ * False: it cannot be done. */
 static bool rho_of_halves(const ric_shooting *c, double *work, double *V, ric_floquet_pairs *out)
 {
     int n = c->n, k = n - 1, ld = 2 * k, exponent[2], middle;
-    if (!ric_flight_law_of(c->model)->turns || k > MOST_PAIRS || !(middle = middle_impact(c))) return false;
-    double *P1 = work, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld, *H = Y + ld * ld, *first = H,
-           *second = first + 2 * n * ld, growth[2], mu[2 * ld], error[ld], rho[2 * k], apart[k];
+    if (!ric_flight_law_of(c->model)->turns || k > MOST_PAIRS || !(middle = middle_impact(c)))
+        return false;
+    double *P1 = work, *P2 = P1 + ld * ld, *X = P2 + ld * ld, *Y = X + ld * ld, *H = Y + ld * ld,
+           *first = H, *second = first + 2 * n * ld, growth[2], mu[2 * ld], error[ld], rho[2 * k],
+           apart[k];
     free_section(c, 0, V, first);
     propagate(c, 0, middle, V, &exponent[0], &growth[0]);
-    free_section(c, middle, X, second); /* 2n * ld fit into X and Y together, as both bases fit into H, for k > 1 */
+    free_section(c, middle, X, second); /* 2n * ld fit into X and Y together, as both bases fit into
+                                           H, for k > 1 */
     in_section(n, second, V, P1);
     propagate(c, middle, c->n_flight, X, &exponent[1], &growth[1]);
     in_section(n, first, X, P2);
@@ -544,7 +587,8 @@ static bool rho_of_halves(const ric_shooting *c, double *work, double *V, ric_fl
 static void whole_fine(const ric_shooting *c, ric_floquet *f)
 {
     int k = c->n - 1, ld = 2 * k, count = ld * ld;
-    double size, *high = f->work, *low = high + count, *A = low + count, *B = A + count, most = 0, known[2 * k];
+    double size, *high = f->work, *low = high + count, *A = low + count, *B = A + count, most = 0,
+                 known[2 * k];
     ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
     if (!made_fine(c, f, NULL, NULL, &size)) return;
     ric_fine_real trace = 0;
@@ -575,8 +619,8 @@ static void whole_fine(const ric_shooting *c, ric_floquet *f)
     ric_floquet_judge_pairs(f, c->sigma < 0, &pairs);
 }
 
-/* The return map of the general form in f->work, with sigma, and its determinant: a multiplier -1 of the half-period
- * map breaks z(t+T/2) = -z(t). */
+/* The return map of the general form in f->work, with sigma, and its determinant: a multiplier -1
+ * of the half-period map breaks z(t+T/2) = -z(t). */
 static linear_map whole_map(const ric_shooting *c, ric_floquet *f)
 {
     int n = c->n, k = n - 1, ld = 2 * k;
@@ -638,7 +682,8 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
     return RIC_OK;
 }
 
-/* One seen mode: no multipliers besides the trivial ones; every periodic orbit is (orbitally) stable. */
+/* One seen mode: no multipliers besides the trivial ones; every periodic orbit is (orbitally)
+ * stable. */
 static void alone(ric_floquet *f)
 {
     f->trace_asinh = f->rotation = NAN;

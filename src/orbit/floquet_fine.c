@@ -102,7 +102,8 @@ static real square(const course *q, const ric_face *f)
     return sum;
 }
 
-/* A mirror point at an impact: normal displacement and velocity of V [2n * count] exchange their roles (floquet.c). */
+/* A mirror point at an impact: normal displacement and velocity of V [2n * count] exchange their
+ * roles (floquet.c). */
 static void exchange(const course *q, const ric_face *f, bool back, int count, real *V)
 {
     int n = q->n;
@@ -161,8 +162,8 @@ static void turn(int count, const real *by, real *a, real *p)
     }
 }
 
-/* A state w [2n] through a flight, and, unless NULL, deviations V [2n * ld]: sines of this precision are dear, and the
- * same for both. False: no memory for the modes of its springs. */
+/* A state w [2n] through a flight, and, unless NULL, deviations V [2n * ld]: sines of this
+ * precision are dear, and the same for both. False: no memory for the modes of its springs. */
 static bool fly(const course *q, real tau, real *w, real *V)
 {
     const ric_model *m = q->c->model;
@@ -170,7 +171,8 @@ static bool fly(const course *q, real tau, real *w, real *V)
         return ric_flight_fine(m, q->closed, tau, 1, true, w) &&
                (!V || ric_flight_fine(m, q->closed, tau, q->ld, false, V));
     for (int i = 0; i < q->n; i++) {
-        real omega = (real)m->omega[i] + m->omega_low[i], kappa = m->kappa[i], s, by[3] = {1, tau, 0};
+        real omega = (real)m->omega[i] + m->omega_low[i], kappa = m->kappa[i], s,
+             by[3] = {1, tau, 0};
         if (m->omega[i] > 0) {
             sincosl(omega * tau, &s, &by[0]);
             by[1] = kappa * s / omega;
@@ -182,10 +184,11 @@ static bool fly(const course *q, real tau, real *w, real *V)
     return true;
 }
 
-/* Moves the end of the flight from w to where the spring of a face opens. What a rounded time leaves between state and
- * face, times the stiffness, is a force that ends with a jump, and a product of flights that end so takes no flow to
- * flow: beside a spring of 4,400 times the stiffness of the modes a trace of 2 became 2 - 9e-12. Of a slow touch the
- * time says more than the gap, and is left as it is. False: no memory. */
+/* Moves the end of the flight from w to where the spring of a face opens. What a rounded time
+ * leaves between state and face, times the stiffness, is a force that ends with a jump, and a
+ * product of flights that end so takes no flow to flow: beside a spring of 4,400 times the
+ * stiffness of the modes a trace of 2 became 2 - 9e-12. Of a slow touch the time says more than the
+ * gap, and is left as it is. False: no memory. */
 static bool meet(const course *q, const ric_face *f, real *tau)
 {
     enum { STEPS = 6 };
@@ -255,11 +258,13 @@ static void project(course *q)
     for (int i = 0; i < ld * ld; i++) q->size = fmaxl(q->size, fabsl(q->P[i]));
 }
 
-/* Rows 1.. of the Householder reflection that takes eta [n] to a multiple of e_0, [k * n]: eta is overwritten. */
+/* Rows 1.. of the Householder reflection that takes eta [n] to a multiple of e_0, [k * n]: eta is
+ * overwritten. */
 static void unitary_complement(int n, complex_t *eta, complex_t *e)
 {
     real norm = 0, lead = cabsl(eta[0]);
-    for (int i = 0; i < n; i++) norm += creall(eta[i]) * creall(eta[i]) + cimagl(eta[i]) * cimagl(eta[i]);
+    for (int i = 0; i < n; i++)
+        norm += creall(eta[i]) * creall(eta[i]) + cimagl(eta[i]) * cimagl(eta[i]);
     norm = sqrtl(norm);
     eta[0] += lead > 0 ? eta[0] / lead * norm : norm;
     real beta = 1 / (norm * (norm + lead));
@@ -267,9 +272,9 @@ static void unitary_complement(int n, complex_t *eta, complex_t *e)
         for (int i = 0; i < n; i++) e[(j - 1) * n + i] = (i == j) - beta * eta[i] * conjl(eta[j]);
 }
 
-/* Columns perpendicular to flow and gradient, and inner products with those that they started as (the free section of
- * floquet.c): on the face of the first impact the entries of the map would go with 1 / speed, and with them what the
- * orbit's rounding leaves open of its closure. */
+/* Columns perpendicular to flow and gradient, and inner products with those that they started as
+ * (the free section of floquet.c): on the face of the first impact the entries of the map would go
+ * with 1 / speed, and with them what the orbit's rounding leaves open of its closure. */
 static void around(course *q, const complex_t *e, bool start)
 {
     int n = q->n, k = q->k, ld = q->ld;
@@ -302,11 +307,13 @@ static bool flights(course *q)
         const ric_face *next = c->face[k + 1] < 0 ? NULL : &c->model->face[c->face[k + 1]];
         real tau = c->tau[k] + early, meant = tau;
         q->closed = c->closed[k];
-        const bool spring = next && next->spring > 0, closes = spring && c->closed[k + 1] >> c->face[k + 1] & 1;
+        const bool spring = next && next->spring > 0,
+                   closes = spring && c->closed[k + 1] >> c->face[k + 1] & 1;
         if (spring && !closes && !meet(q, next, &tau)) return false;
         early = meant - tau;
         if (!fly(q, tau, q->w, q->V)) return false;
-        if (next && next->spring == 0 && !(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) strike(q, next);
+        if (next && next->spring == 0 && !(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT))
+            strike(q, next);
         else if (q->closed) grow(q);
         if (closes) begin_on(q, next);
     }
@@ -330,8 +337,8 @@ static bool return_map(course *q)
     return true;
 }
 
-bool ric_floquet_fine_map(const ric_shooting *c, const double *start, const double *end, ric_fine_real *store,
-                          double *size)
+bool ric_floquet_fine_map(const ric_shooting *c, const double *start, const double *end,
+                          ric_fine_real *store, double *size)
 {
     int n = c->n, k = n - 1, ld = 2 * k, last = c->n_flight;
     const ric_model *m = c->model;

@@ -13,19 +13,22 @@
 
 /* ---------------------------------------------------------------- two modes */
 
-void ric_floquet_judge_plane(ric_floquet *f, bool quarter, double bc, double ad, double twist, int exponent,
-                             double error)
+void ric_floquet_judge_plane(ric_floquet *f, bool quarter, double bc, double ad, double twist,
+                             int exponent, double error)
 {
     /* rho - 2, rho + 2 of the chain's map */
     double minus = ldexp(4 * bc, 2 * exponent), plus = ldexp(4 * ad, 2 * exponent);
-    double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2, full = quarter ? rho * rho - 2 : rho;
+    double rho = fabs(minus) < fabs(plus) ? 2 + minus : plus - 2,
+           full = quarter ? rho * rho - 2 : rho;
     double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * LOG_2;
     f->error = ldexp(error, 2 * exponent);
-    f->each[0] = (quarter ? f->error * (2 * fabs(rho) + f->error) : f->error) + DBL_EPSILON * fabs(full);
+    f->each[0] = (quarter ? f->error * (2 * fabs(rho) + f->error) : f->error) +
+                 DBL_EPSILON * fabs(full);
     f->own[0] = rho;
     f->rho[0] = full;
     f->own[1] = f->rho[1] = 0;
-    if (fabs(rho) > 0x1p400 || !isfinite(rho)) f->trace_asinh = quarter ? 2 * log_rho : copysign(log_rho, bc);
+    if (fabs(rho) > 0x1p400 || !isfinite(rho))
+        f->trace_asinh = quarter ? 2 * log_rho : copysign(log_rho, bc);
     else f->trace_asinh = asinh(full / 2);
     bool inside = 4 * bc < -error && 4 * ad > error, outside = 4 * bc > error || 4 * ad < -error;
     f->stable = inside ? RIC_STABLE_YES : outside ? RIC_STABLE_NO : RIC_STABLE_UNDECIDED;
@@ -38,12 +41,15 @@ void ric_floquet_judge_plane(ric_floquet *f, bool quarter, double bc, double ad,
     }
 }
 
-void ric_floquet_judge_trace(ric_floquet *f, bool half, double trace, double twist, int exponent, double error)
+void ric_floquet_judge_trace(ric_floquet *f, bool half, double trace, double twist, int exponent,
+                             double error)
 {
-    double rho = ldexp(trace, exponent), full = half ? rho * rho - 2 : rho, two = ldexp(2, -exponent);
+    double rho = ldexp(trace, exponent), full = half ? rho * rho - 2 : rho,
+           two = ldexp(2, -exponent);
     error += ldexp(8 * DBL_EPSILON, -exponent);
     f->error = ldexp(error, exponent);
-    f->each[0] = (half ? f->error * (2 * fabs(rho) + f->error) : f->error) + DBL_EPSILON * fabs(full);
+    f->each[0] = (half ? f->error * (2 * fabs(rho) + f->error) : f->error) +
+                 DBL_EPSILON * fabs(full);
     f->own[0] = rho;
     f->rho[0] = full;
     f->own[1] = f->rho[1] = 0;
@@ -88,15 +94,19 @@ static int together(int n, const double *distances, double distance)
     return low;
 }
 
-/* How far rho i may be off: m of them that may be one are moved by the m-th root of the error, relative to their size
- * (Kato, Perturbation Theory for Linear Operators, II section 1.2), so that within that of each lie m. `least`: how
- * many are together at least; distances [n_pair] of all from this one, in ascending order. */
-static double radius_of(const ric_floquet *f, int i, int least, double error, const double *distances)
+/* How far rho i may be off: m of them that may be one are moved by the m-th root of the error,
+ * relative to their size (Kato, Perturbation Theory for Linear Operators, II section 1.2), so that
+ * within that of each lie m. `least`: how many are together at least; distances [n_pair] of all
+ * from this one, in ascending order. */
+static double radius_of(const ric_floquet *f, int i, int least, double error,
+                        const double *distances)
 {
     const double *r = f->rho + 2 * i;
-    double size = 1 + fabs(r[0]) + fabs(r[1]), radius = least == 1 ? error : sqrt(error / size) * size;
+    double size = 1 + fabs(r[0]) + fabs(r[1]),
+           radius = least == 1 ? error : sqrt(error / size) * size;
     int most = together(f->n_pair, distances,
-                        pow(error / size, 1.0 / (error < size ? f->n_pair : 2)) * size); /* within the widest */
+                        pow(error / size, 1.0 / (error < size ? f->n_pair : 2)) *
+                            size); /* within the widest */
     for (int m = 2; m <= most; m++) {
         double wide = pow(error / size, 1.0 / m) * size;
         if (together(f->n_pair, distances, wide) >= m) radius = fmax(radius, wide);
@@ -111,7 +121,8 @@ void ric_floquet_judge_pairs(ric_floquet *f, bool quarter, const ric_floquet_pai
     f->error = 0;
     for (int i = 0; i < f->n_pair; i++) {
         for (int j = 0; j < f->n_pair; j++) {
-            double distance = hypot(f->rho[2 * j] - f->rho[2 * i], f->rho[2 * j + 1] - f->rho[2 * i + 1]);
+            double distance = hypot(f->rho[2 * j] - f->rho[2 * i],
+                                    f->rho[2 * j + 1] - f->rho[2 * i + 1]);
             distances[j] = isnan(distance) ? HUGE_VAL : distance;
         }
         qsort(distances, (size_t)f->n_pair, sizeof *distances, by_size);

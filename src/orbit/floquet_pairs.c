@@ -29,13 +29,14 @@ static double of_a_meeting(int count, const double *A, double error)
     return error + 2 * sqrt(error * sqrt(sum));
 }
 
-/* Condition of eigenvalue x of a matrix of two rows: the part above the diagonal of its Schur form, over the distance
- * from the other one, y. */
+/* Condition of eigenvalue x of a matrix of two rows: the part above the diagonal of its Schur form,
+ * over the distance from the other one, y. */
 static double of_two(const double *H, double complex x, double complex y)
 {
     double sum = 0;
     for (int i = 0; i < 4; i++) sum += H[i] * H[i];
-    const double both = creal(x * conj(x) + y * conj(y)), above = fmax(sum - both, 0) + 4 * DBL_EPSILON * sum;
+    const double both = creal(x * conj(x) + y * conj(y)),
+                 above = fmax(sum - both, 0) + 4 * DBL_EPSILON * sum;
     return hypot(1, sqrt(above) / cabs(x - y));
 }
 
@@ -52,7 +53,9 @@ static void conditions(const double *H, double error, ric_floquet_pairs *out)
         const double complex own = rho[2 * i] + rho[2 * i + 1] * I;
         double least = HUGE_VAL;
         alone[i] = most;
-        if (k == 2) alone[i] = fmin(most, error * of_two(H, own, rho[2 * (1 - i)] + rho[2 * (1 - i) + 1] * I));
+        if (k == 2)
+            alone[i] = fmin(most,
+                            error * of_two(H, own, rho[2 * (1 - i)] + rho[2 * (1 - i) + 1] * I));
         for (int j = 0; j < k && k != 2 && found; j++) {
             const double off = cabs(values[2 * j] + values[2 * j + 1] * I - own);
             if (off >= least) continue;
@@ -89,7 +92,8 @@ void ric_floquet_pairs_conditions(const double *M, double error, ric_floquet_pai
 
 /* ------------------------------------------------------------------- pairs */
 
-bool ric_floquet_pairs_of_matrix(const double *H, double error, double *work, ric_floquet_pairs *out)
+bool ric_floquet_pairs_of_matrix(const double *H, double error, double *work,
+                                 ric_floquet_pairs *out)
 {
     const int k = out->count;
     memcpy(work, H, (size_t)(k * k) * sizeof *work);
@@ -106,11 +110,12 @@ void ric_floquet_pairs_product(int k, const double *b, const double *cc, int exp
         for (int i = 0; i < k; i++)
             for (int j = 0; j < k; j++) A[i * k + j] += b[l * k + i] * cc[l * k + j];
     for (int i = 0; i < k; i++)
-        for (int j = 0; j < k; j++) A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * A[i * k + j], 2 * exponent);
+        for (int j = 0; j < k; j++)
+            A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * A[i * k + j], 2 * exponent);
 }
 
-bool ric_floquet_pairs_of_blocks(const double *b, const double *c, int exponent, double rounding, double *work,
-                                 ric_floquet_pairs *out)
+bool ric_floquet_pairs_of_blocks(const double *b, const double *c, int exponent, double rounding,
+                                 double *work, ric_floquet_pairs *out)
 {
     const int k = out->count;
     double *turned = work, *H = work + k * k, *rho = out->rho, *error = out->error;
@@ -160,7 +165,8 @@ void ric_floquet_pairs_inverse(int k, const double *A, int sigma, const double *
         }
 }
 
-bool ric_floquet_pairs_of_period(const double *M, double error, double *work, ric_floquet_pairs *out)
+bool ric_floquet_pairs_of_period(const double *M, double error, double *work,
+                                 ric_floquet_pairs *out)
 {
     const int k = out->count, size = 2 * k;
     double all[2 * size], apart[k];

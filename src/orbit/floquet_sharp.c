@@ -12,7 +12,8 @@
 
 typedef long double _Complex complex_t;
 
-typedef ric_eigen_factors source; /* of b' c, whose eigenvalues are (rho - 2) / 4; with C NULL of the map, lambda */
+typedef ric_eigen_factors
+    source; /* of b' c, whose eigenvalues are (rho - 2) / 4; with C NULL of the map, lambda */
 
 static double complex eigenvalue_of(const source *s, const double *rho)
 {
@@ -25,11 +26,13 @@ static void rho_of(const source *s, const double *mu, double its_error, double *
     rho[0] = creal(r);
     /* on the unit circle lambda is complex, and rho is not */
     rho[1] = fabs(rho[1]) > 0 ? cimag(r) : 0;
-    *error = s->C ? 4 * its_error : its_error * cabs(1 - 1 / (value * value)) + its_error * its_error;
+    *error = s->C ? 4 * its_error
+                  : its_error * cabs(1 - 1 / (value * value)) + its_error * its_error;
     *error += 16 * DBL_EPSILON * (1 + cabs(r));
 }
 
-/* How far the other eigenvalues are from that of pair i, its own inverse among them where it is one. */
+/* How far the other eigenvalues are from that of pair i, its own inverse among them where it is
+ * one. */
 static double apart_from(const ric_floquet_pairs *pairs, const source *s, int i)
 {
     const double complex own = eigenvalue_of(s, pairs->rho + 2 * i);
@@ -59,8 +62,8 @@ static void sharpen(const source *s, double to, ric_floquet_pairs *pairs)
     free(work);
 }
 
-void ric_floquet_sharpen_blocks(const ric_fine_real *b, const ric_fine_real *c, ric_fine_real rounding, double to,
-                                ric_floquet_pairs *pairs)
+void ric_floquet_sharpen_blocks(const ric_fine_real *b, const ric_fine_real *c,
+                                ric_fine_real rounding, double to, ric_floquet_pairs *pairs)
 {
     const int k = pairs->count;
     if (k > MOST_PAIRS) return;
@@ -70,7 +73,8 @@ void ric_floquet_sharpen_blocks(const ric_fine_real *b, const ric_fine_real *c, 
     sharpen(&(source){.m = k, .B = turned, .C = c, .rounding = rounding}, to, pairs);
 }
 
-void ric_floquet_sharpen_map(const ric_fine_real *M, ric_fine_real rounding, double to, ric_floquet_pairs *pairs)
+void ric_floquet_sharpen_map(const ric_fine_real *M, ric_fine_real rounding, double to,
+                             ric_floquet_pairs *pairs)
 {
     if (pairs->count > MOST_PAIRS) return;
     sharpen(&(source){.m = 2 * pairs->count, .B = M, .rounding = rounding}, to, pairs);

@@ -5,7 +5,8 @@
 
 #include "base/room.h"
 
-#define APART 1e-2 /* scaled time: flights that differ by more are told apart before any state is computed */
+/* APART: scaled time: flights that differ by more are told apart before any state is computed */
+#define APART 1e-2
 
 static int modulo(int i, int N)
 {
@@ -62,9 +63,10 @@ ric_periodic *ric_periodic_copy(const ric_periodic *c)
 
 /* ----------------------------------------------------------------- motion */
 
-/* Flight i of the cycle, with `closed` during it, and the event at its end: w from right after event i to right after
- * the next. */
-static void advance(const ric_model *m, const ric_periodic *c, int i, uint64_t *closed, const double *w, double *after)
+/* Flight i of the cycle, with `closed` during it, and the event at its end: w from right after
+ * event i to right after the next. */
+static void advance(const ric_model *m, const ric_periodic *c, int i, uint64_t *closed,
+                    const double *w, double *after)
 {
     int face = c->face[(i + 1) % c->N];
     ric_flight_go(m, *closed, c->face[i], c->tau[i], w, after);
@@ -78,7 +80,8 @@ void ric_periodic_states(const ric_model *m, const ric_periodic *c, double *W)
     int n = c->n;
     uint64_t closed = c->closed;
     memcpy(W, c->w, 2 * (size_t)n * sizeof *W);
-    for (int i = 1; i < c->N; i++) advance(m, c, i - 1, &closed, W + 2 * n * (i - 1), W + 2 * n * i);
+    for (int i = 1; i < c->N; i++)
+        advance(m, c, i - 1, &closed, W + 2 * n * (i - 1), W + 2 * n * i);
 }
 
 uint64_t ric_periodic_springs(const ric_model *m)
@@ -178,7 +181,8 @@ static void reverse_time(const ric_model *m, ric_periodic *c)
     if (c->flip >= 0) c->flip = modulo(-c->flip, N);
 }
 
-ric_periodic *ric_periodic_transform(const ric_model *m, const ric_periodic *c, int shift, bool reverse, bool mirror)
+ric_periodic *ric_periodic_transform(const ric_model *m, const ric_periodic *c, int shift,
+                                     bool reverse, bool mirror)
 {
     if (mirror && !ric_periodic_mirrors(m, c)) return NULL;
     ric_periodic *out = ric_periodic_create(c->n, c->N);
@@ -302,7 +306,8 @@ static double size_of(const ric_periodic *c)
 double ric_periodic_distance(const ric_periodic *a, const ric_periodic *b)
 {
     double sum = 0, size = size_of(a);
-    if (a->N != b->N || a->closed != b->closed || memcmp(a->face, b->face, (size_t)a->N * sizeof *a->face))
+    if (a->N != b->N || a->closed != b->closed ||
+        memcmp(a->face, b->face, (size_t)a->N * sizeof *a->face))
         return HUGE_VAL;
     for (int i = 0; i < 2 * a->n; i++) sum = fmax(sum, fabs(a->w[i] - b->w[i]) / size);
     for (int i = 0; i < a->N; i++) sum = fmax(sum, fabs(a->tau[i] - b->tau[i]));
@@ -315,8 +320,8 @@ static int following(int N, int i, bool reverse)
     return reverse ? (i > 0 ? i : N) - 1 : i + 1 < N ? i + 1 : 0;
 }
 
-static bool same_word(const ric_model *m, const ric_periodic *a, const ric_periodic *b, int shift, bool reverse,
-                      bool mirror)
+static bool same_word(const ric_model *m, const ric_periodic *a, const ric_periodic *b, int shift,
+                      bool reverse, bool mirror)
 {
     for (int i = 0, j = shift; i < a->N; i++, j = following(b->N, j, reverse)) {
         int f = b->face[j];
@@ -326,8 +331,8 @@ static bool same_word(const ric_model *m, const ric_periodic *a, const ric_perio
     return true;
 }
 
-/* Images of one orbit under the group: its states after every event [N * 2n] are flown once, when the first of them is
- * asked for. */
+/* Images of one orbit under the group: its states after every event [N * 2n] are flown once, when
+ * the first of them is asked for. */
 typedef struct {
     const ric_model *m;
     const ric_periodic *c;
@@ -342,7 +347,8 @@ static bool fly_states(images *q)
 }
 
 /* What an operation makes of the springs that are closed after event 0. */
-static uint64_t image_closed(const ric_model *m, const ric_periodic *c, int shift, bool reverse, bool mirror)
+static uint64_t image_closed(const ric_model *m, const ric_periodic *c, int shift, bool reverse,
+                             bool mirror)
 {
     if (!ric_flight_law_of(m)->closes) return c->closed;
     uint64_t closed = ric_periodic_closed(m, c, shift);
@@ -370,17 +376,21 @@ static int first_flight(int N, int shift, bool reverse)
     return reverse ? following(N, shift, true) : shift;
 }
 
-/* Distance of an image from a; infinity when the words differ, or where a flight time alone is farther away than
- * `most`: times and words cost nothing, states are flown. */
-static double image_distance(images *q, const ric_periodic *a, int shift, bool reverse, bool mirror, double most)
+/* Distance of an image from a; infinity when the words differ, or where a flight time alone is
+ * farther away than `most`: times and words cost nothing, states are flown. */
+static double image_distance(images *q, const ric_periodic *a, int shift, bool reverse, bool mirror,
+                             double most)
 {
     const ric_periodic *b = q->c;
     const int first = first_flight(b->N, shift, reverse);
     double w[2 * a->n], sum = 0, size = size_of(a);
-    if (!same_word(q->m, a, b, shift, reverse, mirror) || (mirror && !ric_periodic_mirrors(q->m, b))) return HUGE_VAL;
+    if (!same_word(q->m, a, b, shift, reverse, mirror) ||
+        (mirror && !ric_periodic_mirrors(q->m, b)))
+        return HUGE_VAL;
     for (int i = 0, j = first; i < a->N; i++, j = following(b->N, j, reverse))
         if (fabs(a->tau[i] - b->tau[j]) > most) return HUGE_VAL;
-    if (a->closed != image_closed(q->m, b, shift, reverse, mirror) || !fly_states(q)) return HUGE_VAL;
+    if (a->closed != image_closed(q->m, b, shift, reverse, mirror) || !fly_states(q))
+        return HUGE_VAL;
     image_state(q, shift, reverse, mirror, w);
     for (int i = 0; i < 2 * a->n; i++) sum = fmax(sum, fabs(a->w[i] - w[i]) / size);
     for (int i = 0, j = first; i < a->N; i++, j = following(b->N, j, reverse))
@@ -396,8 +406,8 @@ bool ric_periodic_alike(const ric_model *m, const ric_periodic *a, const ric_per
     return found;
 }
 
-bool ric_periodic_match(const ric_model *m, const ric_periodic *a, const ric_periodic *b, double tolerance, int *shift,
-                        bool *reverse, bool *mirror)
+bool ric_periodic_match(const ric_model *m, const ric_periodic *a, const ric_periodic *b,
+                        double tolerance, int *shift, bool *reverse, bool *mirror)
 {
     images q = {.m = m, .c = b};
     double nearest = HUGE_VAL;
@@ -421,7 +431,9 @@ static int shifts(images *q, double tolerance)
 {
     const ric_periodic *c = q->c;
     for (int s = 1; s < c->N; s++)
-        if (c->N % s == 0 && image_distance(q, c, s, false, false, fmin(tolerance, APART)) <= tolerance) return s;
+        if (c->N % s == 0 &&
+            image_distance(q, c, s, false, false, fmin(tolerance, APART)) <= tolerance)
+            return s;
     return c->N;
 }
 
@@ -434,8 +446,8 @@ int ric_periodic_shifts(const ric_model *m, const ric_periodic *c, double tolera
     return s;
 }
 
-ric_periodic *ric_periodic_nearest_event(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near,
-                                         double limit)
+ric_periodic *ric_periodic_nearest_event(const ric_model *m, const ric_periodic *orbit,
+                                         const ric_periodic *near, double limit)
 {
     images q = {.m = m, .c = near};
     double least = limit;
@@ -452,16 +464,19 @@ ric_periodic *ric_periodic_nearest_event(const ric_model *m, const ric_periodic 
     return best < 0 ? NULL : ric_periodic_transform(m, near, shift, best & 1, best & 2);
 }
 
-/* Whether both mirror points of the reversal s are of a kind that is said: an even half position is an impact. */
+/* Whether both mirror points of the reversal s are of a kind that is said: an even half position is
+ * an impact. */
 static bool mirrors_fit(const ric_periodic_claim *said, int s, int N)
 {
     bool impact = s % 2 == 0 || (s + N) % 2 == 0, rest = s % 2 != 0 || (s + N) % 2 != 0;
     return !said || ((!impact || said->impact) && (!rest || said->rest));
 }
 
-/* Of the reversals, with x -> -x or not, that hold: the first, or of a stored orbit, whose branch `said` speaks of, the
- * one that holds best; -1 if none does. The image under (shift s, reverse) has impact i = old impact s - i. */
-static int reversal(images *q, int period, bool mirror, double tolerance, const ric_periodic_claim *said)
+/* Of the reversals, with x -> -x or not, that hold: the first, or of a stored orbit, whose branch
+ * `said` speaks of, the one that holds best; -1 if none does. The image under (shift s, reverse)
+ * has impact i = old impact s - i. */
+static int reversal(images *q, int period, bool mirror, double tolerance,
+                    const ric_periodic_claim *said)
 {
     const ric_periodic *c = q->c;
     double least = tolerance;
@@ -480,7 +495,8 @@ int ric_periodic_try_symmetries(const ric_model *m, ric_periodic *c, int copies,
                                 const ric_periodic_claim *said)
 {
     images of = {.m = m, .c = c};
-    int shift = said ? c->N : shifts(&of, tolerance), q = shift < c->N ? c->N / shift : copies, period = c->N / q;
+    int shift = said ? c->N : shifts(&of, tolerance), q = shift < c->N ? c->N / shift : copies,
+        period = c->N / q;
     double most = fmin(tolerance, APART);
     c->half = period % 2 == 0 && image_distance(&of, c, period / 2, false, true, most) <= tolerance;
     c->pure = reversal(&of, period, false, tolerance, said);
@@ -494,7 +510,9 @@ void ric_periodic_word(const ric_model *m, const ric_periodic *c, int *word)
     uint64_t closed = c->closed;
     for (int i = 0; i < ric_periodic_letters(c); i++) {
         if (i > 0) closed = ric_flight_toggle(m, closed, c->face[i]);
-        word[i] = m->face[c->face[i]].spring > 0 && !(closed >> c->face[i] & 1) ? m->n_face + c->face[i] : c->face[i];
+        word[i] = m->face[c->face[i]].spring > 0 && !(closed >> c->face[i] & 1)
+                      ? m->n_face + c->face[i]
+                      : c->face[i];
     }
 }
 
@@ -506,7 +524,8 @@ void ric_periodic_spell(const ric_model *m, ric_periodic *c, const int *word)
         bool opens = word[i] >= m->n_face;
         int f = c->face[i] = opens ? word[i] - m->n_face : word[i];
         /* what it is after event 0: what that made of it, or the other of what comes first */
-        if (m->face[f].spring > 0 && !(met >> f & 1) && opens == (i > 0)) c->closed |= (uint64_t)1 << f;
+        if (m->face[f].spring > 0 && !(met >> f & 1) && opens == (i > 0))
+            c->closed |= (uint64_t)1 << f;
         if (m->face[f].spring > 0) met |= (uint64_t)1 << f;
     }
 }
@@ -516,8 +535,8 @@ static uint64_t bit_of(int face)
     return face < 0 ? 0 : (uint64_t)1 << (face % RIC_FACES_MAX);
 }
 
-/* A cycle as an operation reads it, which takes no time: its events from `shift` on, forwards or back, each on its own
- * face or on the opposite one; `closed`: springs after the first. */
+/* A cycle as an operation reads it, which takes no time: its events from `shift` on, forwards or
+ * back, each on its own face or on the opposite one; `closed`: springs after the first. */
 typedef struct {
     const ric_model *m; /* NULL: nothing is mirrored */
     const ric_periodic *c;
@@ -542,7 +561,8 @@ static int compare_words(uint64_t springs, const reading *a, const reading *b)
         if (i > 0) x ^= f;
         if (i > 0) y ^= g;
         bool opens = f && !(x & f), other = g && !(y & g);
-        if (opens != other) return opens ? 1 : -1; /* closings first: the smallest word starts with one */
+        if (opens != other)
+            return opens ? 1 : -1; /* closings first: the smallest word starts with one */
         if (own != theirs) return own < theirs ? -1 : 1;
         j = following(N, j, a->reverse);
         k = following(N, k, b->reverse);
@@ -575,7 +595,8 @@ int ric_periodic_compare(uint64_t springs, const ric_periodic *a, const ric_peri
     return order ? order : compare_states(&own, a->w, &other, b->w);
 }
 
-/* Words tell most images from each other: only of those with the smallest are states flown, all at once. */
+/* Words tell most images from each other: only of those with the smallest are states flown, all at
+ * once. */
 ric_periodic *ric_periodic_canonical(const ric_model *m, const ric_periodic *c)
 {
     const uint64_t springs = ric_periodic_springs(m);

@@ -13,8 +13,8 @@ static int modulo(int i, int N)
 
 /* ------------------------------------------------------------- from chain */
 
-/* Appends one flight that ends on `face` (-1: in flight) to a cycle under construction; `open` is flight time not yet
- * closed. */
+/* Appends one flight that ends on `face` (-1: in flight) to a cycle under construction; `open` is
+ * flight time not yet closed. */
 static void append(ric_periodic *c, double *open, double tau, int face)
 {
     *open += tau;
@@ -31,8 +31,10 @@ static int mirrored(const ric_model *m, int face, bool mirror)
     return face < 0 || !mirror ? face : m->face[face].mirror;
 }
 
-/* One way from the start to the end mirror and back; the way back shows the mirror image if the end is a centre. */
-static void walk(ric_periodic *c, const ric_shooting *chain, const double *tau, bool mirror, double *open)
+/* One way from the start to the end mirror and back; the way back shows the mirror image if the end
+ * is a centre. */
+static void walk(ric_periodic *c, const ric_shooting *chain, const double *tau, bool mirror,
+                 double *open)
 {
     const ric_model *m = chain->model;
     int last = chain->n_flight;
@@ -71,7 +73,8 @@ static ric_periodic *from_chain(const ric_shooting *chain, const double *u)
     walk(c, chain, tau, false, &open);
     if (quarter) walk(c, chain, tau, true, &open);
     before_first = c->w[0];
-    if (on_impact) c->N--; /* the walk has come back to the first impact; its flight is closed already */
+    if (on_impact)
+        c->N--; /* the walk has come back to the first impact; its flight is closed already */
     else c->tau[c->N - 1] = open + before_first;
     const double *first = chain->w + (on_impact ? 0 : 2 * n);
     memcpy(c->w, first, 2 * (size_t)n * sizeof *c->w);
@@ -90,8 +93,8 @@ static ric_periodic *from_chain(const ric_shooting *chain, const double *u)
 
 /* --------------------------------------------------------------- to chain */
 
-/* Where a chain of the general form may start: the condition there stands for itself, so not behind a flight between
- * two switches of one spring, if there is another event. */
+/* Where a chain of the general form may start: the condition there stands for itself, so not behind
+ * a flight between two switches of one spring, if there is another event. */
 int ric_periodic_start(const ric_model *m, const ric_periodic *c)
 {
     uint64_t closed = c->closed;
@@ -105,9 +108,11 @@ int ric_periodic_start(const ric_model *m, const ric_periodic *c)
     return closing < 0 ? 0 : closing;
 }
 
-static ric_status to_general(const ric_model *m, const ric_periodic *cycle, ric_shooting **chain, double **u);
+static ric_status to_general(const ric_model *m, const ric_periodic *cycle, ric_shooting **chain,
+                             double **u);
 
-static ric_status from_event(const ric_model *m, const ric_periodic *c, int first, ric_shooting **chain, double **u)
+static ric_status from_event(const ric_model *m, const ric_periodic *c, int first,
+                             ric_shooting **chain, double **u)
 {
     ric_periodic *turned = ric_periodic_transform(m, c, first, false, false);
     if (!turned) return ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", c->N);
@@ -116,14 +121,16 @@ static ric_status from_event(const ric_model *m, const ric_periodic *c, int firs
     return status;
 }
 
-static ric_status to_general(const ric_model *m, const ric_periodic *c, ric_shooting **chain, double **u)
+static ric_status to_general(const ric_model *m, const ric_periodic *c, ric_shooting **chain,
+                             double **u)
 {
     int first = ric_periodic_start(m, c);
     if (first > 0) return from_event(m, c, first, chain, u);
     int n = c->n, nf = c->half ? c->N / 2 : c->N, face[nf + 1];
     for (int i = 0; i < nf; i++) face[i] = c->face[i];
     face[nf] = c->half ? m->face[c->face[0]].mirror : c->face[0];
-    ric_status status = ric_shooting_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, c->half ? -1 : 1, nf, face, chain);
+    ric_status status = ric_shooting_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, c->half ? -1 : 1,
+                                            nf, face, chain);
     if (status) return status;
     ric_shooting_close(*chain, c->closed);
     if (!(*u = ric_calloc((size_t)(*chain)->n_unknown, sizeof **u))) {
@@ -136,16 +143,37 @@ static ric_status to_general(const ric_model *m, const ric_periodic *c, ric_shoo
     return RIC_OK;
 }
 
+/* Times of the flights from x0 to x1, and the faces that they end on from face[1] on; their number.
+ */
+static int flights_between(const ric_periodic *c, int x0, int x1, int *face, double *tau)
+{
+    int nf = 0;
+    for (int x = x0; x < x1;) {
+        int i = x >= 0 ? x / 2 : 0, end = 2 * i + 2;
+        double t = c->tau[modulo(i, c->N)];
+        if (x % 2) t /= 2;
+        if (end > x1) {
+            t /= 2;
+            end = x1;
+        }
+        tau[nf++] = t;
+        face[nf] = end % 2 ? -1 : c->face[modulo(end / 2, c->N)];
+        x = end;
+    }
+    return nf;
+}
+
 /* Chain from half position x0 to x1. */
-static ric_status between(const ric_model *m, const ric_periodic *c, int x0, int x1, ric_mirror in_flight0,
-                          ric_mirror in_flight1, ric_shooting **chain, double **out)
+static ric_status between(const ric_model *m, const ric_periodic *c, int x0, int x1,
+                          ric_mirror in_flight0, ric_mirror in_flight1, ric_shooting **chain,
+                          double **out)
 {
     ric_status status = RIC_OK;
-    int n = c->n, N = c->N, nf = 0;
+    int n = c->n, N = c->N;
     bool hit0 = x0 % 2 == 0, hit1 = x1 % 2 == 0;
     int *face = ric_calloc((size_t)(x1 - x0) + 3, sizeof *face);
-    double *tau = ric_calloc((size_t)(x1 - x0) + 3, sizeof *tau), *W = ric_calloc((size_t)N * 2 * (size_t)n, sizeof *W),
-           *u = NULL;
+    double *tau = ric_calloc((size_t)(x1 - x0) + 3, sizeof *tau),
+           *W = ric_calloc((size_t)N * 2 * (size_t)n, sizeof *W), *u = NULL;
     double w[2 * n];
     *chain = NULL;
     *out = NULL;
@@ -156,19 +184,9 @@ static ric_status between(const ric_model *m, const ric_periodic *c, int x0, int
     ric_periodic_states(m, c, W);
     int first = x0 / 2; /* impact at or before the start */
     face[0] = hit0 ? c->face[modulo(first, N)] : -1;
-    for (int x = x0; x < x1;) {
-        int i = x >= 0 ? x / 2 : 0, end = 2 * i + 2;
-        double t = c->tau[modulo(i, N)];
-        if (x % 2) t /= 2;
-        if (end > x1) {
-            t /= 2;
-            end = x1;
-        }
-        tau[nf++] = t;
-        face[nf] = end % 2 ? -1 : c->face[modulo(end / 2, N)];
-        x = end;
-    }
-    ric_mirror start = hit0 ? RIC_MIRROR_IMPACT : in_flight0, end = hit1 ? RIC_MIRROR_IMPACT : in_flight1;
+    int nf = flights_between(c, x0, x1, face, tau);
+    ric_mirror start = hit0 ? RIC_MIRROR_IMPACT : in_flight0,
+               end = hit1 ? RIC_MIRROR_IMPACT : in_flight1;
     if ((status = ric_shooting_create(m, start, end, 1, nf, face, chain))) goto out;
     ric_shooting_close(*chain, ric_periodic_closed(m, c, modulo(first, N)));
     if (!(u = ric_calloc((size_t)(*chain)->n_unknown, sizeof *u))) {
@@ -176,7 +194,9 @@ static ric_status between(const ric_model *m, const ric_periodic *c, int x0, int
         goto out;
     }
     memcpy(w, W + 2 * n * modulo(first, N), sizeof w);
-    if (!hit0) ric_flight_go(m, (*chain)->closed[0], c->face[modulo(first, N)], c->tau[modulo(first, N)] / 2, w, w);
+    if (!hit0)
+        ric_flight_go(m, (*chain)->closed[0], c->face[modulo(first, N)],
+                      c->tau[modulo(first, N)] / 2, w, w);
     if (start == RIC_MIRROR_CENTRE) memcpy(u, w + n, (size_t)n * sizeof *u);
     else memcpy(u, w, (size_t)n * sizeof *u);
     if (start == RIC_MIRROR_IMPACT) {
@@ -198,15 +218,20 @@ out:
     return status;
 }
 
-static ric_status to_chain(const ric_model *m, const ric_periodic *c, ric_shooting **chain, double **u)
+static ric_status to_chain(const ric_model *m, const ric_periodic *c, ric_shooting **chain,
+                           double **u)
 {
     int N = c->N;
     if (c->half && c->pure >= 0) {
-        int x0 = modulo(c->pure + N / 2, N); /* a centre lies N / 2 half positions from every rest or impact mirror */
+        int x0 =
+            modulo(c->pure + N / 2,
+                   N); /* a centre lies N / 2 half positions from every rest or impact mirror */
         return between(m, c, x0, x0 + N / 2, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, chain, u);
     }
-    if (c->pure >= 0) return between(m, c, c->pure, c->pure + N, RIC_MIRROR_REST, RIC_MIRROR_REST, chain, u);
-    if (c->flip >= 0) return between(m, c, c->flip, c->flip + N, RIC_MIRROR_CENTRE, RIC_MIRROR_CENTRE, chain, u);
+    if (c->pure >= 0)
+        return between(m, c, c->pure, c->pure + N, RIC_MIRROR_REST, RIC_MIRROR_REST, chain, u);
+    if (c->flip >= 0)
+        return between(m, c, c->flip, c->flip + N, RIC_MIRROR_CENTRE, RIC_MIRROR_CENTRE, chain, u);
     return to_general(m, c, chain, u);
 }
 

@@ -21,12 +21,14 @@ ric_periodic *ric_periodic_from_chain(const ric_shooting *chain, const double *u
     return ric_periodic_form_of(chain->model)->from_chain(chain, u);
 }
 
-ric_status ric_periodic_to_chain(const ric_model *m, const ric_periodic *c, ric_shooting **chain, double **u)
+ric_status ric_periodic_to_chain(const ric_model *m, const ric_periodic *c, ric_shooting **chain,
+                                 double **u)
 {
     return ric_periodic_form_of(m)->to_chain(m, c, chain, u);
 }
 
-ric_periodic *ric_periodic_spelled(const ric_model *m, int letters, const int *word, const double *tau)
+ric_periodic *ric_periodic_spelled(const ric_model *m, int letters, const int *word,
+                                   const double *tau)
 {
     return ric_periodic_form_of(m)->spell(m, letters, word, tau);
 }
@@ -36,7 +38,8 @@ void ric_periodic_claimed(const ric_model *m, const ric_periodic_claim *claim, r
     ric_periodic_form_of(m)->claim(m, claim, c);
 }
 
-bool ric_periodic_same(const ric_model *m, const ric_periodic *a, const ric_periodic *b, double tolerance)
+bool ric_periodic_same(const ric_model *m, const ric_periodic *a, const ric_periodic *b,
+                       double tolerance)
 {
     return ric_periodic_form_of(m)->same(m, a, b, tolerance);
 }
@@ -46,8 +49,8 @@ bool ric_periodic_repeats(const ric_model *m, const ric_periodic *c, double tole
     return ric_periodic_form_of(m)->repeats(m, c, tolerance);
 }
 
-ric_periodic *ric_periodic_nearest(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near,
-                                   double limit)
+ric_periodic *ric_periodic_nearest(const ric_model *m, const ric_periodic *orbit,
+                                   const ric_periodic *near, double limit)
 {
     return ric_periodic_form_of(m)->nearest(m, orbit, near, limit);
 }

@@ -1,6 +1,7 @@
-/* Cycles of smooth structures (law power): no impacts, but two *marks* half a period apart, of face -1 and without
- * effect, to which the operations of periodic.h refer. An orbit with mirror points starts at one of them; one without
- * at the instant of largest |s| of the first contact, which every symmetry respects (docs/theory.md section 10). */
+/* Cycles of smooth structures (law power): no impacts, but two *marks* half a period apart, of face
+ * -1 and without effect, to which the operations of periodic.h refer. An orbit with mirror points
+ * starts at one of them; one without at the instant of largest |s| of the first contact, which
+ * every symmetry respects (docs/theory.md section 10). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,9 +10,10 @@
 #include "shooting_nodes.h"
 #include "base/room.h"
 
-#define SAMPLES 48    /* of an orbit per turn of the fastest mode, at least */
-#define PIECES 3      /* and of every step of a flight */
-#define SHORTEST 1e-6 /* a piece shorter than this part of the longest is none: the flow cannot be followed */
+#define SAMPLES 48 /* of an orbit per turn of the fastest mode, at least */
+#define PIECES 3   /* and of every step of a flight */
+/* SHORTEST: a piece shorter than this part of the longest is none: the flow cannot be followed */
+#define SHORTEST 1e-6
 #define NEWTON_STEPS 8
 
 bool ric_periodic_mark(ric_periodic *c, int marks)
@@ -68,8 +70,9 @@ static double longest_piece(const ric_model *m, double period)
     return period / (SAMPLES * (1 + period * m->omega[m->n - 1] / RIC_TWO_PI));
 }
 
-/* A piece of an orbit at w, short enough for a walk to see all: some to every turn of the fastest mode, and to every
- * time in which the motion changes its course, which within a contact of high power may be a hundredth of that. */
+/* A piece of an orbit at w, short enough for a walk to see all: some to every turn of the fastest
+ * mode, and to every time in which the motion changes its course, which within a contact of high
+ * power may be a hundredth of that. */
 static double piece(const ric_model *m, double period, const double *w)
 {
     double longest = longest_piece(m, period), pace = ric_flight_pace(m, w) / PIECES;
@@ -90,7 +93,8 @@ static void walk_on(walk *q)
     q->time += q->step;
 }
 
-/* Moves w to where |s| of the first contact is largest within the period: sampled, then Newton on ds/dt = 0. */
+/* Moves w to where |s| of the first contact is largest within the period: sampled, then Newton on
+ * ds/dt = 0. */
 static void to_summit(const ric_model *m, double period, double *w)
 {
     int n = m->n;
@@ -127,8 +131,8 @@ static double distance(int size, const double *a, const double *b)
     return sqrt(sum);
 }
 
-/* Newton's method on the time at which the orbit through w passes the plane across the flow at `to`; false if it is
- * farther away than `most`. */
+/* Newton's method on the time at which the orbit through w passes the plane across the flow at
+ * `to`; false if it is farther away than `most`. */
 static bool onto_plane(const ric_model *m, const double *to, double most, double *w, double *time)
 {
     int size = 2 * m->n;
@@ -147,12 +151,13 @@ static bool onto_plane(const ric_model *m, const double *to, double most, double
     return true;
 }
 
-/* Moves w along its orbit to where that is nearest to `to`: sampled, every local minimum refined. Returns the time that
- * takes. */
+/* Moves w along its orbit to where that is nearest to `to`: sampled, every local minimum refined.
+ * Returns the time that takes. */
 static double to_neighbour(const ric_model *m, double period, const double *to, double *w)
 {
     int size = 2 * m->n, beyond = 0;
-    double now[size], best[size], off[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, least = HUGE_VAL, result = 0, last = 0;
+    double now[size], best[size], off[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, least = HUGE_VAL,
+                                  result = 0, last = 0;
     memcpy(now, w, sizeof now);
     memcpy(best, w, sizeof best);
     for (walk q = {.m = m, .period = period, .w = now};; walk_on(&q)) {
@@ -161,7 +166,8 @@ static double to_neighbour(const ric_model *m, double period, const double *to, 
         if (q.taken > 1 && off[1] <= off[0] && off[1] <= off[2]) {
             double near[size], time = q.time - q.step;
             ric_flight_go(m, 0, -1, -q.step, now, near);
-            if (onto_plane(m, to, fmax(last, q.step), near, &time) && distance(size, near, to) < least) {
+            if (onto_plane(m, to, fmax(last, q.step), near, &time) &&
+                distance(size, near, to) < least) {
                 least = distance(size, near, to);
                 memcpy(best, near, sizeof best);
                 result = time;
@@ -177,18 +183,21 @@ static double to_neighbour(const ric_model *m, double period, const double *to, 
 double ric_periodic_phase(const ric_model *m, const ric_periodic *orbit, ric_periodic *near)
 {
     ric_periodic_oppose(near, NULL);
-    return ric_periodic_mark(near, orbit->N) ? to_neighbour(m, ric_periodic_period(near), orbit->w, near->w) : 0;
+    return ric_periodic_mark(near, orbit->N)
+               ? to_neighbour(m, ric_periodic_period(near), orbit->w, near->w)
+               : 0;
 }
 
-void ric_periodic_shift(const ric_model *m, const ric_periodic *orbit, double time, ric_periodic *near)
+void ric_periodic_shift(const ric_model *m, const ric_periodic *orbit, double time,
+                        ric_periodic *near)
 {
     move(m, near, time);
     onto_plane(m, orbit->w, piece(m, ric_periodic_period(near), orbit->w), near->w, &(double){0});
 }
 
 /* ric_periodic_nearest of orbits that may start at any time. */
-static ric_periodic *nearest_phase(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near,
-                                   double limit)
+static ric_periodic *nearest_phase(const ric_model *m, const ric_periodic *orbit,
+                                   const ric_periodic *near, double limit)
 {
     ric_periodic *best = NULL;
     double least = limit;
@@ -208,13 +217,14 @@ static ric_periodic *nearest_phase(const ric_model *m, const ric_periodic *orbit
     return best;
 }
 
-/* A reversal R takes the orbit to itself with a shift, R w = w(-t): its mirror points are half of that behind w, and
- * half a period on. */
+/* A reversal R takes the orbit to itself with a shift, R w = w(-t): its mirror points are half of
+ * that behind w, and half a period on. */
 bool ric_periodic_find_mirrors(const ric_model *m, ric_periodic *c, int copies, double tolerance)
 {
     double period = ric_periodic_period(c) / copies;
     for (int flip = 0; flip < ric_periodic_operations(m) / 2; flip++) {
-        ric_periodic *image = ric_periodic_transform(m, c, 0, true, flip), *once = image ? ric_periodic_copy(c) : NULL;
+        ric_periodic *image = ric_periodic_transform(m, c, 0, true, flip),
+                     *once = image ? ric_periodic_copy(c) : NULL;
         bool found = once && ric_periodic_mark(image, 2) && ric_periodic_mark(once, 2);
         for (int i = 0; found && i < 2; i++) once->tau[i] = image->tau[i] = period / 2;
         double time = found ? ric_periodic_phase(m, once, image) : 0;
@@ -253,13 +263,15 @@ static ric_periodic *from_chain(const ric_shooting *chain, const double *u)
     double far[2 * chain->n];
     const double *end = chain->w + 2 * chain->n;
     bool rest = chain->end == RIC_MIRROR_REST;
-    for (int i = 0; i < 2 * chain->n; i++) far[i] = c->half ? -c->w[i] : (i < chain->n) == rest ? end[i] : 0;
+    for (int i = 0; i < 2 * chain->n; i++)
+        far[i] = c->half ? -c->w[i] : (i < chain->n) == rest ? end[i] : 0;
     if (ric_periodic_oppose(c, far)) return c;
     ric_periodic_free(c);
     return NULL;
 }
 
-static ric_status to_chain(const ric_model *m, const ric_periodic *c, ric_shooting **chain, double **u)
+static ric_status to_chain(const ric_model *m, const ric_periodic *c, ric_shooting **chain,
+                           double **u)
 {
     static const int face[] = {-1, -1};
     int n = c->n, N = c->N, from = 0;
@@ -268,12 +280,14 @@ static ric_status to_chain(const ric_model *m, const ric_periodic *c, ric_shooti
     if (c->pure >= 0) {
         start = c->half ? RIC_MIRROR_CENTRE : RIC_MIRROR_REST;
         end = RIC_MIRROR_REST;
-        from = (c->pure + (c->half ? N / 2 : 0)) % N; /* a centre lies N / 2 half positions from every rest */
+        from = (c->pure + (c->half ? N / 2 : 0)) %
+               N; /* a centre lies N / 2 half positions from every rest */
     } else if (c->flip >= 0) {
         start = end = RIC_MIRROR_CENTRE;
         from = c->flip;
     }
-    ric_status status = ric_shooting_create(m, start, end, start == RIC_MIRROR_NONE && c->half ? -1 : 1, 1, face,
+    ric_status status = ric_shooting_create(m, start, end,
+                                            start == RIC_MIRROR_NONE && c->half ? -1 : 1, 1, face,
                                             chain);
     *u = NULL;
     if (status) return status;
@@ -354,9 +368,11 @@ static bool repeats(const ric_model *m, const ric_periodic *c, double tolerance)
     return ric_periodic_copies(m, c, tolerance) > 1;
 }
 
-static ric_periodic *nearest(const ric_model *m, const ric_periodic *orbit, const ric_periodic *near, double limit)
+static ric_periodic *nearest(const ric_model *m, const ric_periodic *orbit,
+                             const ric_periodic *near, double limit)
 {
-    return phase_free(orbit) ? nearest_phase(m, orbit, near, limit) : ric_periodic_nearest_event(m, orbit, near, limit);
+    return phase_free(orbit) ? nearest_phase(m, orbit, near, limit)
+                             : ric_periodic_nearest_event(m, orbit, near, limit);
 }
 
 static int find_symmetries(const ric_model *m, ric_periodic *c, double tolerance)

@@ -7,27 +7,31 @@
 #include "base/room.h"
 #include "model/room.h"
 
-/* The gap coordinate of one contact over one flight: s(t) = sum g_i (a_i cos + p_i sin), known with its slope at both
- * ends. On an interval of length h the cubic through values and slopes differs from s by at most D4 h^4 / 384 and its
- * slope by at most D4 h^3 sqrt(3) / 216, D4 = sum |g_i| omega_i^4 |w_i| (interpolation error of Hermite's cubic:
- * Birkhoff and Priver, J. Math. Phys. 46 (1967) 440). Bernstein coefficients bound the cubic: no stationary point can
- * hide. While springs are closed the sinusoids are those of the phase, about its equilibrium (docs/theory.md section
- * 10). A closed face is looked at from the other side: it must stay beyond the clearance d, and what counts is 2 - s /
- * d, which is 1 where it touches. */
+/* The gap coordinate of one contact over one flight: s(t) = sum g_i (a_i cos + p_i sin), known with
+ * its slope at both ends. On an interval of length h the cubic through values and slopes differs
+ * from s by at most D4 h^4 / 384 and its slope by at most D4 h^3 sqrt(3) / 216, D4 = sum |g_i|
+ * omega_i^4 |w_i| (interpolation error of Hermite's cubic: Birkhoff and Priver, J. Math. Phys. 46
+ * (1967) 440). Bernstein coefficients bound the cubic: no stationary point can hide. While springs
+ * are closed the sinusoids are those of the phase, about its equilibrium (docs/theory.md section
+ * 10). A closed face is looked at from the other side: it must stay beyond the clearance d, and
+ * what counts is 2 - s / d, which is 1 where it touches. */
 
 #define SLOPE_BOUND 0.008018753738744785 /* sqrt(3) / 216 */
 #define LEVELS 48
 #define BLUR (16 * DBL_EPSILON) /* of the sum of the terms of a gap coordinate: rounding of it */
-/* Below this part of the flight a stationary point at the very end of a flight is the impact there, at zero speed. */
+/* Below this part of the flight a stationary point at the very end of a flight is the impact there,
+ * at zero speed. */
 #define CLOSE 1e-7
 #define BERNSTEIN 1e-13  /* rounding of a bound from Bernstein coefficients, relative */
 #define NARROWEST 1e-12  /* of the flight: an interval that is not divided any more */
 #define STATIONARY 1e-10 /* of the flight: step to a stationary point */
-#define ITSELF 1e-14     /* relative: what rounding may take from the largest reach when it is computed again */
-/* NO_TIME: scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is rounding throughout */
+/* ITSELF: relative: what rounding may take from the largest reach when it is computed again */
+#define ITSELF 1e-14
+/* NO_TIME: scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is
+ * rounding throughout */
 #define NO_TIME 1e-12
-/* LEVEL: slope that counts as none, relative to the largest that D3 allows within the flight, or, in one that lasts no
- * time, to its terms added up */
+/* LEVEL: slope that counts as none, relative to the largest that D3 allows within the flight, or,
+ * in one that lasts no time, to its terms added up */
 #define LEVEL 1e-8
 
 typedef struct {
@@ -38,19 +42,22 @@ typedef struct {
     const ric_shooting *chain;
     int flight, contact, n;
     const ric_regime *phase; /* NULL while all springs are open */
-    double *start, *end;     /* [2n] the states at both ends of the flight in coordinates of the phase: (A, P) */
+    double *start,
+        *end; /* [2n] the states at both ends of the flight in coordinates of the phase: (A, P) */
     const double *omega, *kappa, *g; /* [n] of the phase; g of the contact */
     double rest;                     /* of the gap coordinate */
-    bool closed;                     /* a face of the contact is: only that one counts, the other way round */
-    int upper, lower;                /* faces, -1 if none */
-    double gap;                      /* > 0 */
-    bool mirrored; /* the orbit goes on with the mirror image of the chain: what comes to one side comes to the
-                    * other */
+    bool closed;      /* a face of the contact is: only that one counts, the other way round */
+    int upper, lower; /* faces, -1 if none */
+    double gap;       /* > 0 */
+    bool mirrored; /* the orbit goes on with the mirror image of the chain: what comes to one side
+                      comes to the other */
     double D3, D4, tau;
-    double D1;               /* of a flight that lasts no time: the terms of s' there, added up */
-    double blur;             /* a gap coordinate below it is no motion: terms of the modes that cancel, to rounding */
+    double D1;   /* of a flight that lasts no time: the terms of s' there, added up */
+    double blur; /* a gap coordinate below it is no motion: terms of the modes that cancel, to
+                    rounding */
     bool own_start, own_end; /* the flight starts or ends on this contact */
-    double bend_start, bend_end; /* |s''| at a mirror point of rest, where s' = 0 exactly; 0 elsewhere */
+    double bend_start,
+        bend_end; /* |s''| at a mirror point of rest, where s' = 0 exactly; 0 elsewhere */
     /* outcome */
     double best, threshold;
     ric_touch *touches; /* NULL: only the best is wanted */
@@ -58,7 +65,8 @@ typedef struct {
 } search;
 
 /* At t; *bend, unless NULL: s'' there. */
-static inline __attribute__((always_inline)) sample sample_of(const search *q, int n, double t, double *bend)
+static inline __attribute__((always_inline)) sample sample_of(const search *q, int n, double t,
+                                                              double *bend)
 {
     const double *w = q->start, *g = q->g, *omega = q->omega;
     sample out = {t, q->rest, 0};
@@ -113,8 +121,8 @@ static void offer(search *q, double t, double s, int side, bool kink)
     q->count++;
 }
 
-/* A stationary point, which is a maximum on one side only: a closed face that is farthest beyond the clearance does not
- * come near to opening. */
+/* A stationary point, which is a maximum on one side only: a closed face that is farthest beyond
+ * the clearance does not come near to opening. */
 static void offer_bent(search *q, sample at, double bend)
 {
     offer(q, at.t, at.s, bend < 0 ? 1 : -1, false);
@@ -125,15 +133,18 @@ static void offer_stationary(search *q, sample at)
     offer_bent(q, at, curvature(q, at.t));
 }
 
-/* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal, nor does a spring:
- * then only a maximum that happens to fall on the impact must not be lost between the flights before and after. A
- * closed face may be left there as far as to the other side of the contact. */
+/* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal,
+ * nor does a spring: then only a maximum that happens to fall on the impact must not be lost
+ * between the flights before and after. A closed face may be left there as far as to the other side
+ * of the contact. */
 static void offer_impact(search *q, const ric_face *other, sample at)
 {
-    bool kink = other->spring == 0 && !ric_model_orthogonal(q->chain->model, q->contact, other->contact);
+    bool kink = other->spring == 0 &&
+                !ric_model_orthogonal(q->chain->model, q->contact, other->contact);
     const int side = q->closed ? -q->chain->model->face[q->upper].side : at.s > 0 ? 1 : -1;
     if (kink) offer(q, at.t, at.s, side, true);
-    else if (fabs(at.ds) < LEVEL * (q->tau <= NO_TIME ? q->D1 : q->D3 * q->tau * q->tau)) offer_stationary(q, at);
+    else if (fabs(at.ds) < LEVEL * (q->tau <= NO_TIME ? q->D1 : q->D3 * q->tau * q->tau))
+        offer_stationary(q, at);
 }
 
 static double largest(double a, double b, double c, double d)
@@ -141,12 +152,14 @@ static double largest(double a, double b, double c, double d)
     return ric_larger(ric_larger(a, b), ric_larger(c, d));
 }
 
-/* A single sign change of the slope between l and r, and the value there. After a step of STATIONARY Newton's method
- * is at the last digit of the time, and the value before it was, as s' = 0. */
+/* A single sign change of the slope between l and r, and the value there. After a step of
+ * STATIONARY Newton's method is at the last digit of the time, and the value before it was, as s' =
+ * 0. */
 static void polish(search *q, sample l, sample r)
 {
     bool maximum = l.ds > 0;
-    ric_root_slope root = ric_root_slope_between(l.t, r.t, !maximum, l.t + (r.t - l.t) * l.ds / (l.ds - r.ds));
+    ric_root_slope root = ric_root_slope_between(l.t, r.t, !maximum,
+                                                 l.t + (r.t - l.t) * l.ds / (l.ds - r.ds));
     root.least = STATIONARY * q->tau;
     sample mid = l;
     double bend;
@@ -154,7 +167,8 @@ static void polish(search *q, sample l, sample r)
     while (ric_root_slope_next(&root, mid.ds, bend));
     mid.t = root.x;
     /* a stationary point at the very end of the flight is the impact there, at no speed */
-    if ((q->own_start && mid.t < CLOSE * q->tau) || (q->own_end && q->tau - mid.t < CLOSE * q->tau)) return;
+    if ((q->own_start && mid.t < CLOSE * q->tau) || (q->own_end && q->tau - mid.t < CLOSE * q->tau))
+        return;
     offer(q, mid.t, mid.s, maximum ? 1 : -1, false);
 }
 
@@ -176,8 +190,8 @@ static double towards(const search *q, double a, double b, double c, double d)
     return reach;
 }
 
-/* Whether [l, r] can hold a stationary point above the level; *single when it holds exactly one sign change of the
- * slope. */
+/* Whether [l, r] can hold a stationary point above the level; *single when it holds exactly one
+ * sign change of the slope. */
 static bool undecided(const search *q, sample l, sample r, bool *single)
 {
     double h = r.t - l.t, slope = 3 * (r.s - l.s) / h - l.ds - r.ds, error = q->D4 * h * h * h;
@@ -185,17 +199,18 @@ static bool undecided(const search *q, sample l, sample r, bool *single)
     const double low = ric_smaller(least, slope), high = ric_larger(most, slope);
     *single = false;
     if (low > error * SLOPE_BOUND || high < -error * SLOPE_BOUND) return false;
-    /* on short intervals the cubic's middle slope is a difference that cancels; the chord of s' itself is off by D3 h^2
-     * / 8 only */
+    /* on short intervals the cubic's middle slope is a difference that cancels; the chord of s'
+     * itself is off by D3 h^2 / 8 only */
     double chord = q->D3 * h * h / 8;
     if (least > chord || most < -chord) return false;
     /* beside a point of rest s' grows from zero as long as s'' keeps its sign */
-    if ((l.t == 0 && q->bend_start > q->D3 * h) || (r.t == q->tau && q->bend_end > q->D3 * h)) return false;
+    if ((l.t == 0 && q->bend_start > q->D3 * h) || (r.t == q->tau && q->bend_end > q->D3 * h))
+        return false;
     double b1 = l.s + h * l.ds / 3, b2 = r.s - h * r.ds / 3, value = error * h / 384;
     const double farthest = towards(q, l.s, b1, b2, r.s) + value;
     if (farthest <= level(q) * (1 + BERNSTEIN) || (!q->closed && farthest <= q->blur)) return false;
-    /* slope monotone on the interval: second differences of its Bernstein coefficients beyond the error of s''
-     * (D4 h^2 / 12) */
+    /* slope monotone on the interval: second differences of its Bernstein coefficients beyond the
+     * error of s'' (D4 h^2 / 12) */
     double d1 = slope - l.ds, d2 = r.ds - slope, bend = error / 12;
     *single = l.ds * r.ds < 0 && ((d1 > bend && d2 > bend) || (d1 < -bend && d2 < -bend));
     return true;
@@ -228,7 +243,8 @@ static void search_flight(search *q, sample first, sample last)
     }
 }
 
-/* Whether the bounds bound anything: numbers that overflow decide no interval, and all of them would be halved. */
+/* Whether the bounds bound anything: numbers that overflow decide no interval, and all of them
+ * would be halved. */
 static bool is_bounded(const search *q, sample l, sample r)
 {
     double sum = fabs(l.s) + fabs(r.s) + q->tau * (fabs(l.ds) + fabs(r.ds)) +
@@ -261,7 +277,9 @@ static void search_contact(search *q)
         r.s += g[i] * e[i];
         l.ds += g[i] * q->kappa[i] * w[n + i];
         r.ds += g[i] * q->kappa[i] * e[n + i];
-        double second = omega > 0 ? fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * omega * omega : 0;
+        double second = omega > 0
+                            ? fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * omega * omega
+                            : 0;
         D2 += second;
         q->D3 += second * omega;
         q->D4 += second * omega * omega;
@@ -273,7 +291,8 @@ static void search_contact(search *q)
     int f0 = c->face[k], f1 = c->face[k + 1];
     q->own_start = f0 >= 0 && m->face[f0].contact == q->contact;
     q->own_end = f1 >= 0 && m->face[f1].contact == q->contact;
-    /* between two events of one face the gap leaves it by no more than D2 tau^2 / 8; what rounding hides is no arc */
+    /* between two events of one face the gap leaves it by no more than D2 tau^2 / 8; what rounding
+     * hides is no arc */
     if (q->own_start && f0 == f1 && D2 * q->tau * q->tau < 8 * q->blur) return;
     /* at rest every gap is stationary */
     if (k == 0 && c->start == RIC_MIRROR_REST) {
@@ -291,7 +310,8 @@ static void search_contact(search *q)
     search_flight(q, l, r);
     if (rests) offer_bent(q, r, bend);
     /* the start of the chain counts for the end in the general form */
-    if (k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start) offer_impact(q, &m->face[f0], l);
+    if (k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start)
+        offer_impact(q, &m->face[f0], l);
     if (f1 >= 0 && !q->own_end) offer_impact(q, &m->face[f1], r);
 }
 
@@ -334,8 +354,8 @@ static void choose_faces(search *q, int first)
         }
 }
 
-/* At rest in the middle of a contact, or of a gap between two, that lasts no time the gaps of all others are
- * stationary, and neither flight beside it has that point inside. */
+/* At rest in the middle of a contact, or of a gap between two, that lasts no time the gaps of all
+ * others are stationary, and neither flight beside it has that point inside. */
 static void search_rest(search *q)
 {
     const ric_shooting *c = q->chain;
@@ -371,8 +391,9 @@ static void offer_end(search *q, const ric_face *impact, bool start)
     offer_impact(q, impact, at);
 }
 
-/* Where a spring closes or opens at the impact on a stop, the flight between the two lasts no time and is not searched:
- * what other gaps do at the impact would be lost, as an impact counts for the flight that ends there. */
+/* Where a spring closes or opens at the impact on a stop, the flight between the two lasts no time
+ * and is not searched: what other gaps do at the impact would be lost, as an impact counts for the
+ * flight that ends there. */
 static void search_no_time(search *q)
 {
     const ric_shooting *c = q->chain;
@@ -386,7 +407,8 @@ static void search_no_time(search *q)
     for (int f = 0; f < m->n_face; f += m->face[f].mirror >= 0 ? 2 : 1) {
         choose_faces(q, f);
         enter_contact(q);
-        if ((begin && begin->contact == q->contact) || (end && end->contact == q->contact)) continue;
+        if ((begin && begin->contact == q->contact) || (end && end->contact == q->contact))
+            continue;
         if (at_start) offer_end(q, begin, true);
         if (at_end) offer_end(q, end, false);
     }
@@ -441,7 +463,8 @@ double ric_reach(const ric_shooting *chain, const double *u, ric_touch *where)
     return q.best;
 }
 
-int ric_reach_all(const ric_shooting *chain, const double *u, double threshold, int capacity, ric_touch *touches)
+int ric_reach_all(const ric_shooting *chain, const double *u, double threshold, int capacity,
+                  ric_touch *touches)
 {
     search q = {.chain = chain,
                 .n = chain->n,

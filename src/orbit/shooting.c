@@ -7,7 +7,8 @@
 
 #include "base/room.h"
 
-/* SMOOTH_ROUNDING: of what a flight of law power says it loses (power_flow.h): of 600 flights 599 keep within it */
+/* SMOOTH_ROUNDING: of what a flight of law power says it loses (power_flow.h): of 600 flights 599
+ * keep within it */
 #define SMOOTH_ROUNDING 4
 
 static int count_start(const ric_model *m, ric_mirror start)
@@ -26,8 +27,8 @@ static int count_periods(ric_mirror start, ric_mirror end, int sigma)
     return (start == RIC_MIRROR_CENTRE) != (end == RIC_MIRROR_CENTRE) ? 4 : 2;
 }
 
-ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma, int n_flight,
-                               const int *face, ric_shooting **out)
+ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mirror end, int sigma,
+                               int n_flight, const int *face, ric_shooting **out)
 {
     int n = model->n;
     ric_shooting *c = ric_calloc(1, sizeof *c);
@@ -52,7 +53,8 @@ ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mir
     double **const arrays[] = {&c->w, &c->before, &c->rate, &c->map, &c->approach, &c->tau};
     const size_t sizes[] = {(flights + 1) * 2 * nn, flights * nn, flights * 2 * nn,
                             flights * c->stride,    flights + 1,  flights};
-    if (!c->face || !c->closed || !ric_shooting_nodes_room(6, sizes, arrays) || ric_shooting_nodes_divide(c, 1)) {
+    if (!c->face || !c->closed || !ric_shooting_nodes_room(6, sizes, arrays) ||
+        ric_shooting_nodes_divide(c, 1)) {
         ric_shooting_free(c);
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
     }
@@ -66,8 +68,10 @@ void ric_shooting_close(ric_shooting *c, uint64_t closed)
 {
     double fastest = 0;
     c->closed[0] = closed;
-    for (int k = 0; k < c->n_flight; k++) c->closed[k + 1] = ric_flight_toggle(c->model, c->closed[k], c->face[k + 1]);
-    for (int k = 0; k < c->n_flight; k++) fastest = fmax(fastest, ric_flight_fastest(c->model, c->closed[k]));
+    for (int k = 0; k < c->n_flight; k++)
+        c->closed[k + 1] = ric_flight_toggle(c->model, c->closed[k], c->face[k + 1]);
+    for (int k = 0; k < c->n_flight; k++)
+        fastest = fmax(fastest, ric_flight_fastest(c->model, c->closed[k]));
     c->fastest = fastest;
 }
 
@@ -95,12 +99,15 @@ void ric_shooting_free(ric_shooting *c)
 /* ---------------------------------------------------------------- states */
 
 /* Start state from the start block; returns the gap residual at an impact start (0 elsewhere). */
-static inline __attribute__((always_inline)) double start_state(ric_shooting *c, int n, const double *u)
+static inline __attribute__((always_inline)) double start_state(ric_shooting *c, int n,
+                                                                const double *u)
 {
     double *w = c->w;
     const ric_face *face = c->face[0] >= 0 ? &c->model->face[c->face[0]] : NULL;
     switch (c->start) {
-    case RIC_MIRROR_NONE: memcpy(w, u, 2 * (size_t)n * sizeof *w); return face ? ric_gap(n, face, w) - face->gap : 0;
+    case RIC_MIRROR_NONE:
+        memcpy(w, u, 2 * (size_t)n * sizeof *w);
+        return face ? ric_gap(n, face, w) - face->gap : 0;
     case RIC_MIRROR_REST:
         memcpy(w, u, (size_t)n * sizeof *w);
         memset(w + n, 0, (size_t)n * sizeof *w);
@@ -119,7 +126,8 @@ static inline __attribute__((always_inline)) double start_state(ric_shooting *c,
 }
 
 /* `u` from the time of flight k on. Returns what the flight leaves of the condition at its end. */
-static inline __attribute__((always_inline)) double fly_one(ric_shooting *c, int n, int k, const double *u)
+static inline __attribute__((always_inline)) double fly_one(ric_shooting *c, int n, int k,
+                                                            const double *u)
 {
     const ric_model *m = c->model;
     double *map = c->map + c->stride * (size_t)k, *w = c->w + 2 * n * (k + 1), tau = *u;
@@ -128,7 +136,8 @@ static inline __attribute__((always_inline)) double fly_one(ric_shooting *c, int
     if (m->law == RIC_LAW_POWER) {
         if (!ric_shooting_nodes_fly(c, k, u)) return 0;
     } else if (ric_flight_dense(m, c->closed[k]))
-        ric_flight_map(m, c->closed[k], ric_shooting_event(c, k), tau, c->w + 2 * n * k, map, w, c->rate + 2 * n * k);
+        ric_flight_map(m, c->closed[k], ric_shooting_event(c, k), tau, c->w + 2 * n * k, map, w,
+                       c->rate + 2 * n * k);
     else {
         ric_flight_trig(m, n, tau, map);
         ric_flight(n, map, c->w + 2 * n * k, w);
@@ -143,24 +152,27 @@ static inline __attribute__((always_inline)) double fly_one(ric_shooting *c, int
         for (int i = 0; i < n; i++) w[n + i] -= factor * face->c[i];
     }
     if (face->spring > 0 && c->face[k] == c->face[k + 1] && !c->plain)
-        return ric_flight_chord(m, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k, NULL, NULL);
+        return ric_flight_chord(m, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k,
+                                NULL, NULL);
     return ric_gap(n, face, w) - face->gap;
 }
 
-/* Residual of end condition i of a reversible chain, and the row that it is of the state: rows of p, of a, or of E
- * p. */
+/* Residual of end condition i of a reversible chain, and the row that it is of the state: rows of
+ * p, of a, or of E p. */
 static inline double end_residual(const ric_shooting *c, int n, int i)
 {
     const double *w = c->w + 2 * n * c->n_flight;
     switch (c->end) {
     case RIC_MIRROR_REST: return w[n + i];
     case RIC_MIRROR_CENTRE: return w[i];
-    case RIC_MIRROR_IMPACT: return ric_dot(n, c->model->face[c->face[c->n_flight]].E + i * n, w + n);
+    case RIC_MIRROR_IMPACT:
+        return ric_dot(n, c->model->face[c->face[c->n_flight]].E + i * n, w + n);
     default: return w[i] - c->sigma * c->w[i];
     }
 }
 
-static inline __attribute__((always_inline)) void set_residual(ric_shooting *c, int n, const double *u, double largest)
+static inline __attribute__((always_inline)) void set_residual(ric_shooting *c, int n,
+                                                               const double *u, double largest)
 {
     int rows = c->end == RIC_MIRROR_NONE ? 2 * n : c->n_end;
     double sum = 0;
@@ -173,7 +185,8 @@ static inline __attribute__((always_inline)) void set_residual(ric_shooting *c, 
     const double *end = c->w + 2 * n * c->n_flight;
     for (int k = 0; k < c->n_flight; k++) longest = ric_larger(longest, u[c->n_start + k]);
     for (int i = 0; i < n; i++)
-        fastest = ric_larger(fastest, c->model->kappa[i] * ric_larger(fabs(end[i]), fabs(end[n + i])));
+        fastest = ric_larger(fastest,
+                             c->model->kappa[i] * ric_larger(fabs(end[i]), fabs(end[n + i])));
     double reach = 0;
     for (int i = 0; i < n; i++) reach += end[i] * end[i];
     c->stiff = c->fastest > 0 ? c->fastest * sqrt(reach) / c->scale : 0;
@@ -216,7 +229,8 @@ void ric_shooting_fly(ric_shooting *c, const double *u)
 /* ---------------------------------------------------------- factorisation */
 
 /* Columns of d(start state)/d(start block). */
-static inline __attribute__((always_inline)) void start_columns(ric_shooting *c, int n, int rows, int ld)
+static inline __attribute__((always_inline)) void start_columns(ric_shooting *c, int n, int rows,
+                                                                int ld)
 {
     double *X = c->X;
     memset(X, 0, (size_t)rows * (size_t)ld * sizeof *X);
@@ -245,21 +259,25 @@ static inline void arriving(const ric_shooting *c, int n, int k, double *w)
     memcpy(w + n, c->before + n * k, (size_t)n * sizeof *w);
 }
 
-static inline __attribute__((always_inline)) void carry_dense(ric_shooting *c, int n, int nz, int k, int ld)
+static inline __attribute__((always_inline)) void carry_dense(ric_shooting *c, int n, int nz, int k,
+                                                              int ld)
 {
     const double *rate = c->rate + 2 * n * k;
-    for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = 0; /* was the column of the last time, pinned by now */
+    for (int i = 0; i < 2 * n; i++)
+        c->X[i * ld + nz] = 0; /* was the column of the last time, pinned by now */
     ric_flight_carry(n, c->map + c->stride * (size_t)k, ld, ld, c->X);
     for (int i = 0; i < 2 * n; i++) c->X[i * ld + nz] = rate[i];
 }
 
-/* The row of a divided difference over flight k: entries of the live columns and of the inhomogeneous one, which are
- * still at its start; the derivative by its time is returned. */
-static inline __attribute__((always_inline)) double chord_row(const ric_shooting *c, int n, int nz, int k, int ld,
-                                                              double *g, double *offset)
+/* The row of a divided difference over flight k: entries of the live columns and of the
+ * inhomogeneous one, which are still at its start; the derivative by its time is returned. */
+static inline __attribute__((always_inline)) double chord_row(const ric_shooting *c, int n, int nz,
+                                                              int k, int ld, double *g,
+                                                              double *offset)
 {
     double by_w[2 * n], by_tau, tau = c->tau[k];
-    ric_flight_chord(c->model, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k, by_w, &by_tau);
+    ric_flight_chord(c->model, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k,
+                     by_w, &by_tau);
     *offset = 0;
     for (int j = 0; j < nz; j++) g[j] = 0;
     for (int i = 0; i < 2 * n; i++) {
@@ -270,11 +288,12 @@ static inline __attribute__((always_inline)) double chord_row(const ric_shooting
 }
 
 /* Takes the live columns (nz of them and the inhomogeneous one) through flight k and its impact. */
-static inline __attribute__((always_inline)) double carry(ric_shooting *c, int n, int nz, int k, double gap,
-                                                          bool pinned, int rows, int ld)
+static inline __attribute__((always_inline)) double carry(ric_shooting *c, int n, int nz, int k,
+                                                          double gap, bool pinned, int rows, int ld)
 {
     const ric_model *m = c->model;
-    const double *map = c->map + c->stride * (size_t)k, *after = c->w + 2 * n * (k + 1), *before = c->before + n * k;
+    const double *map = c->map + c->stride * (size_t)k, *after = c->w + 2 * n * (k + 1),
+                 *before = c->before + n * k;
     double *X = c->X, rho = 1, g[ld], offset = 0, by_tau = 0;
     bool chord = ric_shooting_between(c, k) && pinned;
     if (c->closed[k]) ric_flight_onto(m, c->closed[k], ric_shooting_event(c, k), ld, X);
@@ -331,9 +350,10 @@ void ric_shooting_mean_gradient(const ric_shooting *c, double *h)
     ric_flight_secant(c->model, c->closed[c->n_flight], from, c->w + 2 * n * c->n_flight, h);
 }
 
-/* Rows of the end conditions gathered at the top of X (2n - 1, n or n - 1 of them); the residual goes into the
- * inhomogeneous column. */
-static inline __attribute__((always_inline)) double end_rows_general(ric_shooting *c, int n, int ld, int columns)
+/* Rows of the end conditions gathered at the top of X (2n - 1, n or n - 1 of them); the residual
+ * goes into the inhomogeneous column. */
+static inline __attribute__((always_inline)) double end_rows_general(ric_shooting *c, int n, int ld,
+                                                                     int columns)
 {
     const double *wN = c->w + 2 * n * c->n_flight;
     double *X = c->X, h[2 * n], sum = 0;
@@ -344,10 +364,11 @@ static inline __attribute__((always_inline)) double end_rows_general(ric_shootin
         x[ld - 1] += -c->sigma * x0[ld - 1] + wN[r] - c->sigma * c->w[r];
         sum += h[r] * h[r];
     }
-    /* E(w_N) = E(w_0) holds for any u: the closure is perpendicular to the mean gradient h, and that one row is
-     * dropped */
+    /* E(w_N) = E(w_0) holds for any u: the closure is perpendicular to the mean gradient h, and
+     * that one row is dropped */
     int last = 2 * n - 1;
-    double norm = sqrt(sum), sign = h[last] < 0 ? -1 : 1, beta = 1 / (norm * (norm + fabs(h[last])));
+    double norm = sqrt(sum), sign = h[last] < 0 ? -1 : 1,
+           beta = 1 / (norm * (norm + fabs(h[last])));
     h[last] += sign * norm;
     for (int j = 0; j < ld; j++) {
         if (j >= columns && j < ld - 1) continue;
@@ -359,7 +380,8 @@ static inline __attribute__((always_inline)) double end_rows_general(ric_shootin
     return sign;
 }
 
-static inline __attribute__((always_inline)) void end_rows_reversible(ric_shooting *c, int n, int ld)
+static inline __attribute__((always_inline)) void end_rows_reversible(ric_shooting *c, int n,
+                                                                      int ld)
 {
     double *X = c->X;
     if (c->end == RIC_MIRROR_REST) memmove(X, X + n * ld, (size_t)n * (size_t)ld * sizeof *X);
@@ -370,8 +392,10 @@ static inline __attribute__((always_inline)) void end_rows_reversible(ric_shooti
     for (int r = 0; r < c->n_end; r++) X[r * ld + ld - 1] += end_residual(c, n, r);
 }
 
-/* The last 2n - 1, n or n - 1 rows, one Householder reflection each: one column is left, the kernel. */
-static inline __attribute__((always_inline)) void eliminate_end(ric_shooting *c, int rows, int ld, double sign)
+/* The last 2n - 1, n or n - 1 rows, one Householder reflection each: one column is left, the
+ * kernel. */
+static inline __attribute__((always_inline)) void eliminate_end(ric_shooting *c, int rows, int ld,
+                                                                double sign)
 {
     int first = 1 + c->n_flight;
     double smallest = HUGE_VAL;
@@ -386,10 +410,14 @@ static inline __attribute__((always_inline)) void eliminate_end(ric_shooting *c,
     c->end_det = sign;
 }
 
-static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, const double *u, int n, bool whole,
-                                                           bool nodes)
+static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, const double *u, int n,
+                                                           bool whole, bool nodes)
 {
-    int rows = whole ? 4 * n : 2 * n, ld = nodes ? c->ld : whole ? 2 * n + 1 : n + 2, nz = c->n_start;
+    int rows = whole ? 4 * n : 2 * n,
+        ld = nodes   ? c->ld
+             : whole ? 2 * n + 1
+                     : n + 2,
+        nz = c->n_start;
     double gap = start_state(c, n, u), largest = fabs(gap), sign = 1;
     c->singular = false;
     start_columns(c, n, rows, ld);
@@ -427,7 +455,8 @@ void ric_shooting_evaluate(ric_shooting *c, const double *u)
         evaluate(c, u, c->n, whole, true);
         return;
     }
-    /* the same code with n known to the compiler for the small structures that most atlases are made of */
+    /* the same code with n known to the compiler for the small structures that most atlases are
+     * made of */
     switch (c->n) {
     case 1: whole ? evaluate(c, u, 1, true, false) : evaluate(c, u, 1, false, false); break;
     case 2: whole ? evaluate(c, u, 2, true, false) : evaluate(c, u, 2, false, false); break;
@@ -438,11 +467,12 @@ void ric_shooting_evaluate(ric_shooting *c, const double *u)
 
 /* ------------------------------------------------------- back-substitution */
 
-/* From the last column back to the start block: `end` [n_end + 1] are the values of the coordinates that the end rows
- * pinned, the first row's first, and that of the last column. With their number known to the compiler what is live is
- * in registers between two flights. */
-static inline __attribute__((always_inline)) void unwind_of(const ric_shooting *c, int free_columns, int ld,
-                                                            bool newton, const double *end, double *du)
+/* From the last column back to the start block: `end` [n_end + 1] are the values of the coordinates
+ * that the end rows pinned, the first row's first, and that of the last column. With their number
+ * known to the compiler what is live is in registers between two flights. */
+static inline __attribute__((always_inline)) void unwind_of(const ric_shooting *c, int free_columns,
+                                                            int ld, bool newton, const double *end,
+                                                            double *du)
 {
     const bool whole = ric_general(c);
     int m = 1;
@@ -463,8 +493,12 @@ static void unwind(const ric_shooting *c, bool newton, const double *end, double
 {
     const bool whole = ric_general(c);
     switch (c->parts > 1 ? 0 : c->n) {
-    case 2: whole ? unwind_of(c, 3, 5, newton, end, du) : unwind_of(c, 2, 4, newton, end, du); break;
-    case 3: whole ? unwind_of(c, 5, 7, newton, end, du) : unwind_of(c, 3, 5, newton, end, du); break;
+    case 2:
+        whole ? unwind_of(c, 3, 5, newton, end, du) : unwind_of(c, 2, 4, newton, end, du);
+        break;
+    case 3:
+        whole ? unwind_of(c, 5, 7, newton, end, du) : unwind_of(c, 3, 5, newton, end, du);
+        break;
     default: unwind_of(c, whole ? 2 * c->n - 1 : c->n, c->ld, newton, end, du);
     }
 }
@@ -477,16 +511,19 @@ void ric_shooting_step(const ric_shooting *c, bool newton, double alpha, double 
     unwind(c, newton, end, du);
 }
 
-/* What the flights leave of the Jacobian is the small matrix L [n_end, n_end + 1] of the end rows, behind orthogonal
- * maps: its kernel is the kernel of the whole, and its singular vectors are carried back like a step. */
+/* What the flights leave of the Jacobian is the small matrix L [n_end, n_end + 1] of the end rows,
+ * behind orthogonal maps: its kernel is the kernel of the whole, and its singular vectors are
+ * carried back like a step. */
 bool ric_shooting_plane(const ric_shooting *c, double *kernel, double *second)
 {
     int rows = c->n_end, columns = rows + 1;
-    double *L = ric_malloc((size_t)(rows + columns) * (size_t)columns * sizeof *L), *V = L + rows * columns;
+    double *L = ric_malloc((size_t)(rows + columns) * (size_t)columns * sizeof *L),
+           *V = L + rows * columns;
     double values[rows], super[rows + 1];
-    for (int r = 0; L && r < rows; r++) memcpy(L + r * columns, c->X + r * c->ld, (size_t)columns * sizeof *L);
-    bool found = L && !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, columns, L, columns, values, NULL, 1,
-                                                 V, columns, super));
+    for (int r = 0; L && r < rows; r++)
+        memcpy(L + r * columns, c->X + r * c->ld, (size_t)columns * sizeof *L);
+    bool found = L && !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, columns, L,
+                                                 columns, values, NULL, 1, V, columns, super));
     *second = found ? values[rows - 1] : 0;
     for (int i = 0; found && i < 2; i++) {
         /* row r pinned column n_end - r */
@@ -521,7 +558,8 @@ double ric_shooting_energy_slope(const ric_shooting *c, const double *du)
     ric_flight_secant(c->model, c->closed[0], c->w, c->w, h);
     double sum = ric_dot(n, h, du) / 2;
     if (c->start == RIC_MIRROR_NONE) sum += ric_dot(n, c->w + n, du + n);
-    if (c->start == RIC_MIRROR_IMPACT) sum += c->approach[0] / sqrt(c->model->face[c->face[0]].cc) * du[n];
+    if (c->start == RIC_MIRROR_IMPACT)
+        sum += c->approach[0] / sqrt(c->model->face[c->face[0]].cc) * du[n];
     return sum;
 }
 
@@ -531,7 +569,8 @@ int ric_shooting_residuals(ric_shooting *c, const double *u, double *r)
 {
     int n = c->n, k = 0, rows = ric_general(c) ? 2 * n : c->n_end;
     double gap = start_state(c, n, u);
-    if (c->face[0] >= 0 || ric_general(c)) r[k++] = gap; /* without an event: the phase, which is free */
+    if (c->face[0] >= 0 || ric_general(c))
+        r[k++] = gap; /* without an event: the phase, which is free */
     for (int i = 0; i < c->n_flight; i++) {
         gap = fly_one(c, n, i, u + c->n_start + i);
         if (c->face[i + 1] >= 0 && !(ric_general(c) && i + 1 == c->n_flight)) r[k++] = gap;
@@ -541,7 +580,8 @@ int ric_shooting_residuals(ric_shooting *c, const double *u, double *r)
     return k;
 }
 
-/* Pushes du through the chain after a ric_shooting_fly; writes column j of J (n_unknown columns). */
+/* Pushes du through the chain after a ric_shooting_fly; writes column j of J (n_unknown columns).
+ */
 static void push(const ric_shooting *c, const double *du, double *column)
 {
     int n = c->n, k = 0, rows = ric_general(c) ? 2 * n : c->n_end;
@@ -569,7 +609,8 @@ static void push(const ric_shooting *c, const double *du, double *column)
         }
         if (c->closed[i]) ric_flight_onto(m, c->closed[i], ric_shooting_event(c, i), 1, dw);
         if (ric_shooting_between(c, i)) {
-            ric_flight_chord(m, c->closed[i], c->face[i], c->face[i + 1], c->tau[i], c->w + 2 * n * i, by_w, &by_tau);
+            ric_flight_chord(m, c->closed[i], c->face[i], c->face[i + 1], c->tau[i],
+                             c->w + 2 * n * i, by_w, &by_tau);
             chord = ric_dot(2 * n, by_w, dw) + by_tau * du[c->n_start + i];
         }
         const double *rate = c->rate + 2 * n * i;
@@ -585,13 +626,15 @@ static void push(const ric_shooting *c, const double *du, double *column)
         const ric_face *face = &m->face[c->face[i + 1]];
         if (!(ric_general(c) && i + 1 == c->n_flight))
             column[k++] = ric_shooting_between(c, i) && !c->plain ? chord : ric_gap(n, face, dw);
-        if (!(i + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) ric_flight_strike(n, face, dw + n);
+        if (!(i + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT))
+            ric_flight_strike(n, face, dw + n);
     }
     for (int i = 0; i < rows; i++) {
         double value;
         if (c->end == RIC_MIRROR_REST) value = dw[n + i];
         else if (c->end == RIC_MIRROR_CENTRE) value = dw[i];
-        else if (c->end == RIC_MIRROR_IMPACT) value = ric_dot(n, m->face[c->face[c->n_flight]].E + i * n, dw + n);
+        else if (c->end == RIC_MIRROR_IMPACT)
+            value = ric_dot(n, m->face[c->face[c->n_flight]].E + i * n, dw + n);
         else value = dw[i] - c->sigma * dw0[i];
         column[k++] = value;
     }
@@ -600,7 +643,8 @@ static void push(const ric_shooting *c, const double *du, double *column)
 int ric_shooting_jacobian(ric_shooting *c, const double *u, double *J)
 {
     int unknowns = c->n_unknown, equations = ric_shooting_rows(c);
-    double *du = ric_calloc((size_t)unknowns, sizeof *du), *column = ric_calloc((size_t)equations, sizeof *column);
+    double *du = ric_calloc((size_t)unknowns, sizeof *du),
+           *column = ric_calloc((size_t)equations, sizeof *column);
     if (!du || !column) {
         equations = 0;
         goto out;

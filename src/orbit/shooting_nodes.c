@@ -49,12 +49,15 @@ bool ric_shooting_nodes_room(int count, const size_t *sizes, double **const *arr
 
 ric_status ric_shooting_nodes_divide(ric_shooting *c, int parts)
 {
-    size_t n = (size_t)c->n, inner = 2 * n * (size_t)(parts - 1), live = ric_general(c) ? 2 * n : n + 1;
-    size_t ld = live + 1 + (parts > 1 ? 2 * n : 0), vectors = 1 + (size_t)c->n_flight + (size_t)c->n_end + inner;
+    size_t n = (size_t)c->n, inner = 2 * n * (size_t)(parts - 1),
+           live = ric_general(c) ? 2 * n : n + 1;
+    size_t ld = live + 1 + (parts > 1 ? 2 * n : 0),
+           vectors = 1 + (size_t)c->n_flight + (size_t)c->n_end + inner;
     double **const arrays[] = {&c->hv, &c->beta, &c->zeta, &c->X, &c->flown, &c->part};
     /* no time from the origin: no flight that is ever asked for */
-    const size_t sizes[] = {vectors * ld,     vectors,           vectors,
-                            (6 * n + 1) * ld, 2 * n + 1 + inner, parts > 1 ? (size_t)parts * (4 * n * n + 4 * n) : 0};
+    const size_t sizes[] = {vectors * ld,      vectors,
+                            vectors,           (6 * n + 1) * ld,
+                            2 * n + 1 + inner, parts > 1 ? (size_t)parts * (4 * n * n + 4 * n) : 0};
     free(c->hv);
     if (!ric_shooting_nodes_room(6, sizes, arrays))
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d parts", parts);
@@ -67,7 +70,8 @@ ric_status ric_shooting_nodes_divide(ric_shooting *c, int parts)
 /* Whether the flight is the last one over again; it costs more than all that is done with it. */
 static bool again(ric_shooting *c, const double *from, const double *u)
 {
-    size_t n2 = 2 * (size_t)c->n, state = n2 * sizeof *u, rest = (1 + n2 * (size_t)(c->parts - 1)) * sizeof *u;
+    size_t n2 = 2 * (size_t)c->n, state = n2 * sizeof *u,
+           rest = (1 + n2 * (size_t)(c->parts - 1)) * sizeof *u;
     if (!memcmp(c->flown + n2, u, rest) && !memcmp(c->flown, from, state)) return true;
     memcpy(c->flown, from, state);
     memcpy(c->flown + n2, u, rest);
@@ -77,7 +81,8 @@ static bool again(ric_shooting *c, const double *from, const double *u)
 /* A flight that was broken off is none that is known. */
 static void forget(ric_shooting *c)
 {
-    if (ric_halted()) memset(c->flown, 0, (1 + 2 * (size_t)c->n * (size_t)c->parts) * sizeof *c->flown);
+    if (ric_halted())
+        memset(c->flown, 0, (1 + 2 * (size_t)c->n * (size_t)c->parts) * sizeof *c->flown);
 }
 
 bool ric_shooting_nodes_fly(ric_shooting *c, int k, const double *u)
@@ -122,8 +127,8 @@ double ric_shooting_nodes_gap(const ric_shooting *c, const double *u)
     return most;
 }
 
-/* The state, or the neighbour, w [2n] that the start block of u makes; chains with nodes start at a rest, at a centre,
- * or anywhere. */
+/* The state, or the neighbour, w [2n] that the start block of u makes; chains with nodes start at a
+ * rest, at a centre, or anywhere. */
 static void start_of(const ric_shooting *c, const double *u, double *w)
 {
     memset(w, 0, 2 * (size_t)c->n * sizeof *w);
@@ -140,7 +145,8 @@ void ric_shooting_nodes_spread(const ric_shooting *c, double *u)
     }
 }
 
-/* dw [2n], a neighbour at the start of a part, at its end, where the time of the flight is longer by dtau. */
+/* dw [2n], a neighbour at the start of a part, at its end, where the time of the flight is longer
+ * by dtau. */
 static void carry_along(const ric_shooting *c, int part, double dtau, double *dw)
 {
     ric_flight_carry(c->n, map_of(c, part), 1, 1, dw);
@@ -165,9 +171,9 @@ static int vector_at(const ric_shooting *c, int j)
     return 1 + c->n_flight + c->n_end + 2 * c->n * (j - 1);
 }
 
-/* The equations of node j, end of part j - 1 = z_j, take 2n columns more, those of z_j; each is pinned like an impact.
- * X: rows of the state, what `rows` counts beyond them, one of the time of the flight, and 2n of z_j, which become
- * those of the state. */
+/* The equations of node j, end of part j - 1 = z_j, take 2n columns more, those of z_j; each is
+ * pinned like an impact. X: rows of the state, what `rows` counts beyond them, one of the time of
+ * the flight, and 2n of z_j, which become those of the state. */
 static double eliminate_node(ric_shooting *c, const double *u, int j, int live, int rows)
 {
     int n2 = 2 * c->n, ld = c->ld, first = vector_at(c, j);
@@ -180,7 +186,8 @@ static double eliminate_node(ric_shooting *c, const double *u, int j, int live, 
     }
     for (int i = 0; i < n2; i++) {
         memcpy(g, X + i * ld, sizeof g);
-        if (ric_pin(c, first + i, live + n2 - i, g, -gap_at(c, u, j, i) - g[ld - 1], rows + 1 + n2, ld) < 0)
+        if (ric_pin(c, first + i, live + n2 - i, g, -gap_at(c, u, j, i) - g[ld - 1], rows + 1 + n2,
+                    ld) < 0)
             sign = -sign;
     }
     memcpy(X, Z, (size_t)(n2 * ld) * sizeof *X);
@@ -208,7 +215,8 @@ void ric_shooting_nodes_unwind(const ric_shooting *c, bool newton, int m, double
     int n2 = 2 * c->n;
     for (int j = c->parts - 1; j > 0; j--) {
         int first = vector_at(c, j);
-        for (int i = n2 - 1; i >= 0; i--) ric_unpin(c, first + i, m + n2 - i, newton ? c->zeta[first + i] : 0, z);
+        for (int i = n2 - 1; i >= 0; i--)
+            ric_unpin(c, first + i, m + n2 - i, newton ? c->zeta[first + i] : 0, z);
         memcpy(du + node_at(c, j), z + m, (size_t)n2 * sizeof *du);
     }
 }

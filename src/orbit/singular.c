@@ -10,9 +10,11 @@
 
 ric_status ric_singular_create(ric_shooting *chain, bool left, ric_singular *q)
 {
-    size_t n = (size_t)chain->n_unknown, rows = (size_t)ric_shooting_rows(chain), side = rows > n ? rows : n;
+    size_t n = (size_t)chain->n_unknown, rows = (size_t)ric_shooting_rows(chain),
+           side = rows > n ? rows : n;
     *q = (ric_singular){.chain = chain, .unknowns = chain->n_unknown};
-    q->memory = ric_calloc(rows * n + n * n + (left ? rows * rows : 0) + 2 * side, sizeof *q->memory);
+    q->memory = ric_calloc(rows * n + n * n + (left ? rows * rows : 0) + 2 * side,
+                           sizeof *q->memory);
     if (!q->memory) return ric_no_memory("a singular point");
     q->J = q->memory;
     q->right = q->J + rows * n;
@@ -31,8 +33,9 @@ void ric_singular_free(ric_singular *q)
 bool ric_singular_factor(ric_singular *q, const double *u)
 {
     int n = q->unknowns, rows = q->equations = ric_shooting_jacobian(q->chain, u, q->J);
-    return rows && !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, q->left ? 'A' : 'N', 'A', rows, n, q->J, n, q->values,
-                                              q->left, q->left ? rows : 1, q->right, n, q->super));
+    return rows && !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, q->left ? 'A' : 'N', 'A', rows, n,
+                                              q->J, n, q->values, q->left, q->left ? rows : 1,
+                                              q->right, n, q->super));
 }
 
 int ric_singular_rank(const ric_singular *q, double least)
@@ -59,7 +62,8 @@ int ric_singular_cokernel(const ric_singular *q, int k, double *out)
 {
     int rank = q->unknowns - k, count = q->equations - rank;
     for (int i = 0; i < count; i++)
-        for (int j = 0; j < q->equations; j++) out[i * q->equations + j] = q->left[j * q->equations + rank + i];
+        for (int j = 0; j < q->equations; j++)
+            out[i * q->equations + j] = q->left[j * q->equations + rank + i];
     return count;
 }
 
@@ -79,13 +83,14 @@ double ric_singular_step(const ric_singular *q, int rank, const double *r, doubl
         double part = 0;
         for (int j = 0; j < q->equations; j++) part += q->left[j * q->equations + k] * r[j];
         if (k >= rank) rest = hypot(rest, part);
-        for (int j = 0; k < rank && j < q->unknowns; j++) u[j] -= part / q->values[k] * q->right[k * q->unknowns + j];
+        for (int j = 0; k < rank && j < q->unknowns; j++)
+            u[j] -= part / q->values[k] * q->right[k * q->unknowns + j];
     }
     return rest;
 }
 
-bool ric_singular_bend(ric_singular *q, const double *u, const double *along, int n_left, const double *left,
-                       int n_right, const double *right, double *out)
+bool ric_singular_bend(ric_singular *q, const double *u, const double *along, int n_left,
+                       const double *left, int n_right, const double *right, double *out)
 {
     int n = q->unknowns;
     double h = RIC_DIFFERENCE * q->chain->scale, v[n], row[ric_shooting_rows(q->chain)];
@@ -98,7 +103,8 @@ bool ric_singular_bend(ric_singular *q, const double *u, const double *along, in
         for (int k = 0; k < n_right; k++) {
             for (int e = 0; e < equations; e++) row[e] = ric_dot(n, q->J + e * n, right + k * n);
             for (int i = 0; i < n_left; i++)
-                out[i * n_right + k] += side * ric_dot(equations, left + i * equations, row) / (2 * h);
+                out[i * n_right + k] += side * ric_dot(equations, left + i * equations, row) /
+                                        (2 * h);
         }
     }
     return true;

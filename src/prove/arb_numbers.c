@@ -17,7 +17,8 @@ bool ric_arb_normalise(arb_mat_t x, slong prec)
 {
     double sum = 0;
     arb_t factor;
-    for (slong i = 0; i < arb_mat_nrows(x); i++) sum += pow(ric_arb_middle(arb_mat_entry(x, i, 0)), 2);
+    for (slong i = 0; i < arb_mat_nrows(x); i++)
+        sum += pow(ric_arb_middle(arb_mat_entry(x, i, 0)), 2);
     if (!(sum > 0) || !isfinite(sum)) return false;
     arb_init(factor);
     arb_set_d(factor, 1 / sqrt(sum));

@@ -1,6 +1,7 @@
-/* Ball arithmetic: the headers of Arb, which lie in FLINT from its version 3 on. A ball is a centre and a radius, and
- * every operation encloses the result for all numbers of its operands (Johansson, IEEE Trans. Comput. 66 (2017)
- * 1281-1292). A comparison is true only if it holds for all of them, so that a ball that is not a number answers no. */
+/* Ball arithmetic: the headers of Arb, which lie in FLINT from its version 3 on. A ball is a centre
+ * and a radius, and every operation encloses the result for all numbers of its operands (Johansson,
+ * IEEE Trans. Comput. 66 (2017) 1281-1292). A comparison is true only if it holds for all of them,
+ * so that a ball that is not a number answers no. */
 #ifndef RIC_PROVE_ARB_NUMBERS_H
 #define RIC_PROVE_ARB_NUMBERS_H
 

@@ -5,7 +5,8 @@
 #include "augmented_rows.h"
 #include "base/room.h"
 
-#define CONVERGED 1e-12 /* step of Newton's method from which on the test of the box says more than it */
+/* CONVERGED: step of Newton's method from which on the test of the box says more than it */
+#define CONVERGED 1e-12
 
 enum {
     NEWTON = 24, /* steps at most */
@@ -15,7 +16,8 @@ enum {
     TIGHT = 24   /* doublings of a radius of existence */
 };
 
-/* The motions beside the orbit, by inverse iteration: the rows on them are a square matrix that is all but singular. */
+/* The motions beside the orbit, by inverse iteration: the rows on them are a square matrix that is
+ * all but singular. */
 static bool find_motions(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
     const slong first = x->n_orbit, count = ric_augmented_motions(x) * x->n_motion;
@@ -53,7 +55,8 @@ static bool refine(ric_augmented *x, arb_mat_t J, arb_ptr F)
         arb_mat_get_mid(J, J);
         for (slong i = 0; i < x->n; i++) arb_get_mid_arb(arb_mat_entry(b, i, 0), F + i);
         done = arb_mat_approx_solve(b, J, b, x->e->prec);
-        for (slong i = 0; i < x->n && done; i++) size = fmax(size, fabs(ric_arb_middle(arb_mat_entry(b, i, 0))));
+        for (slong i = 0; i < x->n && done; i++)
+            size = fmax(size, fabs(ric_arb_middle(arb_mat_entry(b, i, 0))));
         if (!done || !isfinite(size) || (step > 6 && size > before / 2)) break;
         for (slong i = 0; i < x->n; i++) {
             arb_sub(x->z + i, x->z + i, arb_mat_entry(b, i, 0), x->e->prec);
@@ -111,13 +114,15 @@ static bool contracts(ric_augmented *x, arb_mat_t J, arb_ptr F)
     const bool tight = holds && tighten(x);
     if (tight) place_box(x, box);
     if (tight) _arb_vec_swap(x->z, box, x->n);
-    if (tight && x->ask.kind == RIC_AUGMENTED_MEET) arb_zero(x->z + (slong)x->ask.place * x->c.size + 2 * x->e->n);
+    if (tight && x->ask.kind == RIC_AUGMENTED_MEET)
+        arb_zero(x->z + (slong)x->ask.place * x->c.size + 2 * x->e->n);
     _arb_vec_clear(box, x->n);
     return tight;
 }
 
-/* With both mirrors broken a row at the end is left out: what it says, that the energy of the motion is that of the
- * orbit to first order, follows for orbits in the balls u where this number is not zero. */
+/* With both mirrors broken a row at the end is left out: what it says, that the energy of the
+ * motion is that of the orbit to first order, follows for orbits in the balls u where this number
+ * is not zero. */
 static bool row_follows(const ric_augmented *x, arb_srcptr u)
 {
     const ric_enclosure *e = x->e;
@@ -180,13 +185,15 @@ static void lay_directions(ric_augmented *x)
     x->redundant = -1;
     if (ask->kind == RIC_AUGMENTED_BREAK && ask->broken[0] && ask->broken[1]) {
         arb_srcptr gauge = arb_mat_entry(x->gauge, 1, 0);
-        x->redundant = x->c.end == RIC_CHAIN_IMPACT ? (int)n
-                                                    : largest(x->c.end == RIC_CHAIN_REST ? gauge + n : gauge, n);
+        x->redundant = x->c.end == RIC_CHAIN_IMPACT
+                           ? (int)n
+                           : largest(x->c.end == RIC_CHAIN_REST ? gauge + n : gauge, n);
     }
     _arb_vec_clear(flown, 2 * n);
 }
 
-static void open_system(ric_augmented *x, const ric_chain *c, const ric_enclosure *e, const ric_augmented_question *ask)
+static void open_system(ric_augmented *x, const ric_chain *c, const ric_enclosure *e,
+                        const ric_augmented_question *ask)
 {
     *x = (ric_augmented){.e = e, .ask = *ask, .times = 1};
     x->together = flint_calloc((size_t)e->n_contact, sizeof *x->together);

@@ -50,10 +50,13 @@ static void put_orbit(filling *f)
     }
 }
 
-/* The rows of a group on the motion at `from`; with `other` 2 a - those, which close with the other sign. */
-static void put_group(filling *f, slong from, const ric_equation_group *g, const ric_equation_group *second, bool other)
+/* The rows of a group on the motion at `from`; with `other` 2 a - those, which close with the other
+ * sign. */
+static void put_group(filling *f, slong from, const ric_equation_group *g,
+                      const ric_equation_group *second, bool other)
 {
-    const slong size = f->x->c.size, width = f->x->n_motion, first = g->first * size, next = g->second * size;
+    const slong size = f->x->c.size, width = f->x->n_motion, first = g->first * size,
+                next = g->second * size;
     arb_t x;
     arb_init(x);
     for (slong l = 0; l < g->rows; l++, f->row++) {
@@ -99,11 +102,12 @@ static void open_second(const filling *f, slong from, ric_equations *second)
 
 static void put_links(filling *f, slong from, const ric_equations *second)
 {
-    for (int i = 0; i + 1 < f->x->c.m; i++) put_group(f, from, &f->q.group[i], &second->group[i], false);
+    for (int i = 0; i + 1 < f->x->c.m; i++)
+        put_group(f, from, &f->q.group[i], &second->group[i], false);
 }
 
-/* E' a at the first block: E' is (K q - sum k d c, p), less the pull; its derivative in the direction of a is that of K
- * a. */
+/* E' a at the first block: E' is (K q - sum k d c, p), less the pull; its derivative in the
+ * direction of a is that of K a. */
 static void put_energy(filling *f, slong from)
 {
     const ric_augmented *x = f->x;
@@ -131,7 +135,8 @@ static void put_tangent(filling *f)
     ric_equations second;
     arb_t one;
     open_second(f, from, &second);
-    for (int i = 0; i < f->q.n - 1; i++) put_group(f, from, &f->q.group[i], &second.group[i], false);
+    for (int i = 0; i < f->q.n - 1; i++)
+        put_group(f, from, &f->q.group[i], &second.group[i], false);
     ric_equation_free(&second);
     arb_init(one);
     arb_one(one);
@@ -142,8 +147,8 @@ static void put_tangent(filling *f)
     arb_clear(one);
 }
 
-/* What holds at a mirror point for motions that are turned into themselves, n rows, or into their opposite, n + 1: B
- * [rows * 2n] on states. */
+/* What holds at a mirror point for motions that are turned into themselves, n rows, or into their
+ * opposite, n + 1: B [rows * 2n] on states. */
 static void mirror_rows(const ric_augmented *x, bool last, bool opposite, arb_mat_t B)
 {
     const slong n = x->e->n;
@@ -157,7 +162,8 @@ static void mirror_rows(const ric_augmented *x, bool last, bool opposite, arb_ma
         arb_clear(gap);
         return;
     }
-    for (slong i = 0; i < n; i++) arb_one(arb_mat_entry(B, i, kind == RIC_CHAIN_CENTRE ? n + i : i));
+    for (slong i = 0; i < n; i++)
+        arb_one(arb_mat_entry(B, i, kind == RIC_CHAIN_CENTRE ? n + i : i));
     if (kind == RIC_CHAIN_IMPACT) {
         arb_srcptr c = ric_enclosure_c(x->e, x->e->wall[face].contact);
         _arb_vec_set(arb_mat_entry(B, n, n), c, n);
@@ -194,8 +200,9 @@ void ric_augmented_flight_close(ric_augmented_flight *f)
     _arb_vec_clear(f->flown, n);
 }
 
-void ric_augmented_flight_open(ric_augmented_flight *f, const ric_enclosure *e, const ric_phase *phase, arb_srcptr w,
-                               const arb_t tau, arb_srcptr along)
+void ric_augmented_flight_open(ric_augmented_flight *f, const ric_enclosure *e,
+                               const ric_phase *phase, arb_srcptr w, const arb_t tau,
+                               arb_srcptr along)
 {
     const slong n = e->n;
     arb_t slack, size;
@@ -256,7 +263,8 @@ static void put_end(filling *f, int motions, arb_srcptr factor, bool opposite, i
     arb_mat_t B;
     arb_mat_init(B, rows, 2 * x->e->n);
     mirror_rows(x, true, opposite, B);
-    for (int k = 0; k < motions; k++) add_end(f, x->n_orbit + k * x->n_motion, B, factor + k, skipped);
+    for (int k = 0; k < motions; k++)
+        add_end(f, x->n_orbit + k * x->n_motion, B, factor + k, skipped);
     f->row += rows - (skipped >= 0);
     arb_mat_clear(B);
 }
@@ -300,8 +308,8 @@ static void put_turn(filling *f)
     _arb_vec_clear(factor, 3);
 }
 
-/* Twice a_0 less the rows of the closure is a_0 and what the motion at `from` returns as, which is to be (1 + mu)
- * (factor[0] a_0 + factor[1] b_0). */
+/* Twice a_0 less the rows of the closure is a_0 and what the motion at `from` returns as, which is
+ * to be (1 + mu) (factor[0] a_0 + factor[1] b_0). */
 static void put_return(filling *f, slong from, const ric_equations *second, arb_srcptr factor)
 {
     const ric_augmented *x = f->x;
@@ -370,14 +378,16 @@ static void put_speed(filling *f)
     const slong n = e->n, last = (slong)(x->c.m - 1) * x->c.size;
     arb_srcptr c = ric_enclosure_c(e, e->wall[x->c.face[x->ask.place]].contact);
     if (x->ask.place < x->c.m) {
-        for (slong i = 0; i < n; i++) add_term(f, f->row, (slong)x->ask.place * x->c.size + n + i, c + i);
+        for (slong i = 0; i < n; i++)
+            add_term(f, f->row, (slong)x->ask.place * x->c.size + n + i, c + i);
         f->row++;
         return;
     }
     ric_augmented_flight g;
     arb_t sum;
     arb_init(sum);
-    ric_augmented_flight_open(&g, e, x->c.phase[x->c.m - 1], x->c.u + last, x->c.u + last + 2 * n, NULL);
+    ric_augmented_flight_open(&g, e, x->c.phase[x->c.m - 1], x->c.u + last, x->c.u + last + 2 * n,
+                              NULL);
     arb_dot(f->F + f->row, NULL, 0, c, 1, g.flown + n, 1, n, e->prec);
     for (slong j = 0; j <= 2 * n; j++) {
         arb_zero(sum);
@@ -399,12 +409,14 @@ static void put_touch(filling *f)
     ric_augmented_flight g;
     arb_t sum;
     arb_init(sum);
-    ric_augmented_flight_open(&g, e, x->c.phase[x->ask.place], x->c.u + at, f->z + x->n_orbit, NULL);
+    ric_augmented_flight_open(&g, e, x->c.phase[x->ask.place], x->c.u + at, f->z + x->n_orbit,
+                              NULL);
     for (slong half = 0; half < 2; half++, f->row++) {
         arb_dot(f->F + f->row, NULL, 0, c, 1, g.flown + half * n, 1, n, e->prec);
         for (slong j = 0; j <= 2 * n; j++) {
             arb_zero(sum);
-            for (slong i = 0; i < n; i++) arb_addmul(sum, c + i, arb_mat_entry(g.D, half * n + i, j), e->prec);
+            for (slong i = 0; i < n; i++)
+                arb_addmul(sum, c + i, arb_mat_entry(g.D, half * n + i, j), e->prec);
             add_derivative(f, f->row, j < 2 * n ? at + j : x->n_orbit, sum);
         }
         if (half) continue;
@@ -427,9 +439,11 @@ static void put_gap(filling *f)
     arb_t sum;
     arb_init(sum);
     if (x->ask.place < x->c.m)
-        for (slong i = 0; i < n; i++) add_term(f, f->row, (slong)x->ask.place * x->c.size + i, c + i);
+        for (slong i = 0; i < n; i++)
+            add_term(f, f->row, (slong)x->ask.place * x->c.size + i, c + i);
     else {
-        ric_augmented_flight_open(&g, e, x->c.phase[x->c.m - 1], x->c.u + last, x->c.u + last + 2 * n, NULL);
+        ric_augmented_flight_open(&g, e, x->c.phase[x->c.m - 1], x->c.u + last,
+                                  x->c.u + last + 2 * n, NULL);
         arb_dot(f->F + f->row, NULL, 0, c, 1, g.flown, 1, n, e->prec);
         for (slong j = 0; j <= 2 * n; j++) {
             arb_zero(sum);

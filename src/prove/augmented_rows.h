@@ -1,4 +1,5 @@
-/* Between augmented.c and augmented_rows.c: the equations of a junction, and the flights that they are made of. */
+/* Between augmented.c and augmented_rows.c: the equations of a junction, and the flights that they
+ * are made of. */
 #ifndef RIC_PROVE_AUGMENTED_ROWS_H
 #define RIC_PROVE_AUGMENTED_ROWS_H
 
@@ -11,16 +12,17 @@ int ric_augmented_motions(const ric_augmented *x);
 /* A turn of a chain without mirrors has a factor more, 1 + mu, behind the motions. */
 bool ric_augmented_has_factor(const ric_augmented *x);
 
-/* The derivative of a flight, D, and that of D in the direction of a motion's block, with what the flights leave open
- * of both. */
+/* The derivative of a flight, D, and that of D in the direction of a motion's block, with what the
+ * flights leave open of both. */
 typedef struct {
     arb_mat_t D, second;
     arb_ptr flown;
 } ric_augmented_flight;
 
 /* In a phase over time tau; along: NULL, or [2n + 1]. */
-void ric_augmented_flight_open(ric_augmented_flight *f, const ric_enclosure *e, const ric_phase *phase, arb_srcptr w,
-                               const arb_t tau, arb_srcptr along);
+void ric_augmented_flight_open(ric_augmented_flight *f, const ric_enclosure *e,
+                               const ric_phase *phase, arb_srcptr w, const arb_t tau,
+                               arb_srcptr along);
 void ric_augmented_flight_close(ric_augmented_flight *f);
 
 #endif

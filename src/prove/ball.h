@@ -1,7 +1,8 @@
-/* Balls of doubles: a centre and a radius that holds every rounding, for searches that would wait for Arb. Each result
- * is rounded to nearest, which is off by at most 2^-53 of it, and that is added to the radius; a radius is a sum of
- * a few products that are not negative, and up() makes it larger than all their roundings and underflows. A ball that
- * is not a number compares false with everything. */
+/* Balls of doubles: a centre and a radius that holds every rounding, for searches that would wait
+ * for Arb. Each result is rounded to nearest, which is off by at most 2^-53 of it, and that is
+ * added to the radius; a radius is a sum of a few products that are not negative, and up() makes it
+ * larger than all their roundings and underflows. A ball that is not a number compares false with
+ * everything. */
 #ifndef RIC_PROVE_BALL_H
 #define RIC_PROVE_BALL_H
 
@@ -42,7 +43,8 @@ static inline ric_ball ric_ball_sub(ric_ball a, ric_ball b)
 static inline ric_ball ric_ball_mul(ric_ball a, ric_ball b)
 {
     const double m = a.m * b.m;
-    return (ric_ball){m, ric_up(fabs(a.m) * b.r + a.r * (fabs(b.m) + b.r) + fabs(m) * RIC_BALL_UNIT)};
+    return (ric_ball){m,
+                      ric_up(fabs(a.m) * b.r + a.r * (fabs(b.m) + b.r) + fabs(m) * RIC_BALL_UNIT)};
 }
 /* Over an exact number that is not zero. */
 static inline ric_ball ric_ball_over(ric_ball a, double b)
@@ -56,8 +58,9 @@ static inline double ric_ball_most(ric_ball a)
     return ric_up(fabs(a.m) + a.r);
 }
 
-/* sum y_i x_i with exact y. The error of a sum of n products in any order is at most n u / (1 - n u) of the sum of
- * their sizes (Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 3.1). */
+/* sum y_i x_i with exact y. The error of a sum of n products in any order is at most n u / (1 - n
+ * u) of the sum of their sizes (Higham, Accuracy and Stability of Numerical Algorithms, 2002,
+ * section 3.1). */
 static inline ric_ball ric_ball_dot(int n, const double *y, const double *m, const double *r)
 {
     double sum = 0, size = 0, radius = 0;

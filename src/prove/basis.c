@@ -6,7 +6,8 @@
 
 enum {
     STEPS = 8, /* of the refinement, each of which doubles 45 bits or more */
-    TINY = 20, /* bits beyond those computed with below which an eigenvalue, relative to the largest, counts as zero */
+    TINY = 20, /* bits beyond those computed with below which an eigenvalue, relative to the
+                  largest, counts as zero */
 };
 
 void ric_basis_open(ric_basis *z, int n, slong bits)
@@ -43,8 +44,9 @@ static void congruences(ric_basis *z)
     arb_mat_clear(transposed);
 }
 
-/* Entry (i, j) of the correction of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007); where a gap
- * between eigenvalues does not tell the vectors apart they are only made orthonormal. */
+/* Entry (i, j) of the correction of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018)
+ * 1007); where a gap between eigenvalues does not tell the vectors apart they are only made
+ * orthonormal. */
 static void correction(const ric_basis *z, slong i, slong j, arb_t out)
 {
     static const double too_far = 0.1; /* a turn that is no correction any more */
@@ -88,7 +90,8 @@ void ric_basis_refine(ric_basis *z)
 }
 
 /* X' A X in balls, and its Frobenius distance from the diagonal of `diagonal`. */
-static void distance(const ric_basis *z, const arb_mat_t X, const arb_mat_t A, arb_srcptr diagonal, arb_t out)
+static void distance(const ric_basis *z, const arb_mat_t X, const arb_mat_t A, arb_srcptr diagonal,
+                     arb_t out)
 {
     slong n = arb_mat_ncols(X), prec = 2 * z->prec;
     arb_mat_t t, w, s;
@@ -98,7 +101,8 @@ static void distance(const ric_basis *z, const arb_mat_t X, const arb_mat_t A, a
     arb_mat_transpose(t, X);
     arb_mat_mul(w, A, X, prec);
     arb_mat_mul(s, t, w, prec);
-    for (slong i = 0; i < n; i++) arb_sub(arb_mat_entry(s, i, i), arb_mat_entry(s, i, i), diagonal + i, prec);
+    for (slong i = 0; i < n; i++)
+        arb_sub(arb_mat_entry(s, i, i), arb_mat_entry(s, i, i), diagonal + i, prec);
     arb_mat_frobenius_norm(out, s, prec);
     arb_get_abs_ubound_arf(arb_midref(out), out, z->prec);
     mag_zero(arb_radref(out));
@@ -107,7 +111,8 @@ static void distance(const ric_basis *z, const arb_mat_t X, const arb_mat_t A, a
     arb_mat_clear(s);
 }
 
-/* X (X' M X)^-1/2 in balls: every entry of the last factor is off the unit matrix by at most 2 |X' M X - 1|. */
+/* X (X' M X)^-1/2 in balls: every entry of the last factor is off the unit matrix by at most 2 |X'
+ * M X - 1|. */
 bool ric_basis_orthonormalise(const ric_basis *z, arb_mat_t X, arb_t error)
 {
     slong n = arb_mat_ncols(X);

@@ -1,4 +1,5 @@
-/* All periodic orbits of one energy with few impacts: words, boxes of their flight times, threads, and the account. */
+/* All periodic orbits of one energy with few impacts: words, boxes of their flight times, threads,
+ * and the account. */
 #include "census.h"
 
 #include <pthread.h>
@@ -18,11 +19,15 @@ enum {
     DEEPEST = 400,   /* divisions */
 };
 #define NANOSECOND 1e-9
-#define LONGEST_TIME 1e6  /* in units of the enclosure, of a flight or a period */
-#define TRY_BELOW 0.4     /* sum of the widths of flights times the largest frequency, for an attempt */
-#define SMALLEST 1e-9     /* of flights times the largest frequency: boxes are not divided further */
-#define STATE_BEHIND 20.0 /* a state that is known that many times worse than flights say is divided first, */
-#define STATE_FIRST 0.12  /* and one that is known no better than that, of |w|: flights follow from it */
+#define LONGEST_TIME 1e6 /* in units of the enclosure, of a flight or a period */
+/* TRY_BELOW: sum of the widths of flights times the largest frequency, for an attempt */
+#define TRY_BELOW 0.4
+/* SMALLEST: of flights times the largest frequency: boxes are not divided further */
+#define SMALLEST 1e-9
+/* STATE_BEHIND: a state that is known that many times worse than flights say is divided first, */
+#define STATE_BEHIND 20.0
+/* STATE_FIRST: and one that is known no better than that, of |w|: flights follow from it */
+#define STATE_FIRST 0.12
 
 typedef struct {
     ric_census_word word;
@@ -56,7 +61,8 @@ static double now_since(const struct timespec *start)
 {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)(now.tv_sec - start->tv_sec) + NANOSECOND * (double)(now.tv_nsec - start->tv_nsec);
+    return (double)(now.tv_sec - start->tv_sec) +
+           NANOSECOND * (double)(now.tv_nsec - start->tv_nsec);
 }
 
 static double volume(const ric_census_box *b, int N)
@@ -81,7 +87,8 @@ static bool is_known(const ric_census *s, const task *t, const ric_census_box *b
 {
     for (int i = 0; i < t->n; i++) {
         ric_census_box region;
-        ric_census_zero_box(&s->pair, &t->word, &t->found[i].zero, t->found[i].zero.unique, &region);
+        ric_census_zero_box(&s->pair, &t->word, &t->found[i].zero, t->found[i].zero.unique,
+                            &region);
         if (lies_within(b, &region, t->word.N)) return true;
     }
     return false;
@@ -113,8 +120,8 @@ static void leave(task *t, const ric_census_box *b)
     t->measure += volume(b, t->word.N);
 }
 
-/* The unknown to divide: a state of which it is not known where its flights lead; then the longest flight, unless the
- * state is much worse known than flights account for. */
+/* The unknown to divide: a state of which it is not known where its flights lead; then the longest
+ * flight, unless the state is much worse known than flights account for. */
 static ric_range *widest(const ric_census *s, ric_census_box *b, int N, double *width)
 {
     ric_range *flight = &b->t[0], *state = &b->w[0];
@@ -122,7 +129,8 @@ static ric_range *widest(const ric_census *s, ric_census_box *b, int N, double *
         if (b->t[k].hi - b->t[k].lo > flight->hi - flight->lo) flight = &b->t[k];
     for (int i = 1; i < 4; i++)
         if (b->w[i].hi - b->w[i].lo > state->hi - state->lo) state = &b->w[i];
-    const double times = (flight->hi - flight->lo) * s->pair.top, size = (state->hi - state->lo) / s->pair.size;
+    const double times = (flight->hi - flight->lo) * s->pair.top,
+                 size = (state->hi - state->lo) / s->pair.size;
     *width = fmax(times, size / STATE_BEHIND);
     return size > STATE_FIRST || size > STATE_BEHIND * times ? state : flight;
 }
@@ -136,8 +144,8 @@ static void search(ric_census *s, task *t, ric_census_box *b, int tries, int dep
         return;
     }
     t->boxes++;
-    /* Run backwards, and mirrored where that takes the word to itself, an orbit is one with flights 1 and N - 1
-     * exchanged: the one with the longer flight 1 stands for both. */
+    /* Run backwards, and mirrored where that takes the word to itself, an orbit is one with flights
+     * 1 and N - 1 exchanged: the one with the longer flight 1 stands for both. */
     if (t->turned && b->t[1].hi < b->t[N - 1].lo) return;
     if (!ric_census_box_reduce(b, &s->pair, &t->word, &s->limits) || is_known(s, t, b)) return;
     double sum = 0;
@@ -167,8 +175,8 @@ static void search(ric_census *s, task *t, ric_census_box *b, int tries, int dep
 static bool asked_to_stop(ric_census *s)
 {
     if (now_since(&s->start) > s->options.seconds) return true;
-    return s->options.progress &&
-           s->options.progress(s->n_task ? (double)s->done / s->n_task : 1, s->found, s->options.user);
+    return s->options.progress && s->options.progress(s->n_task ? (double)s->done / s->n_task : 1,
+                                                      s->found, s->options.user);
 }
 
 static void work_through(ric_census *s, bool first)
@@ -205,7 +213,8 @@ static void work_all(ric_census *s)
     const int wanted = s->options.workers;
     int started = 0;
     pthread_t *threads = ric_calloc((size_t)wanted, sizeof *threads);
-    while (threads && started < wanted && !pthread_create(&threads[started], NULL, work, s)) started++;
+    while (threads && started < wanted && !pthread_create(&threads[started], NULL, work, s))
+        started++;
     if (started) attend(s);
     else work_through(s, true);
     for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
@@ -214,8 +223,8 @@ static void work_all(ric_census *s)
 
 /* ---------------------------------------------------------------------- words */
 
-/* Words of N faces that begin with their longest flight: of those that are images of one another, run backwards or
- * mirrored, the smallest one. */
+/* Words of N faces that begin with their longest flight: of those that are images of one another,
+ * run backwards or mirrored, the smallest one. */
 static int compare(const ric_census_word *a, const ric_census_word *b)
 {
     for (int i = 0; i < a->N; i++)
@@ -224,7 +233,8 @@ static int compare(const ric_census_word *a, const ric_census_word *b)
 }
 
 /* Backwards the longest flight goes from impact 1 to impact 0. */
-static ric_census_word image_of(const ric_census_word *w, const ric_census_pair *p, bool reverse, bool mirror)
+static ric_census_word image_of(const ric_census_word *w, const ric_census_pair *p, bool reverse,
+                                bool mirror)
 {
     ric_census_word out = {.N = w->N};
     for (int i = 0; i < w->N; i++) {
@@ -302,9 +312,10 @@ static bool list_tasks(ric_census *s)
 
 /* --------------------------------------------------------------------- limits */
 
-/* The mean force of the stops holds the mean displacement q: q.K q = -sum J_k s_k c_k.q / T with impulses J_k >= 0. As
- * s c.q is d at an impact and changes by no more than |c| |p| t, it is at least d - |c| |w| T / 4 in the mean, and were
- * that positive for all faces the right side would be negative. So T >= 4 d / (|c| |w|) for one of them. */
+/* The mean force of the stops holds the mean displacement q: q.K q = -sum J_k s_k c_k.q / T with
+ * impulses J_k >= 0. As s c.q is d at an impact and changes by no more than |c| |p| t, it is at
+ * least d - |c| |w| T / 4 in the mean, and were that positive for all faces the right side would be
+ * negative. So T >= 4 d / (|c| |w|) for one of them. */
 static double shortest_period(const ric_census_pair *p)
 {
     double least = HUGE_VAL;
@@ -317,7 +328,8 @@ static double shortest_period(const ric_census_pair *p)
 
 static ric_status set_limits(ric_census *s)
 {
-    const double *asked = s->options.period, unit = ldexp(1, (int)s->e.time); /* of the enclosure in a second */
+    const double *asked = s->options.period,
+                 unit = ldexp(1, (int)s->e.time); /* of the enclosure in a second */
     ric_census_limits *l = &s->limits;
     s->flight = ric_census_longest_flight(&s->pair);
     const double all = s->options.impacts * s->flight;
@@ -325,10 +337,11 @@ static ric_status set_limits(ric_census *s)
     l->period[1] = fmin(asked[1] * unit, ric_up(all));
     l->flight = fmin(s->flight, l->period[1]);
     if (l->period[1] < HUGE_VAL) return RIC_OK;
-    return ric_fail(RIC_E_INPUT,
-                    "period: at energy %g no longest flight is proved, as a mode alone does not reach a stop; "
-                    "give a longest period",
-                    s->options.energy);
+    return ric_fail(
+        RIC_E_INPUT,
+        "period: at energy %g no longest flight is proved, as a mode alone does not reach a stop; "
+        "give a longest period",
+        s->options.energy);
 }
 
 /* -------------------------------------------------------------------- account */
@@ -336,7 +349,8 @@ static ric_status set_limits(ric_census *s)
 static bool is_wanted(const ric_census *s, const ric_census_find *z)
 {
     const double unit = ldexp(1, -(int)s->e.time);
-    return !z->repeats && z->period[1] >= s->limits.period[0] * unit && z->period[0] <= s->limits.period[1] * unit;
+    return !z->repeats && z->period[1] >= s->limits.period[0] * unit &&
+           z->period[0] <= s->limits.period[1] * unit;
 }
 
 static bool is_counted(const ric_census *s, const ric_census_find *z)
@@ -366,7 +380,8 @@ static bool gather(ric_census *s)
             s->ghosts += z->verdict == RIC_CENSUS_GHOST;
             if (z->verdict == RIC_CENSUS_OPEN) s->open[s->n_open++] = *z;
             if (z->verdict == RIC_CENSUS_ORBIT && !z->state) return false;
-            if (z->verdict == RIC_CENSUS_ORBIT && is_wanted(s, z) && !is_counted(s, z)) s->orbits[s->n++] = *z;
+            if (z->verdict == RIC_CENSUS_ORBIT && is_wanted(s, z) && !is_counted(s, z))
+                s->orbits[s->n++] = *z;
         }
     qsort(s->orbits, (size_t)s->n, sizeof *s->orbits, by_period);
     return true;
@@ -377,11 +392,13 @@ int ric_census_n_orbit(const ric_census *s)
     return s->n;
 }
 
-ric_status ric_census_orbit_at(const ric_census *s, int i, ric_census_orbit *out, int *word, double *state,
-                               double *flights)
+ric_status ric_census_orbit_at(const ric_census *s, int i, ric_census_orbit *out, int *word,
+                               double *state, double *flights)
 {
     if (i < 0 || i >= s->n)
-        return ric_fail(RIC_E_RANGE, "there is no orbit %d of the census; they are numbered from 0 to %d", i, s->n - 1);
+        return ric_fail(RIC_E_RANGE,
+                        "there is no orbit %d of the census; they are numbered from 0 to %d", i,
+                        s->n - 1);
     const ric_census_find *z = &s->orbits[i];
     if (out)
         *out = (ric_census_orbit){.impacts = z->word.N,
@@ -393,15 +410,18 @@ ric_status ric_census_orbit_at(const ric_census *s, int i, ric_census_orbit *out
                                   .reversible = z->reversible};
     if (word) memcpy(word, z->word.face, (size_t)z->word.N * sizeof *word);
     if (state) memcpy(state, z->state, 2 * (size_t)s->e.n_dof * sizeof *state);
-    for (int k = 0; flights && k < z->word.N; k++) flights[k] = ldexp(z->zero.t[k], -(int)s->e.time);
+    for (int k = 0; flights && k < z->word.N; k++)
+        flights[k] = ldexp(z->zero.t[k], -(int)s->e.time);
     return RIC_OK;
 }
 
 ric_status ric_census_open_at(const ric_census *s, int i, int *impacts, int *word, double *flights)
 {
     if (i < 0 || i >= s->n_open)
-        return ric_fail(RIC_E_RANGE, "there is no open solution %d of the census; they are numbered from 0 to %d", i,
-                        s->n_open - 1);
+        return ric_fail(
+            RIC_E_RANGE,
+            "there is no open solution %d of the census; they are numbered from 0 to %d", i,
+            s->n_open - 1);
     const ric_census_find *z = &s->open[i];
     *impacts = z->word.N;
     memcpy(word, z->word.face, (size_t)z->word.N * sizeof *word);
@@ -434,27 +454,36 @@ void ric_census_account_of(const ric_census *s, ric_census_account *out)
 
 void ric_census_options_init(ric_census_options *o)
 {
-    *o = (ric_census_options){.impacts = 3, .period = {0, HUGE_VAL}, .workers = 1, .seconds = HUGE_VAL};
+    *o = (ric_census_options){.impacts = 3,
+                              .period = {0, HUGE_VAL},
+                              .workers = 1,
+                              .seconds = HUGE_VAL};
 }
 
 static ric_status check_options(const ric_model *m, const ric_census_options *o)
 {
     if (!(o->energy > 0 && o->energy < HUGE_VAL))
-        return ric_fail(RIC_E_INPUT, "energy: %g is none to look at; give a number above 0", o->energy);
+        return ric_fail(RIC_E_INPUT, "energy: %g is none to look at; give a number above 0",
+                        o->energy);
     if (o->impacts < 1 || o->impacts > RIC_CENSUS_LONGEST)
         return ric_fail(RIC_E_INPUT, "impacts: %d; give 1 to %d", o->impacts, RIC_CENSUS_LONGEST);
     if (!(o->period[0] >= 0 && o->period[0] < o->period[1]))
-        return ric_fail(RIC_E_INPUT, "period: from %g to %g s is no range; give two times, the smaller one first",
-                        o->period[0], o->period[1]);
+        return ric_fail(
+            RIC_E_INPUT,
+            "period: from %g to %g s is no range; give two times, the smaller one first",
+            o->period[0], o->period[1]);
     if (o->workers < 1 || !(o->seconds > 0))
-        return ric_fail(RIC_E_INPUT, "workers %d, seconds %g: give numbers above 0", o->workers, o->seconds);
-    const char *left_out = ric_prover_springs(m) ? "bilinear springs" : ric_prover_left_out_model(m);
-    if (left_out) return ric_fail(RIC_E_INPUT, "a census leaves out structures like this: %s", left_out);
+        return ric_fail(RIC_E_INPUT, "workers %d, seconds %g: give numbers above 0", o->workers,
+                        o->seconds);
+    const char *left_out = ric_prover_springs(m) ? "bilinear springs"
+                                                 : ric_prover_left_out_model(m);
+    if (left_out)
+        return ric_fail(RIC_E_INPUT, "a census leaves out structures like this: %s", left_out);
     return RIC_OK;
 }
 
-/* The structure in the numbers of the search. The longest flight is not known before: what flights leave open is asked
- * for a long time, and the longest period has to be below that. */
+/* The structure in the numbers of the search. The longest flight is not known before: what flights
+ * leave open is asked for a long time, and the longest period has to be below that. */
 static ric_status open_pair(ric_census *s)
 {
     char why[160];
@@ -462,7 +491,8 @@ static ric_status open_pair(ric_census *s)
     if (!ric_census_pair_create(&s->pair, &s->e, s->options.energy, LONGEST_TIME, why))
         return ric_fail(RIC_E_INPUT, "%s", why);
     ric_status status = set_limits(s);
-    if (!status && !ric_census_turns(&s->pair, s->limits.flight)) status = ric_no_memory("a census");
+    if (!status && !ric_census_turns(&s->pair, s->limits.flight))
+        status = ric_no_memory("a census");
     if (status || s->limits.period[1] <= s->pair.longest_period) return status;
     return ric_fail(RIC_E_INPUT, "period: %g s are too long for a census", s->limits.period[1]);
 }

@@ -1,4 +1,5 @@
-/* The parts of a census (docs/proofs.md): zeros of the equations of each word, and which of them are motions. */
+/* The parts of a census (docs/proofs.md): zeros of the equations of each word, and which of them
+ * are motions. */
 #ifndef RIC_PROVE_CENSUS_H
 #define RIC_PROVE_CENSUS_H
 
@@ -20,9 +21,10 @@ typedef struct {
 
 /* Whether the zero is a motion; of one its numbers. */
 void ric_census_judge(ric_census_find *z, const ric_census_pair *p);
-/* Whether the image of a that begins at its impact `shift`, run backwards and mirrored or not, is the zero b. */
-bool ric_census_is_image(const ric_census_find *a, const ric_census_find *b, const ric_census_pair *p, int shift,
-                         bool reverse, bool mirror);
+/* Whether the image of a that begins at its impact `shift`, run backwards and mirrored or not, is
+ * the zero b. */
+bool ric_census_is_image(const ric_census_find *a, const ric_census_find *b,
+                         const ric_census_pair *p, int shift, bool reverse, bool mirror);
 /* Whether any image of a is b; repeats, symmetric, reversible of a single one. */
 bool ric_census_same(const ric_census_find *a, const ric_census_find *b, const ric_census_pair *p);
 void ric_census_symmetries(ric_census_find *z, const ric_census_pair *p);

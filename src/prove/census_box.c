@@ -5,7 +5,8 @@
 #include "base/room.h"
 #include "census_scan.h"
 
-/* Times the largest frequency: the sum of the halves of the flights from which on Taylor's polynomials are tried. */
+/* Times the largest frequency: the sum of the halves of the flights from which on Taylor's
+ * polynomials are tried. */
 #define WIDEST 1.5
 /* The same of the flights from which on motions are followed from impact to impact. */
 #define BROAD 0.5
@@ -31,7 +32,8 @@ double ric_census_box_radius(ric_range x)
 static bool meet(ric_range *x, ric_ball b)
 {
     const double lo = b.m - b.r, hi = b.m + b.r;
-    const double low = lo - ric_up(fabs(lo) * 2 * RIC_BALL_UNIT), high = hi + ric_up(fabs(hi) * 2 * RIC_BALL_UNIT);
+    const double low = lo - ric_up(fabs(lo) * 2 * RIC_BALL_UNIT),
+                 high = hi + ric_up(fabs(hi) * 2 * RIC_BALL_UNIT);
     if (low > x->lo) x->lo = low;
     if (high < x->hi) x->hi = high;
     return !(x->lo > x->hi);
@@ -77,12 +79,13 @@ static double on_state(const ric_census_frame *f, const ric_ball v[4])
 double ric_census_frame_linear(const ric_census_frame *f, const ric_ball *linear)
 {
     double sum = on_state(f, linear);
-    for (int k = 0; k < f->rows.word->N; k++) sum = ric_up(sum + ric_ball_most(linear[4 + k]) * f->radius[4 + k]);
+    for (int k = 0; k < f->rows.word->N; k++)
+        sum = ric_up(sum + ric_ball_most(linear[4 + k]) * f->radius[4 + k]);
     return sum;
 }
 
-/* Of the derivatives of order j that are at most size top^j |w|: those of the second order meet the distance from the
- * centre of w, of which the polynomial has none, and the third ones w. */
+/* Of the derivatives of order j that are at most size top^j |w|: those of the second order meet the
+ * distance from the centre of w, of which the polynomial has none, and the third ones w. */
 void ric_census_frame_bound(ric_census_frame *f, double size)
 {
     const ric_census_rows *s = &f->rows;
@@ -90,7 +93,8 @@ void ric_census_frame_bound(ric_census_frame *f, double size)
     f->reach = reach_of_state(f, size);
     const double rest = ric_up(ric_up(turn * turn) * (f->reach / 2 + ric_up(turn * size / 6)));
     for (int q = 0; q < s->n; q++)
-        f->rest[q] = ric_up(s->size[q] * rest + RIC_CENSUS_SLACK * (1 + s->size[q]) * (1 + size) * (1 + size));
+        f->rest[q] = ric_up(s->size[q] * rest +
+                            RIC_CENSUS_SLACK * (1 + s->size[q]) * (1 + size) * (1 + size));
 }
 
 /* What is not linear in a row, about. */
@@ -101,7 +105,8 @@ static double error_of_row(const ric_census_frame *f, int q)
     double sum = f->rest[q];
     for (int l = 0; l < s->word->N; l++) {
         for (int i = 0; i < 4; i++) sum += time[l] * f->radius[i] * fabs(s->turned[l][i].m[q]);
-        for (int j = 0; j <= l; j++) sum += (j < l ? 1 : 0.5) * time[j] * time[l] * fabs(s->bent[pair_of(j, l)].m[q]);
+        for (int j = 0; j <= l; j++)
+            sum += (j < l ? 1 : 0.5) * time[j] * time[l] * fabs(s->bent[pair_of(j, l)].m[q]);
     }
     return q == s->n - 1 ? sum + f->reach * f->reach : sum;
 }
@@ -111,15 +116,19 @@ static ric_ball dot(const ric_census_frame *f, const double *y, const ric_census
     return ric_ball_dot(f->rows.n, y, c->m, c->r);
 }
 
-/* Squares of the unknowns lie between 0 and their largest value: `shifted`, its half is added to the value. */
+/* Squares of the unknowns lie between 0 and their largest value: `shifted`, its half is added to
+ * the value. */
 static void add_square(ric_census_sum *out, ric_ball factor, double most, bool shifted)
 {
     const double half = most / 2;
-    if (shifted) out->value = ric_ball_add(out->value, ric_ball_mul(factor, (ric_ball){half, ric_up(half) - half}));
+    if (shifted)
+        out->value = ric_ball_add(out->value,
+                                  ric_ball_mul(factor, (ric_ball){half, ric_up(half) - half}));
     out->error = ric_up(out->error + ric_ball_most(factor) * (shifted ? ric_up(half) : most));
 }
 
-void ric_census_frame_sum(const ric_census_frame *f, const double *y, bool shifted, ric_census_sum *out)
+void ric_census_frame_sum(const ric_census_frame *f, const double *y, bool shifted,
+                          ric_census_sum *out)
 {
     const ric_census_rows *s = &f->rows;
     const int N = s->word->N;
@@ -134,7 +143,8 @@ void ric_census_frame_sum(const ric_census_frame *f, const double *y, bool shift
         for (int i = 0; i < 4; i++) turned[i] = dot(f, y, &s->turned[l][i]);
         out->error = ric_up(out->error + time[l] * on_state(f, turned));
         for (int j = 0; j < l; j++)
-            out->error = ric_up(out->error + time[j] * time[l] * ric_ball_most(dot(f, y, &s->bent[pair_of(j, l)])));
+            out->error = ric_up(out->error + time[j] * time[l] *
+                                                 ric_ball_most(dot(f, y, &s->bent[pair_of(j, l)])));
         const ric_ball bent = dot(f, y, &s->bent[pair_of(l, l)]);
         add_square(out, (ric_ball){bent.m / 2, bent.r / 2}, ric_up(time[l] * time[l]), shifted);
     }
@@ -143,8 +153,9 @@ void ric_census_frame_sum(const ric_census_frame *f, const double *y, bool shift
 
 /* ------------------------------------------------------------------- functionals */
 
-/* The functionals that tell most of each unknown: with rows divided by their errors and unknowns by their radii, M z =
- * -r +- 1 and |z| <= 1 have the solution (M'M + 1)^-1 M' in the mean. What is computed here is only a choice. */
+/* The functionals that tell most of each unknown: with rows divided by their errors and unknowns by
+ * their radii, M z = -r +- 1 and |z| <= 1 have the solution (M'M + 1)^-1 M' in the mean. What is
+ * computed here is only a choice. */
 typedef struct {
     int n, rows;
     double M[RIC_CENSUS_ROWS][UNKNOWNS], weight[RIC_CENSUS_ROWS], right[RIC_CENSUS_ROWS];
@@ -204,7 +215,8 @@ static void functional_of(const fit *z, const ric_census_frame *f, int i, double
     }
 }
 
-/* What is left of the rows by the best unknowns: no combination of rows is farther from zero, for its errors. */
+/* What is left of the rows by the best unknowns: no combination of rows is farther from zero, for
+ * its errors. */
 static void functional_of_rest(const fit *z, double *y)
 {
     double x[UNKNOWNS] = {0};
@@ -235,13 +247,15 @@ static bool may_vanish(const ric_census_frame *f, const double *y)
 }
 
 /* z_i in -value - (y.F' - e_i).z +- error. */
-static bool narrow(ric_census_box *b, const ric_census_frame *f, const double *y, int i, double centre)
+static bool narrow(ric_census_box *b, const ric_census_frame *f, const double *y, int i,
+                   double centre)
 {
     ric_census_sum sum;
     ric_census_frame_sum(f, y, true, &sum);
     sum.linear[i] = ric_ball_sub(sum.linear[i], ric_ball_exact(1));
     const double error = ric_up(sum.error + sum.value.r + ric_census_frame_linear(f, sum.linear));
-    return meet(unknown(b, i), ric_ball_add(ric_ball_exact(centre), (ric_ball){-sum.value.m, error}));
+    return meet(unknown(b, i),
+                ric_ball_add(ric_ball_exact(centre), (ric_ball){-sum.value.m, error}));
 }
 
 /* The rows are placed; the box is around their times. */
@@ -286,8 +300,10 @@ static bool keep_limits(ric_census_box *b, int N, const ric_census_limits *limit
     }
     if (ric_down(least) > limits->period[1] || ric_up(most) < limits->period[0]) return false;
     for (int k = 0; k < N; k++) {
-        const double high = ric_up(limits->period[1] - ric_down(ric_down(least) - b->t[k].lo)) + DBL_EPSILON * most;
-        const double low = limits->period[0] - ric_up(ric_up(most) - b->t[k].hi) - 4 * DBL_EPSILON * most;
+        const double high = ric_up(limits->period[1] - ric_down(ric_down(least) - b->t[k].lo)) +
+                            DBL_EPSILON * most;
+        const double low = limits->period[0] - ric_up(ric_up(most) - b->t[k].hi) -
+                           4 * DBL_EPSILON * most;
         if (high < b->t[k].hi) b->t[k].hi = high;
         if (low > b->t[k].lo) b->t[k].lo = low;
         if (b->t[k].lo > b->t[k].hi) return false;
@@ -300,8 +316,10 @@ static bool keep_limits(ric_census_box *b, int N, const ric_census_limits *limit
 enum { SAMPLES_MOST = 512, GOLDEN = 40 };
 #define SAMPLE 0.15 /* radians of the faster mode between two looks at a gap */
 
-/* The place of face f after time t, of a state whose numbers are known to `error` in the Euclidean norm. */
-static bool is_beyond(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4], double t, double error)
+/* The place of face f after time t, of a state whose numbers are known to `error` in the Euclidean
+ * norm. */
+static bool is_beyond(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4],
+                      double t, double error)
 {
     ric_ball cosine[2], sine[2], flown[4];
     memcpy(flown, w, sizeof flown);
@@ -311,7 +329,8 @@ static bool is_beyond(const ric_census_pair *p, const ric_census_face *f, const 
     return ric_down(h.m - h.r) > ric_up(f->g_size * error + RIC_CENSUS_SLACK);
 }
 
-static double place_after(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4], double t)
+static double place_after(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4],
+                          double t)
 {
     double h = 0;
     for (int i = 0; i < 2; i++)
@@ -320,7 +339,8 @@ static double place_after(const ric_census_pair *p, const ric_census_face *f, co
 }
 
 /* A larger one between two looks around `at`, by golden sections. */
-static double climb(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4], double lo, double hi)
+static double climb(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4],
+                    double lo, double hi)
 {
     const double share = 0.6180339887498949;
     double a = hi - share * (hi - lo), b = lo + share * (hi - lo);
@@ -337,21 +357,25 @@ static double climb(const ric_census_pair *p, const ric_census_face *f, const ri
     return (lo + hi) / 2;
 }
 
-/* Whether g.a is surely larger than d at a time between two looks at it, of which one in the middle is larger. */
-static bool passes_near(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4], ric_range around,
-                        double error)
+/* Whether g.a is surely larger than d at a time between two looks at it, of which one in the middle
+ * is larger. */
+static bool passes_near(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4],
+                        ric_range around, double error)
 {
     const double at = climb(p, f, w, around.lo, around.hi);
     if (!(place_after(p, f, w, at) > f->d.m + f->g_size * error)) return false;
     return at >= around.lo && at <= around.hi && is_beyond(p, f, w, at, error);
 }
 
-/* Whether g.a is surely larger than d at a time that every flight of the box has: the times are looked for at which it
- * is largest, and its gap proved. A motion that begins on the face has one of them there. */
-static bool passes(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4], double least, double error)
+/* Whether g.a is surely larger than d at a time that every flight of the box has: the times are
+ * looked for at which it is largest, and its gap proved. A motion that begins on the face has one
+ * of them there. */
+static bool passes(const ric_census_pair *p, const ric_census_face *f, const ric_ball w[4],
+                   double least, double error)
 {
     const int samples = (int)fmin(SAMPLES_MOST, ceil(least * p->top / SAMPLE));
-    double turn[2][2], now[4] = {w[0].m, w[1].m, w[2].m, w[3].m}, h[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    double turn[2][2], now[4] = {w[0].m, w[1].m, w[2].m, w[3].m},
+                       h[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     if (samples < 1) return false;
     const double step = least / samples, needed = f->d.m + f->g_size * error;
     const double between = f->g_size * p->size * (step * p->top) * (step * p->top) / 8;
@@ -364,7 +388,9 @@ static bool passes(const ric_census_pair *p, const ric_census_face *f, const ric
         h[1] = h[2];
         h[2] = k > samples ? -HUGE_VAL : f->g[0].m * now[0] + f->g[1].m * now[1];
         const ric_range around = {fmax(0, (k - 2) * step), fmin(least, k * step)};
-        if (h[1] >= h[0] && h[1] >= h[2] && h[1] + between > needed && passes_near(p, f, w, around, error)) return true;
+        if (h[1] >= h[0] && h[1] >= h[2] && h[1] + between > needed &&
+            passes_near(p, f, w, around, error))
+            return true;
         for (int i = 0; i < 2; i++) {
             const double a = now[i], v = now[2 + i];
             now[i] = turn[i][0] * a + turn[i][1] * v;
@@ -381,9 +407,10 @@ static bool leaves_outwards(const ric_census_face *f, const ric_ball w[4], doubl
     return ric_down(v.m - v.r) > ric_up(f->c_size * error + RIC_CENSUS_SLACK);
 }
 
-/* The state behind event k is off from that of the centre by at most its own error at the beginning and top |w| times
- * the errors of the times. */
-bool ric_census_box_moves(const ric_census_box *b, const ric_census_pair *p, const ric_census_word *word)
+/* The state behind event k is off from that of the centre by at most its own error at the beginning
+ * and top |w| times the errors of the times. */
+bool ric_census_box_moves(const ric_census_box *b, const ric_census_pair *p,
+                          const ric_census_word *word)
 {
     ric_ball w[4];
     double square = 0;
@@ -429,7 +456,8 @@ bool ric_census_box_reduce(ric_census_box *b, const ric_census_pair *p, const ri
     ric_census_frame f;
     double t[RIC_CENSUS_IMPACTS], width = 0;
     if (!keep_limits(b, N, limits)) return false;
-    if (sum_of_widths(b, N) * p->top > BROAD && !(ric_census_scan(b, p, word) && keep_limits(b, N, limits)))
+    if (sum_of_widths(b, N) * p->top > BROAD &&
+        !(ric_census_scan(b, p, word) && keep_limits(b, N, limits)))
         return false;
     for (int pass = 0; pass < PASSES; pass++) {
         const double before = sum_of_widths(b, N);

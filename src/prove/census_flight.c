@@ -2,14 +2,16 @@
 
 #include "base/room.h"
 
-/* Every motion that leaves a face is, after one of these times, beyond a face: it has hit one before. */
+/* Every motion that leaves a face is, after one of these times, beyond a face: it has hit one
+ * before. */
 enum { TIMES = 400, BOXES_MOST = 400000 };
 #define SPACING 0.15      /* radians of the faster mode */
 #define NARROWEST 0x1p-11 /* of |w|: boxes are not divided further */
 
 typedef struct {
     const ric_census_pair *p;
-    double m[RIC_CENSUS_FACES][TIMES][4], r[RIC_CENSUS_FACES][TIMES][4]; /* g.a of a face after a time, on w */
+    double m[RIC_CENSUS_FACES][TIMES][4],
+        r[RIC_CENSUS_FACES][TIMES][4]; /* g.a of a face after a time, on w */
     int longest, boxes;
 } flights;
 
@@ -42,15 +44,18 @@ static ric_ball on_box(const double *m, const double *r, const double w[4], doub
 static bool may_leave(const ric_census_pair *p, int f, const double w[4], double radius)
 {
     const ric_census_face *face = &p->face[f];
-    double m[4] = {face->g[0].m, face->g[1].m, 0, 0}, r[4] = {face->g[0].r, face->g[1].r, 0, 0}, least = 0, most = 0;
+    double m[4] = {face->g[0].m, face->g[1].m, 0, 0}, r[4] = {face->g[0].r, face->g[1].r, 0, 0},
+           least = 0, most = 0;
     ric_ball place = on_box(m, r, w, radius);
     place = ric_ball_sub(place, face->d);
     if (ric_down(fabs(place.m) - place.r) > RIC_CENSUS_SLACK) return false;
-    const double mv[4] = {0, 0, face->c[0].m, face->c[1].m}, rv[4] = {0, 0, face->c[0].r, face->c[1].r};
+    const double mv[4] = {0, 0, face->c[0].m, face->c[1].m},
+                 rv[4] = {0, 0, face->c[0].r, face->c[1].r};
     const ric_ball speed = on_box(mv, rv, w, radius);
     if (ric_down(speed.m - speed.r) > RIC_CENSUS_SLACK) return false;
     for (int i = 0; i < 4; i++) {
-        const double near = fmax(0, ric_down(fabs(w[i]) - radius)), far = ric_up(fabs(w[i]) + radius);
+        const double near = fmax(0, ric_down(fabs(w[i]) - radius)),
+                     far = ric_up(fabs(w[i]) + radius);
         least = ric_down(least + ric_down(near * near));
         most = ric_up(most + ric_up(far * far));
     }
@@ -98,7 +103,8 @@ double ric_census_longest_flight(const ric_census_pair *p)
     z->longest = -1;
     place_times(z);
     for (int f = 0; f < p->n_face && all; f++) all = bounded(z, f, start, ric_up(p->size));
-    const double longest = all ? z->longest < 0 ? 0 : ric_up((z->longest + 1) * SPACING / p->top) : HUGE_VAL;
+    const double longest = all ? z->longest < 0 ? 0 : ric_up((z->longest + 1) * SPACING / p->top)
+                               : HUGE_VAL;
     free(z);
     return longest;
 }

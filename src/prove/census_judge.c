@@ -42,7 +42,14 @@ static void make_chain(ric_chain *c, int *face, const ric_phase **phase, const r
                        const ric_census_pair *p, ric_ball w[][4])
 {
     const int N = z->word.N;
-    *c = (ric_chain){.n = 2, .m = N, .size = 5, .sign = 1, .face = face, .phase = phase, .at = -1, .number = -1};
+    *c = (ric_chain){.n = 2,
+                     .m = N,
+                     .size = 5,
+                     .sign = 1,
+                     .face = face,
+                     .phase = phase,
+                     .at = -1,
+                     .number = -1};
     c->u = _arb_vec_init((slong)N * c->size + 1);
     for (int k = 0; k < N; k++) {
         arb_ptr block = ric_chain_block(c, k);
@@ -53,7 +60,8 @@ static void make_chain(ric_chain *c, int *face, const ric_phase **phase, const r
     for (int k = 0; k <= N; k++) face[k] = z->word.face[k % N];
 }
 
-static void measure(ric_census_find *z, const ric_chain *c, const ric_census_pair *p, const ric_passage *passage)
+static void measure(ric_census_find *z, const ric_chain *c, const ric_census_pair *p,
+                    const ric_passage *passage)
 {
     const ric_enclosure *e = p->e;
     double both[2];
@@ -88,8 +96,8 @@ static void write_state(ric_census_find *z, const ric_chain *c, const ric_enclos
     arb_clear(x);
 }
 
-/* Where the last flight comes back to its face, the equations that are solved say t (h(t) - h(0)) / t = 0 of it: of a
- * zero whose last factor is none t is. */
+/* Where the last flight comes back to its face, the equations that are solved say t (h(t) - h(0)) /
+ * t = 0 of it: of a zero whose last factor is none t is. */
 static bool ends_at_once(const ric_census_find *z, const ric_census_pair *p)
 {
     const int row = z->word.N;
@@ -97,7 +105,8 @@ static bool ends_at_once(const ric_census_find *z, const ric_census_pair *p)
     if (!ric_census_returns(&z->word, row - 1)) return false;
     ric_census_rows_place(&s, p, &z->word, z->zero.t);
     ric_census_rows_centre(&s, z->zero.w);
-    const double error = ric_up(s.size[row] * ric_up((2 + row) * z->zero.exists * p->size) + RIC_CENSUS_SLACK);
+    const double error = ric_up(s.size[row] * ric_up((2 + row) * z->zero.exists * p->size) +
+                                RIC_CENSUS_SLACK);
     return ric_down(fabs(s.residual.m[row]) - s.residual.r[row]) > error;
 }
 
@@ -132,7 +141,8 @@ void ric_census_judge(ric_census_find *z, const ric_census_pair *p)
     make_chain(&c, face, phase, z, p, w);
     ric_passage_init(&passage);
     const ric_family family = {.hull = c.u};
-    z->verdict = ric_passage_prove(&passage, &c, p->e, &family) ? RIC_CENSUS_ORBIT : RIC_CENSUS_OPEN;
+    z->verdict = ric_passage_prove(&passage, &c, p->e, &family) ? RIC_CENSUS_ORBIT
+                                                                : RIC_CENSUS_OPEN;
     if (z->verdict == RIC_CENSUS_ORBIT) {
         measure(z, &c, p, &passage);
         write_state(z, &c, p->e);
@@ -149,14 +159,15 @@ static bool within(double centre, double radius, ric_ball x)
     return ric_up(fabs(x.m - centre) + x.r) < ric_down(radius * (1 - 0x1p-20));
 }
 
-bool ric_census_is_image(const ric_census_find *a, const ric_census_find *b, const ric_census_pair *p, int shift,
-                         bool reverse, bool mirror)
+bool ric_census_is_image(const ric_census_find *a, const ric_census_find *b,
+                         const ric_census_pair *p, int shift, bool reverse, bool mirror)
 {
     const int N = a->word.N;
     ric_ball w[RIC_CENSUS_IMPACTS][4], *start = w[shift];
     if (N != b->word.N) return false;
     for (int i = 0; i < N; i++) {
-        const int at = ((reverse ? shift - i : shift + i) + 2 * N) % N, flight = reverse ? (at + N - 1) % N : at;
+        const int at = ((reverse ? shift - i : shift + i) + 2 * N) % N,
+                  flight = reverse ? (at + N - 1) % N : at;
         const int face = a->word.face[at];
         if ((mirror ? p->face[face].mirror : face) != b->word.face[i]) return false;
         const ric_ball t = {a->zero.t[flight], ric_up(a->zero.exists / p->top)};

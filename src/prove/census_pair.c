@@ -51,9 +51,9 @@ static void place_energy(ric_census_pair *p, double energy)
     arb_clear(x);
 }
 
-/* Whether what flights of at most that length leave open is far below RIC_CENSUS_SLACK: in a_i = omega_i q_i it is
- * multiplied by at most the ratio of the frequencies, by one of them or divided by it, for each of three derivatives.
- */
+/* Whether what flights of at most that length leave open is far below RIC_CENSUS_SLACK: in a_i =
+ * omega_i q_i it is multiplied by at most the ratio of the frequencies, by one of them or divided
+ * by it, for each of three derivatives. */
 static bool slack_is_small(const ric_census_pair *p, double period)
 {
     const ric_enclosure *e = p->e;
@@ -82,10 +82,12 @@ static bool slack_is_small(const ric_census_pair *p, double period)
     return small;
 }
 
-bool ric_census_pair_create(ric_census_pair *p, const ric_enclosure *e, double energy, double period, char why[160])
+bool ric_census_pair_create(ric_census_pair *p, const ric_enclosure *e, double energy,
+                            double period, char why[160])
 {
     *p = (ric_census_pair){.e = e, .n_face = e->n_face, .mirrored = true, .longest_period = period};
-    snprintf(why, 160, "a census is of structures of which the stops see two modes; here they see %d", e->n);
+    snprintf(why, 160,
+             "a census is of structures of which the stops see two modes; here they see %d", e->n);
     if (e->n != 2) return false;
     snprintf(why, 160, "a census is of up to %d faces; here are %d", RIC_CENSUS_FACES, e->n_face);
     if (e->n_face > RIC_CENSUS_FACES) return false;

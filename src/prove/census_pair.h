@@ -1,15 +1,17 @@
-/* Two modes between stops in the numbers of a census: w = (a_1, a_2, p_1, p_2) with a_i = omega_i q_i, in the units of
- * enclosure.h. |w|^2 / 2 is the energy, flights turn the planes (a_i, p_i) by omega_i t, an impact on face f turns p
- * round in the normal c, and the gap of f closes where g.a = d, g_i = c_i / omega_i: all of them are isometries of w,
- * which is what the bounds of a census rest on. */
+/* Two modes between stops in the numbers of a census: w = (a_1, a_2, p_1, p_2) with a_i = omega_i
+ * q_i, in the units of enclosure.h. |w|^2 / 2 is the energy, flights turn the planes (a_i, p_i) by
+ * omega_i t, an impact on face f turns p round in the normal c, and the gap of f closes where g.a =
+ * d, g_i = c_i / omega_i: all of them are isometries of w, which is what the bounds of a census
+ * rest on. */
 #ifndef RIC_PROVE_CENSUS_PAIR_H
 #define RIC_PROVE_CENSUS_PAIR_H
 
 #include "ball.h"
 #include "enclosure.h"
 
-/* What flights leave open of w, its first, second and third derivatives, because of the part of the structure that its
- * modes do not diagonalise: ric_census_pair_create refuses where it is not far below that. */
+/* What flights leave open of w, its first, second and third derivatives, because of the part of the
+ * structure that its modes do not diagonalise: ric_census_pair_create refuses where it is not far
+ * below that. */
 #define RIC_CENSUS_SLACK 0x1p-66
 
 enum { RIC_CENSUS_FACES = 16 };
@@ -37,9 +39,10 @@ typedef struct {
     ric_ball *turns; /* [n_turn * 4] cos, sin of both modes */
 } ric_census_pair;
 
-/* false, with the reason in `why`, for what a census does not do. energy: scaled (docs/theory.md); period: an upper
- * bound, in units of the enclosure. */
-bool ric_census_pair_create(ric_census_pair *p, const ric_enclosure *e, double energy, double period, char why[160]);
+/* false, with the reason in `why`, for what a census does not do. energy: scaled (docs/theory.md);
+ * period: an upper bound, in units of the enclosure. */
+bool ric_census_pair_create(ric_census_pair *p, const ric_enclosure *e, double energy,
+                            double period, char why[160]);
 void ric_census_pair_free(ric_census_pair *p);
 
 /* Makes a table of turns up to a time, without which each is asked of Arb; false: no memory. */

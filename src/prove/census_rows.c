@@ -11,11 +11,13 @@ bool ric_census_returns(const ric_census_word *word, int flight)
 
 /* -------------------------------------------------------- rows of the flights */
 
-#define BRIEF 0.0625 /* a flight that is longer costs four digits at most where it is divided by three times */
+/* BRIEF: a flight that is longer costs four digits at most where it is divided by three times */
+#define BRIEF 0.0625
 
-/* u(t) = (cos(omega t) - 1) / t and v(t) = sin(omega t) / t with their first two derivatives: t f = r is
- * differentiated, t f' + f = r' and t f'' + 2 f' = r''. */
-static void divided_turn(const ric_ball omega, ric_ball cosine, ric_ball sine, double t, ric_ball u[3], ric_ball v[3])
+/* u(t) = (cos(omega t) - 1) / t and v(t) = sin(omega t) / t with their first two derivatives: t f =
+ * r is differentiated, t f' + f = r' and t f'' + 2 f' = r''. */
+static void divided_turn(const ric_ball omega, ric_ball cosine, ric_ball sine, double t,
+                         ric_ball u[3], ric_ball v[3])
 {
     const ric_ball zero = ric_ball_exact(0), square = ric_ball_mul(omega, omega);
     const ric_ball right[2][3] = {
@@ -27,12 +29,15 @@ static void divided_turn(const ric_ball omega, ric_ball cosine, ric_ball sine, d
         ric_ball *out = part ? v : u;
         out[0] = ric_ball_over(right[part][0], t);
         out[1] = ric_ball_over(ric_ball_sub(right[part][1], out[0]), t);
-        out[2] = ric_ball_over(ric_ball_sub(right[part][2], ric_ball_mul(ric_ball_exact(2), out[1])), t);
+        out[2] = ric_ball_over(ric_ball_sub(right[part][2],
+                                            ric_ball_mul(ric_ball_exact(2), out[1])),
+                               t);
     }
 }
 
 /* The same for a short time, by which they are divided three times: with so many bits more. */
-static void divided_turn_by_arb(const ric_census_pair *p, int mode, double time, ric_ball u[3], ric_ball v[3])
+static void divided_turn_by_arb(const ric_census_pair *p, int mode, double time, ric_ball u[3],
+                                ric_ball v[3])
 {
     const slong bits = 96 + 3 * (slong)fmax(0, -ilogb(time));
     arb_t t, s, c, omega, last, x;
@@ -69,7 +74,8 @@ static void plain_form(ric_census_rows *s, int flight, const ric_census_face *f)
     ric_ball(*form)[4] = s->form[flight];
     for (int i = 0; i < 2; i++) {
         const ric_ball omega = s->pair->omega[i];
-        const ric_ball cosine = s->cosine[flight][i], sine = s->sine[flight][i], turn = ric_ball_mul(f->c[i], omega);
+        const ric_ball cosine = s->cosine[flight][i], sine = s->sine[flight][i],
+                       turn = ric_ball_mul(f->c[i], omega);
         form[0][i] = ric_ball_mul(f->g[i], cosine);
         form[0][2 + i] = ric_ball_mul(f->g[i], sine);
         form[1][i] = ric_ball_sub(ric_ball_exact(0), ric_ball_mul(f->c[i], sine));
@@ -84,7 +90,8 @@ static void divided_form(ric_census_rows *s, int flight, const ric_census_face *
     for (int i = 0; i < 2; i++) {
         ric_ball u[3], v[3];
         const double t = s->t[flight];
-        if (t > BRIEF) divided_turn(s->pair->omega[i], s->cosine[flight][i], s->sine[flight][i], t, u, v);
+        if (t > BRIEF)
+            divided_turn(s->pair->omega[i], s->cosine[flight][i], s->sine[flight][i], t, u, v);
         else divided_turn_by_arb(s->pair, i, t, u, v);
         for (int order = 0; order < 3; order++) {
             s->form[flight][order][i] = ric_ball_mul(f->g[i], u[order]);
@@ -142,7 +149,8 @@ static void write_flight(const ric_census_rows *s, const jet *z, int k, int row,
     set(to->first + k * to->stride, row, apply(form[1], z->w));
     if (z->order < 2) return;
     for (int l = 0; l < k; l++)
-        for (int j = 0; j <= l; j++) set(to->second + pair_of(j, l), row, apply(form[0], z->second[pair_of(j, l)]));
+        for (int j = 0; j <= l; j++)
+            set(to->second + pair_of(j, l), row, apply(form[0], z->second[pair_of(j, l)]));
     for (int j = 0; j < k; j++) set(to->second + pair_of(j, k), row, apply(form[1], z->first[j]));
     set(to->second + pair_of(k, k), row, apply(form[2], z->w));
 }
@@ -182,7 +190,8 @@ static void walk(const ric_census_rows *s, const ric_ball start[4], int order, c
         const int row = s->closing + i;
         set(to->value, row, ric_ball_sub(z.w[i], start[i]));
         for (int k = 0; k < N; k++) set(to->first + k * to->stride, row, z.first[k][i]);
-        for (int j = 0; order == 2 && j < N * (N + 1) / 2; j++) set(to->second + j, row, z.second[j][i]);
+        for (int j = 0; order == 2 && j < N * (N + 1) / 2; j++)
+            set(to->second + j, row, z.second[j][i]);
     }
 }
 
@@ -198,8 +207,8 @@ static void row_sizes(ric_census_rows *s)
     for (int i = 0; i < 4; i++) s->size[s->closing + i] = 1;
 }
 
-void ric_census_rows_place(ric_census_rows *s, const ric_census_pair *pair, const ric_census_word *word,
-                           const double *t)
+void ric_census_rows_place(ric_census_rows *s, const ric_census_pair *pair,
+                           const ric_census_word *word, const double *t)
 {
     const int N = word->N;
     memset(s, 0, sizeof *s);

@@ -8,7 +8,8 @@
 #define ROUNDED 0x1p-40
 /* A motion that is not known better than that, of |w|, tells nothing. */
 #define LOST 0.7
-/* Entries of the table of turns between two looks at a gap, and how many times as far where no hit is looked for. */
+/* Entries of the table of turns between two looks at a gap, and how many times as far where no hit
+ * is looked for. */
 enum { STRIDE = 2, FAR = 4 };
 
 /* Motions within `error`, in the Euclidean norm, of the one with the state w. */
@@ -22,9 +23,8 @@ static double slack(const bundle *z)
     return ROUNDED * z->p->size;
 }
 
-/* The place of a face beyond its clearance, and its speed outwards, of the motion in the middle at entry k of the
- * table.
- */
+/* The place of a face beyond its clearance, and its speed outwards, of the motion in the middle at
+ * entry k of the table. */
 static void look(const bundle *z, const ric_census_face *f, int k, double h[2])
 {
     const ric_ball *turn = z->p->turns + 4 * (ptrdiff_t)k;
@@ -42,7 +42,8 @@ static double speed_of(const bundle *z)
 {
     double sum = 0;
     for (int i = 0; i < 2; i++)
-        sum += z->p->omega[i].m * z->p->omega[i].m * (z->w[i] * z->w[i] + z->w[2 + i] * z->w[2 + i]);
+        sum += z->p->omega[i].m * z->p->omega[i].m *
+               (z->w[i] * z->w[i] + z->w[2 + i] * z->w[2 + i]);
     return sqrt(sum) * (1 + ROUNDED) + z->p->top * slack(z);
 }
 
@@ -58,14 +59,16 @@ static bool passes(const bundle *z, int k)
     return false;
 }
 
-/* Whether no motion of the bundle comes to face f at a time within `half` of entry k, or all move away from it. */
+/* Whether no motion of the bundle comes to face f at a time within `half` of entry k, or all move
+ * away from it. */
 static bool misses(const bundle *z, const ric_census_face *f, int k, double half, double turning)
 {
     double h[2];
     look(z, f, k, h);
     const double away = z->error + slack(z), bend = f->c_size * turning * half;
     const double place = f->g_size * away + (fabs(h[1]) + bend / 2) * half + slack(z);
-    return fabs(h[0]) > place * (1 + ROUNDED) || -h[1] > (f->c_size * away + bend + slack(z)) * (1 + ROUNDED);
+    return fabs(h[0]) > place * (1 + ROUNDED) ||
+           -h[1] > (f->c_size * away + bend + slack(z)) * (1 + ROUNDED);
 }
 
 /* What is left of the time of a flight to face f; false: nothing. */
@@ -145,7 +148,8 @@ static bool may_leave(const ric_census_box *b, const ric_census_pair *p, const r
         most += far * far;
     }
     const double rest = ROUNDED * p->size, whole = 2 * p->energy.m;
-    if (fabs(place) > place_off * (1 + ROUNDED) + rest || speed > speed_off * (1 + ROUNDED) + rest) return false;
+    if (fabs(place) > place_off * (1 + ROUNDED) + rest || speed > speed_off * (1 + ROUNDED) + rest)
+        return false;
     return !(least > whole * (1 + ROUNDED)) && !(most < whole * (1 - ROUNDED));
 }
 

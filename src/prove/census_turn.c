@@ -28,15 +28,16 @@ static void turn_by_arb(const ric_census_pair *p, double t, ric_ball cosine[2], 
     arb_clear(c);
 }
 
-/* k spacing is exact, and so is what it leaves of a time: spacing is a power of two, and no digit of the difference is
- * beyond the last one of the time. */
+/* k spacing is exact, and so is what it leaves of a time: spacing is a power of two, and no digit
+ * of the difference is beyond the last one of the time. */
 bool ric_census_turns(ric_census_pair *p, double longest)
 {
     const double spacing = ldexp(1, ilogb(STEP / p->top)), entries = longest / spacing + 2;
     if (!(entries < MOST)) return true;
     p->turns = ric_calloc(4 * (size_t)entries, sizeof *p->turns);
     if (!p->turns) return false;
-    for (int k = 0; k < (int)entries; k++) turn_by_arb(p, k * spacing, p->turns + 4 * k, p->turns + 4 * k + 2);
+    for (int k = 0; k < (int)entries; k++)
+        turn_by_arb(p, k * spacing, p->turns + 4 * k, p->turns + 4 * k + 2);
     p->spacing = spacing;
     p->n_turn = (int)entries;
     return true;
@@ -47,7 +48,8 @@ static ric_ball series(ric_ball x, int highest, double left)
 {
     const ric_ball square = ric_ball_mul(x, x), one = ric_ball_exact(1);
     ric_ball sum = one;
-    for (int j = highest; j > 1; j -= 2) sum = ric_ball_sub(one, ric_ball_over(ric_ball_mul(square, sum), j * (j - 1)));
+    for (int j = highest; j > 1; j -= 2)
+        sum = ric_ball_sub(one, ric_ball_over(ric_ball_mul(square, sum), j * (j - 1)));
     if (highest % 2) sum = ric_ball_mul(x, sum);
     sum.r = ric_up(sum.r + left);
     return sum;
@@ -63,7 +65,8 @@ void ric_census_turn(const ric_census_pair *p, double t, ric_ball cosine[2], ric
     const ric_ball *entry = p->turns + 4 * (int)at;
     const ric_ball rest = ric_ball_exact(t - at * p->spacing);
     for (int i = 0; i < 2; i++) {
-        const ric_ball x = ric_ball_mul(p->omega[i], rest), c = series(x, 8, COSINE_LEFT), s = series(x, 7, SINE_LEFT);
+        const ric_ball x = ric_ball_mul(p->omega[i], rest), c = series(x, 8, COSINE_LEFT),
+                       s = series(x, 7, SINE_LEFT);
         cosine[i] = ric_ball_sub(ric_ball_mul(entry[i], c), ric_ball_mul(entry[2 + i], s));
         sine[i] = ric_ball_add(ric_ball_mul(entry[2 + i], c), ric_ball_mul(entry[i], s));
     }

@@ -41,7 +41,8 @@ static bool invert(const ric_census_rows *s, const int *row, int n, double *Y)
 
 /* ------------------------------------------------------------------- Newton */
 
-static double step(const ric_census_rows *s, const int *row, int n, const double *Y, double *t, double *w)
+static double step(const ric_census_rows *s, const int *row, int n, const double *Y, double *t,
+                   double *w)
 {
     const int N = s->word->N;
     double size = 0;
@@ -54,7 +55,8 @@ static double step(const ric_census_rows *s, const int *row, int n, const double
     return size;
 }
 
-static bool polish(const ric_census_pair *p, const ric_census_word *word, double *t, double *w, ric_census_rows *s)
+static bool polish(const ric_census_pair *p, const ric_census_word *word, double *t, double *w,
+                   ric_census_rows *s)
 {
     int row[RIC_CENSUS_ROWS];
     double Y[UNKNOWNS * UNKNOWNS], size = HUGE_VAL;
@@ -72,10 +74,11 @@ static bool polish(const ric_census_pair *p, const ric_census_word *word, double
 
 /* -------------------------------------------------------------- contraction */
 
-/* The bound of unknown j of the image of the box and, three times the error, of its derivative on it: errors are
- * products of two unknowns and remainders of the third order (ric_census_frame_sum), whose derivatives by the unknowns
- * times their radii add up to at most three times as much. */
-static bool row_contracts(const ric_census_frame *f, const int *row, int n, const double *Y, int j, double lambda)
+/* The bound of unknown j of the image of the box and, three times the error, of its derivative on
+ * it: errors are products of two unknowns and remainders of the third order (ric_census_frame_sum),
+ * whose derivatives by the unknowns times their radii add up to at most three times as much. */
+static bool row_contracts(const ric_census_frame *f, const int *row, int n, const double *Y, int j,
+                          double lambda)
 {
     const ric_census_rows *s = &f->rows;
     double y[RIC_CENSUS_ROWS] = {0}, part = 0;
@@ -84,7 +87,8 @@ static bool row_contracts(const ric_census_frame *f, const int *row, int n, cons
     ric_census_frame_sum(f, y, false, &sum);
     ric_ball last = ric_ball_exact(0);
     for (int i = 0; i < 4; i++) {
-        const ric_ball product = ric_ball_mul(ric_ball_exact(-y[s->closing + i]), ric_ball_exact(s->w[i]));
+        const ric_ball product = ric_ball_mul(ric_ball_exact(-y[s->closing + i]),
+                                              ric_ball_exact(s->w[i]));
         last = ric_ball_add(last, product);
         part = ric_up(part + fabs(y[s->closing + i]) * f->radius[i] * lambda);
     }
@@ -92,12 +96,14 @@ static bool row_contracts(const ric_census_frame *f, const int *row, int n, cons
     const ric_ball one = ric_ball_exact(1);
     if (j < unknowns) sum.linear[j] = ric_ball_sub(sum.linear[j], one);
     else last = ric_ball_sub(last, one);
-    double most = ric_up(ric_ball_most(sum.value) + 3 * ric_up(sum.error + part) + lambda * ric_ball_most(last));
+    double most = ric_up(ric_ball_most(sum.value) + 3 * ric_up(sum.error + part) +
+                         lambda * ric_ball_most(last));
     most = ric_up(most + ric_census_frame_linear(f, sum.linear));
     return most < (j < unknowns ? f->radius[j] : lambda);
 }
 
-/* Whether the box of `radius` (1 / top, |w|, 1) around the centre is taken into itself and contracted. */
+/* Whether the box of `radius` (1 / top, |w|, 1) around the centre is taken into itself and
+ * contracted. */
 static bool contracts(ric_census_frame *f, const int *row, int n, const double *Y, double radius)
 {
     const ric_census_pair *p = f->rows.pair;
@@ -105,7 +111,8 @@ static bool contracts(ric_census_frame *f, const int *row, int n, const double *
     double square = 0;
     for (int i = 0; i < 4; i++) {
         f->radius[i] = radius * p->size;
-        square = ric_up(square + ric_up(fabs(f->rows.w[i]) + f->radius[i]) * ric_up(fabs(f->rows.w[i]) + f->radius[i]));
+        square = ric_up(square + ric_up(fabs(f->rows.w[i]) + f->radius[i]) *
+                                     ric_up(fabs(f->rows.w[i]) + f->radius[i]));
     }
     for (int k = 0; k < N; k++) f->radius[4 + k] = radius / p->top;
     ric_census_frame_bound(f, ric_up(sqrt(square)));
@@ -114,8 +121,8 @@ static bool contracts(ric_census_frame *f, const int *row, int n, const double *
     return true;
 }
 
-bool ric_census_zero_find(const ric_census_pair *p, const ric_census_word *word, const ric_census_box *from,
-                          ric_census_zero *out)
+bool ric_census_zero_find(const ric_census_pair *p, const ric_census_word *word,
+                          const ric_census_box *from, ric_census_zero *out)
 {
     int row[RIC_CENSUS_ROWS];
     double Y[UNKNOWNS * UNKNOWNS];
@@ -129,15 +136,19 @@ bool ric_census_zero_find(const ric_census_pair *p, const ric_census_word *word,
     if (!invert(&f.rows, row, n, Y)) return false;
     for (out->unique = LARGEST; !contracts(&f, row, n, Y, out->unique); out->unique /= 2)
         if (out->unique < SMALLEST) return false;
-    for (out->exists = CLOSEST; out->exists < out->unique && !contracts(&f, row, n, Y, out->exists);) out->exists *= 2;
+    for (out->exists = CLOSEST;
+         out->exists < out->unique && !contracts(&f, row, n, Y, out->exists);)
+        out->exists *= 2;
     return true;
 }
 
-void ric_census_zero_box(const ric_census_pair *p, const ric_census_word *word, const ric_census_zero *z, double radius,
-                         ric_census_box *out)
+void ric_census_zero_box(const ric_census_pair *p, const ric_census_word *word,
+                         const ric_census_zero *z, double radius, ric_census_box *out)
 {
     /* inwards, so that what lies in the box lies in that of the theorem */
     const double inside = radius * (1 - 0x1p-20);
-    for (int k = 0; k < word->N; k++) out->t[k] = (ric_range){z->t[k] - inside / p->top, z->t[k] + inside / p->top};
-    for (int i = 0; i < 4; i++) out->w[i] = (ric_range){z->w[i] - inside * p->size, z->w[i] + inside * p->size};
+    for (int k = 0; k < word->N; k++)
+        out->t[k] = (ric_range){z->t[k] - inside / p->top, z->t[k] + inside / p->top};
+    for (int i = 0; i < 4; i++)
+        out->w[i] = (ric_range){z->w[i] - inside * p->size, z->w[i] + inside * p->size};
 }

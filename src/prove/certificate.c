@@ -7,8 +7,9 @@
 #include "base/room.h"
 
 enum {
-    DECIMALS = 18,    /* of states and flight times, in d and 2^-time s */
-    SIGNIFICANT = 12, /* digits of energy, period and trace, with no more than DECIMALS behind the point */
+    DECIMALS = 18, /* of states and flight times, in d and 2^-time s */
+    SIGNIFICANT =
+        12, /* digits of energy, period and trace, with no more than DECIMALS behind the point */
 };
 
 static const char *const ends[] = {"general", "rest", "impact", "centre"};
@@ -26,8 +27,8 @@ static char *finish(ric_buffer *b)
 
 /* -------------------------------------------------------------------- model */
 
-/* The fewest digits that give the number back, written as Python does, whose way of writing JSON is the one way in
- * which a certificate may be written. */
+/* The fewest digits that give the number back, written as Python does, whose way of writing JSON is
+ * the one way in which a certificate may be written. */
 static void print_decimal(FILE *f, double x)
 {
     enum { LEAST = -4, MOST = 16 }; /* powers of ten between which it has no exponent */
@@ -82,7 +83,8 @@ char *ric_certificate_model(const ric_model *m)
         print_decimal(b.file, m->contact[i].clearance);
     }
     fputs("], \"sides\": [", b.file);
-    for (int i = 0; i < m->n_contact; i++) fprintf(b.file, "%s\"%s\"", i ? ", " : "", sides[m->contact[i].sides]);
+    for (int i = 0; i < m->n_contact; i++)
+        fprintf(b.file, "%s\"%s\"", i ? ", " : "", sides[m->contact[i].sides]);
     fputs("]", b.file);
     print_springs(b.file, m);
     return finish(&b);
@@ -181,7 +183,8 @@ static void print_orbit(writing *w)
     fputs("]", w->file);
 }
 
-/* Decimals behind the point with which a number has SIGNIFICANT digits; DECIMALS where it is small, or may be zero. */
+/* Decimals behind the point with which a number has SIGNIFICANT digits; DECIMALS where it is small,
+ * or may be zero. */
 static bool find_decimals(const arb_t x, slong prec, slong *out)
 {
     arb_t y, ten;
@@ -214,27 +217,31 @@ static void print_rounded(writing *w, const char *name, const arb_t x)
     slong decimals;
     fmpz_t units;
     fmpz_init(units);
-    if (!find_decimals(x, w->e->prec, &decimals) || !round_to(x, decimals, w->e->prec, units)) w->unique = false;
+    if (!find_decimals(x, w->e->prec, &decimals) || !round_to(x, decimals, w->e->prec, units))
+        w->unique = false;
     fprintf(w->file, ", \"%s\": [", name);
     print_integer(w->file, units);
     fprintf(w->file, ", %d]", (int)-decimals);
     fmpz_clear(units);
 }
 
-char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ric_measured *z, const ric_proof *proof)
+char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ric_measured *z,
+                            const ric_proof *proof)
 {
     ric_buffer b;
     if (!ric_buffer_open(&b)) return NULL;
     writing w = {.file = b.file, .chain = c, .e = e, .u = z->u, .unique = true};
-    fprintf(b.file, "{\"type\": \"point\", \"branch\": %d, \"point\": %d", proof->branch, proof->point);
+    fprintf(b.file, "{\"type\": \"point\", \"branch\": %d, \"point\": %d", proof->branch,
+            proof->point);
     print_class(b.file, c, e);
     print_orbit(&w);
     fprintf(b.file, ", \"held\": [%d, %d]", c->at, c->number);
     print_rounded(&w, "energy", z->energy);
     print_rounded(&w, "period", z->period);
     if (e->n == 2 && e->n_dof == 2) print_rounded(&w, "trace", z->trace);
-    fprintf(b.file, ", \"stable\": \"%s\", \"symmetric\": %s, \"reversible\": %s", flags[proof->stable],
-            proof->symmetric ? "true" : "false", proof->reversible ? "true" : "false");
+    fprintf(b.file, ", \"stable\": \"%s\", \"symmetric\": %s, \"reversible\": %s",
+            flags[proof->stable], proof->symmetric ? "true" : "false",
+            proof->reversible ? "true" : "false");
     char *text = finish(&b);
     if (text && !w.unique) *text = 0;
     return text;
@@ -248,7 +255,8 @@ bool ric_certificate_arcs_open(ric_arcs *a)
     return ric_buffer_open(&a->text);
 }
 
-void ric_certificate_arcs_add(ric_arcs *a, const ric_chain *c, const ric_enclosure *e, const arb_t exists)
+void ric_certificate_arcs_add(ric_arcs *a, const ric_chain *c, const ric_enclosure *e,
+                              const arb_t exists)
 {
     const slong count = (slong)c->m * c->size;
     arb_ptr u = _arb_vec_init(count);
@@ -301,7 +309,8 @@ char *ric_certificate_junction(const ric_augmented *x, const ric_junction_proof 
     ric_chain c = x->c;
     c.number = -1; /* none is held */
     writing w = {.file = b.file, .chain = &c, .e = x->e, .u = x->z, .unique = true};
-    fprintf(b.file, "{\"type\": \"junction\", \"junction\": %d, \"branch\": %d", proof->junction, proof->branch);
+    fprintf(b.file, "{\"type\": \"junction\", \"junction\": %d, \"branch\": %d", proof->junction,
+            proof->branch);
     print_class(b.file, &c, x->e);
     print_orbit(&w);
     fprintf(b.file, ", \"slow\": %d", x->ask.place);

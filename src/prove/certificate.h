@@ -12,10 +12,11 @@ typedef struct {
     arb_srcptr energy, period, trace;
 } ric_measured;
 
-/* One line each, to be freed; NULL: no memory. The line of a point is "" where a number is not told from the middle of
- * two decimals: more bits tell it. */
+/* One line each, to be freed; NULL: no memory. The line of a point is "" where a number is not told
+ * from the middle of two decimals: more bits tell it. */
 char *ric_certificate_model(const ric_model *model);
-char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ric_measured *z, const ric_proof *proof);
+char *ric_certificate_point(const ric_chain *c, const ric_enclosure *e, const ric_measured *z,
+                            const ric_proof *proof);
 
 /* Orbits along a curve, each joined with the next one of its arc; text is added as they come. */
 typedef struct {
@@ -27,7 +28,8 @@ typedef struct {
 
 bool ric_certificate_arcs_open(ric_arcs *a);
 /* The orbit within `exists` of the centre of a chain that holds a number. */
-void ric_certificate_arcs_add(ric_arcs *a, const ric_chain *c, const ric_enclosure *e, const arb_t exists);
+void ric_certificate_arcs_add(ric_arcs *a, const ric_chain *c, const ric_enclosure *e,
+                              const arb_t exists);
 /* What comes is not joined with what was. */
 void ric_certificate_arcs_break(ric_arcs *a);
 /* The line, "" where a number was not told from another one; `a` is closed. */

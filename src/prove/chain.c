@@ -5,11 +5,12 @@
 
 #include "base/room.h"
 
-/* What is left of velocities, or displacements, at a mirror point, of those of the motion: only where to begin is
- * decided by it. */
+/* What is left of velocities, or displacements, at a mirror point, of those of the motion: only
+ * where to begin is decided by it. */
 #define AT_MIRROR 1e-6
-#define NO_LENGTH 1e-6 /* of a period: a contact that is looked at as a touch; the equations decide */
-enum { MIRRORS = 4 };  /* at most in a period */
+/* NO_LENGTH: of a period: a contact that is looked at as a touch; the equations decide */
+#define NO_LENGTH 1e-6
+enum { MIRRORS = 4 }; /* at most in a period */
 
 /* ------------------------------------------------------------------- motion */
 
@@ -41,7 +42,8 @@ static void fly_modes(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb
     arb_clear(x);
 }
 
-void ric_chain_fly(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_ptr out)
+void ric_chain_fly(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau,
+                   arb_ptr out)
 {
     if (!phase) {
         fly_modes(e, w, tau, out);
@@ -160,12 +162,14 @@ bool ric_chain_opens(const ric_chain *c, const ric_enclosure *e, int k)
 {
     const int face = c->face[k];
     if (face < 0 || !e->wall[face].closes) return false;
-    return k < c->m ? !ric_phase_closed(c->phase[k], face) : ric_phase_closed(c->phase[k - 1], face);
+    return k < c->m ? !ric_phase_closed(c->phase[k], face)
+                    : ric_phase_closed(c->phase[k - 1], face);
 }
 
-/* The part of the energy that grows like the square of the state, and the one that falls in proportion to it, of the
- * springs of a phase: 1/2 k s^2 and k s d, of -q where `image`. */
-static void split_energy(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, bool image, arb_t a, arb_t b)
+/* The part of the energy that grows like the square of the state, and the one that falls in
+ * proportion to it, of the springs of a phase: 1/2 k s^2 and k s d, of -q where `image`. */
+static void split_energy(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, bool image,
+                         arb_t a, arb_t b)
 {
     arb_t s, ks;
     arb_init(s);
@@ -187,9 +191,10 @@ static void split_energy(const ric_enclosure *e, const ric_phase *phase, arb_src
     arb_clear(ks);
 }
 
-/* With f(1 + lambda) = a (1 + lambda)^2 - b (1 + lambda) + .. the energy before the last event, f(1 + lambda) = f(1) is
- * lambda (a (2 + lambda) - b) = 0; a and b there are those of w_0 / (1 + lambda), and a (2 + lambda) > b (1 + lambda)
- * of w_0 itself is enough for one of a sign, b of either. */
+/* With f(1 + lambda) = a (1 + lambda)^2 - b (1 + lambda) + .. the energy before the last event, f(1
+ * + lambda) = f(1) is lambda (a (2 + lambda) - b) = 0; a and b there are those of w_0 / (1 +
+ * lambda), and a (2 + lambda) > b (1 + lambda) of w_0 itself is enough for one of a sign, b of
+ * either. */
 bool ric_chain_closes(const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
 {
     if (!ric_chain_general(c)) return true;
@@ -220,7 +225,8 @@ void ric_chain_norm(slong n, arb_srcptr x, slong prec, arb_t out)
     mag_zero(arb_radref(out));
 }
 
-void ric_chain_slack(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_t out)
+void ric_chain_slack(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau,
+                     arb_t out)
 {
     arb_ptr own = phase ? _arb_vec_init(2 * e->n) : NULL;
     arb_t size;
@@ -268,14 +274,16 @@ static bool turns(const ric_enclosure *e, const ric_phase *phase, int face, arb_
     double along = 0, rest = 0;
     for (slong i = 0; i < e->n; i++) along += ric_arb_middle(c + i) * ric_arb_middle(w + e->n + i);
     along /= ric_arb_middle(e->cc + contact);
-    for (slong i = 0; i < e->n; i++) rest += pow(ric_arb_middle(w + e->n + i) - along * ric_arb_middle(c + i), 2);
+    for (slong i = 0; i < e->n; i++)
+        rest += pow(ric_arb_middle(w + e->n + i) - along * ric_arb_middle(c + i), 2);
     return sqrt(rest) < AT_MIRROR * fastest(e, phase, w);
 }
 
 static ric_chain_end kind_in_flight(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w)
 {
     double q = 0, v = fastest(e, phase, w);
-    for (slong i = 0; i < e->n; i++) q += pow(ric_arb_middle(w + i), 2) * fmax(1, ric_arb_middle(e->square + i));
+    for (slong i = 0; i < e->n; i++)
+        q += pow(ric_arb_middle(w + i), 2) * fmax(1, ric_arb_middle(e->square + i));
     if (size_of(e->n, w + e->n) < AT_MIRROR * v) return RIC_CHAIN_REST;
     return !phase && sqrt(q) < AT_MIRROR * v ? RIC_CHAIN_CENTRE : RIC_CHAIN_GENERAL;
 }
@@ -315,7 +323,8 @@ static void find_mirrors(const ric_enclosure *e, motion *z)
         if (place % 2) {
             middle_of_flight(e, z, k, w);
             kind = kind_in_flight(e, z->phase[k], w);
-        } else if (turns(e, z->phase[k], face_of(e, z, k), z->states + (slong)k * 2 * z->n)) kind = RIC_CHAIN_IMPACT;
+        } else if (turns(e, z->phase[k], face_of(e, z, k), z->states + (slong)k * 2 * z->n))
+            kind = RIC_CHAIN_IMPACT;
         if (kind == RIC_CHAIN_GENERAL) continue;
         z->place[z->mirrors] = place;
         z->kind[z->mirrors++] = kind;
@@ -323,7 +332,8 @@ static void find_mirrors(const ric_enclosure *e, motion *z)
     _arb_vec_clear(w, 2 * z->n);
 }
 
-/* The letter of the same event of the image under x -> -x; -1: it has none. Backwards springs open where they close. */
+/* The letter of the same event of the image under x -> -x; -1: it has none. Backwards springs open
+ * where they close. */
 static int image_of(const ric_enclosure *e, int letter, bool backwards, bool turned)
 {
     const int face = letter % e->n_face, image = turned ? e->wall[face].mirror : face;
@@ -331,18 +341,20 @@ static int image_of(const ric_enclosure *e, int letter, bool backwards, bool tur
     return image < 0 ? -1 : image + (opens ? e->n_face : 0);
 }
 
-/* Reading the word backwards from a mirror point gives the word again, with opposite faces from a centre. */
+/* Reading the word backwards from a mirror point gives the word again, with opposite faces from a
+ * centre. */
 static bool reflects(const ric_enclosure *e, const motion *z, int mirror)
 {
     for (int k = 0; k < z->letters; k++) {
         int image = (z->place[mirror] - k + z->letters) % z->letters;
-        if (z->word[image] != image_of(e, z->word[k], true, z->kind[mirror] == RIC_CHAIN_CENTRE)) return false;
+        if (z->word[image] != image_of(e, z->word[k], true, z->kind[mirror] == RIC_CHAIN_CENTRE))
+            return false;
     }
     return true;
 }
 
-/* Two mirror points are in a period, half of it apart, or four where centres and others take turns; they are symmetries
- * of the word, so that the orbit of which the chain is a part has that word. */
+/* Two mirror points are in a period, half of it apart, or four where centres and others take turns;
+ * they are symmetries of the word, so that the orbit of which the chain is a part has that word. */
 static bool is_reversible(const ric_enclosure *e, const motion *z)
 {
     if (z->mirrors != 2 && z->mirrors != MIRRORS) return false;
@@ -352,8 +364,8 @@ static bool is_reversible(const ric_enclosure *e, const motion *z)
     return reflects(e, z, 0) && reflects(e, z, 1);
 }
 
-/* The springs that are closed behind each letter: before the first one those whose first letter is an opening. False
- * where they close twice, or such a phase is not enclosed. */
+/* The springs that are closed behind each letter: before the first one those whose first letter is
+ * an opening. False where they close twice, or such a phase is not enclosed. */
 static bool find_phases(motion *z, const ric_enclosure *e)
 {
     uint64_t closed = 0;
@@ -384,19 +396,23 @@ void ric_chain_state(const ric_enclosure *e, const double *state, arb_ptr w)
             arb_mul_2exp_si(arb_mat_entry(x, i, 0), arb_mat_entry(x, i, 0), part ? -e->time : 0);
         }
         arb_mat_mul(q, e->back, x, e->prec);
-        for (slong i = 0; i < e->n; i++) arb_get_mid_arb(w + part * e->n + i, arb_mat_entry(q, i, 0));
+        for (slong i = 0; i < e->n; i++)
+            arb_get_mid_arb(w + part * e->n + i, arb_mat_entry(q, i, 0));
     }
     arb_mat_clear(x);
     arb_mat_clear(q);
 }
 
-/* Projected on the symmetric class, so that half of the motion stands for all of it. False: it has a phase that is not
- * enclosed. */
-static bool motion_open(motion *z, const ric_enclosure *e, const ric_branch *branch, const double *state,
-                        const double *flights)
+/* Projected on the symmetric class, so that half of the motion stands for all of it. False: it has
+ * a phase that is not enclosed. */
+static bool motion_open(motion *z, const ric_enclosure *e, const ric_branch *branch,
+                        const double *state, const double *flights)
 {
     const int n = e->n;
-    *z = (motion){.n = n, .letters = branch->letters, .room = branch->letters, .word = branch->word};
+    *z = (motion){.n = n,
+                  .letters = branch->letters,
+                  .room = branch->letters,
+                  .word = branch->word};
     z->phase = flint_calloc((size_t)z->letters, sizeof *z->phase);
     z->states = _arb_vec_init((slong)z->letters * 2 * n);
     z->tau = _arb_vec_init(z->letters);
@@ -496,8 +512,8 @@ static void fill(ric_chain *c, const ric_enclosure *e, motion *z, const ric_bran
     else fill_general(c, e, z, is_halved(e, branch));
 }
 
-bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
-                      const double *flights)
+bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,
+                      const double *state, const double *flights)
 {
     motion z;
     *c = (ric_chain){.sign = 1, .number = -1};
@@ -508,8 +524,8 @@ bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *br
     return enclosed;
 }
 
-/* Takes pairs of a closing and an opening of one spring, or the other way round, with no time between them out of the
- * motion; word [letters]: what is left, returned is how many. */
+/* Takes pairs of a closing and an opening of one spring, or the other way round, with no time
+ * between them out of the motion; word [letters]: what is left, returned is how many. */
 static int drop_touches(motion *z, const ric_enclosure *e, int *word)
 {
     const slong size = 2 * z->n;
@@ -521,11 +537,14 @@ static int drop_touches(motion *z, const ric_enclosure *e, int *word)
     for (int k = 0; k < letters; k++) period += ric_arb_middle(z->tau + k);
     for (int k = 0; k < letters; k++) {
         const int next = (k + 1) % letters, face = face_of(e, z, k);
-        const bool pair = next != k && e->wall[face].closes && face == face_of(e, z, next) && !gone[k] && !gone[next];
-        if (pair && fabs(ric_arb_middle(z->tau + k)) < NO_LENGTH * period) gone[k] = gone[next] = true;
+        const bool pair = next != k && e->wall[face].closes && face == face_of(e, z, next) &&
+                          !gone[k] && !gone[next];
+        if (pair && fabs(ric_arb_middle(z->tau + k)) < NO_LENGTH * period)
+            gone[k] = gone[next] = true;
     }
     while (first < letters && gone[first]) first++;
-    for (int i = 0; i < letters && first < letters; i++) { /* from the first that stays, so that times add up */
+    for (int i = 0; i < letters && first < letters;
+         i++) { /* from the first that stays, so that times add up */
         const int k = (first + i) % letters;
         if (!gone[k]) _arb_vec_set(states + kept * size, z->states + k * size, size);
         if (!gone[k]) word[kept++] = z->word[k];
@@ -541,8 +560,8 @@ static int drop_touches(motion *z, const ric_enclosure *e, int *word)
     return kept;
 }
 
-bool ric_chain_shorten(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
-                       const double *flights)
+bool ric_chain_shorten(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,
+                       const double *state, const double *flights)
 {
     motion z;
     ric_branch shorter = *branch;
@@ -576,7 +595,8 @@ bool ric_chain_mode(ric_chain *c, const ric_enclosure *e, const double *state, d
     ric_chain_state(e, state, w);
     allocate(c, e, 1);
     for (int i = 0; i < n; i++) {
-        const double size = hypot(ric_arb_middle(w + i) * ric_arb_middle(e->omega + i), ric_arb_middle(w + n + i));
+        const double size = hypot(ric_arb_middle(w + i) * ric_arb_middle(e->omega + i),
+                                  ric_arb_middle(w + n + i));
         if (!(size > most)) continue;
         most = size;
         mode = i;
@@ -588,8 +608,8 @@ bool ric_chain_mode(ric_chain *c, const ric_enclosure *e, const double *state, d
     return most > 0 && arb_is_finite(c->u + mode);
 }
 
-bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
-                    const double *flights, const ric_chain *other)
+bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,
+                    const double *state, const double *flights, const ric_chain *other)
 {
     motion z;
     *c = (ric_chain){.sign = 1, .number = -1};

@@ -1,26 +1,35 @@
-/* The orbit problem of a proof: all states right after the impacts and all flight times are unknowns (multiple
- * shooting), so that nothing grows along the orbit and no speed is divided by.
+/* The orbit problem of a proof: all states right after the impacts and all flight times are
+ * unknowns (multiple shooting), so that nothing grows along the orbit and no speed is divided by.
  *
- * Block k of the m blocks is (q_k, p_k, tau_k) [2n + 1]; the last one of a general chain has lambda behind it. With Q_k
- * the impact on face k and F the flight:
+ * Block k of the m blocks is (q_k, p_k, tau_k) [2n + 1]; the last one of a general chain has lambda
+ * behind it. With Q_k the impact on face k and F the flight:
  *   w_k+1 = Q_k+1 F(tau_k) w_k,  s_k+1 c.q_k+1 = d_k+1                          (k = 0..m-2)
- *   general: s_0 c.q_0 = d_0,  w_0 = sigma (1 + lambda) Q_0 F(tau_m-1) w_m-1    (sigma = -1: half a period)
- *   reversible: n conditions of a mirror point on w_0, n on F(tau_m-1) w_m-1    (docs/theory.md section 4)
- *   one number of x, v or tau of block `at` = held / 10^RIC_CHAIN_HELD         a plane across the curve of orbits
- * Flights and impacts keep the energy, so a zero has E(w_0) = (1 + lambda)^2 E(w_0): with E > 0 and |lambda| < 1 it is
- * lambda = 0, and the chain closes.
- * Springs: an event is also a spring that closes, or opens, and there Q = 1; each flight is that of its phase
- * (phase.h). At the event the spring is not pressed in, so that the energy, springs included, stays what it is. */
+ *   general: s_0 c.q_0 = d_0,  w_0 = sigma (1 + lambda) Q_0 F(tau_m-1) w_m-1    (sigma = -1: half a
+ *                              period)
+ *   reversible: n conditions of a mirror point on w_0, n on F(tau_m-1) w_m-1    (docs/theory.md
+ *   section 4)
+ *   one number of x, v or tau of block `at` = held / 10^RIC_CHAIN_HELD         a plane across the
+ *   curve of orbits
+ * Flights and impacts keep the energy, so a zero has E(w_0) = (1 + lambda)^2 E(w_0): with E > 0 and
+ * |lambda| < 1 it is lambda = 0, and the chain closes.
+ * Springs: an event is also a spring that closes, or opens, and there Q = 1; each flight is that of
+ * its phase (phase.h). At the event the spring is not pressed in, so that the energy, springs
+ * included, stays what it is. */
 #ifndef RIC_PROVE_CHAIN_H
 #define RIC_PROVE_CHAIN_H
 
 #include "phase.h"
 
-/* Decimals of the number that is held, lengths in d and times in 2^-time s: what rounds it moves an orbit by no more
- * than what is stored is off anyway. */
+/* Decimals of the number that is held, lengths in d and times in 2^-time s: what rounds it moves an
+ * orbit by no more than what is stored is off anyway. */
 enum { RIC_CHAIN_HELD = 15 };
 
-typedef enum { RIC_CHAIN_GENERAL, RIC_CHAIN_REST, RIC_CHAIN_IMPACT, RIC_CHAIN_CENTRE } ric_chain_end;
+typedef enum {
+    RIC_CHAIN_GENERAL,
+    RIC_CHAIN_REST,
+    RIC_CHAIN_IMPACT,
+    RIC_CHAIN_CENTRE
+} ric_chain_end;
 
 typedef struct {
     int n, m, size;           /* modes, blocks, numbers in a block */
@@ -28,27 +37,32 @@ typedef struct {
     int sign;                 /* sigma */
     int *face;                /* [m + 1] where block k begins, and the end; -1: in flight */
     const ric_phase **phase;  /* [m] of the flight of block k, borrowed from the enclosure */
-    int first;                /* the impact of the word, from 0, at or before which the chain begins */
-    bool half_flight;         /* it begins in the middle of the flight after that impact */
-    arb_ptr u;                /* [m * size + 1] centre, exact; lambda last */
-    int at, number; /* block of the plane, and which of its numbers is held (ric_chain_number); -1: none yet */
+    int first;        /* the impact of the word, from 0, at or before which the chain begins */
+    bool half_flight; /* it begins in the middle of the flight after that impact */
+    arb_ptr u;        /* [m * size + 1] centre, exact; lambda last */
+    int at, number; /* block of the plane, and which of its numbers is held (ric_chain_number); -1:
+                       none yet */
     fmpz_t held;    /* at what, in units of 10^-RIC_CHAIN_HELD */
-    arb_ptr row;    /* [size] the derivative of that number, times 2^-scale so that its size is near 1 */
+    arb_ptr
+        row; /* [size] the derivative of that number, times 2^-scale so that its size is near 1 */
     slong scale;
 } ric_chain;
 
-/* The chain of an orbit: state right after impact 0 [2 n_dof], flights, word of `branch`, which also says in which
- * class it is looked for: with mirror points, half of a symmetric orbit, or in general. To be released in any case;
- * false if the stored numbers are not finite. */
-bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
-                      const double *flights);
-/* The same in the class of another chain of the branch; false if the stored numbers are not finite. */
-bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
-                    const double *flights, const ric_chain *other);
-/* The same without the contacts of no length in it, which are touches; false where it has none, or nothing else. */
-bool ric_chain_shorten(ric_chain *c, const ric_enclosure *e, const ric_branch *branch, const double *state,
-                       const double *flights);
-/* Of a linear mode, state [2 n_dof] anywhere on it: from rest to the centre, a quarter of the period. */
+/* The chain of an orbit: state right after impact 0 [2 n_dof], flights, word of `branch`, which
+ * also says in which class it is looked for: with mirror points, half of a symmetric orbit, or in
+ * general. To be released in any case; false if the stored numbers are not finite. */
+bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,
+                      const double *state, const double *flights);
+/* The same in the class of another chain of the branch; false if the stored numbers are not finite.
+ */
+bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,
+                    const double *state, const double *flights, const ric_chain *other);
+/* The same without the contacts of no length in it, which are touches; false where it has none, or
+ * nothing else. */
+bool ric_chain_shorten(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,
+                       const double *state, const double *flights);
+/* Of a linear mode, state [2 n_dof] anywhere on it: from rest to the centre, a quarter of the
+ * period. */
 bool ric_chain_mode(ric_chain *c, const ric_enclosure *e, const double *state, double period);
 void ric_chain_copy(ric_chain *to, const ric_chain *from);
 void ric_chain_free(ric_chain *c);
@@ -68,15 +82,18 @@ static inline int ric_chain_width(const ric_chain *c, int k)
 {
     return c->size + (ric_chain_general(c) && k == c->m - 1);
 }
-/* Whether x -> -x takes the orbit to itself: the chain is half of it, or one of two mirror points is a centre. */
+/* Whether x -> -x takes the orbit to itself: the chain is half of it, or one of two mirror points
+ * is a centre. */
 static inline bool ric_chain_symmetric(const ric_chain *c)
 {
-    return ric_chain_general(c) ? c->sign < 0 : (c->start == RIC_CHAIN_CENTRE) != (c->end == RIC_CHAIN_CENTRE);
+    return ric_chain_general(c) ? c->sign < 0
+                                : (c->start == RIC_CHAIN_CENTRE) != (c->end == RIC_CHAIN_CENTRE);
 }
 /* Whether images under x -> -x of the chain belong to the orbit. */
 static inline bool ric_chain_imaged(const ric_chain *c)
 {
-    return ric_chain_general(c) ? c->sign < 0 : c->start == RIC_CHAIN_CENTRE || c->end == RIC_CHAIN_CENTRE;
+    return ric_chain_general(c) ? c->sign < 0
+                                : c->start == RIC_CHAIN_CENTRE || c->end == RIC_CHAIN_CENTRE;
 }
 /* How often the chain lies in a period. */
 static inline int ric_chain_copies(const ric_chain *c)
@@ -86,13 +103,15 @@ static inline int ric_chain_copies(const ric_chain *c)
 
 /* (q, p) [2n] of x then v [2 n_dof], in d and seconds: midpoints. */
 void ric_chain_state(const ric_enclosure *e, const double *state, arb_ptr w);
-/* A number of a block: x [n_dof], then v [n_dof], then tau; and its derivative by (q, p, tau), out [2n + 1]. */
+/* A number of a block: x [n_dof], then v [n_dof], then tau; and its derivative by (q, p, tau), out
+ * [2n + 1]. */
 void ric_chain_number(const ric_enclosure *e, arb_srcptr block, int number, arb_t out);
 void ric_chain_number_row(const ric_enclosure *e, int number, arb_ptr out);
 /* What the number of the plane is held at. */
 void ric_chain_held(const ric_chain *c, slong prec, arb_t out);
 /* out = F0(tau) w in a phase, [2n] each, out may not be w. */
-void ric_chain_fly(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_ptr out);
+void ric_chain_fly(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau,
+                   arb_ptr out);
 /* p <- Q p for the contact of `face`, where no spring is. */
 void ric_chain_reflect(const ric_enclosure *e, int face, arb_ptr p);
 /* c . x [n] of the contact of `face`. */
@@ -108,7 +127,9 @@ bool ric_chain_closes(const ric_chain *c, const ric_enclosure *e, arb_srcptr u);
 bool ric_chain_opens(const ric_chain *c, const ric_enclosure *e, int k);
 /* Euclidean norm of n numbers, an upper bound as a ball. */
 void ric_chain_norm(slong n, arb_srcptr x, slong prec, arb_t out);
-/* slack (1 + |w|): what a flight of w [2n] over tau and its derivatives may have beyond the enclosed modes. */
-void ric_chain_slack(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_t out);
+/* slack (1 + |w|): what a flight of w [2n] over tau and its derivatives may have beyond the
+ * enclosed modes. */
+void ric_chain_slack(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau,
+                     arb_t out);
 
 #endif

@@ -34,14 +34,17 @@ bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J)
 
 void ric_contraction_apply(const ric_contraction *k, arb_srcptr x, arb_ptr out)
 {
-    for (slong i = 0; i < k->n; i++) arb_dot(out + i, NULL, 0, arb_mat_entry(k->C, i, 0), 1, x, 1, k->n, k->prec);
+    for (slong i = 0; i < k->n; i++)
+        arb_dot(out + i, NULL, 0, arb_mat_entry(k->C, i, 0), 1, x, 1, k->n, k->prec);
 }
 
-/* A column of J has few numbers that are not zero: those are gathered, as they are, without a copy of their own. */
+/* A column of J has few numbers that are not zero: those are gathered, as they are, without a copy
+ * of their own. */
 void ric_contraction_defect(ric_contraction *k, const arb_mat_t J)
 {
     const slong n = k->n;
-    arb_ptr column = flint_malloc((size_t)n * sizeof *column), row = flint_malloc((size_t)n * sizeof *row);
+    arb_ptr column = flint_malloc((size_t)n * sizeof *column),
+            row = flint_malloc((size_t)n * sizeof *row);
     slong *at = flint_malloc((size_t)n * sizeof *at);
     arb_t x;
     arb_init(x);
@@ -81,10 +84,12 @@ bool ric_contraction_holds(ric_contraction *k)
     for (slong i = 0; i < k->n; i++) {
         defect_row(k, i, k->b, next + i);
         mag_add(next + i, next + i, k->y + i);
-        holds = holds && mag_cmp(next + i, k->b + i) < 0; /* what is no number is infinite, and not less */
+        holds = holds &&
+                mag_cmp(next + i, k->b + i) < 0; /* what is no number is infinite, and not less */
     }
     for (slong i = 0; i < k->n && !holds; i++) {
-        if (mag_cmp(next + i, k->b + i) < 0) continue; /* large enough; a number that never changes has a next of 0 */
+        if (mag_cmp(next + i, k->b + i) < 0)
+            continue; /* large enough; a number that never changes has a next of 0 */
         mag_mul_2exp_si(eighth, next + i, -3);
         mag_add(k->b + i, next + i, eighth);
     }

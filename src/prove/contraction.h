@@ -1,7 +1,8 @@
-/* Krawczyk's test for n equations in balls (Computing 4 (1969) 187-201). C is any matrix near the inverse of their
- * derivative J. Where y >= |C F| at a centre, Z >= |1 - C J| on the box of radii b around it, and y + Z b < b number by
- * number, the map u - C F(u) takes the box into itself and contracts it: there is one zero in it, and J is regular.
- * Bounds are numbers that are rounded up. */
+/* Krawczyk's test for n equations in balls (Computing 4 (1969) 187-201). C is any matrix near the
+ * inverse of their derivative J. Where y >= |C F| at a centre, Z >= |1 - C J| on the box of radii b
+ * around it, and y + Z b < b number by number, the map u - C F(u) takes the box into itself and
+ * contracts it: there is one zero in it, and J is regular. Bounds are numbers that are rounded up.
+ */
 #ifndef RIC_PROVE_CONTRACTION_H
 #define RIC_PROVE_CONTRACTION_H
 
@@ -25,7 +26,8 @@ bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J);
 void ric_contraction_apply(const ric_contraction *k, arb_srcptr x, arb_ptr out);
 /* Z from J on the box. */
 void ric_contraction_defect(ric_contraction *k, const arb_mat_t J);
-/* Whether y + Z b < b; if not, b is made that times 1 + 1/8 where it is too small, to be tried again. */
+/* Whether y + Z b < b; if not, b is made that times 1 + 1/8 where it is too small, to be tried
+ * again. */
 bool ric_contraction_holds(ric_contraction *k);
 
 #endif

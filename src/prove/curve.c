@@ -9,9 +9,10 @@
 #include "prover.h"
 
 enum {
-    DEEPEST = 22,   /* halvings of a step: 2^-22 of one is where two branches meet, or a gap closes */
-    MOST = 1500,    /* tubes of a step that are tried: some tens are taken where they get shorter towards an end, and
-                     * as many as there are halvings allow where nothing is gained by that */
+    DEEPEST = 22, /* halvings of a step: 2^-22 of one is where two branches meet, or a gap closes */
+    MOST =
+        1500, /* tubes of a step that are tried: some tens are taken where they get shorter towards
+                 an end, and as many as there are halvings allow where nothing is gained by that */
     TUBE = 1000000, /* multiplications of one, about */
     MANY_PARTS = 4, /* halvings of a tube for its stability: of two modes */
     FEW_PARTS = 1   /* of more, where it is dear */
@@ -39,13 +40,15 @@ void ric_curve_node_prove(ric_node *a, const ric_enclosure *e)
     ric_existence_init(&x);
     a->why = ric_existence_prove(&x, &a->c, e);
     if (!a->why && !x.identified) a->why = "another orbit may lie as near: a junction";
-    if (!a->why && !(x.moved <= RIC_PROVER_NEAR)) a->why = "the orbit that was proved lies elsewhere";
+    if (!a->why && !(x.moved <= RIC_PROVER_NEAR))
+        a->why = "the orbit that was proved lies elsewhere";
     arb_set(a->exists, x.exists);
     a->unique = a->why ? 0 : arf_get_d(arb_midref(x.unique), ARF_RND_FLOOR);
     ric_existence_clear(&x);
 }
 
-void ric_curve_node_place(ric_node *a, const ric_chain *like, arb_srcptr u, bool last, const ric_enclosure *e)
+void ric_curve_node_place(ric_node *a, const ric_chain *like, arb_srcptr u, bool last,
+                          const ric_enclosure *e)
 {
     const slong count = (slong)like->m * like->size + 1;
     arb_t radius;
@@ -67,7 +70,8 @@ void ric_curve_node_place(ric_node *a, const ric_chain *like, arb_srcptr u, bool
     arb_clear(radius);
 }
 
-/* The orbit near the middle of two; it is solved from there, so that it may be moved by more than a stored one. */
+/* The orbit near the middle of two; it is solved from there, so that it may be moved by more than a
+ * stored one. */
 static void node_between(ric_node *m, const ric_node *a, const ric_node *b, const ric_enclosure *e)
 {
     ric_existence x;
@@ -95,7 +99,8 @@ static double size_of(const ric_tube *t)
     return size;
 }
 
-/* What multipliers say along a part of a tube, from s = at on; where that is nothing, along its halves. */
+/* What multipliers say along a part of a tube, from s = at on; where that is nothing, along its
+ * halves. */
 static void judge_part(ric_curve *x, const ric_tube *t, double at, double part, int depth)
 {
     const slong count = (slong)t->hull.m * t->hull.size + 1;
@@ -104,14 +109,17 @@ static void judge_part(ric_curve *x, const ric_tube *t, double at, double part, 
     ric_monodromy_init(&multipliers);
     ric_tube_part(t, at, at + part, hull);
     ric_monodromy_enclose(&multipliers, &t->hull, x->e, hull);
-    if (multipliers.stable != RIC_STABLE_UNDECIDED || depth == 0) x->length[multipliers.stable] += part * size_of(t);
+    if (multipliers.stable != RIC_STABLE_UNDECIDED || depth == 0)
+        x->length[multipliers.stable] += part * size_of(t);
     else
-        for (int half = 0; half < 2; half++) judge_part(x, t, at + half * part / 2, part / 2, depth - 1);
+        for (int half = 0; half < 2; half++)
+            judge_part(x, t, at + half * part / 2, part / 2, depth - 1);
     ric_monodromy_clear(&multipliers);
     _arb_vec_clear(hull, count);
 }
 
-/* All of the arc are motions, but for its end where that is `last`: gaps, and what multipliers say. */
+/* All of the arc are motions, but for its end where that is `last`: gaps, and what multipliers say.
+ */
 static bool tube_stands(ric_curve *x, const ric_tube *t, arb_srcptr last)
 {
     const slong count = (slong)t->hull.m * t->hull.size + 1;
@@ -140,7 +148,8 @@ static bool tube_stands(ric_curve *x, const ric_tube *t, arb_srcptr last)
 static void record(ric_curve *x, const ric_node *a, const ric_node *b)
 {
     if (!x->arcs || a->last || b->last) return;
-    if (!x->arcs->open && a->c.number >= 0) ric_certificate_arcs_add(x->arcs, &a->c, x->e, a->exists);
+    if (!x->arcs->open && a->c.number >= 0)
+        ric_certificate_arcs_add(x->arcs, &a->c, x->e, a->exists);
     if (b->c.number >= 0) ric_certificate_arcs_add(x->arcs, &b->c, x->e, b->exists);
 }
 
@@ -173,11 +182,13 @@ static bool join(ric_curve *x, const ric_node *a, const ric_node *b, int depth)
     return done;
 }
 
-/* Two stored points of one orbit: they hold the same number at the same value, and that of b lies where a is alone. */
+/* Two stored points of one orbit: they hold the same number at the same value, and that of b lies
+ * where a is alone. */
 static bool is_one_orbit(const ric_curve *x, const ric_node *a, const ric_node *b)
 {
     const ric_chain *c = &a->c, *d = &b->c;
-    if (c->number < 0 || c->number != d->number || c->at != d->at || !fmpz_equal(c->held, d->held)) return false;
+    if (c->number < 0 || c->number != d->number || c->at != d->at || !fmpz_equal(c->held, d->held))
+        return false;
     const slong count = (slong)c->m * c->size;
     arb_ptr way = _arb_vec_init(count);
     arb_t far, unique;

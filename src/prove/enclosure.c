@@ -105,7 +105,8 @@ static void basis_close(basis *z)
 
 /* ---------------------------------------------------------- what is not seen */
 
-/* Columns (M^-1 K)^j M^-1 b: what contacts can move (Krylov space, invariant under flights and impacts). */
+/* Columns (M^-1 K)^j M^-1 b: what contacts can move (Krylov space, invariant under flights and
+ * impacts). */
 static void krylov(const basis *z, fmpq_mat_t out)
 {
     slong n = z->n, contacts = fmpq_mat_nrows(z->b);
@@ -124,7 +125,8 @@ static void krylov(const basis *z, fmpq_mat_t out)
     fmpq_mat_clear(w);
 }
 
-/* Independent columns of `all` [n * rank], chosen from the left; returns how many, at most `rank`. */
+/* Independent columns of `all` [n * rank], chosen from the left; returns how many, at most `rank`.
+ */
 static slong independent(fmpq_mat_t out, const fmpq_mat_t all)
 {
     slong found = 0, n = fmpq_mat_nrows(all);
@@ -133,7 +135,8 @@ static slong independent(fmpq_mat_t out, const fmpq_mat_t all)
     slong rank = fmpq_mat_rref(reduced, reduced);
     for (slong i = 0, j = 0; i < rank && rank <= fmpq_mat_ncols(out); i++, found++) {
         while (fmpq_is_zero(fmpq_mat_entry(reduced, i, j))) j++;
-        for (slong k = 0; k < n; k++) fmpq_set(fmpq_mat_entry(out, k, found), fmpq_mat_entry(all, k, j));
+        for (slong k = 0; k < n; k++)
+            fmpq_set(fmpq_mat_entry(out, k, found), fmpq_mat_entry(all, k, j));
     }
     fmpq_mat_clear(reduced);
     return rank;
@@ -172,22 +175,25 @@ static bool project(const basis *z, const fmpq_mat_t B, arb_mat_t X)
     return done;
 }
 
-/* The modes that contacts see span an invariant space, which is found exactly: a number at rounding level decides
- * nothing. */
+/* The modes that contacts see span an invariant space, which is found exactly: a number at rounding
+ * level decides nothing. */
 static bool keep_seen(ric_enclosure *e, const basis *z, arb_mat_t X)
 {
     const ric_model *m = e->model;
     for (slong i = 0; i < m->n; i++)
-        for (slong k = 0; k < m->n_dof; k++) arb_set(arb_mat_entry(X, k, i), arb_mat_entry(z->modes.X, k, m->mode[i]));
+        for (slong k = 0; k < m->n_dof; k++)
+            arb_set(arb_mat_entry(X, k, i), arb_mat_entry(z->modes.X, k, m->mode[i]));
     if (m->n == m->n_dof) return true;
-    snprintf(e->why, sizeof e->why, "more than %d modes, some of which no contact sees", (int)EXACT_MODES);
+    snprintf(e->why, sizeof e->why, "more than %d modes, some of which no contact sees",
+             (int)EXACT_MODES);
     if (m->n_dof > EXACT_MODES) return false;
     fmpq_mat_t all, B;
     fmpq_mat_init(all, m->n_dof, (slong)m->n_dof * m->n_contact);
     fmpq_mat_init(B, m->n_dof, m->n);
     krylov(z, all);
     slong rank = independent(B, all);
-    snprintf(e->why, sizeof e->why, "%d modes are seen, and by the decimals of the model it is %d", m->n, (int)rank);
+    snprintf(e->why, sizeof e->why, "%d modes are seen, and by the decimals of the model it is %d",
+             m->n, (int)rank);
     bool done = rank == m->n && project(z, B, X);
     fmpq_mat_clear(all);
     fmpq_mat_clear(B);
@@ -206,7 +212,8 @@ static void normals(ric_enclosure *e, const basis *z)
     arb_mat_set_fmpq_mat(b, z->b, 2 * z->prec);
     arb_mat_mul(e->C, b, e->X, prec);
     for (slong i = 0; i < m->n_contact; i++)
-        arb_dot(e->cc + i, NULL, 0, arb_mat_entry(e->C, i, 0), 1, arb_mat_entry(e->C, i, 0), 1, e->n, prec);
+        arb_dot(e->cc + i, NULL, 0, arb_mat_entry(e->C, i, 0), 1, arb_mat_entry(e->C, i, 0), 1,
+                e->n, prec);
     arb_mat_transpose(xt, e->X);
     arb_mat_mul(e->back, xt, z->modes.M, prec);
     arb_mat_frobenius_norm(e->spread, e->X, prec);
@@ -223,7 +230,9 @@ static void walls(ric_enclosure *e)
     put_decimal(first, m->contact[0].clearance);
     for (int f = 0; f < e->n_face; f++) {
         ric_wall *w = &e->wall[f];
-        *w = (ric_wall){.contact = m->face[f].contact, .side = m->face[f].side, .mirror = m->face[f].mirror};
+        *w = (ric_wall){.contact = m->face[f].contact,
+                        .side = m->face[f].side,
+                        .mirror = m->face[f].mirror};
         put_decimal(d, m->contact[w->contact].clearance);
         fmpq_div(d, d, first);
         arb_init(w->gap);
@@ -278,7 +287,8 @@ bool ric_enclosure_create(ric_enclosure *e, const ric_model *m, slong prec)
     if (done) {
         snprintf(e->why, sizeof e->why, "the modes could not be enclosed");
         ric_squares squares = {e->omega, e->square, e->rho, e->top};
-        done = ric_basis_orthonormalise(&z.modes, e->X, error) && ric_basis_squares(&z.modes, e->X, &squares);
+        done = ric_basis_orthonormalise(&z.modes, e->X, error) &&
+               ric_basis_squares(&z.modes, e->X, &squares);
         normals(e, &z);
     }
     basis_close(&z);
@@ -307,9 +317,10 @@ void ric_enclosure_free(ric_enclosure *e)
     e->wall = NULL;
 }
 
-/* With C = cos(sqrt(A) t), S its integral and C0, S0 those of L: C - C0 = -int S0(t - s) R C(s) ds and the same with S.
- * |C0| <= 1, |S0| <= t, |C| <= cosh(sqrt(rho) t) <= 2 and |S| <= 2 t for rho t^2 <= 1, also where A = L + R is not
- * positive. The four blocks and their first two derivatives are sums of at most eight terms rho t^k top^2, k <= 3. */
+/* With C = cos(sqrt(A) t), S its integral and C0, S0 those of L: C - C0 = -int S0(t - s) R C(s) ds
+ * and the same with S. |C0| <= 1, |S0| <= t, |C| <= cosh(sqrt(rho) t) <= 2 and |S| <= 2 t for rho
+ * t^2 <= 1, also where A = L + R is not positive. The four blocks and their first two derivatives
+ * are sums of at most eight terms rho t^k top^2, k <= 3. */
 void ric_enclosure_slack(const ric_enclosure *e, const arb_t t, arb_t out)
 {
     enum { TERMS = 4 }; /* 2^TERMS >= 8, times 2 for |C| and |S| */

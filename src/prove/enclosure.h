@@ -1,14 +1,16 @@
-/* The structure in balls: what the decimals of its matrices, normals and clearances say, nothing rounded.
+/* The structure in balls: what the decimals of its matrices, normals and clearances say, nothing
+ * rounded.
  *
- * Units: lengths in d of the first contact, times in 2^-time s, masses such that |c| of the first contact is near 1;
- * both factors are powers of two, so that nothing is rounded. A basis X of the modes that are moved, exactly
- * orthonormal in M, makes of the structure q'' = -(L + R) q with a diagonal L >= 0 whose entries are exact and |R| <=
- * rho, far below what is computed with. No eigenvalue needs to be simple, or away from zero, for that: where
- * frequencies are equal any basis does, and what a frequency that is not quite zero does is in R. An impact is p <- p -
- * 2 (c.p)/(c.c) c without an error.
+ * Units: lengths in d of the first contact, times in 2^-time s, masses such that |c| of the first
+ * contact is near 1; both factors are powers of two, so that nothing is rounded. A basis X of the
+ * modes that are moved, exactly orthonormal in M, makes of the structure q'' = -(L + R) q with a
+ * diagonal L >= 0 whose entries are exact and |R| <= rho, far below what is computed with. No
+ * eigenvalue needs to be simple, or away from zero, for that: where frequencies are equal any basis
+ * does, and what a frequency that is not quite zero does is in R. An impact is p <- p - 2
+ * (c.p)/(c.c) c without an error.
  *
- * Flights F(t) of L + R differ from those of L, in the spectral norm, by at most `slack` (Duhamel's formula; see
- * ric_enclosure_slack), so do their derivatives. */
+ * Flights F(t) of L + R differ from those of L, in the spectral norm, by at most `slack` (Duhamel's
+ * formula; see ric_enclosure_slack), so do their derivatives. */
 #ifndef RIC_PROVE_ENCLOSURE_H
 #define RIC_PROVE_ENCLOSURE_H
 
@@ -40,12 +42,13 @@ typedef struct {
     char why[160];                 /* why there is none */
 } ric_enclosure;
 
-/* false, with the reason in `why`, where the structure cannot be enclosed. To be released in any case. */
+/* false, with the reason in `why`, where the structure cannot be enclosed. To be released in any
+ * case. */
 bool ric_enclosure_create(ric_enclosure *e, const ric_model *model, slong prec);
 void ric_enclosure_free(ric_enclosure *e);
 
-/* An upper bound, for 0 <= t, of |F(t) - F0(t)|, |F'(t) - F0'(t)| and |F''(t) - F0''(t)|; not finite where there is
- * none. */
+/* An upper bound, for 0 <= t, of |F(t) - F0(t)|, |F'(t) - F0'(t)| and |F''(t) - F0''(t)|; not
+ * finite where there is none. */
 void ric_enclosure_slack(const ric_enclosure *e, const arb_t t, arb_t out);
 
 /* The exponent of the scale of times: 2^time is near the frequency that the model is scaled by. */

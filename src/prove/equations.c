@@ -43,7 +43,8 @@ void ric_equation_free(ric_equations *q)
 static void fly_mode(const ric_enclosure *e, slong i, const arb_t tau, arb_mat_t out)
 {
     slong n = e->n;
-    arb_ptr aa = arb_mat_entry(out, i, i), ap = arb_mat_entry(out, i, n + i), pa = arb_mat_entry(out, n + i, i);
+    arb_ptr aa = arb_mat_entry(out, i, i), ap = arb_mat_entry(out, i, n + i),
+            pa = arb_mat_entry(out, n + i, i);
     arb_ptr pp = arb_mat_entry(out, n + i, n + i);
     if (arb_is_zero(e->omega + i)) {
         arb_one(aa);
@@ -60,7 +61,8 @@ static void fly_mode(const ric_enclosure *e, slong i, const arb_t tau, arb_mat_t
     arb_neg(pa, pa);
 }
 
-static void fly_modes(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_mat_t out, arb_ptr flown)
+static void fly_modes(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_mat_t out,
+                      arb_ptr flown)
 {
     slong n = e->n;
     for (slong i = 0; i < n; i++) {
@@ -94,8 +96,8 @@ static void turn_matrix(const ric_phase *phase, arb_mat_t A)
     _arb_vec_clear(turned, 2 * n);
 }
 
-void ric_equation_flight(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, const arb_t tau, arb_mat_t out,
-                         arb_ptr flown)
+void ric_equation_flight(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w,
+                         const arb_t tau, arb_mat_t out, arb_ptr flown)
 {
     if (!phase) {
         fly_modes(e, w, tau, out, flown);
@@ -125,24 +127,28 @@ static void reflect_columns(const ric_enclosure *e, int face, arb_mat_t J)
 }
 
 /* c.q = d for block k, as row `row` of J and of F. */
-static void put_gap(const ric_enclosure *e, const ric_chain *c, int k, slong row, ric_equation_group *g, arb_mat_t J)
+static void put_gap(const ric_enclosure *e, const ric_chain *c, int k, slong row,
+                    ric_equation_group *g, arb_mat_t J)
 {
     arb_srcptr normal = ric_enclosure_c(e, e->wall[c->face[k]].contact);
     ric_chain_along(e, c->face[k], ric_chain_block(c, k), arb_mat_entry(g->F, row, 0));
-    arb_sub(arb_mat_entry(g->F, row, 0), arb_mat_entry(g->F, row, 0), e->wall[c->face[k]].gap, e->prec);
+    arb_sub(arb_mat_entry(g->F, row, 0), arb_mat_entry(g->F, row, 0), e->wall[c->face[k]].gap,
+            e->prec);
     for (slong i = 0; i < c->n; i++) arb_set(arb_mat_entry(J, row, i), normal + i);
 }
 
 static void put_unit(arb_mat_t J, slong n)
 {
-    for (slong i = 0; i < n; i++) arb_add_ui(arb_mat_entry(J, i, i), arb_mat_entry(J, i, i), 1, ARF_PREC_EXACT);
+    for (slong i = 0; i < n; i++)
+        arb_add_ui(arb_mat_entry(J, i, i), arb_mat_entry(J, i, i), 1, ARF_PREC_EXACT);
 }
 
 /* w_k+1 - Q F(tau_k) w_k and the gap. */
 static void put_link(const ric_enclosure *e, const ric_chain *c, int k, ric_equation_group *g)
 {
     slong n = c->n;
-    arb_ptr block = ric_chain_block(c, k), next = ric_chain_block(c, k + 1), flown = _arb_vec_init(2 * n);
+    arb_ptr block = ric_chain_block(c, k), next = ric_chain_block(c, k + 1),
+            flown = _arb_vec_init(2 * n);
     arb_mat_t D;
     arb_mat_init(D, 2 * n, 2 * n + 1);
     ric_equation_flight(e, c->phase[k], block, block + 2 * n, D, flown);
@@ -153,7 +159,8 @@ static void put_link(const ric_enclosure *e, const ric_chain *c, int k, ric_equa
     put_gap(e, c, k + 1, 2 * n, g, g->K);
     for (slong i = 0; i < 2 * n; i++) {
         arb_sub(arb_mat_entry(g->F, i, 0), next + i, flown + i, e->prec);
-        for (slong j = 0; j <= 2 * n; j++) arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(D, i, j));
+        for (slong j = 0; j <= 2 * n; j++)
+            arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(D, i, j));
     }
     arb_mat_clear(D);
     _arb_vec_clear(flown, 2 * n);
@@ -166,7 +173,8 @@ int ric_equation_pivot(const ric_enclosure *e, int face)
     int largest = 0;
     double most = -1;
     for (int i = 0; i < e->n; i++) {
-        double size = fabs(arf_get_d(arb_midref(ric_enclosure_c(e, e->wall[face].contact) + i), ARF_RND_NEAR));
+        double size = fabs(
+            arf_get_d(arb_midref(ric_enclosure_c(e, e->wall[face].contact) + i), ARF_RND_NEAR));
         if (size > most) {
             most = size;
             largest = i;
@@ -175,13 +183,15 @@ int ric_equation_pivot(const ric_enclosure *e, int face)
     return largest;
 }
 
-void ric_equation_mirror(const ric_enclosure *e, ric_chain_end kind, int face, arb_mat_t B, arb_t gap)
+void ric_equation_mirror(const ric_enclosure *e, ric_chain_end kind, int face, arb_mat_t B,
+                         arb_t gap)
 {
     slong n = e->n, row = 1;
     arb_mat_zero(B);
     arb_zero(gap);
     if (kind != RIC_CHAIN_IMPACT) {
-        for (slong i = 0; i < n; i++) arb_one(arb_mat_entry(B, i, kind == RIC_CHAIN_REST ? n + i : i));
+        for (slong i = 0; i < n; i++)
+            arb_one(arb_mat_entry(B, i, kind == RIC_CHAIN_REST ? n + i : i));
         return;
     }
     arb_srcptr c = ric_enclosure_c(e, e->wall[face].contact);
@@ -197,12 +207,13 @@ void ric_equation_mirror(const ric_enclosure *e, ric_chain_end kind, int face, a
 }
 
 /* B w - gap, and its derivatives B D. */
-static void put_mirror(const ric_enclosure *e, const arb_mat_t B, const arb_t gap, arb_srcptr w, const arb_mat_t D,
-                       ric_equation_group *g)
+static void put_mirror(const ric_enclosure *e, const arb_mat_t B, const arb_t gap, arb_srcptr w,
+                       const arb_mat_t D, ric_equation_group *g)
 {
     arb_mat_mul(g->J, B, D, e->prec);
     for (slong i = 0; i < g->rows; i++)
-        arb_dot(arb_mat_entry(g->F, i, 0), NULL, 0, arb_mat_entry(B, i, 0), 1, w, 1, 2 * e->n, e->prec);
+        arb_dot(arb_mat_entry(g->F, i, 0), NULL, 0, arb_mat_entry(B, i, 0), 1, w, 1, 2 * e->n,
+                e->prec);
     arb_sub(arb_mat_entry(g->F, 0, 0), arb_mat_entry(g->F, 0, 0), gap, e->prec);
 }
 
@@ -227,7 +238,8 @@ static void put_start(const ric_enclosure *e, const ric_chain *c, ric_equation_g
 }
 
 /* w_0 - sigma (1 + lambda) Q F(tau) w of the last block. */
-static void put_closure(const ric_enclosure *e, const ric_chain *c, arb_mat_t D, arb_ptr flown, ric_equation_group *g)
+static void put_closure(const ric_enclosure *e, const ric_chain *c, arb_mat_t D, arb_ptr flown,
+                        ric_equation_group *g)
 {
     slong n = c->n;
     arb_ptr start = ric_chain_block(c, 0);
@@ -241,7 +253,8 @@ static void put_closure(const ric_enclosure *e, const ric_chain *c, arb_mat_t D,
     for (slong i = 0; i < 2 * n; i++) {
         arb_mul(arb_mat_entry(g->F, i, 0), factor, flown + i, e->prec);
         arb_sub(arb_mat_entry(g->F, i, 0), start + i, arb_mat_entry(g->F, i, 0), e->prec);
-        for (slong j = 0; j <= 2 * n; j++) arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(D, i, j));
+        for (slong j = 0; j <= 2 * n; j++)
+            arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(D, i, j));
         if (c->sign > 0) arb_neg(arb_mat_entry(g->J, i, 2 * n + 1), flown + i);
         else arb_set(arb_mat_entry(g->J, i, 2 * n + 1), flown + i);
     }
@@ -301,8 +314,8 @@ void ric_equation_evaluate(ric_equations *q, const ric_chain *c, const ric_enclo
 
 /* -------------------------------------------------------------------- slack */
 
-/* What a row of the group makes of an error of the flown state, at most: impacts turn it, mirror rows are as long as a
- * normal. */
+/* What a row of the group makes of an error of the flown state, at most: impacts turn it, mirror
+ * rows are as long as a normal. */
 static void bound_turned(const ric_chain *c, const ric_enclosure *e, bool inner, arb_t out)
 {
     arb_one(out);
@@ -310,20 +323,23 @@ static void bound_turned(const ric_chain *c, const ric_enclosure *e, bool inner,
     if (ric_chain_general(c)) {
         arb_abs(out, c->u + (slong)c->m * c->size);
         arb_add_ui(out, out, 2, e->prec);
-    } else if (c->end == RIC_CHAIN_IMPACT) arb_add(out, out, e->cc + e->wall[c->face[c->m]].contact, e->prec);
+    } else if (c->end == RIC_CHAIN_IMPACT)
+        arb_add(out, out, e->cc + e->wall[c->face[c->m]].contact, e->prec);
 }
 
 static void loosen_rows(ric_equation_group *g, slong rows, const arb_t error)
 {
     for (slong i = 0; i < rows; i++) {
         arb_add_error(arb_mat_entry(g->F, i, 0), error);
-        for (slong j = 0; j < arb_mat_ncols(g->J); j++) arb_add_error(arb_mat_entry(g->J, i, j), error);
+        for (slong j = 0; j < arb_mat_ncols(g->J); j++)
+            arb_add_error(arb_mat_entry(g->J, i, j), error);
     }
 }
 
-/* slack (1 + |w|) bounds what is left of F(tau) w and its derivatives by w, tau and the factor behind it; times 1 + the
- * size of a direction that of second derivatives in it. */
-void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosure *e, arb_srcptr along)
+/* slack (1 + |w|) bounds what is left of F(tau) w and its derivatives by w, tau and the factor
+ * behind it; times 1 + the size of a direction that of second derivatives in it. */
+void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosure *e,
+                         arb_srcptr along)
 {
     arb_t slack, x, size;
     arb_init(slack);
@@ -348,7 +364,8 @@ void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosu
 /* -------------------------------------------------------- second derivatives */
 
 /* theta F', and F' v + theta F'' w; F' is (F of p; -L F of q). */
-static void bend_modes(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, arb_srcptr along, arb_mat_t out)
+static void bend_modes(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, arb_srcptr along,
+                       arb_mat_t out)
 {
     slong n = e->n;
     arb_srcptr theta = along + 2 * n;
@@ -371,11 +388,13 @@ static void bend_modes(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, 
         arb_submul(p, x, theta, e->prec);
     }
     for (slong i = 0; i < 2 * n; i++)
-        for (slong j = 0; j < 2 * n; j++) arb_mul(arb_mat_entry(out, i, j), arb_mat_entry(out, i, j), theta, e->prec);
+        for (slong j = 0; j < 2 * n; j++)
+            arb_mul(arb_mat_entry(out, i, j), arb_mat_entry(out, i, j), theta, e->prec);
     arb_clear(x);
 }
 
-void ric_equation_bend(const ric_equation_span *f, const arb_mat_t D, arb_srcptr along, arb_mat_t out)
+void ric_equation_bend(const ric_equation_span *f, const arb_mat_t D, arb_srcptr along,
+                       arb_mat_t out)
 {
     const slong n = f->e->n;
     const ric_phase *phase = f->phase;
@@ -398,9 +417,10 @@ void ric_equation_bend(const ric_equation_span *f, const arb_mat_t D, arb_srcptr
     _arb_vec_clear(v, 2 * n + 1);
 }
 
-/* Of (1 + lambda) Q F w: by (w, tau) also lambda's part of the direction times D, by lambda D along. */
-static void second_of_closure(const ric_enclosure *e, const ric_chain *c, const arb_mat_t D, const arb_mat_t second,
-                              arb_srcptr along, ric_equation_group *g)
+/* Of (1 + lambda) Q F w: by (w, tau) also lambda's part of the direction times D, by lambda D
+ * along. */
+static void second_of_closure(const ric_enclosure *e, const ric_chain *c, const arb_mat_t D,
+                              const arb_mat_t second, arb_srcptr along, ric_equation_group *g)
 {
     slong n = c->n;
     arb_srcptr v = along + (slong)(c->m - 1) * c->size, lambda = v + c->size;
@@ -412,14 +432,16 @@ static void second_of_closure(const ric_enclosure *e, const ric_chain *c, const 
             arb_mul(arb_mat_entry(g->J, i, j), arb_mat_entry(second, i, j), factor, e->prec);
             arb_addmul(arb_mat_entry(g->J, i, j), arb_mat_entry(D, i, j), lambda, e->prec);
         }
-        arb_dot(arb_mat_entry(g->J, i, 2 * n + 1), NULL, 0, arb_mat_entry(D, i, 0), 1, v, 1, 2 * n + 1, e->prec);
+        arb_dot(arb_mat_entry(g->J, i, 2 * n + 1), NULL, 0, arb_mat_entry(D, i, 0), 1, v, 1,
+                2 * n + 1, e->prec);
     }
     reflect_columns(e, c->face[c->m], g->J);
     if (c->sign > 0) arb_mat_neg(g->J, g->J);
     arb_clear(factor);
 }
 
-static void second_of_block(ric_equations *q, const ric_chain *c, const ric_enclosure *e, arb_srcptr along, int k)
+static void second_of_block(ric_equations *q, const ric_chain *c, const ric_enclosure *e,
+                            arb_srcptr along, int k)
 {
     slong n = c->n;
     const bool last = k == c->m - 1;
@@ -441,7 +463,8 @@ static void second_of_block(ric_equations *q, const ric_chain *c, const ric_encl
     } else {
         reflect_columns(e, c->face[k + 1], second);
         for (slong i = 0; i < 2 * n; i++)
-            for (slong j = 0; j <= 2 * n; j++) arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(second, i, j));
+            for (slong j = 0; j <= 2 * n; j++)
+                arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(second, i, j));
     }
     arb_mat_clear(D);
     arb_mat_clear(second);
@@ -450,7 +473,8 @@ static void second_of_block(ric_equations *q, const ric_chain *c, const ric_encl
     _arb_vec_clear(flown, 2 * n);
 }
 
-void ric_equation_second(ric_equations *q, const ric_chain *c, const ric_enclosure *e, arb_srcptr along)
+void ric_equation_second(ric_equations *q, const ric_chain *c, const ric_enclosure *e,
+                         arb_srcptr along)
 {
     for (int i = 0; i < q->n; i++) {
         arb_mat_zero(q->group[i].J);

@@ -11,7 +11,8 @@ enum {
     POWER = 4,   /* steps of the inverse iteration for the least singular value */
     ALPHAS = 6,  /* bounds of it that are tried, each an eighth of the one before */
     DENSE = 200, /* unknowns of a matrix that is not taken apart */
-    DOMAIN = -3, /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a turn of a mode */
+    DOMAIN = -3, /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a
+                    turn of a mode */
 };
 
 typedef struct {
@@ -147,8 +148,9 @@ static void hold(problem *p, int k, int i)
     arb_clear(unit);
 }
 
-/* The tangent of the curve of orbits, from a plane that need not be a good one: D v = (0, .., 0, 1). The number that
- * changes most along it is held: a plane that a decimal says, and that turns away from no curve. */
+/* The tangent of the curve of orbits, from a plane that need not be a good one: D v = (0, .., 0,
+ * 1). The number that changes most along it is held: a plane that a decimal says, and that turns
+ * away from no curve. */
 static bool find_plane(problem *p)
 {
     const ric_chain *c = p->c;
@@ -194,7 +196,8 @@ static bool refine(problem *p, double *shift, double *moved)
 {
     double before = HUGE_VAL, largest = 0;
     for (int k = 0; k < p->c->m; k++) {
-        for (slong i = 0; i < p->c->size; i++) arb_set(arb_mat_entry(p->x[k], i, 0), ric_chain_block(p->c, k) + i);
+        for (slong i = 0; i < p->c->size; i++)
+            arb_set(arb_mat_entry(p->x[k], i, 0), ric_chain_block(p->c, k) + i);
         largest = fmax(largest, block_size(p->x[k]));
     }
     *shift = 0;
@@ -220,7 +223,8 @@ static bool refine(problem *p, double *shift, double *moved)
 static double guess_least(problem *p)
 {
     for (int k = 0; k < p->c->m; k++)
-        for (slong i = 0; i < arb_mat_nrows(p->x[k]); i++) arb_set_si(arb_mat_entry(p->x[k], i, 0), 1 + (i + k) % 3);
+        for (slong i = 0; i < arb_mat_nrows(p->x[k]); i++)
+            arb_set_si(arb_mat_entry(p->x[k], i, 0), 1 + (i + k) % 3);
     double size = size_of(p);
     for (int step = 0; step < POWER; step++) {
         scale(p, 1 / size);
@@ -271,8 +275,8 @@ static void bounds_clear(block_bounds *b)
     arb_clear(b->flight);
 }
 
-/* With A^2 = q^2 + p^2 / omega^2 a mode has |q| <= A and |p| <= omega A at any time: |(q', p')| <= sqrt((1 + omega^2)
- * (omega^2 q^2 + p^2)), and |(q'', p'')| is omega times that at most. */
+/* With A^2 = q^2 + p^2 / omega^2 a mode has |q| <= A and |p| <= omega A at any time: |(q', p')| <=
+ * sqrt((1 + omega^2) (omega^2 q^2 + p^2)), and |(q'', p'')| is omega times that at most. */
 static void bound_motion(const ric_enclosure *e, arb_srcptr w, const arb_t r, block_bounds *b)
 {
     slong n = e->n, prec = e->prec;
@@ -325,18 +329,20 @@ static void bound_flight(const ric_enclosure *e, arb_srcptr w, const arb_t r, bl
     arb_clear(x);
 }
 
-/* The norm of the rows that a chain ends with: those of an impact are c and 2 n - 2 numbers of it in the others. */
+/* The norm of the rows that a chain ends with: those of an impact are c and 2 n - 2 numbers of it
+ * in the others. */
 static void bound_rows(const problem *p, arb_t out)
 {
     arb_one(out);
     if (p->c->end != RIC_CHAIN_IMPACT) return;
-    arb_mul_ui(out, p->e->cc + p->e->wall[p->c->face[p->c->m]].contact, (ulong)(2 * p->c->n), p->e->prec);
+    arb_mul_ui(out, p->e->cc + p->e->wall[p->c->face[p->c->m]].contact, (ulong)(2 * p->c->n),
+               p->e->prec);
     arb_add_ui(out, out, 1, p->e->prec);
     arb_sqrt(out, out, p->e->prec);
 }
 
-/* K = max over the blocks of |F'| + |F'' w|: the norm of x y' + x' y, x and y the parts of two unit vectors, is 1.
- * Behind the factor 1 + lambda it is that times 1 + r, and |F| + |F' w| more. */
+/* K = max over the blocks of |F'| + |F'' w|: the norm of x y' + x' y, x and y the parts of two unit
+ * vectors, is 1. Behind the factor 1 + lambda it is that times 1 + r, and |F| + |F' w| more. */
 static void bound_second(const problem *p, const arb_t r, arb_t lipschitz, arb_t slack)
 {
     slong prec = p->e->prec;
@@ -396,7 +402,8 @@ static void residual(const problem *p, const arb_t slack, arb_t out)
     arb_clear(x);
 }
 
-/* The positive test of the whole proof: 2 beta^2 K |F| < 1, where nothing that is not a number passes. */
+/* The positive test of the whole proof: 2 beta^2 K |F| < 1, where nothing that is not a number
+ * passes. */
 static bool conclude(const problem *p, ric_existence *x, const arb_t least)
 {
     slong prec = p->e->prec;
@@ -471,9 +478,9 @@ static void evaluate_box(problem *p, const ric_chain *box, arb_mat_t J)
     _arb_vec_set(arb_mat_entry(J, n - 1, (slong)box->at * box->size), box->row, box->size);
 }
 
-/* That no other orbit is near, number by number: bounds of norms are too coarse where frequencies are far apart. With
- * any C, Z b < b on a box of radii b leaves no two zeros in it (contraction.h). Dense, so only for what is not large.
- */
+/* That no other orbit is near, number by number: bounds of norms are too coarse where frequencies
+ * are far apart. With any C, Z b < b on a box of radii b leaves no two zeros in it (contraction.h).
+ * Dense, so only for what is not large. */
 static bool alone_in_box(problem *p, ric_existence *x)
 {
     const ric_chain *c = p->c;
@@ -512,8 +519,9 @@ static const char *prove(problem *p, ric_existence *x)
     if (!factorise(p)) return "the equations are singular there: a junction";
     arb_init(least);
     const char *why = !bound_inverse(p, least) ? "the equations are all but singular there"
-                      : !conclude(p, x, least) ? "the equations are too near to singular for what is left of them"
-                                               : NULL;
+                      : !conclude(p, x, least)
+                          ? "the equations are too near to singular for what is left of them"
+                          : NULL;
     x->identified = !why && (identifies(x) || alone_in_box(p, x));
     arb_clear(least);
     return why;

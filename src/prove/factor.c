@@ -3,7 +3,8 @@
 static arb_mat_t *open_blocks(const ric_chain *c, int (*column)(int k, int m))
 {
     arb_mat_t *blocks = flint_calloc((size_t)c->m, sizeof *blocks);
-    for (int k = 0; k < c->m; k++) arb_mat_init(blocks[k], ric_chain_width(c, k), ric_chain_width(c, column(k, c->m)));
+    for (int k = 0; k < c->m; k++)
+        arb_mat_init(blocks[k], ric_chain_width(c, k), ric_chain_width(c, column(k, c->m)));
     return blocks;
 }
 
@@ -124,7 +125,8 @@ static bool cholesky(arb_mat_t a, const arb_t alpha, slong prec)
     return positive;
 }
 
-/* Whether H_k is not zero: every k with a corner, else only where it is the block (m - 2, m - 1). */
+/* Whether H_k is not zero: every k with a corner, else only where it is the block (m - 2, m - 1).
+ */
 static bool fills(const ric_factor *f, int k)
 {
     return f->m > 1 && k < f->m - 1 && (k == f->m - 2 || !arb_mat_is_zero(f->U[f->m - 1]));
@@ -231,7 +233,8 @@ static void compare_diagonal(const ric_factor *f, int k, const arb_t alpha, arb_
 }
 
 /* sum += 2 |L_k x + (rest) - b|^2. */
-static void compare_beside(const ric_factor *f, int k, const arb_mat_t x, arb_mat_t rest, const arb_mat_t b, arb_t sum)
+static void compare_beside(const ric_factor *f, int k, const arb_mat_t x, arb_mat_t rest,
+                           const arb_mat_t b, arb_t sum)
 {
     arb_mat_t product;
     arb_mat_init(product, arb_mat_nrows(rest), arb_mat_ncols(rest));

@@ -6,11 +6,14 @@
 #include "passage.h"
 #include "story.h"
 
-#define NEAR 1e-5       /* the stored orbit is that near to the junction, to be cut at the same places */
-#define CONVERGED 1e-12 /* step of Newton's method from which on the test of the box says more than it */
+/* NEAR: the stored orbit is that near to the junction, to be cut at the same places */
+#define NEAR 1e-5
+/* CONVERGED: step of Newton's method from which on the test of the box says more than it */
+#define CONVERGED 1e-12
 
 enum {
-    FLOOR = -12, /* 2^FLOOR of the size: no radius of a box is less, so that orbits at its ends fit in */
+    FLOOR = -12, /* 2^FLOOR of the size: no radius of a box is less, so that orbits at its ends fit
+                    in */
     LARGEST = 5,
     SMALLEST = 24, /* 2^-k: sizes that are tried */
     TRIES = 6,     /* boxes of each */
@@ -47,7 +50,8 @@ static void put_column(problem *p, slong j, const ric_story_way *way, arb_ptr v,
     arb_one(v + j);
     ric_story_tell_parts(&story, &p->small, v, v + p->n_chain, p->e);
     ric_story_follow(&story, &p->large, way, u);
-    for (slong i = 0; i < (slong)p->large.m * p->large.size; i++) arb_set(arb_mat_entry(p->T, i, j), u + i);
+    for (slong i = 0; i < (slong)p->large.m * p->large.size; i++)
+        arb_set(arb_mat_entry(p->T, i, j), u + i);
     ric_story_free(&story);
     arb_zero(v + j);
 }
@@ -134,7 +138,8 @@ static void put_last(problem *p, arb_srcptr z, arb_mat_struct *J, arb_ptr F, slo
     arb_clear(slack);
 }
 
-/* G, the state at the end, l.a = 1 and k.a = 0; the rows between are left free. Returns the first of those. */
+/* G, the state at the end, l.a = 1 and k.a = 0; the rows between are left free. Returns the first
+ * of those. */
 static slong put_small(problem *p, arb_srcptr z)
 {
     ric_equations q;
@@ -157,8 +162,9 @@ static slong put_small(problem *p, arb_srcptr z)
     return p->n_small - 1;
 }
 
-/* All equations and their derivatives at e = 0, with e = NULL; else their derivatives for all |e'| <= e, where F is of
- * no use: by a they are F', and by v F'' a, at some place between T v and T v + e a. */
+/* All equations and their derivatives at e = 0, with e = NULL; else their derivatives for all |e'|
+ * <= e, where F is of no use: by a they are F', and by v F'' a, at some place between T v and T v +
+ * e a. */
 static void evaluate(problem *p, arb_srcptr z, const arb_struct *e)
 {
     const slong first = put_small(p, z), rows = p->n_large - 1, prec = p->e->prec;
@@ -175,9 +181,11 @@ static void evaluate(problem *p, arb_srcptr z, const arb_struct *e)
     bend_large(p, u, z + p->n_small, S);
     arb_mat_mul(ST, S, p->T, prec);
     for (slong i = 0; i < rows; i++) {
-        arb_dot(p->F + first + i, NULL, 0, arb_mat_entry(D, i, 0), 1, z + p->n_small, 1, p->n_large, prec);
+        arb_dot(p->F + first + i, NULL, 0, arb_mat_entry(D, i, 0), 1, z + p->n_small, 1, p->n_large,
+                prec);
         _arb_vec_set(arb_mat_entry(p->J, first + i, 0), arb_mat_entry(ST, i, 0), p->n_small);
-        _arb_vec_set(arb_mat_entry(p->J, first + i, p->n_small), arb_mat_entry(D, i, 0), p->n_large);
+        _arb_vec_set(arb_mat_entry(p->J, first + i, p->n_small), arb_mat_entry(D, i, 0),
+                     p->n_large);
     }
     arb_mat_clear(D);
     arb_mat_clear(S);
@@ -209,7 +217,8 @@ static void evaluate_end(problem *p, arb_srcptr z, const arb_t e)
 
 /* --------------------------------------------------------------- directions */
 
-/* What all rows of A but the last one, which is x itself or `across`, take to zero: x [n], by inverse iteration. */
+/* What all rows of A but the last one, which is x itself or `across`, take to zero: x [n], by
+ * inverse iteration. */
 static bool find_null(arb_mat_t A, arb_srcptr across, slong prec, arb_ptr out)
 {
     const slong n = arb_mat_nrows(A);
@@ -219,7 +228,8 @@ static bool find_null(arb_mat_t A, arb_srcptr across, slong prec, arb_ptr out)
     bool done = ric_arb_normalise(x, prec);
     arb_mat_get_mid(A, A);
     for (int step = 0; step < POWER && done; step++) {
-        for (slong j = 0; j < n; j++) arb_set(arb_mat_entry(A, n - 1, j), across ? across + j : arb_mat_entry(x, j, 0));
+        for (slong j = 0; j < n; j++)
+            arb_set(arb_mat_entry(A, n - 1, j), across ? across + j : arb_mat_entry(x, j, 0));
         if (!across) arb_mat_zero(x);
         if (!across) arb_one(arb_mat_entry(x, n - 1, 0));
         done = arb_mat_approx_solve(x, A, x, prec) && ric_arb_normalise(x, prec);
@@ -264,7 +274,8 @@ static bool find_centre(problem *p)
 {
     for (slong i = 0; i < 2 * p->e->n; i++) arb_zero(p->centre + p->n_chain + i);
     put_last(p, p->centre, p->J, p->F, p->n_chain - 1);
-    for (slong i = 0; i < 2 * p->e->n; i++) arb_neg(p->centre + p->n_chain + i, p->F + p->n_chain - 1 + i);
+    for (slong i = 0; i < 2 * p->e->n; i++)
+        arb_neg(p->centre + p->n_chain + i, p->F + p->n_chain - 1 + i);
     for (slong i = 0; i < p->n_small; i++) arb_get_mid_arb(p->centre + i, p->centre + i);
     if (!lay_directions(p)) return false;
     bool done = true;
@@ -293,7 +304,8 @@ static void place_box(problem *p)
     for (slong i = 0; i < p->n; i++) arb_add_error_mag(p->box + i, p->c.b + i);
 }
 
-/* y, at the centre: what there is at e = 0, where F' a all but vanishes, and at most e / 2 F'' a a. */
+/* y, at the centre: what there is at e = 0, where F' a all but vanishes, and at most e / 2 F'' a a.
+ */
 static void bound_residual(problem *p)
 {
     const slong first = p->n_small - 1, rows = p->n_large - 1, prec = p->e->prec;
@@ -398,7 +410,8 @@ static bool find_end(problem *p, const arb_t e, arb_ptr out)
 
 /* -------------------------------------------------------------------- motions */
 
-/* All orbits of the arc, and those of the smaller class that it is seen from, close, and they pass no stop. */
+/* All orbits of the arc, and those of the smaller class that it is seen from, close, and they pass
+ * no stop. */
 static bool arc_stands(problem *p, ric_leaving *v)
 {
     const slong count = (slong)p->large.m * p->large.size + 1;

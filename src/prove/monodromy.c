@@ -20,7 +20,8 @@ void ric_monodromy_clear(ric_monodromy *m)
 /* -------------------------------------------------------------------- parts */
 
 /* Derivative of the flight by the state, with the slack in every entry. */
-static void flight_matrix(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, arb_mat_t out)
+static void flight_matrix(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w,
+                          arb_mat_t out)
 {
     slong n = e->n;
     arb_mat_t D;
@@ -40,8 +41,8 @@ static void flight_matrix(const ric_enclosure *e, const ric_phase *phase, arb_sr
     _arb_vec_clear(flown, 2 * n);
 }
 
-/* 2 (c.q'') / ((c.c) (c.p-)) of an impact with the state w behind it: c.p- = -c.p, q'' = -(L + R) q - sum k (c.q - d)
- * c. */
+/* 2 (c.q'') / ((c.c) (c.p-)) of an impact with the state w behind it: c.p- = -c.p, q'' = -(L + R) q
+ * - sum k (c.q - d) c. */
 static void kick(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w, arb_t out)
 {
     const int contact = e->wall[face].contact;
@@ -59,9 +60,10 @@ static void kick(const ric_enclosure *e, const ric_phase *phase, int face, arb_s
     _arb_vec_clear(pull, e->n);
 }
 
-/* P <- S P with the saltation of an impact: dq+ = Q dq, dp+ = Q dp + kick (c.dq) c. Where springs switch the force goes
- * on as it was: S = 1. */
-static void salt(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w, arb_mat_t P)
+/* P <- S P with the saltation of an impact: dq+ = Q dq, dp+ = Q dp + kick (c.dq) c. Where springs
+ * switch the force goes on as it was: S = 1. */
+static void salt(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w,
+                 arb_mat_t P)
 {
     slong n = e->n;
     if (e->wall[face].closes) return;
@@ -107,7 +109,8 @@ static void along_chain(const ric_chain *c, const ric_enclosure *e, arb_srcptr u
     arb_mat_clear(F);
 }
 
-/* The way back: R P^-1 R = (d' b'; c' a') for a symplectic P = (a b; c d), both for (q, -p) and for (-q, p). */
+/* The way back: R P^-1 R = (d' b'; c' a') for a symplectic P = (a b; c d), both for (q, -p) and for
+ * (-q, p). */
 static void turn_back(const arb_mat_t P, arb_mat_t out)
 {
     slong n = arb_mat_nrows(P) / 2;
@@ -174,8 +177,8 @@ static void judge_trace(ric_monodromy *m, const arb_mat_t H, bool symmetric, slo
     arb_clear(x);
 }
 
-/* The polynomial in rho = x + 1/x of a reciprocal one of even degree 2 k: x^j + x^-j is a Chebyshev polynomial of it.
- */
+/* The polynomial in rho = x + 1/x of a reciprocal one of even degree 2 k: x^j + x^-j is a Chebyshev
+ * polynomial of it. */
 static void fold(arb_poly_t out, const arb_poly_t p, slong prec)
 {
     slong k = arb_poly_degree(p) / 2;
@@ -237,7 +240,8 @@ static void judge_polynomial(ric_monodromy *m, const arb_mat_t H, slong prec)
     arb_mat_charpoly(p, H, prec);
     for (int i = 0; i < 2; i++) { /* the remainder is 0, as the multiplier is there */
         slong degree = arb_poly_degree(p);
-        for (slong j = degree - 1; j >= 0; j--) arb_add(p->coeffs + j, p->coeffs + j, p->coeffs + j + 1, prec);
+        for (slong j = degree - 1; j >= 0; j--)
+            arb_add(p->coeffs + j, p->coeffs + j, p->coeffs + j + 1, prec);
         arb_poly_shift_right(p, p, 1);
     }
     fold(rho, p, prec);
@@ -247,7 +251,8 @@ static void judge_polynomial(ric_monodromy *m, const arb_mat_t H, slong prec)
     arb_poly_clear(rho);
 }
 
-void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
+void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
+                           arb_srcptr u)
 {
     if (c->n < 2) m->stable = RIC_STABLE_YES; /* it has no multipliers but those that are 1 */
     if (c->n < 2) return;

@@ -1,4 +1,5 @@
-/* Multipliers of a proved orbit, from the derivative of its return in balls (docs/theory.md section 5). */
+/* Multipliers of a proved orbit, from the derivative of its return in balls (docs/theory.md section
+ * 5). */
 #ifndef RIC_PROVE_MONODROMY_H
 #define RIC_PROVE_MONODROMY_H
 
@@ -12,6 +13,7 @@ typedef struct {
 void ric_monodromy_init(ric_monodromy *m);
 void ric_monodromy_clear(ric_monodromy *m);
 /* u: balls that hold the orbit, whose impacts approach. */
-void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, arb_srcptr u);
+void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
+                           arb_srcptr u);
 
 #endif

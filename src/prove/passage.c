@@ -9,8 +9,8 @@ enum {
     DEEPEST = 32, /* bisections of a flight: a gap that is not told from closed then touches */
 };
 
-/* A gap along a flight: h = d - side c.q, in the modes of its phase; of a closed spring how far it is pressed in, which
- * is the same with the other signs. */
+/* A gap along a flight: h = d - side c.q, in the modes of its phase; of a closed spring how far it
+ * is pressed in, which is the same with the other signs. */
 typedef struct {
     const ric_enclosure *e;     /* of the structure */
     const ric_enclosure *modes; /* of the phase */
@@ -21,15 +21,16 @@ typedef struct {
     int contact, facing;     /* of the face, and its side */
     arb_srcptr c;            /* normal */
     int side;
-    bool slow;               /* impacts may be of exactly no speed: h'' > 0 opens the gap beside them */
-    arb_srcptr slope;        /* [2n] towards the end of the arc (ric_arrival), or NULL */
-    arb_srcptr last;         /* the length of the flight there */
-    bool mirrored;           /* the flight ends with a mirror point */
-    arb_srcptr touch;        /* a time at which h = h' = 0, or NULL */
-    arb_t d;                 /* clearance > 0 */
-    arb_t open;              /* what the flight leaves open of the state and its derivatives */
-    arb_t bend, jerk, slack; /* bounds of |h''|, |h'''|; of what flights leave open of h and its derivatives */
-    arb_ptr flown, other;    /* [2n] scratch */
+    bool slow;        /* impacts may be of exactly no speed: h'' > 0 opens the gap beside them */
+    arb_srcptr slope; /* [2n] towards the end of the arc (ric_arrival), or NULL */
+    arb_srcptr last;  /* the length of the flight there */
+    bool mirrored;    /* the flight ends with a mirror point */
+    arb_srcptr touch; /* a time at which h = h' = 0, or NULL */
+    arb_t d;          /* clearance > 0 */
+    arb_t open;       /* what the flight leaves open of the state and its derivatives */
+    arb_t bend, jerk,
+        slack; /* bounds of |h''|, |h'''|; of what flights leave open of h and its derivatives */
+    arb_ptr flown, other; /* [2n] scratch */
 } gap;
 
 static void gap_init(gap *g, const ric_enclosure *e)
@@ -55,7 +56,8 @@ static void gap_clear(gap *g)
     arb_clear(g->slack);
 }
 
-/* |h''| <= sum |c_i| omega_i sqrt(omega_i^2 q_i^2 + p_i^2) + |c| slack |w|; h''' has an omega_i more. */
+/* |h''| <= sum |c_i| omega_i sqrt(omega_i^2 q_i^2 + p_i^2) + |c| slack |w|; h''' has an omega_i
+ * more. */
 static void gap_bend(gap *g)
 {
     const ric_enclosure *e = g->modes;
@@ -153,14 +155,16 @@ static void gap_along(const gap *g, arb_srcptr x, arb_t out)
     if (g->side < 0) arb_neg(out, out);
 }
 
-/* A part of a flight, at the ends of which the gap may be closed by an impact, or the motion be at rest. */
+/* A part of a flight, at the ends of which the gap may be closed by an impact, or the motion be at
+ * rest. */
 typedef struct {
     arb_srcptr from, to;
     bool opens, closes;
     bool rests[2];
 } part;
 
-/* h, h' and h'' at time `mid`, over all of the family; the parts that a normal takes of q, p and -L q. */
+/* h, h' and h'' at time `mid`, over all of the family; the parts that a normal takes of q, p and -L
+ * q. */
 static void gap_at(const gap *g, const arb_t mid, arb_ptr h)
 {
     const ric_enclosure *e = g->modes;
@@ -182,11 +186,12 @@ static void gap_at(const gap *g, const arb_t mid, arb_ptr h)
     arb_clear(x);
 }
 
-/* h > 0 on a part of length 2 r as h(mid) - |h'(mid)| r - bend r^2 / 2 > 0. Behind an impact, where h is zero and h' is
- * not negative whatever else is open of the states, also as h' > 0, and before one as h' < 0; along an arc, or where an
- * impact is a touch, as h'' > 0, too: of any other orbit whose impacts are that slow rounding would decide. Around a
- * touch in flight h'' > 0 closes it there alone. All of a contact, or what is left of it from a place at rest on, where
- * h' = 0, has h > 0 as h'' < 0, however short it is. */
+/* h > 0 on a part of length 2 r as h(mid) - |h'(mid)| r - bend r^2 / 2 > 0. Behind an impact, where
+ * h is zero and h' is not negative whatever else is open of the states, also as h' > 0, and before
+ * one as h' < 0; along an arc, or where an impact is a touch, as h'' > 0, too: of any other orbit
+ * whose impacts are that slow rounding would decide. Around a touch in flight h'' > 0 closes it
+ * there alone. All of a contact, or what is left of it from a place at rest on, where h' = 0, has h
+ * > 0 as h'' < 0, however short it is. */
 static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb_t r)
 {
     const slong prec = g->e->prec;
@@ -205,17 +210,19 @@ static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb
     arb_add_error(h + 2, x);
     const bool one = p->opens != p->closes;
     const bool touches = g->touch && arb_le(p->from, g->touch) && arb_le(g->touch, p->to);
-    const bool whole = (p->opens && p->closes) || (p->rests[0] && p->closes) || (p->opens && p->rests[1]);
+    const bool whole = (p->opens && p->closes) || (p->rests[0] && p->closes) ||
+                       (p->opens && p->rests[1]);
     const bool open = arb_is_positive(h) || (whole && arb_is_negative(h + 2)) ||
                       (((one && g->slow) || touches) && arb_is_positive(h + 2)) ||
-                      (one && p->opens && arb_is_positive(h + 1)) || (one && p->closes && arb_is_negative(h + 1));
+                      (one && p->opens && arb_is_positive(h + 1)) ||
+                      (one && p->closes && arb_is_negative(h + 1));
     _arb_vec_clear(h, 3);
     arb_clear(x);
     return open;
 }
 
-/* Whether h falls along the arc at all times of a part that its end has, too: its flight goes on as long again behind a
- * mirror point. */
+/* Whether h falls along the arc at all times of a part that its end has, too: its flight goes on as
+ * long again behind a mirror point. */
 static bool part_falls(const gap *g, const part *p, const arb_t mid, const arb_t r)
 {
     const ric_enclosure *e = g->modes;
@@ -261,8 +268,10 @@ static bool is_open(const gap *g, part p, int depth)
     arb_max(r, r, x, prec);
     const bool open = part_is_open(g, &p, mid, r) || part_falls(g, &p, mid, r) ||
                       (depth < DEEPEST &&
-                       is_open(g, (part){p.from, mid, p.opens, false, {p.rests[0], false}}, depth + 1) &&
-                       is_open(g, (part){mid, p.to, false, p.closes, {false, p.rests[1]}}, depth + 1));
+                       is_open(g, (part){p.from, mid, p.opens, false, {p.rests[0], false}},
+                               depth + 1) &&
+                       is_open(g, (part){mid, p.to, false, p.closes, {false, p.rests[1]}},
+                               depth + 1));
     arb_clear(mid);
     arb_clear(r);
     arb_clear(x);
@@ -280,16 +289,21 @@ static bool is_at_corner(const gap *g, const ric_corner *corner, int flight, boo
 {
     for (int i = 0; corner && i < corner->n; i++) {
         const ric_closure *at = &corner->at[i];
-        if (at->flight == flight && at->end == end && at->contact == g->contact && at->side == g->facing) return true;
+        if (at->flight == flight && at->end == end && at->contact == g->contact &&
+            at->side == g->facing)
+            return true;
     }
     return false;
 }
 
-/* The gap over flight k. Where it touches at a mirror point the flight is longer by what is not known of that time. */
-static bool stays_open(const gap *g, const ric_chain *c, int k, const arb_t tau, const ric_corner *corner)
+/* The gap over flight k. Where it touches at a mirror point the flight is longer by what is not
+ * known of that time. */
+static bool stays_open(const gap *g, const ric_chain *c, int k, const arb_t tau,
+                       const ric_corner *corner)
 {
     const int from = c->face[k], to = c->face[k + 1];
-    const bool rests[2] = {k == 0 && c->start == RIC_CHAIN_REST, k == c->m - 1 && c->end == RIC_CHAIN_REST};
+    const bool rests[2] = {k == 0 && c->start == RIC_CHAIN_REST,
+                           k == c->m - 1 && c->end == RIC_CHAIN_REST};
     arb_t start, end, x;
     arb_init(start);
     arb_init(end);
@@ -313,17 +327,18 @@ static bool stays_open(const gap *g, const ric_chain *c, int k, const arb_t tau,
     return open;
 }
 
-/* The speed of the event that block k begins with, or that the chain ends with (m), from velocities before it, or any
- * change of them: into a face, or out of a spring that opens. */
-static void speed_of(const ric_chain *c, const ric_enclosure *e, int k, arb_srcptr velocities, arb_t out)
+/* The speed of the event that block k begins with, or that the chain ends with (m), from velocities
+ * before it, or any change of them: into a face, or out of a spring that opens. */
+static void speed_of(const ric_chain *c, const ric_enclosure *e, int k, arb_srcptr velocities,
+                     arb_t out)
 {
     const int face = c->face[k];
     ric_chain_along(e, face, velocities, out);
     if ((e->wall[face].side < 0) != ric_chain_opens(c, e, k)) arb_neg(out, out);
 }
 
-/* Whether a speed is positive. Where it falls towards the end of an arc, `rate` with its error, it is, and how large is
- * not said. */
+/* Whether a speed is positive. Where it falls towards the end of an arc, `rate` with its error, it
+ * is, and how large is not said. */
 static bool approaches(ric_passage *p, const ric_enclosure *e, arb_t speed, arb_srcptr rate)
 {
     const bool positive = arb_is_positive(speed);
@@ -337,11 +352,13 @@ static bool approaches(ric_passage *p, const ric_enclosure *e, arb_t speed, arb_
 static bool is_touch(const ric_chain *c, const ric_family *u, int block)
 {
     if (!u->touch || u->touch->impact < 0) return false;
-    return block == u->touch->impact || (ric_chain_general(c) && block == c->m && u->touch->impact == 0);
+    return block == u->touch->impact ||
+           (ric_chain_general(c) && block == c->m && u->touch->impact == 0);
 }
 
 /* The event that a chain begins with: an impact from the velocities behind it, turned. */
-static bool begins_with_approach(ric_passage *p, const ric_chain *c, const ric_enclosure *e, const ric_family *u)
+static bool begins_with_approach(ric_passage *p, const ric_chain *c, const ric_enclosure *e,
+                                 const ric_family *u)
 {
     if (c->face[0] < 0) return true;
     arb_t speed, rate;
@@ -359,8 +376,10 @@ static bool begins_with_approach(ric_passage *p, const ric_chain *c, const ric_e
     return positive;
 }
 
-/* How the speed of the impact behind flight k changes towards the end of the arc: c . (F w + F' w tau) of the slope. */
-static void find_rate(const ric_chain *c, const ric_enclosure *e, int k, const ric_family *u, arb_t out)
+/* How the speed of the impact behind flight k changes towards the end of the arc: c . (F w + F' w
+ * tau) of the slope. */
+static void find_rate(const ric_chain *c, const ric_enclosure *e, int k, const ric_family *u,
+                      arb_t out)
 {
     const slong n = c->n, at = (slong)k * c->size;
     arb_srcptr w = u->hull + at, slope = u->arrival->slope + at;
@@ -392,7 +411,8 @@ static bool touches_in(const gap *g, const ric_family *u, int flight)
            (t->together && t->together[g->contact] == g->facing);
 }
 
-static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, const ric_family *u, arb_ptr flown)
+static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, const ric_family *u,
+                          arb_ptr flown)
 {
     const ric_enclosure *e = g->e;
     const slong at = (slong)k * c->size;
@@ -400,7 +420,8 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
     ric_chain_fly(e, c->phase[k], w, tau, flown);
     snprintf(p->why, sizeof p->why, "flight %d does not last", k + 1);
     const bool empty = u->corner && u->corner->empty == k;
-    bool stands = empty || arb_is_positive(tau) || (u->arrival && arb_is_negative(u->arrival->slope + at + 2 * c->n));
+    bool stands = empty || arb_is_positive(tau) ||
+                  (u->arrival && arb_is_negative(u->arrival->slope + at + 2 * c->n));
     gap_board(g, c, k, u);
     for (int f = 0; f < e->n_face && stands && !empty; f++)
         for (int image = 0; image <= ric_chain_imaged(c) && stands; image++) {
@@ -411,7 +432,8 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
             stands = stays_open(g, c, k, tau, u->corner);
         }
     if (stands && c->face[k + 1] >= 0 && !is_touch(c, u, k + 1)) {
-        snprintf(p->why, sizeof p->why, "the impact behind flight %d is not proved to approach", k + 1);
+        snprintf(p->why, sizeof p->why, "the impact behind flight %d is not proved to approach",
+                 k + 1);
         gap_place(g, c->face[k + 1], false);
         arb_t speed, rate;
         arb_init(speed);
@@ -438,7 +460,8 @@ void ric_passage_clear(ric_passage *p)
     arb_clear(p->approach);
 }
 
-bool ric_passage_prove(ric_passage *p, const ric_chain *c, const ric_enclosure *e, const ric_family *u)
+bool ric_passage_prove(ric_passage *p, const ric_chain *c, const ric_enclosure *e,
+                       const ric_family *u)
 {
     gap g;
     gap_init(&g, e);

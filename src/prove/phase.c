@@ -38,7 +38,8 @@ static bool guess(const ric_phase *p, const ric_enclosure *e, ric_basis *z)
 {
     const ric_regime *regime;
     if (ric_regime_get(e->model, p->closed, &regime)) return false;
-    for (slong i = 0; i < (slong)e->n * e->n; i++) arb_set_d(arb_mat_entry(z->X, i / e->n, i % e->n), regime->U[i]);
+    for (slong i = 0; i < (slong)e->n * e->n; i++)
+        arb_set_d(arb_mat_entry(z->X, i / e->n, i % e->n), regime->U[i]);
     return true;
 }
 
@@ -97,7 +98,11 @@ static ric_phase *make(const ric_enclosure *e, uint64_t closed)
 {
     ric_phase *p = flint_calloc(1, sizeof *p);
     *p = (ric_phase){.closed = closed,
-                     .e = {.prec = e->prec, .model = e->model, .n = e->n, .n_contact = e->n_contact, .time = e->time}};
+                     .e = {.prec = e->prec,
+                           .model = e->model,
+                           .n = e->n,
+                           .n_contact = e->n_contact,
+                           .time = e->time}};
     arb_mat_init(p->V, e->n, e->n);
     arb_mat_init(p->back, e->n, e->n);
     p->rest = _arb_vec_init(e->n);
@@ -157,7 +162,8 @@ static void turn(const arb_mat_t A, arb_srcptr w, arb_ptr out, slong prec)
     const slong n = arb_mat_nrows(A);
     for (slong half = 0; half < 2; half++)
         for (slong i = 0; i < n; i++)
-            arb_dot(out + half * n + i, NULL, 0, arb_mat_entry(A, i, 0), 1, w + half * n, 1, n, prec);
+            arb_dot(out + half * n + i, NULL, 0, arb_mat_entry(A, i, 0), 1, w + half * n, 1, n,
+                    prec);
 }
 
 void ric_phase_turn(const ric_phase *p, arb_srcptr v, arb_ptr out)

@@ -1,7 +1,8 @@
 /* A set of closed springs in balls (docs/theory.md section 10): while they are closed
  *   q'' = -(L + R + sum k c c') q + sum k d c,
- * which is the flight of an enclosure of its own in y = V'(q - rest), y' = V'p, with an exactly orthogonal V. At the
- * switches between phases the state does not change. A phase without closed springs is NULL: that of the enclosure. */
+ * which is the flight of an enclosure of its own in y = V'(q - rest), y' = V'p, with an exactly
+ * orthogonal V. At the switches between phases the state does not change. A phase without closed
+ * springs is NULL: that of the enclosure. */
 #ifndef RIC_PROVE_PHASE_H
 #define RIC_PROVE_PHASE_H
 
@@ -16,8 +17,8 @@ typedef struct {
     arb_ptr rest;    /* [n] q where it would rest */
 } ric_phase;
 
-/* That of a set of faces, made when it is first asked for; *out = NULL for none closed. False where it cannot be
- * enclosed. Not for two threads at a time. */
+/* That of a set of faces, made when it is first asked for; *out = NULL for none closed. False where
+ * it cannot be enclosed. Not for two threads at a time. */
 bool ric_phase_get(const ric_enclosure *e, uint64_t closed, const ric_phase **out);
 struct ric_phase_list *ric_phase_list_create(void);
 void ric_phase_list_free(struct ric_phase_list *list);
@@ -37,7 +38,8 @@ static inline bool ric_phase_closed(const ric_phase *phase, int face)
     return phase && face >= 0 && phase->closed >> face & 1;
 }
 /* The flight is that of this enclosure. */
-static inline const ric_enclosure *ric_phase_enclosure(const ric_phase *phase, const ric_enclosure *e)
+static inline const ric_enclosure *ric_phase_enclosure(const ric_phase *phase,
+                                                       const ric_enclosure *e)
 {
     return phase ? &phase->e : e;
 }

@@ -12,8 +12,8 @@
 #include "prover.h"
 #include "prover_mode.h"
 
-/* Speed, in d and 2^-time s, that the rounding of what is stored makes of a touch: a slower impact may be one of either
- * sign, and the junction is what is to be proved. */
+/* Speed, in d and 2^-time s, that the rounding of what is stored makes of a touch: a slower impact
+ * may be one of either sign, and the junction is what is to be proved. */
 #define TOUCH 1e-12
 #define TRACE 1e-3 /* relative to 1 + |trace| */
 
@@ -80,7 +80,8 @@ const char *ric_prover_model(const ric_prover *p)
 const ric_enclosure *ric_prover_enclosure(ric_prover *p, int level)
 {
     if (!p->at[level].made)
-        p->at[level].good = ric_enclosure_create(&p->at[level].e, ric_atlas_model(p->atlas), bits[level]);
+        p->at[level].good = ric_enclosure_create(&p->at[level].e, ric_atlas_model(p->atlas),
+                                                 bits[level]);
     p->at[level].made = true;
     return &p->at[level].e;
 }
@@ -135,7 +136,8 @@ static void measure(theorem *t)
     }
     ric_chain_energy(t->e, c->phase[0], t->u, t->energy);
     arb_mul_2exp_si(t->energy, t->energy, 2 * t->e->time - t->e->mass);
-    for (int k = 0; k < c->m; k++) arb_add(t->period, t->period, t->u + (slong)k * c->size + 2 * c->n, prec);
+    for (int k = 0; k < c->m; k++)
+        arb_add(t->period, t->period, t->u + (slong)k * c->size + 2 * c->n, prec);
     arb_mul_ui(t->period, t->period, (ulong)ric_chain_copies(c), prec);
     arb_mul_2exp_si(t->period, t->period, -t->e->time);
 }
@@ -176,7 +178,9 @@ static bool agrees(const theorem *t, const ric_point *stored, ric_proof *out)
     const bool near = is_near(t->energy, stored->energy) && is_near(frequency, stored->frequency);
     const int flag = stored->stable;
     arb_clear(frequency);
-    if (!near) snprintf(out->why, sizeof out->why, "the stored energy or frequency is not that of the orbit");
+    if (!near)
+        snprintf(out->why, sizeof out->why,
+                 "the stored energy or frequency is not that of the orbit");
     else if (!trace_agrees(t->monodromy.trace, ric_point_trace(stored)))
         snprintf(out->why, sizeof out->why, "the stored trace is not that of the orbit");
     else if (proved != RIC_STABLE_UNDECIDED && flag != RIC_STABLE_UNDECIDED && flag != (int)proved)
@@ -205,17 +209,21 @@ static void tell(const theorem *t, ric_proof *out)
     out->reversible = !ric_chain_general(&t->chain);
 }
 
-/* Existence, distance, passage, multipliers: false with the reason in `out` where one of them is missing. */
-static bool prove(theorem *t, const ric_branch *branch, const double *state, const double *flights, ric_proof *out)
+/* Existence, distance, passage, multipliers: false with the reason in `out` where one of them is
+ * missing. */
+static bool prove(theorem *t, const ric_branch *branch, const double *state, const double *flights,
+                  ric_proof *out)
 {
-    const char *why = "a stored number is not finite, or the structure is free to move while springs are closed";
+    const char *why =
+        "a stored number is not finite, or the structure is free to move while springs are closed";
     if (ric_chain_create(&t->chain, t->e, branch, state, flights))
         why = ric_existence_prove(&t->existence, &t->chain, t->e);
     if (!why && !t->existence.identified) why = "another orbit may lie as near: a junction";
     if (why) snprintf(out->why, sizeof out->why, "%s", why);
     if (why) return false;
     if (!(t->existence.moved <= RIC_PROVER_NEAR)) {
-        snprintf(out->why, sizeof out->why, "the orbit that was proved lies %.1e away", t->existence.moved);
+        snprintf(out->why, sizeof out->why, "the orbit that was proved lies %.1e away",
+                 t->existence.moved);
         return false;
     }
     measure(t);
@@ -240,7 +248,8 @@ static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *ou
     const ric_model *m = ric_atlas_model(p->atlas);
     ric_status status = ric_atlas_branch(p->atlas, id, &branch);
     if (status) return status;
-    double *state = ric_calloc((size_t)(2 * ric_model_n_dof(m) + branch.letters + 1), sizeof *state);
+    double *state = ric_calloc((size_t)(2 * ric_model_n_dof(m) + branch.letters + 1),
+                               sizeof *state);
     if (!state) return ric_no_memory("a proof");
     double *flights = state + 2 * ric_model_n_dof(m);
     status = ric_atlas_point(p->atlas, id, i, &stored, state, flights);
@@ -261,7 +270,8 @@ static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *ou
         free(p->certificate);
         p->certificate = agree ? ric_certificate_point(&t.chain, e, &z, out) : ric_strdup("");
         if (!p->certificate) status = ric_no_memory("a certificate");
-        *more = !agree || !p->certificate || !*p->certificate || (e->n > 1 && out->stable == RIC_STABLE_UNDECIDED);
+        *more = !agree || !p->certificate || !*p->certificate ||
+                (e->n > 1 && out->stable == RIC_STABLE_UNDECIDED);
     }
     theorem_close(&t);
     free(state);
@@ -272,7 +282,10 @@ ric_status ric_prover_point(ric_prover *p, int branch, int i, ric_proof *out)
 {
     ric_branch row;
     ric_status status = ric_atlas_branch(p->atlas, branch, &row);
-    *out = (ric_proof){.branch = branch, .point = i, .state = RIC_PROOF_NONE, .stable = RIC_STABLE_UNDECIDED};
+    *out = (ric_proof){.branch = branch,
+                       .point = i,
+                       .state = RIC_PROOF_NONE,
+                       .stable = RIC_STABLE_UNDECIDED};
     if (status) return status;
     if (p->left_out) {
         out->state = RIC_PROOF_LEFT_OUT;
@@ -289,7 +302,8 @@ ric_status ric_prover_point(ric_prover *p, int branch, int i, ric_proof *out)
         if (out->state == RIC_PROOF_LEFT_OUT) break;
         if (!status && level == 0 && out->state != RIC_PROOF_DONE && !p->contradicted)
             status = ric_prover_at_junction(p, &row, i, out);
-        more = more && (out->state != RIC_PROOF_DONE || !*out->why); /* a junction is not proved again */
+        more = more &&
+               (out->state != RIC_PROOF_DONE || !*out->why); /* a junction is not proved again */
     }
     return status;
 }

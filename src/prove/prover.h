@@ -1,12 +1,13 @@
-/* What proves the orbits and the curves of one atlas: the structure in balls, with as many bits as it takes. */
+/* What proves the orbits and the curves of one atlas: the structure in balls, with as many bits as
+ * it takes. */
 #ifndef RIC_PROVE_PROVER_H
 #define RIC_PROVE_PROVER_H
 
 #include "enclosure.h"
 
-/* What is stored is near the orbit that is proved: the distance of the states and times over 1 + the largest state, and
- * relative differences of energy and period. Rounding leaves 1e-12, and up to 5e-9 where a branch begins flat; a state
- * that is off by 1e-6 is another one. */
+/* What is stored is near the orbit that is proved: the distance of the states and times over 1 +
+ * the largest state, and relative differences of energy and period. Rounding leaves 1e-12, and up
+ * to 5e-9 where a branch begins flat; a state that is off by 1e-6 is another one. */
 #define RIC_PROVER_NEAR 1e-8
 /* Whether both ends of what was proved are as near as that to the stored number. */
 bool ric_prover_near(const double x[2], double stored);

@@ -55,7 +55,9 @@ static ric_status list_stations(tracing *t)
         const ric_status status = ric_walk_point(&t->w, i, &point);
         if (status) return status;
         for (; i > 0 && next < b->n_junction && b->junction_at[next] <= point.arclength; next++)
-            t->stations[t->n++] = (station){.point = -1, .junction = b->junctions[next], .at = b->junction_at[next]};
+            t->stations[t->n++] = (station){.point = -1,
+                                            .junction = b->junctions[next],
+                                            .at = b->junction_at[next]};
         if (!is_at(&t->w, i, point.arclength)) t->stations[t->n++] = (station){.point = i};
     }
     return RIC_OK;
@@ -63,12 +65,15 @@ static ric_status list_stations(tracing *t)
 
 /* ----------------------------------------------------------------- junctions */
 
-/* A spring that closes and opens at one instant: the conditions of both are one there, and the equations singular; not
- * so with a mirror point in the midst of the contact, from which only half of it is in the chain. */
+/* A spring that closes and opens at one instant: the conditions of both are one there, and the
+ * equations singular; not so with a mirror point in the midst of the contact, from which only half
+ * of it is in the chain. */
 static bool has_no_length(const ric_chain *c, arb_srcptr u)
 {
     for (int k = 0; k < c->m; k++)
-        if (c->face[k] >= 0 && c->face[k + 1] >= 0 && arb_contains_zero(u + (slong)k * c->size + 2 * c->n)) return true;
+        if (c->face[k] >= 0 && c->face[k + 1] >= 0 &&
+            arb_contains_zero(u + (slong)k * c->size + 2 * c->n))
+            return true;
     return false;
 }
 
@@ -104,10 +109,10 @@ static double apart(const ric_chain *c, arb_srcptr u, const ric_enclosure *e)
     return length;
 }
 
-/* The arc that leaves, or passes, a curve of a smaller class near the chain `like`: its end on the side of `from`, and
- * the other one. */
-static void place_leaving(tracing *t, const ric_augmented *x, const ric_chain *like, const ric_chain *from, ric_node *a,
-                          ric_node *beyond)
+/* The arc that leaves, or passes, a curve of a smaller class near the chain `like`: its end on the
+ * side of `from`, and the other one. */
+static void place_leaving(tracing *t, const ric_augmented *x, const ric_chain *like,
+                          const ric_chain *from, ric_node *a, ric_node *beyond)
 {
     ric_leaving leaving;
     if (ric_chain_same_class(like, from) && ric_leaving_prove(&leaving, x, like)) {
@@ -137,13 +142,15 @@ static bool leaves(const ric_junction *row)
     return row->kind == RIC_KIND_BRANCH_POINT || row->kind == RIC_KIND_MULTIPLICATION;
 }
 
-/* The orbit of a junction at an end, in the class of the branch: a grazing, or a little beyond where it leaves. */
+/* The orbit of a junction at an end, in the class of the branch: a grazing, or a little beyond
+ * where it leaves. */
 static ric_status place_end(tracing *t, int i, ric_node *a)
 {
     ric_junction row;
     ric_augmented x = {0};
     ric_junction_proof proof = {.state = RIC_PROOF_NONE};
-    ric_status status = ric_atlas_junction(t->p->atlas, i ? t->w.branch.to : t->w.branch.from, &row);
+    ric_status status = ric_atlas_junction(t->p->atlas, i ? t->w.branch.to : t->w.branch.from,
+                                           &row);
     a->why = "the junction at its end is not proved";
     if (!status && (row.kind == RIC_KIND_GRAZING || leaves(&row)))
         status = ric_prover_junction_find(t->p, &row, 0, &x, &proof);
@@ -174,18 +181,18 @@ static ric_status place_inside(tracing *t, const station *s, const ric_junction 
     return status;
 }
 
-/* A curve of a smaller class, or a shorter orbit, that it passes in its own class: behind it, seen from the node
- * before.
- */
-static ric_status place_across(tracing *t, const station *s, const ric_junction *row, const ric_node *before,
-                               ric_node *a)
+/* A curve of a smaller class, or a shorter orbit, that it passes in its own class: behind it, seen
+ * from the node before. */
+static ric_status place_across(tracing *t, const station *s, const ric_junction *row,
+                               const ric_node *before, ric_node *a)
 {
     ric_augmented x = {0};
     ric_junction_proof proof = {.state = RIC_PROOF_NONE};
     ric_chain like = {0};
     bool made = false;
     ric_status status = ric_prover_junction_find(t->p, row, 0, &x, &proof);
-    if (!status && proof.state == RIC_PROOF_DONE) status = ric_walk_between(&t->w, s->at, &like, &made);
+    if (!status && proof.state == RIC_PROOF_DONE)
+        status = ric_walk_between(&t->w, s->at, &like, &made);
     if (made && !before->why) {
         ric_curve_node_clear(&t->beyond);
         ric_curve_node_init(&t->beyond);
@@ -216,7 +223,8 @@ static ric_status place(tracing *t, const station *s, const ric_node *before, ri
 /* -------------------------------------------------------------------- steps */
 
 /* Between two stations; false with the reason. */
-static bool prove_step(tracing *t, const ric_node *a, const ric_node *b, const char *where, ric_curve_proof *out)
+static bool prove_step(tracing *t, const ric_node *a, const ric_node *b, const char *where,
+                       ric_curve_proof *out)
 {
     const char *why = a->why ? a->why : b->why;
     snprintf(t->curve.why, sizeof t->curve.why, "%s", why ? why : "another class of orbits");
@@ -239,7 +247,8 @@ static void swap_nodes(ric_node *a, ric_node *b)
 }
 
 /* From station `from` to station k, whose node is b; false where that ends the curve. */
-static bool prove_next(tracing *t, int from, int k, const ric_node *a, const ric_node *b, ric_curve_proof *out)
+static bool prove_next(tracing *t, int from, int k, const ric_node *a, const ric_node *b,
+                       ric_curve_proof *out)
 {
     char where[60];
     const bool end = (from == 0 && is_junction(&t->w, 0)) ||
@@ -252,8 +261,8 @@ static bool prove_next(tracing *t, int from, int k, const ric_node *a, const ric
     return joined || end;
 }
 
-/* Steps to ends that are junctions are left out where these are not proved, or no tube reaches them; so are junctions
- * inside. */
+/* Steps to ends that are junctions are left out where these are not proved, or no tube reaches
+ * them; so are junctions inside. */
 static ric_status prove_steps(tracing *t, ric_curve_proof *out)
 {
     ric_node here, next;
@@ -299,7 +308,8 @@ ric_status ric_prover_curve(ric_prover *p, int id, ric_curve_proof *out)
         out->state = RIC_PROOF_LEFT_OUT;
         snprintf(out->why, sizeof out->why, "%s", left_out);
     } else if (!status && !p->at[0].good) snprintf(out->why, sizeof out->why, "%s", t.w.e->why);
-    else if (!status && !(status = ric_walk_class(&t.w)) && t.w.like.u && !(status = list_stations(&t)))
+    else if (!status && !(status = ric_walk_class(&t.w)) && t.w.like.u &&
+             !(status = list_stations(&t)))
         status = prove_steps(&t, out);
     const double *length = t.curve.length, all = length[0] + length[1] + length[2];
     out->tubes = t.curve.tubes;

@@ -16,34 +16,47 @@
 enum { MOST_QUESTIONS = 4 };
 
 #define CLOSE 1e-6 /* a gap, in the first clearance, that is looked at as one that touches */
-#define SLOW 1e-5  /* speed of an impact, in d and 2^-time s, that is looked at as a touch; the equations decide */
+/* SLOW: speed of an impact, in d and 2^-time s, that is looked at as a touch; the equations decide
+ */
+#define SLOW 1e-5
 
 /* ----------------------------------------------------------------- questions */
 
-/* What may be at a point of a branch between its ends. A turn by 2 pi p / q in a period is one by half of it, or by
- * that and pi, in half a period of a symmetric orbit. */
+/* What may be at a point of a branch between its ends. A turn by 2 pi p / q in a period is one by
+ * half of it, or by that and pi, in half a period of a symmetric orbit. */
 static int ask_inside(const ric_junction *row, const ric_chain *c, ric_augmented_question *ask)
 {
     int n = 0;
     const bool general = ric_chain_general(c);
     const int p = row->rotation[0], q = row->rotation[1];
     switch (row->kind) {
-    case RIC_KIND_EXTREMUM: ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_ENERGY}; break;
-    case RIC_KIND_PERIOD_EXTREMUM: ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_PERIOD}; break;
+    case RIC_KIND_EXTREMUM:
+        ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_ENERGY};
+        break;
+    case RIC_KIND_PERIOD_EXTREMUM:
+        ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_PERIOD};
+        break;
     case RIC_KIND_BRANCH_POINT:
-        if (general && c->sign < 0) ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_DOUBLE};
+        if (general && c->sign < 0)
+            ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_DOUBLE};
         for (int k = 1; k < 4 && !general; k++)
-            ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK, .broken = {k & 1, k >> 1}};
+            ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK,
+                                                .broken = {k & 1, k >> 1}};
         break;
     case RIC_KIND_MULTIPLICATION:
-        if (q == 2 && general && c->sign > 0) ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_DOUBLE};
+        if (q == 2 && general && c->sign > 0)
+            ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_DOUBLE};
         else if (q == 2 && !general && !ric_chain_symmetric(c))
             for (int k = 1; k < 3; k++)
-                ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK, .broken = {k & 1, k >> 1}};
+                ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK,
+                                                    .broken = {k & 1, k >> 1}};
         else if (q > 1 && ric_chain_symmetric(c))
             for (int k = 0; k < 2; k++)
-                ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_TURN, .p = p + k * q, .q = 2 * q};
-        else if (q > 2) ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_TURN, .p = p, .q = q};
+                ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_TURN,
+                                                    .p = p + k * q,
+                                                    .q = 2 * q};
+        else if (q > 2)
+            ask[n++] = (ric_augmented_question){.kind = RIC_AUGMENTED_TURN, .p = p, .q = q};
         break;
     default: break;
     }
@@ -67,7 +80,8 @@ static bool ask_slowest(const ric_chain *c, const ric_enclosure *e, ric_augmente
     double least = SLOW;
     arb_ptr flown = _arb_vec_init(2 * e->n);
     for (int k = 0; k <= c->m; k++) {
-        if (c->face[k] < 0 || e->wall[c->face[k]].closes || (k == c->m && ric_chain_general(c))) continue;
+        if (c->face[k] < 0 || e->wall[c->face[k]].closes || (k == c->m && ric_chain_general(c)))
+            continue;
         arb_srcptr block = ric_chain_block(c, k < c->m ? k : c->m - 1);
         if (k == c->m) ric_chain_fly(e, c->phase[k - 1], block, block + 2 * e->n, flown);
         const double speed = speed_at(c, e, c->face[k], (k < c->m ? block : flown) + e->n);
@@ -80,7 +94,8 @@ static bool ask_slowest(const ric_chain *c, const ric_enclosure *e, ric_augmente
 }
 
 /* h = gap - s of a face, or its image, at a time of a flight, and h'. */
-static void gap_at(const ric_enclosure *e, const ric_chain *c, const ric_augmented_question *ask, double t, double h[2])
+static void gap_at(const ric_enclosure *e, const ric_chain *c, const ric_augmented_question *ask,
+                   double t, double h[2])
 {
     const ric_wall *wall = &e->wall[ask->face];
     const ric_phase *phase = c->phase[ask->place];
@@ -93,7 +108,8 @@ static void gap_at(const ric_enclosure *e, const ric_chain *c, const ric_augment
     arb_set_d(time, t);
     ric_chain_fly(e, phase, ric_chain_block(c, ask->place), time, flown);
     for (int k = 0; k < 2; k++) {
-        arb_dot(x, NULL, 0, ric_enclosure_c(e, wall->contact), 1, flown + k * e->n, 1, e->n, e->prec);
+        arb_dot(x, NULL, 0, ric_enclosure_c(e, wall->contact), 1, flown + k * e->n, 1, e->n,
+                e->prec);
         h[k] = -side * ric_arb_middle(x);
     }
     h[0] += wall->side * ric_arb_middle(wall->gap);
@@ -103,13 +119,16 @@ static void gap_at(const ric_enclosure *e, const ric_chain *c, const ric_augment
     _arb_vec_clear(flown, 2 * e->n);
 }
 
-/* The least gap of a face in a flight where it is a minimum, if less than *least: `ask` then says when. */
-static void look_at(const ric_chain *c, const ric_enclosure *e, ric_augmented_question here, double *least,
-                    ric_augmented_question *ask)
+/* The least gap of a face in a flight where it is a minimum, if less than *least: `ask` then says
+ * when. */
+static void look_at(const ric_chain *c, const ric_enclosure *e, ric_augmented_question here,
+                    double *least, ric_augmented_question *ask)
 {
     enum { PARTS = 64, HALVINGS = 60 };
     const double tau = ric_arb_middle(ric_chain_block(c, here.place) + 2 * e->n);
-    const int first = here.place == 0 && c->face[0] < 0 ? -1 : 1; /* a mirror point may be where it touches */
+    const int first = here.place == 0 && c->face[0] < 0
+                          ? -1
+                          : 1; /* a mirror point may be where it touches */
     const int last = c->face[here.place + 1] < 0 ? PARTS + 1 : PARTS;
     double h[2], before[2];
     gap_at(e, c, &here, first * tau / PARTS, before);
@@ -138,12 +157,16 @@ static bool ask_nearest(const ric_chain *c, const ric_enclosure *e, ric_augmente
         for (int f = 0; f < e->n_face; f++)
             for (int image = 0; image <= ric_chain_imaged(c); image++)
                 look_at(c, e,
-                        (ric_augmented_question){.kind = RIC_AUGMENTED_TOUCH, .place = k, .face = f, .image = image},
+                        (ric_augmented_question){.kind = RIC_AUGMENTED_TOUCH,
+                                                 .place = k,
+                                                 .face = f,
+                                                 .image = image},
                         &least, ask);
     return least < CLOSE;
 }
 
-/* The gap of a face, or of its image, at the event that block k begins with, or the chain ends with. */
+/* The gap of a face, or of its image, at the event that block k begins with, or the chain ends
+ * with. */
 static double gap_at_event(const ric_enclosure *e, const ric_chain *c, int k, int face, bool image)
 {
     const int flight = k < c->m ? k : k - 1;
@@ -160,17 +183,22 @@ static bool ask_corner(const ric_chain *c, const ric_enclosure *e, ric_augmented
     for (int k = 0; k <= c->m - ric_chain_general(c); k++) {
         if (c->face[k] < 0) continue;
         const int own = e->wall[c->face[k]].contact;
-        const double tau = k < c->m ? fabs(ric_arb_middle(ric_chain_block(c, k) + 2 * e->n)) : HUGE_VAL;
+        const double tau = k < c->m ? fabs(ric_arb_middle(ric_chain_block(c, k) + 2 * e->n))
+                                    : HUGE_VAL;
         if (tau < CLOSE && c->face[k + 1] >= 0 && e->wall[c->face[k + 1]].contact != own) {
             *ask = (ric_augmented_question){.kind = RIC_AUGMENTED_MEET, .place = k};
             return true;
         }
         for (int f = 0; f < e->n_face; f++)
-            for (int image = 0; image <= ric_chain_imaged(c) && e->wall[f].contact != own; image++) {
+            for (int image = 0; image <= ric_chain_imaged(c) && e->wall[f].contact != own;
+                 image++) {
                 const double h = fabs(gap_at_event(e, c, k, f, image));
                 if (!(h < least)) continue;
                 least = h;
-                *ask = (ric_augmented_question){.kind = RIC_AUGMENTED_GAP, .place = k, .face = f, .image = image};
+                *ask = (ric_augmented_question){.kind = RIC_AUGMENTED_GAP,
+                                                .place = k,
+                                                .face = f,
+                                                .image = image};
             }
     }
     return least < CLOSE;
@@ -213,25 +241,38 @@ static void describe(const ric_augmented *x, ric_junction_proof *out)
                  : a->broken[0]               ? "the first mirror"
                                               : "the last mirror");
         break;
-    case RIC_AUGMENTED_TURN: snprintf(out->how, sizeof out->how, "multipliers turn by %d/%d", a->p, a->q); break;
-    case RIC_AUGMENTED_DOUBLE: snprintf(out->how, sizeof out->how, "a motion closes with the other sign"); break;
+    case RIC_AUGMENTED_TURN:
+        snprintf(out->how, sizeof out->how, "multipliers turn by %d/%d", a->p, a->q);
+        break;
+    case RIC_AUGMENTED_DOUBLE:
+        snprintf(out->how, sizeof out->how, "a motion closes with the other sign");
+        break;
     case RIC_AUGMENTED_SPEED: snprintf(out->how, sizeof out->how, "an impact has no speed"); break;
-    case RIC_AUGMENTED_TOUCH: snprintf(out->how, sizeof out->how, "a gap touches in flight %d", a->place + 1); break;
-    case RIC_AUGMENTED_GAP: snprintf(out->how, sizeof out->how, "a gap closes at an impact on another contact"); break;
-    case RIC_AUGMENTED_MEET: snprintf(out->how, sizeof out->how, "flight %d has no length", a->place + 1); break;
+    case RIC_AUGMENTED_TOUCH:
+        snprintf(out->how, sizeof out->how, "a gap touches in flight %d", a->place + 1);
+        break;
+    case RIC_AUGMENTED_GAP:
+        snprintf(out->how, sizeof out->how, "a gap closes at an impact on another contact");
+        break;
+    case RIC_AUGMENTED_MEET:
+        snprintf(out->how, sizeof out->how, "flight %d has no length", a->place + 1);
+        break;
     }
 }
 
-/* Contacts that touch at the same instant as that of the question, as they are images of it: of a linear mode, which
- * the chain from rest to a centre is where its equations are regular, and if no mode is unseen. */
+/* Contacts that touch at the same instant as that of the question, as they are images of it: of a
+ * linear mode, which the chain from rest to a centre is where its equations are regular, and if no
+ * mode is unseen. */
 static void find_together(ric_augmented *x)
 {
     const ric_enclosure *e = x->e;
-    const bool mode = x->c.m == 1 && x->c.face[0] < 0 && x->c.face[1] < 0 && x->c.start == RIC_CHAIN_REST &&
-                      x->c.end == RIC_CHAIN_CENTRE && !x->c.phase[0] && e->n == e->n_dof;
+    const bool mode = x->c.m == 1 && x->c.face[0] < 0 && x->c.face[1] < 0 &&
+                      x->c.start == RIC_CHAIN_REST && x->c.end == RIC_CHAIN_CENTRE &&
+                      !x->c.phase[0] && e->n == e->n_dof;
     const int own = e->wall[x->ask.face].contact;
     arb_t s;
-    if (x->ask.kind != RIC_AUGMENTED_TOUCH || !mode || !arb_contains_zero(x->z + x->n_orbit)) return;
+    if (x->ask.kind != RIC_AUGMENTED_TOUCH || !mode || !arb_contains_zero(x->z + x->n_orbit))
+        return;
     arb_init(s);
     for (int k = 0; k < e->n_contact; k++) {
         if (k == own || !ric_twins_are(e->model, own, k)) continue;
@@ -243,10 +284,12 @@ static void find_together(ric_augmented *x)
 
 static void add_closure(ric_corner *corner, int flight, bool end, const ric_wall *wall, bool turned)
 {
-    corner->at[corner->n++] = (ric_closure){flight, end, wall->contact, turned ? -wall->side : wall->side};
+    corner->at[corner->n++] = (ric_closure){flight, end, wall->contact,
+                                            turned ? -wall->side : wall->side};
 }
 
-/* Where the flights of the chain see a corner; event m of a general chain is event 0, or its image. */
+/* Where the flights of the chain see a corner; event m of a general chain is event 0, or its image.
+ */
 static void find_corner(const ric_augmented *x, ric_corner *corner)
 {
     const ric_chain *c = &x->c;
@@ -257,7 +300,8 @@ static void find_corner(const ric_augmented *x, ric_corner *corner)
     if (x->ask.kind == RIC_AUGMENTED_GAP) {
         if (k < c->m) add_closure(corner, k, false, &wall[x->ask.face], x->ask.image);
         if (k > 0) add_closure(corner, k - 1, true, &wall[x->ask.face], x->ask.image);
-        else if (around) add_closure(corner, c->m - 1, true, &wall[x->ask.face], x->ask.image != turned);
+        else if (around)
+            add_closure(corner, c->m - 1, true, &wall[x->ask.face], x->ask.image != turned);
         return;
     }
     corner->empty = k;
@@ -322,19 +366,24 @@ static bool agrees(const ric_augmented *x, const ric_junction *row, ric_junction
     out->distance = ric_story_distance(&story, row->letters, row->word, row->state, row->flights);
     if (row->kind == RIC_KIND_CORNER) { /* it is stored in one order of the two */
         ric_story_exchange(&story);
-        out->distance = fmin(out->distance,
-                             ric_story_distance(&story, row->letters, row->word, row->state, row->flights));
+        out->distance = fmin(out->distance, ric_story_distance(&story, row->letters, row->word,
+                                                               row->state, row->flights));
     }
     ric_story_free(&story);
-    const bool near = ric_prover_near(out->energy, row->energy) && ric_prover_near(period, row->frequency);
-    if (!near) snprintf(out->why, sizeof out->why, "the stored energy or frequency is not that of the junction");
+    const bool near = ric_prover_near(out->energy, row->energy) &&
+                      ric_prover_near(period, row->frequency);
+    if (!near)
+        snprintf(out->why, sizeof out->why,
+                 "the stored energy or frequency is not that of the junction");
     else if (!(out->distance <= RIC_PROVER_NEAR))
-        snprintf(out->why, sizeof out->why, "the stored orbit is not that of the junction, %.1e away", out->distance);
+        snprintf(out->why, sizeof out->why,
+                 "the stored orbit is not that of the junction, %.1e away", out->distance);
     return near && out->distance <= RIC_PROVER_NEAR;
 }
 
 bool ric_prover_junction_at(const ric_junction *row, const ric_chain *c, const ric_enclosure *e,
-                            const ric_augmented_question *ask, ric_augmented *x, ric_junction_proof *out)
+                            const ric_augmented_question *ask, ric_augmented *x,
+                            ric_junction_proof *out)
 {
     bool done = ric_augmented_prove(x, c, e, ask);
     if (!done) snprintf(out->why, sizeof out->why, "%s", x->why);
@@ -348,15 +397,17 @@ bool ric_prover_junction_at(const ric_junction *row, const ric_chain *c, const r
 
 /* --------------------------------------------------------------- on a branch */
 
-ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, double at, ric_augmented *x,
-                                      ric_junction_proof *out)
+ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, double at,
+                                      ric_augmented *x, ric_junction_proof *out)
 {
     ric_augmented_question ask[MOST_QUESTIONS];
     ric_chain c = {0};
     bool made;
     ric_status status = ric_walk_between(w, at, &c, &made);
     const int n = made ? ask_inside(row, &c, ask) : 0;
-    if (!n) snprintf(out->why, sizeof out->why, "there are no equations for this kind in the class of its branch");
+    if (!n)
+        snprintf(out->why, sizeof out->why,
+                 "there are no equations for this kind in the class of its branch");
     for (int i = 0; i < n; i++) {
         ric_augmented_free(x);
         if (!ric_prover_junction_at(row, &c, w->e, &ask[i], x, out)) continue;
@@ -367,8 +418,8 @@ ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, doub
     return status;
 }
 
-ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool last, ric_augmented *x,
-                                   ric_junction_proof *out)
+ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool last,
+                                   ric_augmented *x, ric_junction_proof *out)
 {
     ric_augmented_question ask;
     ric_chain c = {0};
@@ -376,22 +427,25 @@ ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool la
     ric_status status = ric_walk_chain(w, last ? w->branch.n_point - 1 : 0, &c, &made);
     ric_chain shorter = {0};
     const bool corner = row->kind == RIC_KIND_CORNER;
-    if (made && !corner && ric_chain_shorten(&shorter, w->e, &w->branch, w->state, w->state + 2 * w->e->n_dof)) {
+    if (made && !corner &&
+        ric_chain_shorten(&shorter, w->e, &w->branch, w->state, w->state + 2 * w->e->n_dof)) {
         ric_chain_free(&c);
         c = shorter;
     }
-    if (made && (corner ? ask_corner(&c, w->e, &ask) : ask_slowest(&c, w->e, &ask) || ask_nearest(&c, w->e, &ask))) {
+    if (made && (corner ? ask_corner(&c, w->e, &ask)
+                        : ask_slowest(&c, w->e, &ask) || ask_nearest(&c, w->e, &ask))) {
         ric_augmented_free(x);
         if (ric_prover_junction_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
-    } else if (corner) snprintf(out->why, sizeof out->why, "no two contacts close at all but one instant");
+    } else if (corner)
+        snprintf(out->why, sizeof out->why, "no two contacts close at all but one instant");
     else snprintf(out->why, sizeof out->why, "no impact and no gap is all but a touch");
     ric_chain_free(&c);
     return status;
 }
 
 /* Where a linear mode touches. */
-static void on_linear(const ric_enclosure *e, const double *state, double period, const ric_junction *row,
-                      ric_augmented *x, ric_junction_proof *out)
+static void on_linear(const ric_enclosure *e, const double *state, double period,
+                      const ric_junction *row, ric_augmented *x, ric_junction_proof *out)
 {
     ric_augmented_question ask;
     ric_chain c;
@@ -409,28 +463,34 @@ static void on_linear(const ric_enclosure *e, const double *state, double period
 }
 
 /* At the end of its branch: a spring; a stop is touched by the branch that hits it. */
-static ric_status on_mode(ric_walk *w, const ric_junction *row, ric_augmented *x, ric_junction_proof *out)
+static ric_status on_mode(ric_walk *w, const ric_junction *row, ric_augmented *x,
+                          ric_junction_proof *out)
 {
     ric_point stored;
-    const ric_status status = ric_walk_point(w, w->branch.to == row->id ? w->branch.n_point - 1 : 0, &stored);
+    const ric_status status = ric_walk_point(w, w->branch.to == row->id ? w->branch.n_point - 1 : 0,
+                                             &stored);
     if (!status) on_linear(w->e, w->state, w->state[2 * w->e->n_dof], row, x, out);
     return status;
 }
 
 /* What is asked of a chain of the junction itself, n questions. */
-static int ask_itself(const ric_junction *row, const ric_chain *c, const ric_enclosure *e, ric_augmented_question *ask)
+static int ask_itself(const ric_junction *row, const ric_chain *c, const ric_enclosure *e,
+                      ric_augmented_question *ask)
 {
     return row->kind == RIC_KIND_GRAZING ? ask_nearest(c, e, ask) : ask_inside(row, c, ask);
 }
 
-/* By what is stored of the junction itself. Of a grazing that is its orbit without touches: in a class with more
- * mirrors than those of the branches that end there, or gone through once where they go through it several times,
- * several touches are one. Of all others it is that of a branch that the atlas need not have. */
-static void on_itself(const ric_enclosure *e, const ric_junction *row, ric_augmented *x, ric_junction_proof *out)
+/* By what is stored of the junction itself. Of a grazing that is its orbit without touches: in a
+ * class with more mirrors than those of the branches that end there, or gone through once where
+ * they go through it several times, several touches are one. Of all others it is that of a branch
+ * that the atlas need not have. */
+static void on_itself(const ric_enclosure *e, const ric_junction *row, ric_augmented *x,
+                      ric_junction_proof *out)
 {
     ric_augmented_question ask[MOST_QUESTIONS];
     ric_branch branch = {.letters = row->letters, .word = row->word};
-    if (row->letters == 0 && row->kind == RIC_KIND_GRAZING) on_linear(e, row->state, row->flights[0], row, x, out);
+    if (row->letters == 0 && row->kind == RIC_KIND_GRAZING)
+        on_linear(e, row->state, row->flights[0], row, x, out);
     for (int kind = 3; kind >= 0 && row->letters > 0 && out->state != RIC_PROOF_DONE; kind--) {
         ric_chain c;
         branch.reversible = kind & 2;
@@ -448,15 +508,16 @@ static void on_itself(const ric_enclosure *e, const ric_junction *row, ric_augme
 }
 
 /* On one of its branches. */
-static ric_status on_branch(ric_prover *p, const ric_junction *row, int id, int level, ric_augmented *x,
-                            ric_junction_proof *out)
+static ric_status on_branch(ric_prover *p, const ric_junction *row, int id, int level,
+                            ric_augmented *x, ric_junction_proof *out)
 {
     ric_walk w;
     ric_status status = ric_walk_open(&w, p, id, level);
     const bool end = row->kind == RIC_KIND_GRAZING || row->kind == RIC_KIND_CORNER;
     if (!status && w.branch.letters == 0 && end) status = on_mode(&w, row, x, out);
     if (!status && w.branch.letters > 0 && !(status = ric_walk_class(&w)) && w.like.u) {
-        if (end && w.branch.from == row->id) status = ric_prover_junction_end(&w, row, false, x, out);
+        if (end && w.branch.from == row->id)
+            status = ric_prover_junction_end(&w, row, false, x, out);
         if (!status && end && out->state && w.branch.to == row->id)
             status = ric_prover_junction_end(&w, row, true, x, out);
         for (int i = 0; i < w.branch.n_junction && !status && out->state && !end; i++)
@@ -473,8 +534,8 @@ bool ric_prover_junction_asked(const ric_junction *row, const ric_branch *branch
     return row->kind != RIC_KIND_MULTIPLICATION || ric_junction_level(row, branch) == row->multiple;
 }
 
-ric_status ric_prover_junction_find(ric_prover *p, const ric_junction *row, int level, ric_augmented *x,
-                                    ric_junction_proof *out)
+ric_status ric_prover_junction_find(ric_prover *p, const ric_junction *row, int level,
+                                    ric_augmented *x, ric_junction_proof *out)
 {
     ric_status status = RIC_OK;
     int longest = 0;
@@ -484,8 +545,8 @@ ric_status ric_prover_junction_find(ric_prover *p, const ric_junction *row, int 
             longest = branch.letters;
     for (int letters = longest; letters >= 0; letters--)
         for (int k = 0; k < row->n_branch && !status && out->state != RIC_PROOF_DONE; k++)
-            if (!ric_atlas_branch(p->atlas, row->branches[k], &branch) && branch.letters == letters &&
-                ric_prover_junction_asked(row, &branch))
+            if (!ric_atlas_branch(p->atlas, row->branches[k], &branch) &&
+                branch.letters == letters && ric_prover_junction_asked(row, &branch))
                 status = on_branch(p, row, row->branches[k], level, x, out);
     if (!status && row->kind != RIC_KIND_CORNER && out->state != RIC_PROOF_DONE) {
         ric_junction_proof own = *out;

@@ -1,5 +1,5 @@
-/* Points that are no orbits of a word in general position: those of linear modes, in closed form, and those that are
- * junctions themselves. docs/proofs.md states the theorems. */
+/* Points that are no orbits of a word in general position: those of linear modes, in closed form,
+ * and those that are junctions themselves. docs/proofs.md states the theorems. */
 #include "prover_mode.h"
 
 #include <math.h>
@@ -10,23 +10,28 @@
 #include "base/room.h"
 #include "prover_junction.h"
 
-/* Of a clearance: a mode that comes as near to a stop touches it, and the junction is what is to be proved. */
+/* Of a clearance: a mode that comes as near to a stop touches it, and the junction is what is to be
+ * proved. */
 #define TOUCH 1e-12
 
 /* Energy and frequency of what was proved, and those that are stored. */
 static bool agrees(const ric_point *stored, ric_proof *out)
 {
     const double turn = 8 * atan(1), frequency[2] = {turn / out->period[1], turn / out->period[0]};
-    const bool near = ric_prover_near(out->energy, stored->energy) && ric_prover_near(frequency, stored->frequency);
-    if (!near) snprintf(out->why, sizeof out->why, "the stored energy or frequency is not that of the orbit");
+    const bool near = ric_prover_near(out->energy, stored->energy) &&
+                      ric_prover_near(frequency, stored->frequency);
+    if (!near)
+        snprintf(out->why, sizeof out->why,
+                 "the stored energy or frequency is not that of the orbit");
     return near;
 }
 
 /* ------------------------------------------------------------- linear modes */
 
-/* Mode k of L + R: the largest part of a motion, its size A, and how far the vector of the mode, of length one, is from
- * that of L. Where L_k is away from all others by delta the angle between them has a sine of at most rho / (delta -
- * rho) (Davis and Kahan, SIAM J. Numer. Anal. 7 (1970) 1-46), and what it differs by is sqrt(2) times that at most. */
+/* Mode k of L + R: the largest part of a motion, its size A, and how far the vector of the mode, of
+ * length one, is from that of L. Where L_k is away from all others by delta the angle between them
+ * has a sine of at most rho / (delta - rho) (Davis and Kahan, SIAM J. Numer. Anal. 7 (1970) 1-46),
+ * and what it differs by is sqrt(2) times that at most. */
 typedef struct {
     const ric_enclosure *e;
     slong k;
@@ -67,7 +72,8 @@ static void measure_mode(mode *m, const double *state, double frequency)
         }
     }
     for (slong i = 0; i < n; i++) {
-        const double size = hypot(ric_arb_middle(w + i) * ric_arb_middle(e->omega + i), ric_arb_middle(w + n + i));
+        const double size = hypot(ric_arb_middle(w + i) * ric_arb_middle(e->omega + i),
+                                  ric_arb_middle(w + n + i));
         const double off = fabs(ric_arb_middle(e->omega + i) - frequency);
         if (size > largest || (size == largest && off < least)) {
             m->k = i;
@@ -76,7 +82,8 @@ static void measure_mode(mode *m, const double *state, double frequency)
         largest = fmax(largest, size);
     }
     for (slong i = 0; i < n; i++)
-        if (i != m->k) others = hypot(others, hypot(ric_arb_middle(w + i), ric_arb_middle(w + n + i)));
+        if (i != m->k)
+            others = hypot(others, hypot(ric_arb_middle(w + i), ric_arb_middle(w + n + i)));
     m->distance = others / (1 + hypot(ric_arb_middle(w + m->k), ric_arb_middle(w + n + m->k)));
     arb_mul(m->size, w + n + m->k, w + n + m->k, e->prec);
     arb_div(m->size, m->size, e->square + m->k, e->prec);
@@ -189,11 +196,13 @@ static void tell_mode(const mode *m, ric_proof *out)
 static bool has_frequency(const ric_enclosure *e, double frequency)
 {
     for (slong i = 0; i < e->n; i++)
-        if (fabs(ric_arb_middle(e->omega + i) - frequency) <= RIC_PROVER_NEAR * frequency) return true;
+        if (fabs(ric_arb_middle(e->omega + i) - frequency) <= RIC_PROVER_NEAR * frequency)
+            return true;
     return false;
 }
 
-void ric_prover_mode(const ric_enclosure *e, const ric_point *stored, const double *state, ric_proof *out)
+void ric_prover_mode(const ric_enclosure *e, const ric_point *stored, const double *state,
+                     ric_proof *out)
 {
     mode m;
     if (!has_frequency(e, ldexp(stored->frequency, -e->time))) {
@@ -204,10 +213,13 @@ void ric_prover_mode(const ric_enclosure *e, const ric_point *stored, const doub
     mode_open(&m, e);
     measure_mode(&m, state, ldexp(stored->frequency, -e->time));
     if (!is_simple(&m))
-        snprintf(out->why, sizeof out->why, "a linear mode of a frequency that others have, or of none");
+        snprintf(out->why, sizeof out->why,
+                 "a linear mode of a frequency that others have, or of none");
     else if (!(m.distance <= RIC_PROVER_NEAR))
-        snprintf(out->why, sizeof out->why, "the stored orbit is no linear mode, by %.1e", m.distance);
-    else if (!stays_open(&m)) snprintf(out->why, sizeof out->why, "a stop is not proved to stay open");
+        snprintf(out->why, sizeof out->why, "the stored orbit is no linear mode, by %.1e",
+                 m.distance);
+    else if (!stays_open(&m))
+        snprintf(out->why, sizeof out->why, "a stop is not proved to stay open");
     else {
         tell_mode(&m, out);
         if (agrees(stored, out)) {
@@ -285,7 +297,10 @@ static ric_status compare_at(ric_walk *w, int i, const ric_junction *row, const 
     ric_status status = ric_walk_point(w, i, &stored);
     if (status) return status;
     ric_prover_junction_tell(x, &story);
-    *out = (ric_proof){.branch = out->branch, .point = i, .state = RIC_PROOF_NONE, .stable = RIC_STABLE_UNDECIDED};
+    *out = (ric_proof){.branch = out->branch,
+                       .point = i,
+                       .state = RIC_PROOF_NONE,
+                       .stable = RIC_STABLE_UNDECIDED};
     out->distance = HUGE_VAL;
     out->approach = out->trace[0] = out->trace[1] = NAN;
     out->bits = proof->bits;
@@ -301,7 +316,8 @@ static ric_status compare_at(ric_walk *w, int i, const ric_junction *row, const 
     ric_story_free(&story);
     if (status) return status;
     if (!(out->distance <= RIC_PROVER_NEAR))
-        snprintf(out->why, sizeof out->why, "the stored orbit is not that of the junction %s", row->label);
+        snprintf(out->why, sizeof out->why, "the stored orbit is not that of the junction %s",
+                 row->label);
     else if (agrees(&stored, out)) {
         out->state = RIC_PROOF_DONE;
         snprintf(out->why, sizeof out->why, "the junction %s itself", row->label);

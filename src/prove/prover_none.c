@@ -12,9 +12,10 @@ ric_status ric_prover_create(const ric_atlas *atlas, ric_prover **out)
 {
     (void)atlas;
     *out = NULL;
-    return ric_fail(RIC_E_INPUT,
-                    "proofs are left out of this program: it was built without FLINT (Debian: libflint-dev, "
-                    "and libflint-arb-dev where there is one)");
+    return ric_fail(
+        RIC_E_INPUT,
+        "proofs are left out of this program: it was built without FLINT (Debian: libflint-dev, "
+        "and libflint-arb-dev where there is one)");
 }
 
 void ric_prover_free(ric_prover *prover)
@@ -61,10 +62,14 @@ const char *ric_prover_model(const ric_prover *prover)
 
 void ric_census_options_init(ric_census_options *o)
 {
-    *o = (ric_census_options){.impacts = 3, .period = {0, HUGE_VAL}, .workers = 1, .seconds = HUGE_VAL};
+    *o = (ric_census_options){.impacts = 3,
+                              .period = {0, HUGE_VAL},
+                              .workers = 1,
+                              .seconds = HUGE_VAL};
 }
 
-ric_status ric_census_run(const ric_model *model, const ric_census_options *options, ric_census **out)
+ric_status ric_census_run(const ric_model *model, const ric_census_options *options,
+                          ric_census **out)
 {
     (void)model;
     (void)options;
@@ -83,8 +88,8 @@ int ric_census_n_orbit(const ric_census *census)
     return 0;
 }
 
-ric_status ric_census_orbit_at(const ric_census *census, int i, ric_census_orbit *out, int *word, double *state,
-                               double *flights)
+ric_status ric_census_orbit_at(const ric_census *census, int i, ric_census_orbit *out, int *word,
+                               double *state, double *flights)
 {
     (void)census;
     (void)out;
@@ -94,7 +99,8 @@ ric_status ric_census_orbit_at(const ric_census *census, int i, ric_census_orbit
     return ric_fail(RIC_E_RANGE, "there is no orbit %d of the census", i);
 }
 
-ric_status ric_census_open_at(const ric_census *census, int i, int *impacts, int *word, double *flights)
+ric_status ric_census_open_at(const ric_census *census, int i, int *impacts, int *word,
+                              double *flights)
 {
     (void)census;
     (void)impacts;

@@ -24,7 +24,8 @@ static ric_moment *add(ric_story *s, const ric_moment *like, const arb_t time, a
     return m;
 }
 
-/* The motion run backwards, behind the same impact: (q, -Q p); in flight, and where a spring switches, (q, -p). */
+/* The motion run backwards, behind the same impact: (q, -Q p); in flight, and where a spring
+ * switches, (q, -p). */
 static void turn(const ric_story *s, ric_moment *m)
 {
     if (m->face >= 0 && s->e->wall[m->face].closes) m->opens = !m->opens;
@@ -108,7 +109,8 @@ static void fly_last(const ric_enclosure *e, const ric_chain *c, arb_srcptr bloc
 }
 
 /* The mirror point that a chain ends with; `before`: the state in front of it, or NULL. */
-static void add_end(ric_story *s, const ric_chain *c, arb_srcptr block, arb_srcptr before, const arb_t time, bool touch)
+static void add_end(ric_story *s, const ric_chain *c, arb_srcptr block, arb_srcptr before,
+                    const arb_t time, bool touch)
 {
     const ric_enclosure *e = s->e;
     arb_ptr flown = _arb_vec_init(2 * s->n);
@@ -127,7 +129,8 @@ static bool touches_first(const ric_chain *c, const ric_story_touch *touch)
 
 static bool touches_last(const ric_chain *c, const ric_story_touch *touch, arb_srcptr block)
 {
-    return touch->flight == c->m - 1 && c->face[c->m] < 0 && arb_overlaps(touch->time, block + 2 * c->n);
+    return touch->flight == c->m - 1 && c->face[c->m] < 0 &&
+           arb_overlaps(touch->time, block + 2 * c->n);
 }
 
 /* A mirror point in flight at which a stop is touched is an impact of no speed. */
@@ -152,10 +155,11 @@ static int add_together(ric_story *s, const ric_story_touch *touch, arb_srcptr b
     return count;
 }
 
-/* A spring that is touched in flight closes and opens at once, or the other way round; at a mirror point one of the two
- * is on its far side. A stop is an impact of no speed, and at a mirror point that itself. */
-static void add_touch(ric_story *s, const ric_chain *c, const ric_story_touch *touch, arb_srcptr block,
-                      const arb_t time)
+/* A spring that is touched in flight closes and opens at once, or the other way round; at a mirror
+ * point one of the two is on its far side. A stop is an impact of no speed, and at a mirror point
+ * that itself. */
+static void add_touch(ric_story *s, const ric_chain *c, const ric_story_touch *touch,
+                      arb_srcptr block, const arb_t time)
 {
     const bool first = touches_first(c, touch), last = touches_last(c, touch, block);
     const bool spring = s->e->wall[touch->face].closes;
@@ -167,13 +171,15 @@ static void add_touch(ric_story *s, const ric_chain *c, const ric_story_touch *t
     ric_chain_fly(s->e, c->phase[touch->flight], block, touch->time, flown);
     arb_add(at, time, first ? at : last ? block + 2 * s->n : touch->time, s->e->prec);
     for (int k = first; k < (spring ? 2 - last : 1); k++)
-        add(s, &(ric_moment){.face = touch->face, .opens = spring && touch->opens != k, .touch = true}, at, flown);
+        add(s,
+            &(ric_moment){.face = touch->face, .opens = spring && touch->opens != k, .touch = true},
+            at, flown);
     arb_clear(at);
     _arb_vec_clear(flown, 2 * s->n);
 }
 
-static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, const ric_story_touch *touch,
-                 const ric_enclosure *e)
+static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before,
+                 const ric_story_touch *touch, const ric_enclosure *e)
 {
     const bool general = ric_chain_general(c);
     int together = 0;
@@ -188,12 +194,14 @@ static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr befo
                                  .mirror = !general && k == 0};
         add(s, &here, time, block);
         if (touch && touch->flight == k) add_touch(s, c, touch, block, time);
-        if (touch && touch->flight == k && touches_first(c, touch)) together = add_together(s, touch, block);
+        if (touch && touch->flight == k && touches_first(c, touch))
+            together = add_together(s, touch, block);
         arb_add(time, time, block + 2 * s->n, e->prec);
     }
     arb_mul_ui(s->period, time, (ulong)ric_chain_copies(c), e->prec);
     if (!general) {
-        add_end(s, c, u + (slong)(c->m - 1) * c->size, before, time, touch && touch->impact == c->m);
+        add_end(s, c, u + (slong)(c->m - 1) * c->size, before, time,
+                touch && touch->impact == c->m);
         const arb_srcptr block = u + (slong)(c->m - 1) * c->size;
         const bool last = touch && touch->flight >= 0 && touches_last(c, touch, block);
         if (last && !e->wall[touch->face].closes) make_impact(&s->at[s->count - 1], touch->face);
@@ -210,7 +218,8 @@ void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, const ric_st
     tell(s, c, u, NULL, touch, e);
 }
 
-void ric_story_tell_parts(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before, const ric_enclosure *e)
+void ric_story_tell_parts(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before,
+                          const ric_enclosure *e)
 {
     tell(s, c, u, before, NULL, e);
 }
@@ -320,7 +329,8 @@ static int next_counted(const ric_story *s, int i, bool touches)
 }
 
 /* The story begun at moment `first`, against what is stored. */
-static double compare(const ric_story *s, int first, int letters, const int *word, arb_srcptr w, const double *flights)
+static double compare(const ric_story *s, int first, int letters, const int *word, arb_srcptr w,
+                      const double *flights)
 {
     double worst = 0, size = 1;
     for (int j = 0; j < 2 * s->n; j++) {
@@ -336,11 +346,13 @@ static double compare(const ric_story *s, int first, int letters, const int *wor
         worst = fmax(worst, fabs(flight - ldexp(flights[k], s->e->time)));
         a = b;
     }
-    if (letters == 0) worst = fmax(worst, fabs(ric_arb_middle(s->period) - ldexp(flights[0], s->e->time)));
+    if (letters == 0)
+        worst = fmax(worst, fabs(ric_arb_middle(s->period) - ldexp(flights[0], s->e->time)));
     return worst / size;
 }
 
-double ric_story_distance(ric_story *s, int letters, const int *word, const double *state, const double *flights)
+double ric_story_distance(ric_story *s, int letters, const int *word, const double *state,
+                          const double *flights)
 {
     double least = HUGE_VAL;
     int count = 0;
@@ -351,7 +363,8 @@ double ric_story_distance(ric_story *s, int letters, const int *word, const doub
     for (int back = 0; back < 2; back++) {
         for (int image = 0; image < images; image++) {
             for (int i = 0; i < s->count && letters == count; i++)
-                if (is_counted(s, i, letters == 0)) least = fmin(least, compare(s, i, letters, word, w, flights));
+                if (is_counted(s, i, letters == 0))
+                    least = fmin(least, compare(s, i, letters, word, w, flights));
             if (images == 2) take_image(s);
         }
         reverse(s);
@@ -362,23 +375,26 @@ double ric_story_distance(ric_story *s, int letters, const int *word, const doub
 
 /* ----------------------------------------------------------------- cutting */
 
-/* Whether a moment may stand at the end of a chain, or between its blocks, where that has the face: a mirror point that
- * is an impact of no speed is one at rest in flight, too. */
+/* Whether a moment may stand at the end of a chain, or between its blocks, where that has the face:
+ * a mirror point that is an impact of no speed is one at rest in flight, too. */
 static bool has_face(const ric_moment *m, int face, bool opens)
 {
     return (m->face == face && m->opens == opens) || (face < 0 && m->touch && m->mirror);
 }
 
-/* The moment that is `later` than moment `first`, with that face, or -1: a chain may go through the motion several
- * times. */
-static int find_moment(const ric_story *s, int first, double later, int face, bool opens, double *place)
+/* The moment that is `later` than moment `first`, with that face, or -1: a chain may go through the
+ * motion several times. */
+static int find_moment(const ric_story *s, int first, double later, int face, bool opens,
+                       double *place)
 {
     const double period = ric_arb_middle(s->period);
     int best = -1;
     for (int i = 0; i < s->count; i++) {
-        const double gone = fmod(ric_arb_middle(s->at[i].time) - ric_arb_middle(s->at[first].time) + 2 * period,
+        const double gone = fmod(ric_arb_middle(s->at[i].time) - ric_arb_middle(s->at[first].time) +
+                                     2 * period,
                                  period);
-        const double far = fabs(gone - fmod(later, period)), off = fmin(far, fabs(far - period)) / (1 + period);
+        const double far = fabs(gone - fmod(later, period)),
+                     off = fmin(far, fabs(far - period)) / (1 + period);
         if (!has_face(&s->at[i], face, opens) || !(off < *place)) continue;
         *place = off;
         best = i;
@@ -407,8 +423,10 @@ static bool is_flight(const ric_story *s, int from, int to)
     return false;
 }
 
-/* From moment `first` on: how far it is from the centre of the chain, not finite where it is none of that class. */
-static double cut_from(const ric_story *s, int first, const ric_chain *like, double place, int *moment)
+/* From moment `first` on: how far it is from the centre of the chain, not finite where it is none
+ * of that class. */
+static double cut_from(const ric_story *s, int first, const ric_chain *like, double place,
+                       int *moment)
 {
     const bool general = ric_chain_general(like);
     double time = 0, worst = differs(s, first, like->u);
@@ -423,7 +441,8 @@ static double cut_from(const ric_story *s, int first, const ric_chain *like, dou
                                                      ric_chain_opens(like, s->e, k + 1), &off);
         if (next < 0 || !is_flight(s, moment[k], next)) return HUGE_VAL;
         if (k + 1 == like->m && !general && !s->at[next].mirror) return HUGE_VAL;
-        if (k + 1 == like->m && general && (next - first + s->count) % s->count != (like->sign > 0 ? 0 : s->count / 2))
+        if (k + 1 == like->m && general &&
+            (next - first + s->count) % s->count != (like->sign > 0 ? 0 : s->count / 2))
             return HUGE_VAL;
         worst = fmax(worst, off);
         if (k + 1 < like->m) worst = fmax(worst, differs(s, next, ric_chain_block(like, k + 1)));

@@ -5,9 +5,9 @@
 #include "base/room.h"
 
 enum {
-    TRIES = 4, /* boxes */
-    FLOOR =
-        -14, /* 2^FLOOR of the largest change along the line: no radius is less, so that orbits at its ends fit in */
+    TRIES = 4,   /* boxes */
+    FLOOR = -14, /* 2^FLOOR of the largest change along the line: no radius is less, so that orbits
+                    at its ends fit in */
 };
 
 /* The unknowns of a chain in a row; lambda of a reversible one is none. */
@@ -19,7 +19,8 @@ static slong count_unknowns(const ric_chain *c)
 /* ---------------------------------------------------------------- equations */
 
 /* With the plane as the last row. */
-static void evaluate(const ric_tube *t, const ric_chain *c, const ric_enclosure *e, arb_mat_struct *J, arb_ptr F)
+static void evaluate(const ric_tube *t, const ric_chain *c, const ric_enclosure *e,
+                     arb_mat_struct *J, arb_ptr F)
 {
     ric_equations q;
     ric_equation_create(&q, c);
@@ -76,7 +77,8 @@ static void place_hull(ric_tube *t)
 
 /* ---------------------------------------------------------------- conditions */
 
-/* y: C times what the equations are at both ends, and C D^2 F (b - a)^2 times s (1 - s) / 2 <= 1 / 8. */
+/* y: C times what the equations are at both ends, and C D^2 F (b - a)^2 times s (1 - s) / 2 <= 1
+ * / 8. */
 static void bound_residual(ric_tube *t, const ric_enclosure *e)
 {
     const slong n = t->k.n;
@@ -91,7 +93,8 @@ static void bound_residual(ric_tube *t, const ric_enclosure *e)
     ric_equation_loosen(&q, &t->hull, e, t->chord);
     ric_equation_gather(&q, &t->hull, J, NULL);
     ric_equation_free(&q);
-    for (slong i = 0; i < n; i++) arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->chord, 1, n, e->prec);
+    for (slong i = 0; i < n; i++)
+        arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->chord, 1, n, e->prec);
     ric_contraction_apply(&t->k, F, x);
     for (slong i = 0; i < n; i++) {
         arb_get_mag(t->k.y + i, x + i);
@@ -173,7 +176,8 @@ static void set_family(ric_tube *t)
     arb_clear(half);
 }
 
-bool ric_tube_create(ric_tube *t, const ric_chain *from, const ric_chain *to, const ric_enclosure *e)
+bool ric_tube_create(ric_tube *t, const ric_chain *from, const ric_chain *to,
+                     const ric_enclosure *e)
 {
     const slong count = (slong)from->m * from->size + 1;
     *t = (ric_tube){.from = from, .to = to};
@@ -203,8 +207,8 @@ void ric_tube_free(ric_tube *t)
 
 /* ---------------------------------------------------------------- the arc */
 
-/* The orbit u is on the plane of s = s0 + v.(u - centre) / (v.(b - a)), |s - s0| <= |v| exists / length < MORE, and the
- * box around p(s) holds it if exists + |s - s0| |b - a|_i < b_i. */
+/* The orbit u is on the plane of s = s0 + v.(u - centre) / (v.(b - a)), |s - s0| <= |v| exists /
+ * length < MORE, and the box around p(s) holds it if exists + |s - s0| |b - a|_i < b_i. */
 bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exists)
 {
     mag_t away, x, radius;
@@ -233,9 +237,9 @@ bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exis
     return holds;
 }
 
-/* The derivative u' has D u' = (0, .., 0, v.v) and (b - a) all but that: with C D = 1 - E, |E| <= Z, x = u' - (b - a)
- * has |x| <= r + Z |x|, r = |C (G' (b - a), 0)|. As Z b <= theta b with theta < 1, |x| <= r + mu Z b, mu = max(r / b) /
- * (1 - theta). */
+/* The derivative u' has D u' = (0, .., 0, v.v) and (b - a) all but that: with C D = 1 - E, |E| <=
+ * Z, x = u' - (b - a) has |x| <= r + Z |x|, r = |C (G' (b - a), 0)|. As Z b <= theta b with theta <
+ * 1, |x| <= r + mu Z b, mu = max(r / b) / (1 - theta). */
 void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out)
 {
     const slong n = t->k.n;
@@ -248,7 +252,8 @@ void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out)
     mag_init(y);
     arb_mat_init(J, n, n);
     evaluate(t, &t->hull, e, J, NULL);
-    for (slong i = 0; i < n - 1; i++) arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->chord, 1, n, e->prec);
+    for (slong i = 0; i < n - 1; i++)
+        arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->chord, 1, n, e->prec);
     ric_contraction_apply(&t->k, F, x);
     for (slong i = 0; i < n; i++) {
         for (slong j = 0; j < n; j++) mag_addmul(zb + i, t->k.Z + i * n + j, t->k.b + j);

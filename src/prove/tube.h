@@ -1,8 +1,9 @@
-/* A piece of a branch as a theorem. Between two centres a and b of one class let p(s) = a + s (b - a), and hold the
- * orbit on the plane v.(u - p(s)) = 0 across it, v = b - a. If the contraction of contraction.h takes the box of radii
- * r around every p(s) into itself, -RIC_TUBE_MORE <= s <= 1 + RIC_TUBE_MORE, there is exactly one orbit in each, and
- * they are one smooth arc, over folds, too: only the direction of v may not turn away from it. Equations vanish at both
- * ends of the line but for `residual`, so on it they are at most |D^2 F (b - a)^2| / 8 (the error of interpolation). */
+/* A piece of a branch as a theorem. Between two centres a and b of one class let p(s) = a + s (b -
+ * a), and hold the orbit on the plane v.(u - p(s)) = 0 across it, v = b - a. If the contraction of
+ * contraction.h takes the box of radii r around every p(s) into itself, -RIC_TUBE_MORE <= s <= 1 +
+ * RIC_TUBE_MORE, there is exactly one orbit in each, and they are one smooth arc, over folds, too:
+ * only the direction of v may not turn away from it. Equations vanish at both ends of the line but
+ * for `residual`, so on it they are at most |D^2 F (b - a)^2| / 8 (the error of interpolation). */
 #ifndef RIC_PROVE_TUBE_H
 #define RIC_PROVE_TUBE_H
 
@@ -16,16 +17,20 @@ typedef struct {
     ric_chain hull;             /* u: balls that hold every orbit of the arc */
     ric_contraction k;
     arb_ptr chord, row;   /* [n] b - a; the same times a power of two */
-    arb_ptr middle, half; /* [m * size + 1] of the arc, with its distance from the line; and of the line (ric_family) */
+    arb_ptr middle, half; /* [m * size + 1] of the arc, with its distance from the line; and of the
+                             line (ric_family) */
     arb_t length;         /* row . chord */
 } ric_tube;
 
-bool ric_tube_create(ric_tube *t, const ric_chain *from, const ric_chain *to, const ric_enclosure *e);
+bool ric_tube_create(ric_tube *t, const ric_chain *from, const ric_chain *to,
+                     const ric_enclosure *e);
 void ric_tube_free(ric_tube *t);
-/* Whether the orbit within `exists` of a centre of the class, at s = 0 or s = 1, is one of the arc. */
+/* Whether the orbit within `exists` of a centre of the class, at s = 0 or s = 1, is one of the arc.
+ */
 bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exists);
 
-/* Balls that hold the orbits of a part of the arc, out [m * size + 1]; of a tube that was created. */
+/* Balls that hold the orbits of a part of the arc, out [m * size + 1]; of a tube that was created.
+ */
 void ric_tube_part(const ric_tube *t, double from, double to, arb_ptr out);
 /* The derivative of the arc by s, out [m * size + 1]; of a tube that was created. */
 void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out);

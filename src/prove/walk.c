@@ -4,7 +4,8 @@
 
 ric_status ric_walk_point(ric_walk *w, int i, ric_point *stored)
 {
-    return ric_atlas_point(w->p->atlas, w->branch.id, i, stored, w->state, w->state + 2 * w->e->n_dof);
+    return ric_atlas_point(w->p->atlas, w->branch.id, i, stored, w->state,
+                           w->state + 2 * w->e->n_dof);
 }
 
 ric_status ric_walk_open(ric_walk *w, ric_prover *p, int id, int level)
@@ -28,7 +29,8 @@ ric_status ric_walk_chain(ric_walk *w, int i, ric_chain *out, bool *made)
 {
     ric_point stored;
     const ric_status status = ric_walk_point(w, i, &stored);
-    *made = !status && ric_chain_like(out, w->e, &w->branch, w->state, w->state + 2 * w->e->n_dof, &w->like);
+    *made = !status &&
+            ric_chain_like(out, w->e, &w->branch, w->state, w->state + 2 * w->e->n_dof, &w->like);
     return status;
 }
 
@@ -38,7 +40,8 @@ ric_status ric_walk_between(ric_walk *w, double at, ric_chain *out, bool *made)
     ric_status status = RIC_OK;
     int i = 0;
     *made = false;
-    while (!status && i < w->branch.n_point && !(status = ric_walk_point(w, i, &b)) && b.arclength < at) {
+    while (!status && i < w->branch.n_point && !(status = ric_walk_point(w, i, &b)) &&
+           b.arclength < at) {
         a = b;
         i++;
     }

@@ -1,6 +1,7 @@
-/* Cascades of period multiplications, followed on request (docs/theory.md section 8). From an orbit whose multipliers
- * are roots of unity the family of q periods is traced to its next such orbit, which is solved on its own equations,
- * and so on. Everything costs O(impacts): the trace, the junction and the departure. */
+/* Cascades of period multiplications, followed on request (docs/theory.md section 8). From an orbit
+ * whose multipliers are roots of unity the family of q periods is traced to its next such orbit,
+ * which is solved on its own equations, and so on. Everything costs O(impacts): the trace, the
+ * junction and the departure. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,11 +14,14 @@
 #include "branch/room.h"
 
 #define MAX_POINTS 20000
-/* PART: first largest step on a family, of the length of the one before: doublings shrink by 4 from one to the next */
+/* PART: first largest step on a family, of the length of the one before: doublings shrink by 4 from
+ * one to the next */
 #define PART 0.1
 #define GROWTH 1.2      /* of that step from point to point, back to that of the study */
 #define LEAST_STEP 1e-9 /* below this part of the orbit its digits do not tell neighbours apart */
-#define LATER 1e-7 /* of a mean flight: so much longer than the period the simulator runs, to meet the last impact */
+/* LATER: of a mean flight: so much longer than the period the simulator runs, to meet the last
+ * impact */
+#define LATER 1e-7
 #define TOUCH 1e-6 /* scaled speed below which the simulator's impact is a touch */
 
 /* One multiplication, or the end. */
@@ -76,7 +80,8 @@ static double state_distance(int size, const double *a, const double *b)
 }
 
 /* Under a power law there are no impacts on the way. */
-static ric_status integrate(const ric_model *m, const ric_periodic *orbit, const double *state, double *error)
+static ric_status integrate(const ric_model *m, const ric_periodic *orbit, const double *state,
+                            double *error)
 {
     ric_simulator *sim = NULL;
     ric_impact impact;
@@ -85,7 +90,9 @@ static ric_status integrate(const ric_model *m, const ric_periodic *orbit, const
     double back[2 * n];
     ric_status status = ric_simulator_create(m, &sim);
     if (!status) status = ric_simulator_start(sim, state, state + n);
-    if (!status) status = ric_simulator_advance(sim, ric_periodic_period(orbit) / m->omega_ref, &hit, &impact);
+    if (!status)
+        status = ric_simulator_advance(sim, ric_periodic_period(orbit) / m->omega_ref, &hit,
+                                       &impact);
     if (!status) {
         ric_simulator_state(sim, NULL, back, back + n);
         *error = state_distance(2 * n, back, state);
@@ -94,14 +101,16 @@ static ric_status integrate(const ric_model *m, const ric_periodic *orbit, const
     return status;
 }
 
-/* One period on the simulator, which knows nothing of the word: how far the state is from the start; NaN where the
- * faces differ. */
-static ric_status simulate(const ric_model *m, const ric_periodic *orbit, const double *state, double *error)
+/* One period on the simulator, which knows nothing of the word: how far the state is from the
+ * start; NaN where the faces differ. */
+static ric_status simulate(const ric_model *m, const ric_periodic *orbit, const double *state,
+                           double *error)
 {
     ric_simulator *sim = NULL;
     ric_impact impact;
     int n = m->n_dof, found = 0;
-    double back[2 * n], period = ric_periodic_period(orbit) / m->omega_ref, margin = LATER * period / orbit->N;
+    double back[2 * n], period = ric_periodic_period(orbit) / m->omega_ref,
+                        margin = LATER * period / orbit->N;
     ric_status status = ric_simulator_create(m, &sim);
     bool hit = true, agree = true;
     if (!status) status = ric_simulator_start(sim, state, state + n);
@@ -112,7 +121,8 @@ static ric_status simulate(const ric_model *m, const ric_periodic *orbit, const 
         /* the state lies on the face of event 0, which may be met again at once */
         if (fabs(impact.approach) < TOUCH || (found == 0 && impact.time < margin)) continue;
         found++;
-        agree = impact.face == orbit->face[found % orbit->N] && impact.opens == (closed >> impact.face & 1);
+        agree = impact.face == orbit->face[found % orbit->N] &&
+                impact.opens == (closed >> impact.face & 1);
         if (springs >> impact.face & 1) closed ^= (uint64_t)1 << impact.face;
     }
     *error = NAN;
@@ -155,7 +165,8 @@ static ric_status measure(const ric_model *m, stage *s)
 static bool stopped(const ric_cascade *c, const ric_continuation *tr)
 {
     int impacts = tr->chain->n_flight * tr->chain->multiple;
-    return c->options->progress && c->options->progress(c->n, impacts, tr->n_point, c->options->user);
+    return c->options->progress &&
+           c->options->progress(c->n, impacts, tr->n_point, c->options->user);
 }
 
 static bool wanted(const ric_cascade *c, int level, const ric_continuation *tr, int event)
@@ -167,8 +178,10 @@ static bool wanted(const ric_cascade *c, int level, const ric_continuation *tr, 
     return r->q == q && (p == 0 || r->p == p || (!ric_shooting_halves(tr->chain) && r->p == q - p));
 }
 
-/* Steps until an event of the next multiplicity (*event, from `first` on), or the end (*event = -1). */
-static ric_status advance(ric_cascade *c, ric_continuation *tr, int level, int first, bool *done, int *event)
+/* Steps until an event of the next multiplicity (*event, from `first` on), or the end (*event =
+ * -1). */
+static ric_status advance(ric_cascade *c, ric_continuation *tr, int level, int first, bool *done,
+                          int *event)
 {
     ric_status status = RIC_OK;
     *event = -1;
@@ -186,12 +199,16 @@ static ric_status advance(ric_cascade *c, ric_continuation *tr, int level, int f
 static int points_until(const ric_continuation *tr, double s)
 {
     int n = 0;
-    while (n < tr->n_point && ((const ric_point *)(tr->points + (size_t)n * tr->stride))->arclength <= s) n++;
+    while (n < tr->n_point &&
+           ((const ric_point *)(tr->points + (size_t)n * tr->stride))->arclength <= s)
+        n++;
     return n;
 }
 
-/* The multiplication at an event of a trace, as the next stage; *found = false where it does not converge. */
-static ric_status add_multiplication(ric_cascade *c, const ric_continuation *tr, int event, bool *found)
+/* The multiplication at an event of a trace, as the next stage; *found = false where it does not
+ * converge. */
+static ric_status add_multiplication(ric_cascade *c, const ric_continuation *tr, int event,
+                                     bool *found)
 {
     const ric_resonance *r = ric_continuation_resonance(tr, tr->events[event].test);
     ric_periodic *cycle = ric_continuation_cycle(tr, tr->events[event].u);
@@ -219,8 +236,10 @@ static ric_status add_end(ric_cascade *c, ric_continuation *tr)
     stage *s = &c->stages[c->n];
     *s = (stage){.multiple = 1, .stop = tr->stop, .ratio = NAN};
     c->n++;
-    if (!(cycle = ric_continuation_cycle(tr, tr->end.u ? tr->end.u : tr->now.u))) return ric_no_memory("a cascade");
-    if (tr->stop == RIC_STOP_JUNCTION && tr->end.u && !tr->arrival && tr->end.test != RIC_TEST_FLIGHT) {
+    if (!(cycle = ric_continuation_cycle(tr, tr->end.u ? tr->end.u : tr->now.u)))
+        return ric_no_memory("a cascade");
+    if (tr->stop == RIC_STOP_JUNCTION && tr->end.u && !tr->arrival &&
+        tr->end.test != RIC_TEST_FLIGHT) {
         status = ric_node_grazing(c->model, cycle, &node);
         if (status == RIC_E_NUMERIC) status = RIC_OK;
     }
@@ -239,11 +258,13 @@ static void remember(ric_cascade *c, const ric_continuation *tr)
 {
     if (c->n < c->deepest) return;
     c->deepest = c->n;
-    snprintf(c->where, sizeof c->where, "the families that leave there were followed to their ends (the last: %s%s%s)",
+    snprintf(c->where, sizeof c->where,
+             "the families that leave there were followed to their ends (the last: %s%s%s)",
              ric_stop_text(tr->stop), tr->why ? ", " : "", ric_continuation_why_text(tr->why));
 }
 
-/* Takes over `tr`, which goes to the stage that completes; every multiplication on the way is tried. */
+/* Takes over `tr`, which goes to the stage that completes; every multiplication on the way is
+ * tried. */
 static ric_status search_along(ric_cascade *c, ric_continuation *tr, bool keep, bool *found)
 {
     ric_status status = RIC_OK;
@@ -259,7 +280,8 @@ static ric_status search_along(ric_cascade *c, ric_continuation *tr, bool keep, 
         s->n_point = last || !keep ? tr->n_point : points_until(tr, tr->events[event].s);
         double step = c->limits.max_step;
         if (keep && !last)
-            c->limits.max_step = fmax(LEAST_STEP, fmin(c->study_step, PART * tr->events[event].s / tr->chain->scale));
+            c->limits.max_step = fmax(LEAST_STEP, fmin(c->study_step, PART * tr->events[event].s /
+                                                                          tr->chain->scale));
         if (last) *found = true;
         else status = descend(c, found);
         c->limits.max_step = step;
@@ -290,8 +312,10 @@ static ric_status search_family(ric_cascade *c, unsigned choice, int side, bool 
     ric_continuation *tr = NULL;
     double *u0 = NULL, *t0 = NULL;
     unsigned ignore;
-    ric_status status = ric_switching_depart(c->model, node, choice, side, &chain, &u0, &t0, &ignore);
-    if (!status && chain && !ric_multiplication_applies(node, choice)) shorten(chain, c->limits.max_step, t0);
+    ric_status status = ric_switching_depart(c->model, node, choice, side, &chain, &u0, &t0,
+                                             &ignore);
+    if (!status && chain && !ric_multiplication_applies(node, choice))
+        shorten(chain, c->limits.max_step, t0);
     if (!status && chain) status = ric_continuation_create(chain, u0, t0, ignore, &c->limits, &tr);
     if (status && c->n >= c->deepest) {
         c->deepest = c->n;
@@ -317,7 +341,9 @@ static ric_status descend(ric_cascade *c, bool *found)
     for (int i = 0; i < here->node->n_departure && !status && !*found; i++) {
         unsigned choice = here->node->departures[i].choice;
         if (!ric_node_leaves(here->node, choice)) continue;
-        for (int side = 1; side >= (ric_node_passes(here->node, choice) ? -1 : 1) && !status && !*found; side -= 2) {
+        for (int side = 1;
+             side >= (ric_node_passes(here->node, choice) ? -1 : 1) && !status && !*found;
+             side -= 2) {
             c->limits.max_step = step;
             status = search_family(c, choice, side, found);
         }
@@ -326,7 +352,8 @@ static ric_status descend(ric_cascade *c, bool *found)
 }
 
 /* The branch of the atlas, from the middle of its stored points both ways. */
-static ric_status search_branch(ric_cascade *c, const ric_atlas *a, const ric_branch *b, bool *found)
+static ric_status search_branch(ric_cascade *c, const ric_atlas *a, const ric_branch *b,
+                                bool *found)
 {
     ric_periodic *cycle = NULL;
     ric_point point;
@@ -337,7 +364,8 @@ static ric_status search_branch(ric_cascade *c, const ric_atlas *a, const ric_br
         ric_continuation *tr = NULL;
         double *u = NULL, *t = NULL;
         status = ric_stored_chain(c->model, b, b->n_point / 2, cycle, &chain, &u);
-        if (!status && !(t = ric_calloc((size_t)chain->n_unknown, sizeof *t))) status = ric_no_memory("a cascade");
+        if (!status && !(t = ric_calloc((size_t)chain->n_unknown, sizeof *t)))
+            status = ric_no_memory("a cascade");
         if (!status) {
             ric_shooting_evaluate(chain, u);
             ric_continuation_tangent(chain, NULL, t);
@@ -356,32 +384,37 @@ static ric_status search_branch(ric_cascade *c, const ric_atlas *a, const ric_br
 
 /* ------------------------------------------------------------------- the whole */
 
-/* At a doubling of an orbit with z(t+T/2) = -z(t) a symmetry is lost with the period: it is not of the same kind as the
- * others. */
+/* At a doubling of an orbit with z(t+T/2) = -z(t) a symmetry is lost with the period: it is not of
+ * the same kind as the others. */
 static void set_ratios(ric_cascade *c)
 {
     for (int i = 2; i < c->n; i++) {
         bool doublings = true;
-        for (int k = i - 2; k <= i; k++) doublings &= c->stages[k].multiple == 2 && !c->stages[k].orbit->half;
+        for (int k = i - 2; k <= i; k++)
+            doublings &= c->stages[k].multiple == 2 && !c->stages[k].orbit->half;
         double last = c->stages[i].energy - c->stages[i - 1].energy,
                before = c->stages[i - 1].energy - c->stages[i - 2].energy;
         if (doublings) c->stages[i].ratio = before / last;
     }
 }
 
-static ric_status check_request(const ric_model *m, const ric_branch *b, const ric_cascade_options *o)
+static ric_status check_request(const ric_model *m, const ric_branch *b,
+                                const ric_cascade_options *o)
 {
     if (ric_branch_linear(m, b))
-        return ric_fail(RIC_E_RANGE, "branch %d is a linear mode, which nothing multiplies; choose %s", b->id,
+        return ric_fail(RIC_E_RANGE,
+                        "branch %d is a linear mode, which nothing multiplies; choose %s", b->id,
                         ric_model_detached(m) ? "a branch with impacts" : "another one");
     if (o->n < 1) return ric_fail(RIC_E_INPUT, "a cascade needs one multiplication at least");
     for (int i = 0; i < o->n; i++)
         if (o->multiple[i] < 2 || o->multiple[i] > 64)
-            return ric_fail(RIC_E_INPUT, "multiplicity %d: it must be a whole number from 2 to 64", o->multiple[i]);
+            return ric_fail(RIC_E_INPUT, "multiplicity %d: it must be a whole number from 2 to 64",
+                            o->multiple[i]);
     return RIC_OK;
 }
 
-ric_status ric_cascade_follow(const ric_atlas *a, int branch, const ric_cascade_options *o, ric_cascade **out)
+ric_status ric_cascade_follow(const ric_atlas *a, int branch, const ric_cascade_options *o,
+                              ric_cascade **out)
 {
     const ric_explore_options *e = ric_study_options(ric_atlas_study(a));
     ric_branch b;
@@ -399,14 +432,16 @@ ric_status ric_cascade_follow(const ric_atlas *a, int branch, const ric_cascade_
     c->model = ric_atlas_model(a);
     c->options = o;
     c->study_step = e->max_step;
-    c->limits = ric_continuation_limits(c->model, e->energy, (double[]){0, e->frequency[1]}, e->max_step, MAX_POINTS);
+    c->limits = ric_continuation_limits(c->model, e->energy, (double[]){0, e->frequency[1]},
+                                        e->max_step, MAX_POINTS);
     c->limits.multiply = largest;
     status = search_branch(c, a, &b, &found);
     if (!status && !found)
-        status = ric_fail(RIC_E_RANGE, "no such cascade from branch %d: %d of %d multiplications were found; %s",
-                          branch, c->deepest, o->n,
-                          c->deepest ? c->where
-                                     : "the branch has none by that number, or not where its orbits are motions");
+        status = ric_fail(
+            RIC_E_RANGE, "no such cascade from branch %d: %d of %d multiplications were found; %s",
+            branch, c->deepest, o->n,
+            c->deepest ? c->where
+                       : "the branch has none by that number, or not where its orbits are motions");
     c->options = NULL;
     if (status) {
         ric_cascade_free(c);
@@ -437,7 +472,8 @@ ric_status ric_cascade_step_at(const ric_cascade *c, int step, ric_cascade_step 
     const stage *s = &c->stages[step];
     *out = (ric_cascade_step){.multiple = s->multiple,
                               .rotation = {s->p, s->p ? s->multiple : 0},
-                              .impacts = ric_periodic_impacts(ric_periodic_springs(c->model), s->orbit),
+                              .impacts = ric_periodic_impacts(ric_periodic_springs(c->model),
+                                                              s->orbit),
                               .letters = ric_periodic_letters(s->orbit),
                               .word = s->word,
                               .symmetric = s->orbit->half,
@@ -467,7 +503,9 @@ int ric_cascade_impacts(const ric_cascade *c, int step)
     if (step < 0 || step >= c->n || !c->stages[step].trace) return 0;
     if (!ric_periodic_has_events(c->model)) return periods_to(c, step);
     ric_continuation *tr = c->stages[step].trace;
-    ric_periodic *cycle = ric_continuation_cycle(tr, (const double *)((const ric_point *)tr->points + 1));
+    ric_periodic *cycle = ric_continuation_cycle(tr,
+                                                 (const double *)((const ric_point *)tr->points +
+                                                                  1));
     int N = cycle ? cycle->N : 0;
     ric_periodic_free(cycle);
     return N;
@@ -479,7 +517,8 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
     if (status) return status;
     const stage *s = &c->stages[step];
     if (i < 0 || i >= s->n_point)
-        return ric_fail(RIC_E_RANGE, "no point %d: the family followed to step %d has %d points", i, step, s->n_point);
+        return ric_fail(RIC_E_RANGE, "no point %d: the family followed to step %d has %d points", i,
+                        step, s->n_point);
     const ric_point *p = (const ric_point *)(s->trace->points + (size_t)i * s->trace->stride);
     if (point) *point = *p;
     if (!x) return RIC_OK;
@@ -489,11 +528,13 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
         ric_periodic_free(cycle);
         cycle = NULL;
     }
-    double *W = cycle ? ric_calloc((size_t)cycle->N * 2 * (size_t)c->model->n, sizeof *W) : NULL, v[n];
+    double *W = cycle ? ric_calloc((size_t)cycle->N * 2 * (size_t)c->model->n, sizeof *W) : NULL,
+           v[n];
     if (W) {
         ric_periodic_states(c->model, cycle, W);
         for (int k = 0; k < cycle->N; k++)
-            ric_model_to_state(c->model, W + (size_t)k * 2 * (size_t)c->model->n, x + (size_t)k * (size_t)n, v);
+            ric_model_to_state(c->model, W + (size_t)k * 2 * (size_t)c->model->n,
+                               x + (size_t)k * (size_t)n, v);
     } else status = ric_no_memory("a cascade");
     free(W);
     ric_periodic_free(cycle);

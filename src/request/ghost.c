@@ -8,14 +8,18 @@
 #include "stored.h"
 #include "branch/room.h"
 
-/* The ghost continuation of a branch (docs/theory.md section 6): the same chain, traced on from a stored end past the
- * grazing. The orbit problem is regular there, since no impact speed is divided by; only the margins change sign. */
+/* The ghost continuation of a branch (docs/theory.md section 6): the same chain, traced on from a
+ * stored end past the grazing. The orbit problem is regular there, since no impact speed is divided
+ * by; only the margins change sign. */
 
-/* RESONATES: distance of lambda + 1/lambda from that of a root of unity at which an event is a multiplication */
+/* RESONATES: distance of lambda + 1/lambda from that of a root of unity at which an event is a
+ * multiplication */
 #define RESONATES 1e-6
 #define MAX_POINTS 2000 /* of one ghost; a branch of the examples has at most a few hundred */
-#define TOUCH 1e-9      /* margin, scaled, below which it counts as zero; at a stored end it is 1e-10 at most */
-#define INSIDE 1e-6     /* arclength from the end at which a stored point tells the direction of the branch */
+/* TOUCH: margin, scaled, below which it counts as zero; at a stored end it is 1e-10 at most */
+#define TOUCH 1e-9
+/* INSIDE: arclength from the end at which a stored point tells the direction of the branch */
+#define INSIDE 1e-6
 
 struct ric_ghost {
     const ric_model *model; /* borrowed from the atlas */
@@ -49,7 +53,8 @@ void ric_ghost_limits_init(const ric_atlas *a, ric_ghost_limits *limits)
 
 bool ric_point_admissible(const ric_point *p)
 {
-    return !(p->reach >= 1 - TOUCH) && !(p->approach <= TOUCH); /* either may be NaN: nothing to violate */
+    return !(p->reach >= 1 - TOUCH) &&
+           !(p->approach <= TOUCH); /* either may be NaN: nothing to violate */
 }
 
 /* ------------------------------------------------------------------- start */
@@ -59,19 +64,23 @@ static bool grazes(const ric_atlas *a, const ric_branch *b, ric_end end)
 {
     ric_junction junction;
     int id = end == RIC_END_FROM ? b->from : b->to;
-    if (b->impacts == 0 || b->n_point < 2 || id == 0 || ric_atlas_junction(a, id, &junction)) return false;
+    if (b->impacts == 0 || b->n_point < 2 || id == 0 || ric_atlas_junction(a, id, &junction))
+        return false;
     return junction.kind == RIC_KIND_GRAZING || junction.kind == RIC_KIND_CORNER;
 }
 
 static bool inside(const ric_ghost_limits *l, const ric_point *p)
 {
     double slack = RIC_TIE; /* an end may lie on the border of the window */
-    return p->energy >= l->energy[0] - slack * p->energy && p->energy <= l->energy[1] * (1 + slack) &&
-           p->frequency >= l->frequency[0] * (1 - slack) && p->frequency <= l->frequency[1] * (1 + slack);
+    return p->energy >= l->energy[0] - slack * p->energy &&
+           p->energy <= l->energy[1] * (1 + slack) &&
+           p->frequency >= l->frequency[0] * (1 - slack) &&
+           p->frequency <= l->frequency[1] * (1 + slack);
 }
 
 /* The stored point nearest to the end that is far enough from it to tell the direction. */
-static ric_status find_neighbour(const ric_atlas *a, const ric_branch *b, ric_end end, int *neighbour)
+static ric_status find_neighbour(const ric_atlas *a, const ric_branch *b, ric_end end,
+                                 int *neighbour)
 {
     int tip = end == RIC_END_FROM ? 0 : b->n_point - 1, step = end == RIC_END_FROM ? 1 : -1,
         last = b->n_point - 1 - tip;
@@ -84,9 +93,10 @@ static ric_status find_neighbour(const ric_atlas *a, const ric_branch *b, ric_en
     return status;
 }
 
-/* The chain of the branch, its unknowns at the end and the direction that leads out, both allocated. */
-static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end end, ric_ghost *g, ric_shooting **chain,
-                               double **u, double **t)
+/* The chain of the branch, its unknowns at the end and the direction that leads out, both
+ * allocated. */
+static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end end, ric_ghost *g,
+                               ric_shooting **chain, double **u, double **t)
 {
     const ric_model *m = g->model;
     ric_periodic *tip = NULL, *near = NULL;
@@ -104,7 +114,8 @@ static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end 
         (status = ric_stored_chain(m, b, last, tip, chain, u)))
         goto out;
     if (!ric_turn_find(m, other, *t, near, &g->turn))
-        status = ric_fail(RIC_E_NUMERIC, "a stored orbit of branch %d does not fit its own symmetries", b->id);
+        status = ric_fail(RIC_E_NUMERIC,
+                          "a stored orbit of branch %d does not fit its own symmetries", b->id);
     for (int i = 0; i < (*chain)->n_unknown; i++) (*t)[i] = (*u)[i] - (*t)[i];
     g->origin = at.arclength;
 out:
@@ -132,7 +143,8 @@ static void describe(ric_ghost *g, ric_end end)
                                .why = ric_continuation_why_text(tr->why)};
     if (tr->arrival) {
         g->data.why = "it meets its own mirror image";
-        g->data.n_point--; /* the last one is read off beside a branch point, not solved; no junction is solved there */
+        g->data.n_point--; /* the last one is read off beside a branch point, not solved; no
+                              junction is solved there */
     } else if (tr->now.test[RIC_TEST_FLIGHT] <= 0 || tr->end.test == RIC_TEST_FLIGHT) {
         g->data.stop = RIC_STOP_CORNER;
         g->data.why = "two impacts come together; beyond, the time between them is negative";
@@ -141,12 +153,12 @@ static void describe(ric_ghost *g, ric_end end)
         if (ric_point_admissible(row(g, i))) g->data.again = i;
 }
 
-static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end end, const ric_ghost_limits *limits,
-                               ric_ghost **out)
+static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end end,
+                               const ric_ghost_limits *limits, ric_ghost **out)
 {
     /* what is zero at the very end, or has a pole there, is no event of the first step */
-    const unsigned ignore = 1u << RIC_TEST_DET | 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | 1u << RIC_TEST_A |
-                            1u << RIC_TEST_B | 1u << RIC_TEST_D;
+    const unsigned ignore = 1u << RIC_TEST_DET | 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD |
+                            1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
     ric_shooting *chain = NULL;
     double *u = NULL, *t = NULL;
     ric_ghost *g = ric_calloc(1, sizeof *g);
@@ -154,7 +166,8 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
     if (!g) return ric_no_memory("a ghost");
     g->model = ric_atlas_model(a);
     g->limits = ric_continuation_limits(g->model, limits->energy, limits->frequency,
-                                        ric_study_options(ric_atlas_study(a))->max_step, limits->max_points);
+                                        ric_study_options(ric_atlas_study(a))->max_step,
+                                        limits->max_points);
     g->limits.ghost = true;
     g->limits.multiply = limits->multiply;
     ric_status status = start_at_end(a, b, end, g, &chain, &u, &t);
@@ -178,11 +191,14 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
 
 /* ---------------------------------------------------------------- interface */
 
-ric_status ric_ghost_find(const ric_atlas *a, int branch, const ric_ghost_limits *limits, int *n, ric_ghost ***out)
+ric_status ric_ghost_find(const ric_atlas *a, int branch, const ric_ghost_limits *limits, int *n,
+                          ric_ghost ***out)
 {
     if (!ric_flight_law_of(ric_atlas_model(a))->turns)
-        return ric_fail(RIC_E_INPUT, "ghosts are traced on rigid contacts only: beyond a grazing a contact of law "
-                                     "bilinear would last a negative time");
+        return ric_fail(
+            RIC_E_INPUT,
+            "ghosts are traced on rigid contacts only: beyond a grazing a contact of law "
+            "bilinear would last a negative time");
     ric_branch b;
     ric_status status = ric_atlas_branch(a, branch, &b);
     *n = 0;
@@ -193,8 +209,11 @@ ric_status ric_ghost_find(const ric_atlas *a, int branch, const ric_ghost_limits
     for (ric_end end = RIC_END_FROM; end <= RIC_END_TO && !status; end++) {
         ric_point tip;
         if (!grazes(a, &b, end)) continue;
-        status = ric_atlas_point(a, branch, end == RIC_END_FROM ? 0 : b.n_point - 1, &tip, NULL, NULL);
-        if (!status && inside(limits, &tip) && !(status = ghost_create(a, &b, end, limits, &list[*n]))) (*n)++;
+        status = ric_atlas_point(a, branch, end == RIC_END_FROM ? 0 : b.n_point - 1, &tip, NULL,
+                                 NULL);
+        if (!status && inside(limits, &tip) &&
+            !(status = ghost_create(a, &b, end, limits, &list[*n])))
+            (*n)++;
     }
     if (status) {
         ric_ghosts_free(*n, list);
@@ -213,10 +232,12 @@ void ric_ghost_describe(const ric_ghost *g, ric_ghost_data *out)
 static ric_status check_point(const ric_ghost *g, int i)
 {
     if (i >= 0 && i < g->data.n_point) return RIC_OK;
-    return ric_fail(RIC_E_RANGE, "no point %d: the ghost has points 0 to %d", i, g->data.n_point - 1);
+    return ric_fail(RIC_E_RANGE, "no point %d: the ghost has points 0 to %d", i,
+                    g->data.n_point - 1);
 }
 
-ric_status ric_ghost_point(const ric_ghost *g, int i, ric_point *point, double *state, double *flights)
+ric_status ric_ghost_point(const ric_ghost *g, int i, ric_point *point, double *state,
+                           double *flights)
 {
     ric_status status = check_point(g, i);
     if (status) return status;
@@ -230,8 +251,8 @@ ric_status ric_ghost_point(const ric_ghost *g, int i, ric_point *point, double *
                           state ? state + g->model->n_dof : NULL, flights);
 }
 
-/* Whether the multipliers are there at an event. On a ghost impact speeds pass through zero, and lambda + 1/lambda
- * through a pole. */
+/* Whether the multipliers are there at an event. On a ghost impact speeds pass through zero, and
+ * lambda + 1/lambda through a pole. */
 static bool resonates(const ric_ghost *g, const ric_event *event)
 {
     const ric_resonance *resonance = ric_continuation_resonance(g->trace, event->test);
@@ -240,7 +261,8 @@ static bool resonates(const ric_ghost *g, const ric_event *event)
     if (!resonance) return false;
     ric_shooting_evaluate(g->trace->chain, event->u);
     if (ric_floquet_compute(g->trace->chain, f)) return false;
-    for (int i = 0; i < f->n_pair; i++) found |= hypot(f->own[2 * i] - resonance->rho, f->own[2 * i + 1]) < RESONATES;
+    for (int i = 0; i < f->n_pair; i++)
+        found |= hypot(f->own[2 * i] - resonance->rho, f->own[2 * i + 1]) < RESONATES;
     return found;
 }
 
@@ -270,7 +292,9 @@ ric_status ric_ghost_multiplication_at(const ric_ghost *g, int i, ric_ghost_mult
     const ric_margins margins = ric_continuation_margins(c, event->u);
     const ric_point p = {.reach = margins.reach, .approach = margins.approach};
     *out = (ric_ghost_multiplication){.rotation = {resonance->p, resonance->q},
-                                      .arclength = g->origin + (g->data.end == RIC_END_FROM ? -1 : 1) * event->s,
+                                      .arclength = g->origin +
+                                                   (g->data.end == RIC_END_FROM ? -1 : 1) *
+                                                       event->s,
                                       .energy = margins.energy * g->model->energy_unit,
                                       .frequency = RIC_TWO_PI / margins.time * g->model->omega_ref,
                                       .admissible = ric_point_admissible(&p)};

@@ -10,8 +10,9 @@
 #include "stored.h"
 #include "branch/room.h"
 
-#define ON_VALUE 4e-16      /* relative: two last digits of the energy or frequency asked for */
-#define MET 1e-8            /* relative: beside a branch point an orbit is known to rounding over the distance */
+#define ON_VALUE 4e-16 /* relative: two last digits of the energy or frequency asked for */
+/* MET: relative: beside a branch point an orbit is known to rounding over the distance */
+#define MET 1e-8
 #define ITS_FREQUENCY 1e-12 /* relative: a frequency asked for that is that of a linear mode */
 
 /* Orbits of a stored branch, solved again at the very point that is asked for. */
@@ -85,7 +86,8 @@ out:
 
 static ric_status unfit(const ric_branch *b)
 {
-    return ric_fail(RIC_E_NUMERIC, "a stored orbit of branch %d does not fit its own symmetries", b->id);
+    return ric_fail(RIC_E_NUMERIC, "a stored orbit of branch %d does not fit its own symmetries",
+                    b->id);
 }
 
 static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_orbit **out)
@@ -103,7 +105,8 @@ static ric_status at_point(const ric_atlas *a, const ric_branch *b, int i, ric_o
     if (!status && !ric_turn_find(m, chain, u, cycle, &t)) status = unfit(b);
     if (!status) status = finish(m, chain, u, &t, &point, out);
     /* as it is stored: the same numbers, not merely equal ones */
-    if (!status) status = ric_atlas_point(a, b->id, i, &(*out)->point, (*out)->state, (*out)->flights);
+    if (!status)
+        status = ric_atlas_point(a, b->id, i, &(*out)->point, (*out)->state, (*out)->flights);
     if (!status) ric_stored_multipliers(m, &point, (*out)->multipliers);
     ric_shooting_free(chain);
     ric_periodic_free(cycle);
@@ -119,10 +122,10 @@ static double quantity(const ric_model *m, const ric_shooting *c, const double *
                                : RIC_TWO_PI / ric_shooting_time(c, u) * m->omega_ref;
 }
 
-/* Along the chord between two stored points, each trial solved in the plane across it. False where none has the value:
- * Newton's method may have gone over to another branch on one side of it. */
-static bool solve_between(const ric_model *m, ric_shooting *c, const double *ua, const double *ub, double fa, double fb,
-                          ric_at at, double value, double *u)
+/* Along the chord between two stored points, each trial solved in the plane across it. False where
+ * none has the value: Newton's method may have gone over to another branch on one side of it. */
+static bool solve_between(const ric_model *m, ric_shooting *c, const double *ua, const double *ub,
+                          double fa, double fb, ric_at at, double value, double *u)
 {
     int size = c->n_unknown, iterations;
     double normal[size], du[size], length = 0;
@@ -142,8 +145,8 @@ static bool solve_between(const ric_model *m, ric_shooting *c, const double *ua,
     return fabs(quantity(m, c, u, at) - value) <= MET * fabs(value);
 }
 
-static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i, ric_at at, double value, double fa,
-                                 double fb, ric_orbit **out)
+static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i, ric_at at,
+                                 double value, double fa, double fb, ric_orbit **out)
 {
     const ric_model *m = ric_atlas_model(a);
     ric_periodic *from = NULL, *to = NULL;
@@ -166,8 +169,10 @@ static ric_status between_points(const ric_atlas *a, const ric_branch *b, int i,
     ric_turn t;
     if (!ric_turn_find(m, chain, ua, from, &t)) status = unfit(b);
     else if (!solve_between(m, chain, ua, ub, fa, fb, at, value, u))
-        status = ric_fail(RIC_E_NUMERIC, "no orbit with this value converged between points %d and %d of branch %d", i,
-                          i + 1, b->id);
+        status =
+            ric_fail(RIC_E_NUMERIC,
+                     "no orbit with this value converged between points %d and %d of branch %d", i,
+                     i + 1, b->id);
     else {
         double x = fa / (fa - fb);
         point.arclength += x * (far.arclength - point.arclength);
@@ -205,11 +210,13 @@ static ric_status trio_create(const ric_atlas *a, const ric_branch *b, const int
 {
     ric_status status = RIC_OK;
     *t = (trio){0};
-    for (int k = 0; k < 3 && !status; k++) status = ric_stored_cycle(a, b, points[k], &t->point[k], &t->cycle[k]);
+    for (int k = 0; k < 3 && !status; k++)
+        status = ric_stored_cycle(a, b, points[k], &t->point[k], &t->cycle[k]);
     if (!status) status = ric_stored_symmetries(a, b, points[1], t->cycle[1]);
     for (int k = 0; k < 3 && !status; k++) {
         if (k != 1) ric_periodic_take_symmetries(t->cycle[k], t->cycle[1]);
-        status = ric_stored_chain(ric_atlas_model(a), b, points[k], t->cycle[k], &t->chain[k], &t->u[k]);
+        status = ric_stored_chain(ric_atlas_model(a), b, points[k], t->cycle[k], &t->chain[k],
+                                  &t->u[k]);
     }
     return status;
 }
@@ -227,12 +234,14 @@ static bool solve_across(const trio *t, double x, double *u)
         middle += normal[k] * (t->u[1][k] - t->u[0][k]) / length;
     }
     for (int k = 0; k < size; k++)
-        u[k] = t->u[0][k] * (x - middle) * (x - 1) / middle + t->u[1][k] * x * (1 - x) / (middle * (1 - middle)) +
+        u[k] = t->u[0][k] * (x - middle) * (x - 1) / middle +
+               t->u[1][k] * x * (1 - x) / (middle * (1 - middle)) +
                t->u[2][k] * x * (x - middle) / (1 - middle);
     return ric_continuation_correct(t->chain[1], u, t->u[0], normal, x * length, du, &iterations);
 }
 
-ric_status ric_orbit_at_chord(const ric_atlas *a, const ric_branch *b, const int points[3], double x, ric_orbit **out)
+ric_status ric_orbit_at_chord(const ric_atlas *a, const ric_branch *b, const int points[3],
+                              double x, ric_orbit **out)
 {
     const ric_model *m = ric_atlas_model(a);
     trio t;
@@ -243,7 +252,8 @@ ric_status ric_orbit_at_chord(const ric_atlas *a, const ric_branch *b, const int
     if (!status && !u) status = ric_no_memory("an orbit");
     if (!status && !ric_turn_find(m, t.chain[1], t.u[1], t.cycle[1], &turn)) status = unfit(b);
     if (!status && !solve_across(&t, x, u))
-        status = ric_fail(RIC_E_NUMERIC, "no orbit converged beside point %d of branch %d", points[1], b->id);
+        status = ric_fail(RIC_E_NUMERIC, "no orbit converged beside point %d of branch %d",
+                          points[1], b->id);
     if (!status) {
         t.point[0].arclength += x * (t.point[2].arclength - t.point[0].arclength);
         status = finish(m, t.chain[1], u, &turn, &t.point[0], out);
@@ -255,7 +265,8 @@ ric_status ric_orbit_at_chord(const ric_atlas *a, const ric_branch *b, const int
 
 /* ----------------------------------------------------------- linear modes */
 
-static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitude2, int i, ric_orbit **out)
+static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitude2, int i,
+                         ric_orbit **out)
 {
     const ric_model *m = ric_atlas_model(a);
     ric_orbit *o = ric_calloc(1, sizeof *o);
@@ -289,24 +300,27 @@ static ric_status linear(const ric_atlas *a, const ric_branch *b, double amplitu
     return RIC_OK;
 }
 
-static ric_status find_linear(const ric_atlas *a, const ric_branch *b, ric_at at, double value, int *n,
-                              ric_orbit **list)
+static ric_status find_linear(const ric_atlas *a, const ric_branch *b, ric_at at, double value,
+                              int *n, ric_orbit **list)
 {
     *n = 0;
     if (at == RIC_AT_FREQUENCY) {
         if (fabs(value / b->frequency_min - 1) > ITS_FREQUENCY) return RIC_OK;
-        return linear(a, b, 1, b->n_point - 1, &list[(*n)++]); /* all amplitudes fit: the largest stands for them */
+        return linear(a, b, 1, b->n_point - 1,
+                      &list[(*n)++]); /* all amplitudes fit: the largest stands for them */
     }
     if (at == RIC_AT_ENERGY) {
         if (!(value >= 0 && value <= b->energy_max)) return RIC_OK;
-        return linear(a, b, b->energy_max > 0 ? value / b->energy_max : 0, b->n_point - 1, &list[(*n)++]);
+        return linear(a, b, b->energy_max > 0 ? value / b->energy_max : 0, b->n_point - 1,
+                      &list[(*n)++]);
     }
     return linear(a, b, 1, (int)value, &list[(*n)++]);
 }
 
 /* ---------------------------------------------------------------- interface */
 
-ric_status ric_orbit_find(const ric_atlas *a, int branch, ric_at at, double value, int *n, ric_orbit ***out)
+ric_status ric_orbit_find(const ric_atlas *a, int branch, ric_at at, double value, int *n,
+                          ric_orbit ***out)
 {
     ric_branch b;
     ric_status status = ric_atlas_branch(a, branch, &b);
@@ -314,7 +328,8 @@ ric_status ric_orbit_find(const ric_atlas *a, int branch, ric_at at, double valu
     *out = NULL;
     if (status) return status;
     if (at == RIC_AT_POINT && !(value >= 0 && value < b.n_point))
-        return ric_fail(RIC_E_RANGE, "branch %d has no point %g; they run from 0 to %d", branch, value, b.n_point - 1);
+        return ric_fail(RIC_E_RANGE, "branch %d has no point %g; they run from 0 to %d", branch,
+                        value, b.n_point - 1);
     ric_orbit **list = ric_calloc((size_t)b.n_point + 1, sizeof *list);
     if (!list) return ric_no_memory("an orbit");
     if (ric_branch_linear(ric_atlas_model(a), &b)) status = find_linear(a, &b, at, value, n, list);

@@ -6,13 +6,14 @@
 #include "base/room.h"
 #include "model/room.h"
 
-#define NARROW 1e-9 /* of the period: where a maximum is bracketed, which then is known to the square of it */
+/* NARROW: of the period: where a maximum is bracketed, which then is known to the square of it */
+#define NARROW 1e-9
 
 static const double two_pi = RIC_TWO_PI;
 
 enum {
-    SAMPLES_PER_CYCLE = 32, /* of the highest mode: a sample misses a maximum by at most 0.5 % of that mode's
-                             * amplitude */
+    SAMPLES_PER_CYCLE = 32, /* of the highest mode: a sample misses a maximum by at most 0.5 % of
+                               that mode's amplitude */
     SAMPLES_AT_LEAST = 16,
 };
 
@@ -92,8 +93,10 @@ static int samples_of(const subject *s, double flight)
     return (int)(SAMPLES_AT_LEAST + SAMPLES_PER_CYCLE * flight * s->highest / two_pi);
 }
 
-/* Largest |x_i| of one flight, every i. Maxima of the samples that may still become the largest are polished. */
-static void widen_over_flight(subject *s, double begin, double flight, double *amplitudes, double *samples)
+/* Largest |x_i| of one flight, every i. Maxima of the samples that may still become the largest are
+ * polished. */
+static void widen_over_flight(subject *s, double begin, double flight, double *amplitudes,
+                              double *samples)
 {
     int n = samples_of(s, flight);
     size_t n_dof = (size_t)s->n_dof;
@@ -105,13 +108,14 @@ static void widen_over_flight(subject *s, double begin, double flight, double *a
         double largest = amplitudes[i];
         for (int k = 0; k <= n; k++) largest = fmax(largest, samples[(size_t)k * n_dof + i]);
         amplitudes[i] = largest;
-        for (int k = 0; k <= n; k++) { /* at the ends of the flight too: the maximum may lie just inside */
+        for (int k = 0; k <= n;
+             k++) { /* at the ends of the flight too: the maximum may lie just inside */
             int before = k > 0 ? k - 1 : 0, after = k < n ? k + 1 : n;
             double y = samples[(size_t)k * n_dof + i];
-            if (y >= samples[(size_t)before * n_dof + i] && y >= samples[(size_t)after * n_dof + i] &&
-                y > 0.98 * largest)
-                amplitudes[i] = fmax(amplitudes[i],
-                                     polish(s, (int)i, begin + flight * before / n, begin + flight * after / n));
+            if (y >= samples[(size_t)before * n_dof + i] &&
+                y >= samples[(size_t)after * n_dof + i] && y > 0.98 * largest)
+                amplitudes[i] = fmax(amplitudes[i], polish(s, (int)i, begin + flight * before / n,
+                                                           begin + flight * after / n));
         }
     }
 }
@@ -143,25 +147,30 @@ out:
 
 /* ----------------------------------------------------------------- impacts */
 
-/* Speed of the gap at impact k. No energy is lost: it is the same before and after, so that either side of the impact
- * will do. */
+/* Speed of the gap at impact k. No energy is lost: it is the same before and after, so that either
+ * side of the impact will do. */
 static double speed_at_impact(subject *s, int k, const double *normal)
 {
     double t = 0, speed = 0;
     for (int j = 0; j < k; j++) t += s->flights[j];
     if (k > 0) ric_orbit_at_time(s->orbit, t, s->x, s->v);
-    for (int i = 0; i < s->n_dof; i++) speed += normal[i] * (k > 0 ? s->v[i] : s->state[s->n_dof + i]);
+    for (int i = 0; i < s->n_dof; i++)
+        speed += normal[i] * (k > 0 ? s->v[i] : s->state[s->n_dof + i]);
     return fabs(speed);
 }
 
-/* What a spring exchanges over the flight behind letter k, in which it is closed: the integral of its force, by the
- * rule of Gauss with eight nodes (Abramowitz and Stegun 25.4.30) in panels of a radian of the fastest motion, which
- * leaves nothing beyond rounding. A free run of the simulator would not do: near a grazing it misses a contact, and
- * what it tells of the next ones belongs to another orbit. */
-static double exchanged_in_flight(subject *s, int k, int side, const ric_contact *contact, double fastest)
+/* What a spring exchanges over the flight behind letter k, in which it is closed: the integral of
+ * its force, by the rule of Gauss with eight nodes (Abramowitz and Stegun 25.4.30) in panels of a
+ * radian of the fastest motion, which leaves nothing beyond rounding. A free run of the simulator
+ * would not do: near a grazing it misses a contact, and what it tells of the next ones belongs to
+ * another orbit. */
+static double exchanged_in_flight(subject *s, int k, int side, const ric_contact *contact,
+                                  double fastest)
 {
-    static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363},
-                        weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+    static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                  0.9602898564975363},
+                        weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                    0.1012285362903763};
     const double limit = contact->clearance / ric_model_length(s->model);
     const int panels = 1 + (int)(fastest * s->flights[k]);
     const double half = s->flights[k] / panels / 2;
@@ -177,7 +186,8 @@ static double exchanged_in_flight(subject *s, int k, int side, const ric_contact
     return contact->stiffness * sum;
 }
 
-/* What a spring exchanges from its closing, letter k, to its opening; NAN where the word does not open it. */
+/* What a spring exchanges from its closing, letter k, to its opening; NAN where the word does not
+ * open it. */
 static double exchanged_by_spring(subject *s, int k, const ric_contact *contact)
 {
     const int faces = ric_model_n_face(s->model), face = s->word[k], N = s->n_letter;
@@ -192,8 +202,8 @@ static double exchanged_by_spring(subject *s, int k, const ric_contact *contact)
     return NAN;
 }
 
-/* The momentum exchanged with a stop is 2 speed / (b . M^-1 b), and b . M^-1 b is the compliance of the contact over
- * all modes. */
+/* The momentum exchanged with a stop is 2 speed / (b . M^-1 b), and b . M^-1 b is the compliance of
+ * the contact over all modes. */
 static ric_status exchange_at(subject *s, int k, double *speed, double *impulse)
 {
     ric_contact contact;
@@ -204,7 +214,8 @@ static ric_status exchange_at(subject *s, int k, double *speed, double *impulse)
     if (status) return status;
     *speed = speed_at_impact(s, k, contact.normal);
     const double compliance = s->work[s->n_dof - 1];
-    *impulse = s->model->spring[index] > 0 ? exchanged_by_spring(s, k, &contact) : 2 * *speed / compliance;
+    *impulse = s->model->spring[index] > 0 ? exchanged_by_spring(s, k, &contact)
+                                           : 2 * *speed / compliance;
     return RIC_OK;
 }
 
@@ -214,7 +225,8 @@ ric_status ric_orbit_exchanges(const ric_orbit *orbit, int *n, double *speeds, d
     *n = 0;
     ric_status status = subject_init(&s, orbit);
     for (int k = 0; !status && k < s.n_letter; k++) {
-        if (s.word[k] >= ric_model_n_face(s.model)) continue; /* a spring opens: told where it closes */
+        if (s.word[k] >= ric_model_n_face(s.model))
+            continue; /* a spring opens: told where it closes */
         status = exchange_at(&s, k, &speeds[*n], &impulses[*n]);
         if (!status) ++*n;
     }

@@ -1,6 +1,7 @@
-/* Multipliers of many stored points of a branch, by several threads: those of the orbits that ric_orbit_find gives, to
- * the bit, without what else it finds out about an orbit. Those of two modes follow from the stored trace: a million
- * points take a quarter of a second, where an orbit that is flown takes 30 microseconds. */
+/* Multipliers of many stored points of a branch, by several threads: those of the orbits that
+ * ric_orbit_find gives, to the bit, without what else it finds out about an orbit. Those of two
+ * modes follow from the stored trace: a million points take a quarter of a second, where an orbit
+ * that is flown takes 30 microseconds. */
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -22,7 +23,9 @@ typedef struct {
     atomic_int next, wrong; /* next points to be taken; the least one that failed, n: none */
 } row;
 
-enum { AT_A_TIME = 64 }; /* of two modes, where most points take less than it takes threads to tell each other */
+enum {
+    AT_A_TIME = 64
+}; /* of two modes, where most points take less than it takes threads to tell each other */
 
 static ric_status of_linear(const row *r, int i, double *out)
 {
@@ -48,7 +51,8 @@ static ric_status of_point(const row *r, int i, double *out)
     if (!status) status = ric_stored_symmetries(r->atlas, b, i, cycle);
     if (!status) status = ric_stored_chain(m, b, i, cycle, &chain, &u);
     if (!status && !ric_turn_find(m, chain, u, cycle, &turn))
-        status = ric_fail(RIC_E_NUMERIC, "a stored orbit of branch %d does not fit its own symmetries", b->id);
+        status = ric_fail(RIC_E_NUMERIC,
+                          "a stored orbit of branch %d does not fit its own symmetries", b->id);
     if (!status) status = ric_floquet_create(m->n, &floquet);
     if (!status) status = ric_continuation_multipliers(chain, u, &floquet);
     if (!status) ric_floquet_multipliers(&floquet, out);
@@ -77,7 +81,8 @@ static ric_status fill(const row *r, int i)
 static void *work(void *user)
 {
     row *r = user;
-    for (int i = atomic_fetch_add(&r->next, r->part); i < r->n; i = atomic_fetch_add(&r->next, r->part))
+    for (int i = atomic_fetch_add(&r->next, r->part); i < r->n;
+         i = atomic_fetch_add(&r->next, r->part))
         for (int j = i; j < r->n && j < i + r->part; j++) {
             if (!fill(r, j)) continue;
             int least = atomic_load(&r->wrong);
@@ -89,14 +94,15 @@ static void *work(void *user)
     return NULL;
 }
 
-ric_status ric_atlas_multipliers(const ric_atlas *a, int branch, int first, int n, int workers, double *out)
+ric_status ric_atlas_multipliers(const ric_atlas *a, int branch, int first, int n, int workers,
+                                 double *out)
 {
     row r = {.atlas = a, .first = first, .n = n, .out = out};
     ric_status status = ric_atlas_branch(a, branch, &r.branch);
     if (status) return status;
     if (first < 0 || n < 0 || n > r.branch.n_point - first)
-        return ric_fail(RIC_E_RANGE, "branch %d has no points %d to %d; they run from 0 to %d", branch, first,
-                        first + n - 1, r.branch.n_point - 1);
+        return ric_fail(RIC_E_RANGE, "branch %d has no points %d to %d; they run from 0 to %d",
+                        branch, first, first + n - 1, r.branch.n_point - 1);
     const int modes = ric_model_n_mode(ric_atlas_model(a));
     if (modes < 2) return RIC_OK;
     r.part = modes == 2 ? AT_A_TIME : 1;
@@ -106,7 +112,8 @@ ric_status ric_atlas_multipliers(const ric_atlas *a, int branch, int first, int 
     atomic_init(&r.wrong, n);
     int started = 0;
     pthread_t *threads = wanted > 1 ? ric_calloc((size_t)wanted, sizeof *threads) : NULL;
-    while (threads && started < wanted - 1 && !pthread_create(&threads[started], NULL, work, &r)) started++;
+    while (threads && started < wanted - 1 && !pthread_create(&threads[started], NULL, work, &r))
+        started++;
     work(&r);
     for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
     free(threads);

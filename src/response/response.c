@@ -110,7 +110,8 @@ static bool grow(void **array, int n, size_t each)
     return more;
 }
 
-ric_response_line *ric_response_add_curve(ric_response *r, const ric_response_curve *data, int *word)
+ric_response_line *ric_response_add_curve(ric_response *r, const ric_response_curve *data,
+                                          int *word)
 {
     if (!grow((void **)&r->curves, r->n_curve, sizeof *r->curves)) return NULL;
     ric_response_line *line = &r->curves[r->n_curve++];
@@ -128,7 +129,8 @@ bool ric_response_add_point(ric_response_line *line, const ric_response_row *row
     return true;
 }
 
-bool ric_response_add_event(ric_response *r, const ric_response_event *data, const ric_response_row *row)
+bool ric_response_add_event(ric_response *r, const ric_response_event *data,
+                            const ric_response_row *row)
 {
     if (!grow((void **)&r->events, r->n_event, sizeof *r->events)) return false;
     r->events[r->n_event] = (ric_response_mark){*data, *row};
@@ -191,24 +193,28 @@ int ric_response_n_event(const ric_response *r)
 
 ric_status ric_response_curve_at(const ric_response *r, int id, ric_response_curve *out)
 {
-    if (id < 1 || id > r->n_curve) return ric_fail(RIC_E_RANGE, "no curve %d; there are %d", id, r->n_curve);
+    if (id < 1 || id > r->n_curve)
+        return ric_fail(RIC_E_RANGE, "no curve %d; there are %d", id, r->n_curve);
     *out = r->curves[id - 1].data;
     return RIC_OK;
 }
 
 ric_status ric_response_point_at(const ric_response *r, int curve, int i, ric_response_point *out)
 {
-    if (curve < 1 || curve > r->n_curve) return ric_fail(RIC_E_RANGE, "no curve %d; there are %d", curve, r->n_curve);
+    if (curve < 1 || curve > r->n_curve)
+        return ric_fail(RIC_E_RANGE, "no curve %d; there are %d", curve, r->n_curve);
     const ric_response_line *line = &r->curves[curve - 1];
     if (i < 0 || i >= line->data.n_point)
-        return ric_fail(RIC_E_RANGE, "curve %d has no point %d; it has %d", curve, i, line->data.n_point);
+        return ric_fail(RIC_E_RANGE, "curve %d has no point %d; it has %d", curve, i,
+                        line->data.n_point);
     *out = line->points[i].data;
     return RIC_OK;
 }
 
 ric_status ric_response_event_at(const ric_response *r, int id, ric_response_event *out)
 {
-    if (id < 1 || id > r->n_event) return ric_fail(RIC_E_RANGE, "no event %d; there are %d", id, r->n_event);
+    if (id < 1 || id > r->n_event)
+        return ric_fail(RIC_E_RANGE, "no event %d; there are %d", id, r->n_event);
     *out = r->events[id - 1].data;
     return RIC_OK;
 }
@@ -247,13 +253,13 @@ static const struct {
     size_t offset;
     int n_dof, flights; /* width: so many times n_dof, and the flights */
 } columns[] = {
-#define SCALAR(name)                                                                                                   \
-    {                                                                                                                  \
-#name, offsetof(ric_response_point, name), 0, 0                                                                \
+#define SCALAR(name)                                                                               \
+    {                                                                                              \
+#name, offsetof(ric_response_point, name), 0, 0                                            \
     }
-#define NUMBERS_OF(name, n_dof, flights)                                                                               \
-    {                                                                                                                  \
-#name, offsetof(ric_response_point, name), n_dof, flights                                                      \
+#define NUMBERS_OF(name, n_dof, flights)                                                           \
+    {                                                                                              \
+#name, offsetof(ric_response_point, name), n_dof, flights                                  \
     }
     SCALAR(arclength),
     SCALAR(omega),
@@ -285,7 +291,8 @@ static ric_status find_column(const char *name, int *out)
     return ric_fail(RIC_E_RANGE, "no column '%s': a point of a response has %sstable", name, all);
 }
 
-ric_status ric_response_column(const ric_response *r, int curve, const char *name, int *width, double *out)
+ric_status ric_response_column(const ric_response *r, int curve, const char *name, int *width,
+                               double *out)
 {
     int c = 0;
     ric_response_curve line = {0};
@@ -301,7 +308,8 @@ ric_status ric_response_column(const ric_response *r, int curve, const char *nam
         const ric_response_point *p = &r->curves[curve - 1].points[i].data;
         const char *at = (const char *)p + (c == STABLE ? 0 : columns[c].offset);
         if (c == STABLE) out[i] = p->stable;
-        else if (list) memcpy(out + (size_t)i * n, *(const double *const *)(const void *)at, n * sizeof *out);
+        else if (list)
+            memcpy(out + (size_t)i * n, *(const double *const *)(const void *)at, n * sizeof *out);
         else out[i] = *(const double *)(const void *)at;
     }
     return RIC_OK;

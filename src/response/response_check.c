@@ -7,12 +7,13 @@
 #include "check/room.h"
 #include "response.h"
 
-/* What a replay may be off by, relative to the state, for each unit of growth: the digits of what is stored. */
+/* What a replay may be off by, relative to the state, for each unit of growth: the digits of what
+ * is stored. */
 #define REPLAYED 1e-11
 /* Multipliers from differences, relative to 1 + the largest. */
 #define DIFFERENCED 1e-5
-/* Half step of the differences, relative to 1 + the state: small against slow impacts, large against the rounding of 80
- * bits. */
+/* Half step of the differences, relative to 1 + the state: small against slow impacts, large
+ * against the rounding of 80 bits. */
 #define MOVED 1e-10
 #define LATE 1e-6 /* of the period: the last event may come so late */
 
@@ -43,7 +44,8 @@ static ric_status once_round(replay *r, ric_response_checked *out)
         if ((status = ric_shaken_advance(r->sim, end, &hit, &impact))) return status;
         due += r->p->flights[k];
         out->faces_agree = hit && impact.face == face_of(r, k + 1);
-        if (hit) out->flight_error = fmax(out->flight_error, fabs(impact.time - due) / r->p->period);
+        if (hit)
+            out->flight_error = fmax(out->flight_error, fabs(impact.time - due) / r->p->period);
     }
     bool hit = false;
     ric_impact impact;
@@ -51,17 +53,20 @@ static ric_status once_round(replay *r, ric_response_checked *out)
     out->faces_agree = out->faces_agree && !(hit && !r->curve->letters);
     ric_shaken_state(r->sim, &time, now, now + r->n);
     for (int i = 0; i < 2 * r->n; i++) size = fmax(size, 1 + fabs(x[i]));
-    for (int i = 0; i < 2 * r->n; i++) out->return_error = fmax(out->return_error, fabs(now[i] - x[i]) / size);
+    for (int i = 0; i < 2 * r->n; i++)
+        out->return_error = fmax(out->return_error, fabs(now[i] - x[i]) / size);
     return status;
 }
 
-/* Through a period from a state at the phase after `begin`; false: other events than the word has. */
+/* Through a period from a state at the phase after `begin`; false: other events than the word has.
+ */
 static bool map(replay *r, const ric_real *y, const bool *closed, double begin, ric_real *out)
 {
     const double omega = r->p->omega;
     int count = 0;
     bool hit = true;
-    if (ric_shaken_start_long(r->sim, y, (ric_real)r->p->phase + (ric_real)omega * begin)) return false;
+    if (ric_shaken_start_long(r->sim, y, (ric_real)r->p->phase + (ric_real)omega * begin))
+        return false;
     ric_shaken_set(r->sim, closed);
     while (hit) {
         ric_impact impact;
@@ -72,8 +77,10 @@ static bool map(replay *r, const ric_real *y, const bool *closed, double begin, 
     return count == r->curve->letters;
 }
 
-/* The largest multiplier from differences of that length, NaN: they meet other events. X [4 n^2] is workspace. */
-static double differenced(replay *r, const ric_real *y, const bool *closed, double begin, ric_real move, double *X)
+/* The largest multiplier from differences of that length, NaN: they meet other events. X [4 n^2] is
+ * workspace. */
+static double differenced(replay *r, const ric_real *y, const bool *closed, double begin,
+                          ric_real move, double *X)
 {
     const int size = 2 * r->n;
     ric_real side[2][size];
@@ -85,15 +92,16 @@ static double differenced(replay *r, const ric_real *y, const bool *closed, doub
             from[j] += k ? move : -move;
             if (!map(r, from, closed, begin, side[k])) return NAN;
         }
-        for (int i = 0; i < size; i++) X[i * size + j] = (double)((side[1][i] - side[0][i]) / (2 * move));
+        for (int i = 0; i < size; i++)
+            X[i * size + j] = (double)((side[1][i] - side[0][i]) / (2 * move));
     }
     if (!ric_eigen(size, X, mu)) return NAN;
     for (int i = 0; i < size; i++) largest = fmax(largest, hypot(mu[2 * i], mu[2 * i + 1]));
     return largest;
 }
 
-/* Of the map that starts in the first flight. Beside a grazing the map bends: what half the step changes is not known.
- */
+/* Of the map that starts in the first flight. Beside a grazing the map bends: what half the step
+ * changes is not known. */
 static ric_status multipliers(replay *r, ric_response_checked *out)
 {
     const int size = 2 * r->n;
@@ -120,8 +128,8 @@ static ric_status multipliers(replay *r, ric_response_checked *out)
     return status;
 }
 
-static ric_status check(const ric_response *r, const ric_response_curve *c, const ric_response_point *p,
-                        ric_response_checked *out)
+static ric_status check(const ric_response *r, const ric_response_curve *c,
+                        const ric_response_point *p, ric_response_checked *out)
 {
     ric_shaking shaking = r->asked.shaking;
     shaking.restitution = p->restitution;
@@ -134,12 +142,13 @@ static ric_status check(const ric_response *r, const ric_response_curve *c, cons
     /* What stays in contact is no orbit, and is an answer of the replay. */
     if (status == RIC_E_RANGE || status == RIC_E_NUMERIC) status = RIC_OK, out->faces_agree = false;
     const double growth = 1 + (isfinite(p->largest) ? p->largest : 0);
-    out->passed = out->faces_agree && out->flight_error < REPLAYED * growth && out->return_error < REPLAYED * growth &&
-                  !(out->multiplier_error > DIFFERENCED);
+    out->passed = out->faces_agree && out->flight_error < REPLAYED * growth &&
+                  out->return_error < REPLAYED * growth && !(out->multiplier_error > DIFFERENCED);
     return status;
 }
 
-ric_status ric_response_check_point(const ric_response *r, int curve, int i, ric_response_checked *out)
+ric_status ric_response_check_point(const ric_response *r, int curve, int i,
+                                    ric_response_checked *out)
 {
     ric_response_curve c;
     ric_response_point p;

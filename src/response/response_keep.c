@@ -11,8 +11,8 @@
 
 /* --------------------------------------------------------------------- rows */
 
-static bool row_from(ric_response_driver *d, ric_force_orbit *o, const ric_response_orbit *at, ric_response_row *row,
-                     ric_status *status)
+static bool row_from(ric_response_driver *d, ric_force_orbit *o, const ric_response_orbit *at,
+                     ric_response_row *row, ric_status *status)
 {
     const int n = o->n, letters = o->events ? o->N : 0;
     const double t = d->medium->time;
@@ -22,7 +22,8 @@ static bool row_from(ric_response_driver *d, ric_force_orbit *o, const ric_respo
         return false;
     }
     ric_response_row_arrange(row, n, letters);
-    double *state = row->numbers, *flights = state + 2 * n, *multipliers = flights + (letters ? letters : 1);
+    double *state = row->numbers, *flights = state + 2 * n,
+           *multipliers = flights + (letters ? letters : 1);
     ric_force_measures measures = {.peak = multipliers + 4 * n, .rms = multipliers + 5 * n};
     ric_response_trace_put(at, o);
     ric_force_motion_leave(d->medium, o->u, state);
@@ -64,7 +65,8 @@ ric_force_orbit *ric_response_keep_orbit(ric_response_driver *d, const ric_respo
     int face[N];
     uint64_t closed[N], now = 0;
     ric_force_orbit *o;
-    for (int k = 0; k < 2 * letters; k++) { /* twice round: what is closed at the start is known then */
+    for (int k = 0; k < 2 * letters;
+         k++) { /* twice round: what is closed at the start is known then */
         const int letter = line->word[k % letters], f = letter % faces;
         if (!ric_force_medium_rigid(d->medium, f))
             now = letter >= faces ? now & ~((uint64_t)1 << f) : now | (uint64_t)1 << f;
@@ -72,8 +74,11 @@ ric_force_orbit *ric_response_keep_orbit(ric_response_driver *d, const ric_respo
         closed[k % letters] = now;
     }
     if (!letters) memset(closed, 0, sizeof closed);
-    if (ric_force_orbit_create(d->medium, N, letters ? face : NULL, closed, line->data.harmonic, &o)) return NULL;
-    o->drive = (ric_force_drive){row->data.omega / d->medium->time, row->data.level, row->data.restitution};
+    if (ric_force_orbit_create(d->medium, N, letters ? face : NULL, closed, line->data.harmonic,
+                               &o))
+        return NULL;
+    o->drive = (ric_force_drive){row->data.omega / d->medium->time, row->data.level,
+                                 row->data.restitution};
     ric_force_motion_enter(d->medium, row->data.state, o->u);
     for (int k = 0; k < N; k++)
         ric_force_orbit_node(o, k)[2 * n + 1] = letters ? row->data.flights[k] * d->medium->time
@@ -88,7 +93,8 @@ int *ric_response_keep_word(const ric_force_orbit *o)
 {
     int *word = ric_calloc((size_t)o->N + 1, sizeof *word);
     for (int k = 0; word && k < o->N && o->events; k++) {
-        const bool opens = !ric_force_medium_rigid(o->medium, o->face[k]) && !(o->closed[k] >> o->face[k] & 1);
+        const bool opens = !ric_force_medium_rigid(o->medium, o->face[k]) &&
+                           !(o->closed[k] >> o->face[k] & 1);
         word[k] = o->face[k] + (opens ? o->medium->model->n_face : 0);
     }
     return word;
@@ -104,8 +110,10 @@ int ric_response_keep_impacts(const ric_force_orbit *o)
 
 /* ----------------------------------------------------------- the same orbit */
 
-/* Whether both are one motion at one parameter, or mirror images: their states at one phase of the force. */
-static bool same_motion(const ric_response_driver *d, const ric_force_orbit *a, const ric_force_orbit *b, double near)
+/* Whether both are one motion at one parameter, or mirror images: their states at one phase of the
+ * force. */
+static bool same_motion(const ric_response_driver *d, const ric_force_orbit *a,
+                        const ric_force_orbit *b, double near)
 {
     const int size = 2 * a->n, images = ric_model_symmetric(d->medium->model) ? 2 : 1;
     double z[size], x[size];
@@ -148,14 +156,15 @@ double ric_response_keep_value(const ric_response_driver *d, const ric_response_
 }
 
 /* Whether the orbit o lies between two neighbouring rows: the one there is solved for. */
-static bool between(ric_response_driver *d, const ric_response_line *line, int i, const ric_force_orbit *o,
-                    double value)
+static bool between(ric_response_driver *d, const ric_response_line *line, int i,
+                    const ric_force_orbit *o, double value)
 {
     const ric_response_row *a = &line->points[i], *b = &line->points[i + 1];
-    const double from = ric_response_keep_value(d, &a->data), to = ric_response_keep_value(d, &b->data),
-                 part = (value - from) / (to - from);
+    const double from = ric_response_keep_value(d, &a->data),
+                 to = ric_response_keep_value(d, &b->data), part = (value - from) / (to - from);
     if (!(part >= 0 && part <= 1)) return false;
-    ric_force_orbit *x = ric_response_keep_orbit(d, line, a), *y = ric_response_keep_orbit(d, line, b);
+    ric_force_orbit *x = ric_response_keep_orbit(d, line, a),
+                    *y = ric_response_keep_orbit(d, line, b);
     bool same = false;
     if (x && y) {
         for (int k = 0; k < x->N * x->m; k++) {
@@ -193,23 +202,28 @@ static int known_event(ric_response_driver *d, ric_force_orbit *o)
         const ric_response_mark *e = &d->r->events[i];
         const double mine = *ric_force_orbit_parameter(o, d->trace.along),
                      other = ric_response_keep_value(d, &e->data.at);
-        if (e->data.kind != RIC_RESPONSE_GRAZING || !(fabs(mine - other) < RIC_RESPONSE_SAME * (1 + fabs(mine))))
+        if (e->data.kind != RIC_RESPONSE_GRAZING ||
+            !(fabs(mine - other) < RIC_RESPONSE_SAME * (1 + fabs(mine))))
             continue;
         ric_force_orbit *x = ric_response_keep_orbit(d, &d->r->curves[e->data.curve - 1], &e->row);
-        if (x && x->drive.level == o->drive.level && same_motion(d, o, x, RIC_RESPONSE_SAME)) found = e->data.id;
+        if (x && x->drive.level == o->drive.level && same_motion(d, o, x, RIC_RESPONSE_SAME))
+            found = e->data.id;
         ric_force_orbit_free(x);
     }
     return found;
 }
 
-bool ric_response_keep_at_event(ric_response_driver *d, ric_force_orbit *o, const ric_response_mark *e)
+bool ric_response_keep_at_event(ric_response_driver *d, ric_force_orbit *o,
+                                const ric_response_mark *e)
 {
     const ric_response_line *line = &d->r->curves[e->data.curve - 1];
     const int copies = e->data.kind == RIC_RESPONSE_DOUBLING ? 2 : 1;
-    if (e->data.kind != RIC_RESPONSE_DOUBLING && e->data.kind != RIC_RESPONSE_BRANCH_POINT) return false;
+    if (e->data.kind != RIC_RESPONSE_DOUBLING && e->data.kind != RIC_RESPONSE_BRANCH_POINT)
+        return false;
     if (line->data.harmonic * copies != o->harmonic) return false;
-    if (!(fabs(ric_response_keep_value(d, &e->data.at) / *ric_force_orbit_parameter(o, d->trace.along) - 1) <
-          RIC_RESPONSE_SAME))
+    if (!(fabs(ric_response_keep_value(d, &e->data.at) /
+                   *ric_force_orbit_parameter(o, d->trace.along) -
+               1) < RIC_RESPONSE_SAME))
         return false;
     ric_force_orbit *once = ric_response_keep_orbit(d, line, &e->row),
                     *x = once ? ric_response_word_repeat(once, copies) : NULL;
@@ -220,11 +234,13 @@ bool ric_response_keep_at_event(ric_response_driver *d, ric_force_orbit *o, cons
 }
 
 /* The branch point or doubling at which this orbit of a trace arrives, 0: none that is known. */
-static int arrival(ric_response_driver *d, const ric_response_trace *t, const ric_response_orbit *at)
+static int arrival(ric_response_driver *d, const ric_response_trace *t,
+                   const ric_response_orbit *at)
 {
     ric_response_trace_put(at, t->shape);
     for (int i = 0; i < d->r->n_event; i++)
-        if (ric_response_keep_at_event(d, t->shape, &d->r->events[i])) return d->r->events[i].data.id;
+        if (ric_response_keep_at_event(d, t->shape, &d->r->events[i]))
+            return d->r->events[i].data.id;
     return 0;
 }
 
@@ -262,13 +278,16 @@ static ric_status keep(ric_response_driver *d, ric_response_trace *t, int branch
     ric_response_curve data = {.letters = t->shape->events ? t->shape->N : 0,
                                .impacts = ric_response_keep_impacts(t->shape),
                                .harmonic = t->shape->harmonic,
-                               .level = d->trace.along == RIC_ALONG_LEVEL ? NAN : t->shape->drive.level,
+                               .level = d->trace.along == RIC_ALONG_LEVEL ? NAN
+                                                                          : t->shape->drive.level,
                                .branch = branch,
                                .from = from,
                                .begin = from ? RIC_RESPONSE_JOINS : t->other,
                                .end = t->stop};
-    if (!status && t->stop == RIC_RESPONSE_JOINS) data.to = arrival(d, t, &t->points[t->n_point - 1]);
-    if (!status && !from && t->other == RIC_RESPONSE_JOINS) data.from = arrival(d, t, &t->points[0]);
+    if (!status && t->stop == RIC_RESPONSE_JOINS)
+        data.to = arrival(d, t, &t->points[t->n_point - 1]);
+    if (!status && !from && t->other == RIC_RESPONSE_JOINS)
+        data.from = arrival(d, t, &t->points[0]);
     ric_response_line *line = word ? ric_response_add_curve(d->r, &data, word) : NULL;
     if (!status && !line) status = ric_no_memory("a response");
     for (int i = 0; line && i < t->n_point && !status; i++) {
@@ -283,8 +302,8 @@ static ric_status keep(ric_response_driver *d, ric_response_trace *t, int branch
     return status;
 }
 
-ric_status ric_response_keep_follow(ric_response_driver *d, ric_force_orbit *o, const double *direction, int branch,
-                                    int from)
+ric_status ric_response_keep_follow(ric_response_driver *d, ric_force_orbit *o,
+                                    const double *direction, int branch, int from)
 {
     const int m = o->m;
     double along[m + 1];
@@ -294,7 +313,8 @@ ric_status ric_response_keep_follow(ric_response_driver *d, ric_force_orbit *o, 
         ric_force_orbit_free(o);
         return RIC_OK;
     }
-    ric_response_trace *t = ric_response_trace_run(o, &d->trace, direction ? direction : along, !direction);
+    ric_response_trace *t = ric_response_trace_run(o, &d->trace, direction ? direction : along,
+                                                   !direction);
     if (!t) return ric_no_memory("a response");
     if (t->n_point == 0) {
         const ric_status status = t->status;

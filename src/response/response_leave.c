@@ -1,5 +1,5 @@
-/* Curves that begin at an event of another one: of other words at a grazing, of twice the period at a doubling, beside
- * the curve at a branch point. */
+/* Curves that begin at an event of another one: of other words at a grazing, of twice the period at
+ * a doubling, beside the curve at a branch point. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -16,17 +16,21 @@ static bool mute(const ric_response_driver *d, int curve, int event)
     return c->from == event || c->to == event;
 }
 
-/* Whether a is b from letter `turn` on, or, mirrored, with all faces exchanged for those on the other side. */
-static bool same_word(const ric_model *m, int letters, const int *a, const int *b, int turn, bool mirrored)
+/* Whether a is b from letter `turn` on, or, mirrored, with all faces exchanged for those on the
+ * other side. */
+static bool same_word(const ric_model *m, int letters, const int *a, const int *b, int turn,
+                      bool mirrored)
 {
     for (int i = 0; i < letters; i++) {
-        const int letter = b[(i + turn) % letters], f = letter % m->n_face, image = mirrored ? m->face[f].mirror : f;
+        const int letter = b[(i + turn) % letters], f = letter % m->n_face,
+                  image = mirrored ? m->face[f].mirror : f;
         if (image < 0 || a[i] != image + (letter - f)) return false;
     }
     return true;
 }
 
-/* Whether a curve with this word leaves the event already, whatever letter it begins with, or its mirror image does. */
+/* Whether a curve with this word leaves the event already, whatever letter it begins with, or its
+ * mirror image does. */
 static bool has_left(const ric_response_driver *d, const ric_force_orbit *o, int event)
 {
     int *word = ric_response_keep_word(o);
@@ -34,22 +38,25 @@ static bool has_left(const ric_response_driver *d, const ric_force_orbit *o, int
     bool found = false;
     for (int c = 0; word && c < d->r->n_curve && !found; c++) {
         const ric_response_curve *other = &d->r->curves[c].data;
-        if (!mute(d, c, event) || other->letters != letters || other->harmonic != o->harmonic) continue;
+        if (!mute(d, c, event) || other->letters != letters || other->harmonic != o->harmonic)
+            continue;
         found = letters == 0;
         for (int turn = 0; turn < letters && !found; turn++)
             for (int image = 0; image <= d->own_image && !found; image++)
-                found = same_word(d->medium->model, letters, word, d->r->curves[c].word, turn, image);
+                found = same_word(d->medium->model, letters, word, d->r->curves[c].word, turn,
+                                  image);
     }
     free(word);
     return found;
 }
 
 /* Takes o. */
-static ric_status depart(ric_response_driver *d, ric_force_orbit *o, const double *direction, int branch, int event)
+static ric_status depart(ric_response_driver *d, ric_force_orbit *o, const double *direction,
+                         int branch, int event)
 {
     if (!o) return RIC_OK;
-    if (ric_response_keep_impacts(o) > d->r->asked.impacts || has_left(d, o, event) || ric_response_keep_repeats(o) ||
-        ric_response_keep_known(d, o)) {
+    if (ric_response_keep_impacts(o) > d->r->asked.impacts || has_left(d, o, event) ||
+        ric_response_keep_repeats(o) || ric_response_keep_known(d, o)) {
         ric_force_orbit_free(o);
         return RIC_OK;
     }
@@ -69,21 +76,25 @@ static ric_status leave_grazing(ric_response_driver *d, ric_force_orbit *o, int 
     return status;
 }
 
-/* Motions of several periods of the one that grazes, with the impact in one of them only: near a grazing these begin,
- * too, and beside a resonance of the force with the free motion they are the ones that are stable (Nordmark,
- * Nonlinearity 14 (2001); Ghosh and Simpson, arXiv 2510.16218). */
-static ric_status leave_grazing_once(ric_response_driver *d, const ric_force_orbit *o, int branch, int event)
+/* Motions of several periods of the one that grazes, with the impact in one of them only: near a
+ * grazing these begin, too, and beside a resonance of the force with the free motion they are the
+ * ones that are stable (Nordmark, Nonlinearity 14 (2001); Ghosh and Simpson, arXiv 2510.16218). */
+static ric_status leave_grazing_once(ric_response_driver *d, const ric_force_orbit *o, int branch,
+                                     int event)
 {
     ric_response_touch touches[RIC_TOUCHES_MOST];
     int n = 0;
     double direction[o->m + 1];
     ric_status status = RIC_OK;
-    for (int copies = 2; copies <= d->r->asked.once_in && copies * o->harmonic <= d->r->asked.periods && !status;
+    for (int copies = 2;
+         copies <= d->r->asked.once_in && copies * o->harmonic <= d->r->asked.periods && !status;
          copies++) {
         ric_force_orbit *longer = ric_response_word_repeat(o, copies);
-        status = longer ? ric_response_word_touches(longer, touches, &n) : ric_no_memory("a response");
+        status = longer ? ric_response_word_touches(longer, touches, &n)
+                        : ric_no_memory("a response");
         for (int i = 0; i < n / copies && !status; i++) {
-            ric_force_orbit *x = ric_response_word_change(longer, &d->trace, n, touches, 1u << i, direction);
+            ric_force_orbit *x = ric_response_word_change(longer, &d->trace, n, touches, 1u << i,
+                                                          direction);
             status = ric_response_keep_forgive(d, depart(d, x, direction, branch, event));
         }
         ric_force_orbit_free(longer);
@@ -91,13 +102,14 @@ static ric_status leave_grazing_once(ric_response_driver *d, const ric_force_orb
     return status;
 }
 
-/* Direction [m + 1] of the curve at an event of it: from the row before to the one behind. At the event itself the
- * equations have two. */
+/* Direction [m + 1] of the curve at an event of it: from the row before to the one behind. At the
+ * event itself the equations have two. */
 static bool secant(ric_response_driver *d, const ric_response_mark *e, double *out)
 {
     const ric_response_line *line = &d->r->curves[e->data.curve - 1];
     int i = 0;
-    while (i + 2 < line->data.n_point && line->points[i + 1].data.arclength < e->data.at.arclength) i++;
+    while (i + 2 < line->data.n_point && line->points[i + 1].data.arclength < e->data.at.arclength)
+        i++;
     if (line->data.n_point < 2) return false;
     ric_force_orbit *x = ric_response_keep_orbit(d, line, &line->points[i]),
                     *y = ric_response_keep_orbit(d, line, &line->points[i + 1]);
@@ -118,7 +130,8 @@ static bool secant(ric_response_driver *d, const ric_response_mark *e, double *o
     return found && length > 0;
 }
 
-/* Whether a curve that left another event, or began beside an orbit of the atlas, has come to this one. */
+/* Whether a curve that left another event, or began beside an orbit of the atlas, has come to this
+ * one. */
 static bool reached(ric_response_driver *d, const ric_response_mark *event)
 {
     bool found = false;
@@ -127,9 +140,10 @@ static bool reached(ric_response_driver *d, const ric_response_mark *event)
         for (int end = 0; end < 2 && !found && line->data.n_point > 0; end++) {
             const bool joins = end ? line->data.end == RIC_RESPONSE_JOINS
                                    : line->data.begin == RIC_RESPONSE_JOINS && !line->data.from;
-            ric_force_orbit *x = joins
-                                     ? ric_response_keep_orbit(d, line, &line->points[end ? line->data.n_point - 1 : 0])
-                                     : NULL;
+            ric_force_orbit *x =
+                joins ? ric_response_keep_orbit(d, line,
+                                                &line->points[end ? line->data.n_point - 1 : 0])
+                      : NULL;
             found = (end ? line->data.to : line->data.from) == event->data.id ||
                     (x && ric_response_keep_at_event(d, x, event));
             ric_force_orbit_free(x);
@@ -138,19 +152,23 @@ static bool reached(ric_response_driver *d, const ric_response_mark *event)
     return found;
 }
 
-static ric_status leave_aside(ric_response_driver *d, ric_force_orbit *o, int branch, int event, ric_response_kind kind)
+static ric_status leave_aside(ric_response_driver *d, ric_force_orbit *o, int branch, int event,
+                              ric_response_kind kind)
 {
     const int m = o->m, copies = kind == RIC_RESPONSE_DOUBLING ? 2 : 1,
               sides = copies == 2 || ric_model_symmetric(d->medium->model) ? 1 : 2;
     double row[m + 1], direction[m + 1];
     ric_status status = RIC_OK;
-    if (o->harmonic * copies > d->r->asked.periods || ric_response_keep_impacts(o) * copies > d->r->asked.impacts ||
+    if (o->harmonic * copies > d->r->asked.periods ||
+        ric_response_keep_impacts(o) * copies > d->r->asked.impacts ||
         reached(d, &d->r->events[event - 1]) || !secant(d, &d->r->events[event - 1], row))
         return RIC_OK;
     for (int side = 0; side < sides && !status; side++) {
-        ric_force_orbit *x = ric_response_word_aside(o, &d->trace, row, copies, side ? -1 : 1, direction);
+        ric_force_orbit *x = ric_response_word_aside(o, &d->trace, row, copies, side ? -1 : 1,
+                                                     direction);
         if (x && !ric_response_keep_known(d, x))
-            status = ric_response_keep_forgive(d, ric_response_keep_follow(d, x, direction, branch, event));
+            status = ric_response_keep_forgive(d, ric_response_keep_follow(d, x, direction, branch,
+                                                                           event));
         else ric_force_orbit_free(x);
     }
     return status;

@@ -1,4 +1,5 @@
-/* The file of a response: SQLite, written curve by curve, so that what is killed goes on where it stopped. */
+/* The file of a response: SQLite, written curve by curve, so that what is killed goes on where it
+ * stopped. */
 #include "response.h"
 
 #include <math.h>
@@ -19,15 +20,21 @@ struct ric_response_file {
 static const char schema[] =
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;"
     "CREATE TABLE task (key TEXT PRIMARY KEY) WITHOUT ROWID;"
-    "CREATE TABLE curve (id INTEGER PRIMARY KEY, letters INTEGER NOT NULL, impacts INTEGER NOT NULL, word TEXT NOT "
+    "CREATE TABLE curve (id INTEGER PRIMARY KEY, letters INTEGER NOT NULL, impacts INTEGER NOT "
+    "NULL, word TEXT NOT "
     "NULL,"
-    " harmonic INTEGER NOT NULL, level REAL, branch INTEGER NOT NULL, begins INTEGER NOT NULL, ends INTEGER NOT NULL,"
+    " harmonic INTEGER NOT NULL, level REAL, branch INTEGER NOT NULL, begins INTEGER NOT NULL, "
+    "ends INTEGER NOT NULL,"
     " from_event INTEGER NOT NULL, to_event INTEGER NOT NULL);"
-    "CREATE TABLE point (curve INTEGER NOT NULL, i INTEGER NOT NULL, arclength REAL, omega REAL, level REAL,"
-    " restitution REAL, period REAL, phase REAL, residual REAL, largest REAL, reach REAL, approach REAL,"
+    "CREATE TABLE point (curve INTEGER NOT NULL, i INTEGER NOT NULL, arclength REAL, omega REAL, "
+    "level REAL,"
+    " restitution REAL, period REAL, phase REAL, residual REAL, largest REAL, reach REAL, approach "
+    "REAL,"
     " stable INTEGER NOT NULL, numbers BLOB NOT NULL, PRIMARY KEY (curve, i)) WITHOUT ROWID;"
-    "CREATE TABLE event (id INTEGER PRIMARY KEY, curve INTEGER NOT NULL, kind INTEGER NOT NULL, arclength REAL,"
-    " omega REAL, level REAL, restitution REAL, period REAL, phase REAL, residual REAL, largest REAL, reach REAL,"
+    "CREATE TABLE event (id INTEGER PRIMARY KEY, curve INTEGER NOT NULL, kind INTEGER NOT NULL, "
+    "arclength REAL,"
+    " omega REAL, level REAL, restitution REAL, period REAL, phase REAL, residual REAL, largest "
+    "REAL, reach REAL,"
     " approach REAL, stable INTEGER NOT NULL, numbers BLOB NOT NULL);";
 
 /* ------------------------------------------------------------------- errors */
@@ -37,17 +44,22 @@ static ric_status failed(const ric_response_file *f)
     const int code = f->db ? sqlite3_extended_errcode(f->db) & 0xff : SQLITE_NOMEM;
     if (code == SQLITE_NOMEM) return ric_no_memory("a response");
     if (code == SQLITE_BUSY || code == SQLITE_LOCKED)
-        return ric_fail(RIC_E_BUSY, "%s: another program writes this response; wait for it", f->path);
-    if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT)
-        return ric_fail(RIC_E_FORMAT, "%s: not a response, or damaged; name a file made by `ricochet response`",
+        return ric_fail(RIC_E_BUSY, "%s: another program writes this response; wait for it",
                         f->path);
-    return ric_fail(RIC_E_IO, "%s: cannot be read or written (%s); check its permissions, its folder and the disk",
-                    f->path, sqlite3_errmsg(f->db));
+    if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT)
+        return ric_fail(RIC_E_FORMAT,
+                        "%s: not a response, or damaged; name a file made by `ricochet response`",
+                        f->path);
+    return ric_fail(
+        RIC_E_IO,
+        "%s: cannot be read or written (%s); check its permissions, its folder and the disk",
+        f->path, sqlite3_errmsg(f->db));
 }
 
 static ric_status damaged(const ric_response_file *f, const char *what)
 {
-    return ric_fail(RIC_E_FORMAT, "%s: damaged response (%s); remove it and compute it again", f->path, what);
+    return ric_fail(RIC_E_FORMAT, "%s: damaged response (%s); remove it and compute it again",
+                    f->path, what);
 }
 
 static ric_status run(const ric_response_file *f, const char *sql)
@@ -78,7 +90,8 @@ char *ric_response_store_text(const ric_response *r)
     write_numbers(text.file, "window", 2, o->window);
     write_numbers(text.file, "omega", 1, &o->omega);
     write_numbers(text.file, "step", 1, &o->step);
-    fprintf(text.file, "along %d\nbranch %d\nimpacts %d\nperiods %d\nonce %d\npoints %d\ncurves %d\nharmonics",
+    fprintf(text.file,
+            "along %d\nbranch %d\nimpacts %d\nperiods %d\nonce %d\npoints %d\ncurves %d\nharmonics",
             (int)o->along, o->branch, o->impacts, o->periods, o->once_in, o->points, o->curves);
     for (int i = 0; i < o->n_harmonic; i++) fprintf(text.file, " %d", o->harmonics[i]);
     fputc('\n', text.file);
@@ -92,7 +105,8 @@ static int read_numbers(const char *text, const char *key, double **out)
     int n = 0;
     *out = NULL;
     for (const char *line = text; line && *line; line = strchr(line, '\n'), line += line != NULL) {
-        if (strncmp(line, key, length) != 0 || (line[length] != ' ' && line[length] != '\n')) continue;
+        if (strncmp(line, key, length) != 0 || (line[length] != ' ' && line[length] != '\n'))
+            continue;
         const char *at = line + length, *end = strchr(line, '\n');
         for (const char *c = at; c && c < end; c++) n += *c == ' ';
         if (!(*out = ric_calloc((size_t)n + 1, sizeof **out))) return -1;
@@ -122,12 +136,14 @@ static ric_status asked_from(const char *text, const ric_response_file *f, ric_r
     r->levels = levels;
     o->n_harmonic = read_numbers(text, "harmonics", &harmonics);
     const bool whole = read_numbers(text, "window", &window) == 2;
-    r->harmonics = o->n_harmonic >= 0 ? ric_calloc((size_t)o->n_harmonic + 1, sizeof *r->harmonics) : NULL;
+    r->harmonics = o->n_harmonic >= 0 ? ric_calloc((size_t)o->n_harmonic + 1, sizeof *r->harmonics)
+                                      : NULL;
     for (int i = 0; r->harmonics && i < o->n_harmonic; i++) r->harmonics[i] = (int)harmonics[i];
     for (int i = 0; whole && i < 2; i++) o->window[i] = window[i];
     free(harmonics);
     free(window);
-    if (!r->force || !r->ratios || !r->matrix || !r->levels || !r->harmonics) return ric_no_memory("a response");
+    if (!r->force || !r->ratios || !r->matrix || !r->levels || !r->harmonics)
+        return ric_no_memory("a response");
     o->shaking.n_matrix = (int)lround(sqrt(entries));
     o->shaking.restitution = read_number(text, "restitution");
     o->omega = read_number(text, "omega");
@@ -144,8 +160,8 @@ static ric_status asked_from(const char *text, const ric_response_file *f, ric_r
     o->shaking.matrix = o->shaking.n_matrix ? r->matrix : NULL;
     o->levels = r->levels;
     o->harmonics = r->harmonics;
-    if (!whole || o->shaking.n_matrix * o->shaking.n_matrix != entries || o->along > RIC_RESPONSE_RESTITUTION ||
-        o->shaking.n_force != ric_model_n_dof(r->model))
+    if (!whole || o->shaking.n_matrix * o->shaking.n_matrix != entries ||
+        o->along > RIC_RESPONSE_RESTITUTION || o->shaking.n_force != ric_model_n_dof(r->model))
         return damaged(f, "what was asked for");
     return RIC_OK;
 }
@@ -157,7 +173,8 @@ static ric_status get_meta(const ric_response_file *f, const char *key, char **o
     sqlite3_stmt *query = NULL;
     ric_status status = RIC_OK;
     *out = NULL;
-    if (sqlite3_prepare_v2(f->db, "SELECT value FROM meta WHERE key = ?", -1, &query, NULL)) return failed(f);
+    if (sqlite3_prepare_v2(f->db, "SELECT value FROM meta WHERE key = ?", -1, &query, NULL))
+        return failed(f);
     sqlite3_bind_text(query, 1, key, -1, SQLITE_STATIC);
     const int code = sqlite3_step(query);
     if (code == SQLITE_ROW) {
@@ -202,29 +219,32 @@ static double real(sqlite3_stmt *q, int column)
 static ric_status take_row(const ric_response_file *f, sqlite3_stmt *q, int at, int n, int letters,
                            ric_response_row *out)
 {
-    double *scalars[] = {&out->data.arclength, &out->data.omega,   &out->data.level,    &out->data.restitution,
-                         &out->data.period,    &out->data.phase,   &out->data.residual, &out->data.largest,
-                         &out->data.reach,     &out->data.approach};
+    double *scalars[] = {&out->data.arclength,   &out->data.omega,   &out->data.level,
+                         &out->data.restitution, &out->data.period,  &out->data.phase,
+                         &out->data.residual,    &out->data.largest, &out->data.reach,
+                         &out->data.approach};
     const size_t size = ric_response_numbers(n, letters) * sizeof(double);
     for (int i = 0; i < 10; i++) *scalars[i] = real(q, at + i);
     const int stable = sqlite3_column_int(q, at + 10);
     if (stable < 0 || stable > 2) return damaged(f, "a stability");
     out->data.stable = (ric_stability)stable;
     const void *blob = sqlite3_column_blob(q, at + 11);
-    if (!blob || (size_t)sqlite3_column_bytes(q, at + 11) != size) return damaged(f, "numbers of an orbit");
+    if (!blob || (size_t)sqlite3_column_bytes(q, at + 11) != size)
+        return damaged(f, "numbers of an orbit");
     if (!(out->numbers = ric_malloc(size))) return ric_no_memory("a response");
     memcpy(out->numbers, blob, size);
     ric_response_row_arrange(out, n, letters);
     return RIC_OK;
 }
 
-static ric_status valid_word(const ric_response_file *f, const ric_response *r, const ric_response_curve *c,
-                             const int *word)
+static ric_status valid_word(const ric_response_file *f, const ric_response *r,
+                             const ric_response_curve *c, const int *word)
 {
     const int faces = ric_model_n_face(r->model);
     for (int i = 0; i < c->letters; i++)
         if (word[i] < 0 || word[i] >= 2 * faces) return damaged(f, "a word");
-    return c->harmonic > 0 && c->harmonic < LETTERS_MOST ? RIC_OK : damaged(f, "a number of periods");
+    return c->harmonic > 0 && c->harmonic < LETTERS_MOST ? RIC_OK
+                                                         : damaged(f, "a number of periods");
 }
 
 static ric_status read_curve(const ric_response_file *f, sqlite3_stmt *q, ric_response *r)
@@ -245,7 +265,9 @@ static ric_status read_curve(const ric_response_file *f, sqlite3_stmt *q, ric_re
         return damaged(f, "a curve");
     const unsigned char *text = sqlite3_column_text(q, 3);
     const int got = text ? word_of((const char *)text, c.letters, &word) : 0;
-    ric_status status = got < 0 ? ric_no_memory("a response") : got ? valid_word(f, r, &c, word) : damaged(f, "a word");
+    ric_status status = got < 0 ? ric_no_memory("a response")
+                        : got   ? valid_word(f, r, &c, word)
+                                : damaged(f, "a word");
     if (!status && !ric_response_add_curve(r, &c, word)) status = ric_no_memory("a response");
     if (status) free(word);
     return status;
@@ -255,7 +277,8 @@ static ric_status read_point(const ric_response_file *f, sqlite3_stmt *q, ric_re
 {
     const int curve = sqlite3_column_int(q, 0), i = sqlite3_column_int(q, 1);
     ric_response_row row = {0};
-    if (curve < 1 || curve > r->n_curve || i != r->curves[curve - 1].data.n_point) return damaged(f, "a point");
+    if (curve < 1 || curve > r->n_curve || i != r->curves[curve - 1].data.n_point)
+        return damaged(f, "a point");
     ric_response_line *line = &r->curves[curve - 1];
     ric_status status = take_row(f, q, 2, ric_model_n_dof(r->model), line->data.letters, &row);
     if (!status && !ric_response_add_point(line, &row)) status = ric_no_memory("a response");
@@ -269,9 +292,11 @@ static ric_status read_event(const ric_response_file *f, sqlite3_stmt *q, ric_re
                             .curve = sqlite3_column_int(q, 1),
                             .kind = (ric_response_kind)sqlite3_column_int(q, 2)};
     ric_response_row row = {0};
-    if (e.id != r->n_event + 1 || e.curve < 1 || e.curve > r->n_curve || (unsigned)e.kind > RIC_RESPONSE_GRAZING)
+    if (e.id != r->n_event + 1 || e.curve < 1 || e.curve > r->n_curve ||
+        (unsigned)e.kind > RIC_RESPONSE_GRAZING)
         return damaged(f, "an event");
-    ric_status status = take_row(f, q, 3, ric_model_n_dof(r->model), r->curves[e.curve - 1].data.letters, &row);
+    ric_status status = take_row(f, q, 3, ric_model_n_dof(r->model),
+                                 r->curves[e.curve - 1].data.letters, &row);
     if (!status && !ric_response_add_event(r, &e, &row)) status = ric_no_memory("a response");
     if (status) free(row.numbers);
     return status;
@@ -281,11 +306,13 @@ static ric_status read_task(const ric_response_file *f, sqlite3_stmt *q, ric_res
 {
     const unsigned char *key = sqlite3_column_text(q, 0);
     (void)f;
-    return key && ric_response_add_task(r, (const char *)key) ? RIC_OK : ric_no_memory("a response");
+    return key && ric_response_add_task(r, (const char *)key) ? RIC_OK
+                                                              : ric_no_memory("a response");
 }
 
 static ric_status each(const ric_response_file *f, const char *sql, ric_response *r,
-                       ric_status (*take)(const ric_response_file *, sqlite3_stmt *, ric_response *))
+                       ric_status (*take)(const ric_response_file *, sqlite3_stmt *,
+                                          ric_response *))
 {
     sqlite3_stmt *query = NULL;
     ric_status status = RIC_OK;
@@ -304,8 +331,8 @@ static ric_status read_rows(const ric_response_file *f, ric_response *r)
     if (!status) status = each(f, "SELECT * FROM event ORDER BY id", r, read_event);
     if (!status) status = each(f, "SELECT key FROM task ORDER BY key", r, read_task);
     for (int i = 0; i < r->n_curve && !status; i++)
-        if (r->curves[i].data.from < 0 || r->curves[i].data.from > r->n_event || r->curves[i].data.to < 0 ||
-            r->curves[i].data.to > r->n_event)
+        if (r->curves[i].data.from < 0 || r->curves[i].data.from > r->n_event ||
+            r->curves[i].data.to < 0 || r->curves[i].data.to > r->n_event)
             status = damaged(f, "a link");
     return status;
 }
@@ -326,7 +353,8 @@ static ric_status open_file(const char *path, int flags, ric_response_file **out
     ric_response_file *f = ric_calloc(1, sizeof *f);
     *out = f;
     if (!f || !(f->path = ric_strdup(path))) return ric_no_memory("a response");
-    if (sqlite3_open_v2(path, &f->db, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, NULL)) return failed(f);
+    if (sqlite3_open_v2(path, &f->db, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, NULL))
+        return failed(f);
     sqlite3_db_config(f->db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
     sqlite3_db_config(f->db, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, NULL);
     sqlite3_db_config(f->db, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, NULL);
@@ -337,10 +365,12 @@ static ric_status open_file(const char *path, int flags, ric_response_file **out
 static ric_status check_identity(const ric_response_file *f)
 {
     if (number_of(f->db, "PRAGMA application_id") != APPLICATION_ID)
-        return ric_fail(RIC_E_FORMAT, "%s: not a response; name a file made by `ricochet response`, or a new one",
+        return ric_fail(RIC_E_FORMAT,
+                        "%s: not a response; name a file made by `ricochet response`, or a new one",
                         f->path);
     if (number_of(f->db, "PRAGMA user_version") != VERSION)
-        return ric_fail(RIC_E_FORMAT, "%s: written by a newer version of the program; use that one", f->path);
+        return ric_fail(RIC_E_FORMAT, "%s: written by a newer version of the program; use that one",
+                        f->path);
     return RIC_OK;
 }
 
@@ -358,7 +388,8 @@ bool ric_response_is(const char *path)
     FILE *file = fopen(path, "rb");
     const size_t got = file ? fread(head, 1, sizeof head, file) : 0;
     if (file) fclose(file);
-    return got == sizeof head && memcmp(head, "SQLite format 3", 15) == 0 && memcmp(head + 68, "RCRP", 4) == 0;
+    return got == sizeof head && memcmp(head, "SQLite format 3", 15) == 0 &&
+           memcmp(head + 68, "RCRP", 4) == 0;
 }
 
 ric_status ric_response_read(const char *path, ric_response **out)
@@ -369,7 +400,8 @@ ric_status ric_response_read(const char *path, ric_response **out)
     *out = NULL;
     FILE *there = fopen(path, "rb");
     ric_status status = r ? RIC_OK : ric_no_memory("a response");
-    if (!status && !there) status = ric_fail(RIC_E_MISSING, "%s: no such file, or it cannot be read", path);
+    if (!status && !there)
+        status = ric_fail(RIC_E_MISSING, "%s: no such file, or it cannot be read", path);
     if (there) fclose(there);
     if (!status) status = open_file(path, SQLITE_OPEN_READONLY, &f);
     if (!status) status = check_identity(f);
@@ -399,7 +431,8 @@ ric_status ric_response_read(const char *path, ric_response **out)
 static ric_status put_meta(const ric_response_file *f, const char *key, const char *value)
 {
     sqlite3_stmt *query = NULL;
-    if (sqlite3_prepare_v2(f->db, "INSERT OR REPLACE INTO meta VALUES (?, ?)", -1, &query, NULL)) return failed(f);
+    if (sqlite3_prepare_v2(f->db, "INSERT OR REPLACE INTO meta VALUES (?, ?)", -1, &query, NULL))
+        return failed(f);
     sqlite3_bind_text(query, 1, key, -1, SQLITE_STATIC);
     sqlite3_bind_text(query, 2, value, -1, SQLITE_STATIC);
     const int code = sqlite3_step(query);
@@ -410,8 +443,9 @@ static ric_status put_meta(const ric_response_file *f, const char *key, const ch
 static ric_status begin_file(const ric_response_file *f, const char *text, const char *study)
 {
     char sql[160];
-    snprintf(sql, sizeof sql, "BEGIN IMMEDIATE; PRAGMA application_id = %d; PRAGMA user_version = %d;", APPLICATION_ID,
-             VERSION);
+    snprintf(sql, sizeof sql,
+             "BEGIN IMMEDIATE; PRAGMA application_id = %d; PRAGMA user_version = %d;",
+             APPLICATION_ID, VERSION);
     ric_status status = run(f, sql);
     if (!status) status = run(f, schema);
     if (!status) status = put_meta(f, "study", study);
@@ -437,7 +471,8 @@ static ric_status give_way(const ric_response_file *f, const char *text, const c
 
 /* ------------------------------------------------------------ another study */
 
-/* The key of a branch of the atlas, by which it is known where other budgets have given it another number. */
+/* The key of a branch of the atlas, by which it is known where other budgets have given it another
+ * number. */
 static ric_status put_branch(const ric_response_file *f, const ric_atlas *atlas, int id)
 {
     char name[32];
@@ -476,12 +511,14 @@ static ric_status renumber(const ric_response_file *f, ric_response *r)
 }
 
 /* The study `text` takes the place of the one before, if it is of the same structure. */
-static ric_status change_study(const ric_response_file *f, const char *before, const char *text, ric_response *r)
+static ric_status change_study(const ric_response_file *f, const char *before, const char *text,
+                               ric_response *r)
 {
     ric_study *old = NULL;
     ric_status status = ric_study_parse(before, f->path, NULL, &old);
     if (!status && !ric_model_same(ric_study_model(old), r->model))
-        status = ric_fail(RIC_E_CONFLICT, "%s: has the response of another structure; name another file", f->path);
+        status = ric_fail(RIC_E_CONFLICT,
+                          "%s: has the response of another structure; name another file", f->path);
     ric_study_free(old);
     if (!status) status = run(f, "BEGIN IMMEDIATE");
     if (status) return status;
@@ -493,14 +530,15 @@ static ric_status change_study(const ric_response_file *f, const char *before, c
     return status;
 }
 
-ric_status ric_response_store_open(const char *path, const char *text, const char *study, ric_response *r,
-                                   ric_response_file **out)
+ric_status ric_response_store_open(const char *path, const char *text, const char *study,
+                                   ric_response *r, ric_response_file **out)
 {
     char *before = NULL, *of = NULL, *finished = NULL;
     ric_response_file *f = NULL;
     *out = NULL;
     ric_status status = open_file(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, &f);
-    if (!status && number_of(f->db, "SELECT count(*) FROM sqlite_master") == 0) status = begin_file(f, text, study);
+    if (!status && number_of(f->db, "SELECT count(*) FROM sqlite_master") == 0)
+        status = begin_file(f, text, study);
     if (!status) status = check_identity(f);
     if (!status) status = give_way(f, text, study);
     if (!status) status = get_meta(f, "asked", &before);
@@ -508,11 +546,11 @@ ric_status ric_response_store_open(const char *path, const char *text, const cha
     if (!status) status = get_meta(f, "finished", &finished);
     if (!status && (!before || !of)) status = damaged(f, "no study");
     if (!status && strcmp(before, text) != 0)
-        status =
-            ric_fail(RIC_E_CONFLICT,
-                     "%s: has the response to another force, damping, window, budget or step; name another file, or "
-                     "give the call again that began it",
-                     path);
+        status = ric_fail(RIC_E_CONFLICT,
+                          "%s: has the response to another force, damping, window, budget or step; "
+                          "name another file, or "
+                          "give the call again that began it",
+                          path);
     if (!status) status = get_skipped(f, r);
     if (!status) status = read_rows(f, r);
     const bool other = !status && strcmp(of, study) != 0;
@@ -543,11 +581,13 @@ static ric_status step(const ric_response_file *f, sqlite3_stmt *query)
     return code == SQLITE_DONE ? RIC_OK : failed(f);
 }
 
-static ric_status put_points(const ric_response_file *f, const ric_response_line *line, size_t numbers)
+static ric_status put_points(const ric_response_file *f, const ric_response_line *line,
+                             size_t numbers)
 {
     sqlite3_stmt *q = NULL;
     ric_status status = RIC_OK;
-    if (sqlite3_prepare_v2(f->db, "INSERT INTO point VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?)", -1, &q, NULL))
+    if (sqlite3_prepare_v2(f->db, "INSERT INTO point VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?)", -1, &q,
+                           NULL))
         return failed(f);
     for (int i = 0; i < line->data.n_point && !status; i++) {
         sqlite3_bind_int(q, 1, line->data.id);
@@ -569,7 +609,8 @@ static ric_status put_curve(const ric_response_file *f, const ric_response_line 
     char *text = ric_buffer_take(&word);
     if (!text) return ric_no_memory("a response");
     ric_status status = RIC_OK;
-    if (sqlite3_prepare_v2(f->db, "INSERT INTO curve VALUES (?,?,?,?,?,?,?,?,?,?,?)", -1, &q, NULL)) status = failed(f);
+    if (sqlite3_prepare_v2(f->db, "INSERT INTO curve VALUES (?,?,?,?,?,?,?,?,?,?,?)", -1, &q, NULL))
+        status = failed(f);
     const int whole[] = {c->id,     c->letters,    c->impacts,  0,       c->harmonic, 0,
                          c->branch, (int)c->begin, (int)c->end, c->from, c->to};
     for (int i = 0; i < 11 && !status; i++)
@@ -587,7 +628,8 @@ static ric_status put_curve(const ric_response_file *f, const ric_response_line 
 static ric_status put_event(const ric_response_file *f, const ric_response_mark *e, size_t numbers)
 {
     sqlite3_stmt *q = NULL;
-    if (sqlite3_prepare_v2(f->db, "INSERT INTO event VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)", -1, &q, NULL))
+    if (sqlite3_prepare_v2(f->db, "INSERT INTO event VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)", -1,
+                           &q, NULL))
         return failed(f);
     sqlite3_bind_int(q, 1, e->data.id);
     sqlite3_bind_int(q, 2, e->data.curve);
@@ -610,21 +652,27 @@ static ric_status put_skipped(const ric_response_file *f, const ric_response *r)
     return status;
 }
 
-ric_status ric_response_store_put(ric_response_file *f, const ric_response *r, int curve, int event, const char *task)
+ric_status ric_response_store_put(ric_response_file *f, const ric_response *r, int curve, int event,
+                                  const char *task)
 {
     const int n = ric_model_n_dof(r->model);
     ric_status status = run(f, "BEGIN IMMEDIATE");
     for (int i = curve - 1; i < r->n_curve && !status; i++) {
         status = put_curve(f, &r->curves[i]);
-        if (!status && r->curves[i].data.branch) status = put_branch(f, r->atlas, r->curves[i].data.branch);
-        if (!status) status = put_points(f, &r->curves[i], ric_response_numbers(n, r->curves[i].data.letters));
+        if (!status && r->curves[i].data.branch)
+            status = put_branch(f, r->atlas, r->curves[i].data.branch);
+        if (!status)
+            status = put_points(f, &r->curves[i],
+                                ric_response_numbers(n, r->curves[i].data.letters));
     }
     for (int i = event - 1; i < r->n_event && !status; i++)
         status = put_event(f, &r->events[i],
-                           ric_response_numbers(n, r->curves[r->events[i].data.curve - 1].data.letters));
+                           ric_response_numbers(n, r->curves[r->events[i].data.curve - 1]
+                                                       .data.letters));
     if (!status) status = put_skipped(f, r);
     sqlite3_stmt *q = NULL;
-    if (!status && sqlite3_prepare_v2(f->db, "INSERT OR REPLACE INTO task VALUES (?)", -1, &q, NULL))
+    if (!status &&
+        sqlite3_prepare_v2(f->db, "INSERT OR REPLACE INTO task VALUES (?)", -1, &q, NULL))
         status = failed(f);
     if (!status) {
         sqlite3_bind_text(q, 1, task, -1, SQLITE_STATIC);

@@ -17,10 +17,13 @@
 #define NEAR_VALUE 1e-3 /* from 1 or -1, of a multiplier at a place where one passes it */
 #define ON_CIRCLE 1e-4  /* multipliers at a place of Neimark and Sacker */
 #define BESIDE 0.1      /* of a step: how far from where it was seen a branch point is */
-#define ARRIVED 1e-3    /* relative: an orbit that is its own image; there it is known to the third root of rounding */
-#define NEARER 0.1      /* how much nearer to that than the ends of its step it must be */
-#define SHORT                                                                                                          \
-    0.9999 /* of a step that ends in a grazing: beyond it multipliers come back from infinity with other signs */
+/* ARRIVED: relative: an orbit that is its own image; there it is known to the third root of
+ * rounding */
+#define ARRIVED 1e-3
+#define NEARER 0.1 /* how much nearer to that than the ends of its step it must be */
+#define SHORT                                                                                      \
+    0.9999 /* of a step that ends in a grazing: beyond it multipliers come back from infinity with \
+              other signs */
 #define FINEST 1e-3  /* of the longest step: events that lie closer are not told apart */
 #define UNKNOWN 1e-6 /* multipliers nearer to the circle count on neither side */
 #define OPEN 0.5     /* gaps wider than that part of the clearance tell nothing */
@@ -114,13 +117,15 @@ static void products(int size, const double *mu, probe *p)
     p->pairs = creal(pairs);
 }
 
-/* Everything at the orbit in t->o, which is solved; row [m + 1] gives the sense of the direction. */
+/* Everything at the orbit in t->o, which is solved; row [m + 1] gives the sense of the direction.
+ */
 static bool look(const tracer *t, const double *row, double arclength, probe *p)
 {
     ric_force_orbit *o = t->o;
     const int m = o->m;
     ric_response_orbit *at = &p->orbit;
-    if (!ric_force_orbit_tangent(o, t->options->along, t->options->scale, row, p->full)) return false;
+    if (!ric_force_orbit_tangent(o, t->options->along, t->options->scale, row, p->full))
+        return false;
     memcpy(at->u, o->u, t->all * sizeof *at->u);
     memcpy(at->tangent, p->full, (size_t)m * sizeof *at->tangent);
     at->tangent[m] = p->full[t->all];
@@ -147,13 +152,15 @@ static bool go(const tracer *t, const probe *p, double h, int *steps)
     const int m = o->m;
     double *free_one = ric_force_orbit_parameter(o, t->options->along);
     ric_response_trace_put(&p->orbit, o);
-    const double *row = p->orbit.tangent, aim = ric_dot(m, row, o->u) + row[m] * *free_one / t->options->scale + h;
+    const double *row = p->orbit.tangent,
+                 aim = ric_dot(m, row, o->u) + row[m] * *free_one / t->options->scale + h;
     for (size_t i = 0; i < t->all; i++) o->u[i] += h * p->full[i];
     *free_one += h * p->full[t->all] * t->options->scale;
     return ric_force_orbit_solve(o, t->options->along, t->options->scale, row, aim, steps);
 }
 
-/* Distance in the first unknowns and the parameter from u, of the orbit in t->o; phases modulo a turn. */
+/* Distance in the first unknowns and the parameter from u, of the orbit in t->o; phases modulo a
+ * turn. */
 static double apart(const tracer *t, const double *u, double value)
 {
     const ric_force_orbit *o = t->o;
@@ -162,7 +169,8 @@ static double apart(const tracer *t, const double *u, double value)
         const double d = o->u[i] - u[i], off = i == 2 * o->n ? remainder(d, RIC_TWO_PI) : d;
         sum += off * off;
     }
-    const double off = (*ric_force_orbit_parameter(t->o, t->options->along) - value) / t->options->scale;
+    const double off = (*ric_force_orbit_parameter(t->o, t->options->along) - value) /
+                       t->options->scale;
     return sqrt(sum + off * off);
 }
 
@@ -188,14 +196,16 @@ static double read_probe(const tracer *t, const probe *p, reading what)
     }
 }
 
-/* Zero of a reading between `from`, h = 0, and h, where it is `last`; `p` is the orbit there. Regula falsi with the
- * halving of Illinois, and bisection where that is slow. */
-static bool locate(const tracer *t, const probe *from, reading what, double h, double last, probe *p)
+/* Zero of a reading between `from`, h = 0, and h, where it is `last`; `p` is the orbit there.
+ * Regula falsi with the halving of Illinois, and bisection where that is slow. */
+static bool locate(const tracer *t, const probe *from, reading what, double h, double last,
+                   probe *p)
 {
     double a = 0, fa = read_probe(t, from, what), b = h, fb = last;
     for (int k = 0; k < LOCATE_MOST; k++) {
         const double c = k % 3 == 2 ? (a + b) / 2 : a + (b - a) * (fa / (fa - fb));
-        if (!go(t, from, c, NULL) || !look(t, from->orbit.tangent, from->orbit.arclength + c, p)) return false;
+        if (!go(t, from, c, NULL) || !look(t, from->orbit.tangent, from->orbit.arclength + c, p))
+            return false;
         const double f = read_probe(t, p, what);
         if (f == 0 || fabs(b - a) < LOCATED * h) return true;
         if ((f > 0) == (fb > 0)) {
@@ -222,12 +232,14 @@ static bool on_circle(const tracer *t, const probe *p)
     return nearest < ON_CIRCLE;
 }
 
-/* Whether a multiplier is near 1 or -1, as a zero of their product says; a sign also changes where one is infinite. */
+/* Whether a multiplier is near 1 or -1, as a zero of their product says; a sign also changes where
+ * one is infinite. */
 static bool has_multiplier(const tracer *t, const probe *p, double value)
 {
     double nearest = INFINITY;
     for (int i = 0; i < 2 * t->o->n; i++)
-        nearest = fmin(nearest, hypot(p->orbit.multipliers[2 * i] - value, p->orbit.multipliers[2 * i + 1]));
+        nearest = fmin(nearest,
+                       hypot(p->orbit.multipliers[2 * i] - value, p->orbit.multipliers[2 * i + 1]));
     return nearest < NEAR_VALUE;
 }
 
@@ -250,8 +262,8 @@ static double way(const tracer *t, const probe *a, const double *u, double value
     return sum;
 }
 
-/* From a place where a multiplier is 1 within its rounding to the branch point itself, if that lies beside it. The
- * direction stays: there are two at a branch point. */
+/* From a place where a multiplier is 1 within its rounding to the branch point itself, if that lies
+ * beside it. The direction stays: there are two at a branch point. */
 static void settle_branch_point(const tracer *t, const probe *from, double h, probe *p)
 {
     ric_force_orbit *o = t->o;
@@ -282,15 +294,16 @@ static bool make_room(void **array, int n, int *room, size_t each)
     return true;
 }
 
-/* How far the orbit is, relative, from one that repeats itself within its period or that is its own mirror image;
- * infinite where there is no such image to compare it with. */
+/* How far the orbit is, relative, from one that repeats itself within its period or that is its own
+ * mirror image; infinite where there is no such image to compare it with. */
 static double asymmetry(const tracer *t, const ric_response_orbit *at)
 {
     ric_force_orbit *o = t->o;
     const int size = 2 * o->n, images = ric_model_symmetric(o->medium->model) ? 2 : 1;
     double z[size], x[size], least = INFINITY;
     ric_response_trace_put(at, o);
-    const double begin = ric_force_orbit_theta(o, 0) + o->drive.omega * ric_force_orbit_tau(o, 0) / 2;
+    const double begin = ric_force_orbit_theta(o, 0) +
+                         o->drive.omega * ric_force_orbit_tau(o, 0) / 2;
     if (ric_force_motion_strobe(o, begin, z)) return INFINITY;
     for (int i = 0; i < images; i++)
         for (int k = i ? 0 : 1; k < o->harmonic; k++) {
@@ -305,12 +318,13 @@ static double asymmetry(const tracer *t, const ric_response_orbit *at)
     return least;
 }
 
-/* Whether the curve, which turns at p between a and b, comes to an orbit with more symmetry there: that of the curve
- * which it left at its other end, or another one. Beyond, it is its own image. */
+/* Whether the curve, which turns at p between a and b, comes to an orbit with more symmetry there:
+ * that of the curve which it left at its other end, or another one. Beyond, it is its own image. */
 static bool arrives(const tracer *t, const probe *a, const probe *p, const probe *b)
 {
     const double there = asymmetry(t, &p->orbit);
-    return there < ARRIVED && there < NEARER * fmin(asymmetry(t, &a->orbit), asymmetry(t, &b->orbit));
+    return there < ARRIVED &&
+           there < NEARER * fmin(asymmetry(t, &a->orbit), asymmetry(t, &b->orbit));
 }
 
 /* Multipliers outside the unit circle, -1: some are not known to be on either side. */
@@ -325,15 +339,16 @@ static int outside(const tracer *t, const probe *p)
     return count;
 }
 
-/* Whether multipliers cross the circle between a and b otherwise than the events from `first` on say: some lie so close
- * that a step does not tell them apart. */
+/* Whether multipliers cross the circle between a and b otherwise than the events from `first` on
+ * say: some lie so close that a step does not tell them apart. */
 static bool unexplained(const tracer *t, const probe *a, const probe *b, int first)
 {
     const int before = outside(t, a), behind = outside(t, b);
     int single = 0, pairs = 0;
     for (int i = first; i < t->out->n_event; i++) {
         const ric_response_kind kind = t->out->events[i].kind;
-        single += kind == RIC_RESPONSE_FOLD || kind == RIC_RESPONSE_BRANCH_POINT || kind == RIC_RESPONSE_DOUBLING;
+        single += kind == RIC_RESPONSE_FOLD || kind == RIC_RESPONSE_BRANCH_POINT ||
+                  kind == RIC_RESPONSE_DOUBLING;
         pairs += kind == RIC_RESPONSE_NEIMARK_SACKER;
     }
     if (before < 0 || behind < 0) return false;
@@ -355,7 +370,8 @@ static void drop_events(tracer *t, int first, double beyond)
 static bool keep_event(tracer *t, ric_response_kind kind, probe *p)
 {
     ric_response_trace *out = t->out;
-    if (!make_room((void **)&out->events, out->n_event, &out->room_event, sizeof *out->events)) return false;
+    if (!make_room((void **)&out->events, out->n_event, &out->room_event, sizeof *out->events))
+        return false;
     out->events[out->n_event++] = (ric_response_trace_event){.kind = kind, .at = p->orbit};
     p->orbit.u = NULL;
     return true;
@@ -363,22 +379,25 @@ static bool keep_event(tracer *t, ric_response_kind kind, probe *p)
 
 typedef enum { GOES_ON, GRAZES, ARRIVES } step_end;
 
-/* Events of the step from a to b, of length h, the grazing at its end among them; *ends: how. At an arrival b becomes
- * the orbit there, at a grazing one just before it. */
+/* Events of the step from a to b, of length h, the grazing at its end among them; *ends: how. At an
+ * arrival b becomes the orbit there, at a grazing one just before it. */
 static bool find_events(tracer *t, const probe *a, probe *b, double h, step_end *ends)
 {
-    static const ric_response_kind kinds[] = {RIC_RESPONSE_FOLD, RIC_RESPONSE_BRANCH_POINT, RIC_RESPONSE_DOUBLING,
-                                              RIC_RESPONSE_NEIMARK_SACKER, RIC_RESPONSE_GRAZING};
+    static const ric_response_kind kinds[] = {RIC_RESPONSE_FOLD, RIC_RESPONSE_BRANCH_POINT,
+                                              RIC_RESPONSE_DOUBLING, RIC_RESPONSE_NEIMARK_SACKER,
+                                              RIC_RESPONSE_GRAZING};
     const int before = t->out->n_event;
     double end = INFINITY;
     *ends = b->orbit.margin < 0 ? GRAZES : GOES_ON;
     for (int what = BY_MARGIN; what >= BY_FOLD; what--) {
-        const double first = read_probe(t, a, (reading)what), last = read_probe(t, b, (reading)what);
+        const double first = read_probe(t, a, (reading)what),
+                     last = read_probe(t, b, (reading)what);
         const bool folds = a->orbit.tangent[t->o->m] * b->orbit.tangent[t->o->m] < 0;
         probe p;
         if (!(first * last < 0) || (what == BY_ONE && folds)) continue;
         if (!probe_create(t, &p)) return false;
-        p.orbit.arclength = NAN; /* until an orbit is found; at an arrival the last ones may not be */
+        p.orbit
+            .arclength = NAN; /* until an orbit is found; at an arrival the last ones may not be */
         const bool found = locate(t, a, (reading)what, h, last, &p);
         if (!found && what == BY_MARGIN) {
             ric_response_trace_orbit_free(&p.orbit);
@@ -395,7 +414,8 @@ static bool find_events(tracer *t, const probe *a, probe *b, double h, step_end 
             ric_response_trace_orbit_free(&p.orbit);
             continue;
         }
-        if (found && p.orbit.arclength <= end && is_event(t, &p, (reading)what) && !keep_event(t, kinds[what], &p)) {
+        if (found && p.orbit.arclength <= end && is_event(t, &p, (reading)what) &&
+            !keep_event(t, kinds[what], &p)) {
             ric_response_trace_orbit_free(&p.orbit);
             return false;
         }
@@ -413,7 +433,8 @@ static bool keep_point(tracer *t, const probe *p)
 {
     ric_response_trace *out = t->out;
     probe copy;
-    if (!make_room((void **)&out->points, out->n_point, &out->room_point, sizeof *out->points)) return false;
+    if (!make_room((void **)&out->points, out->n_point, &out->room_point, sizeof *out->points))
+        return false;
     if (!probe_create(t, &copy)) return false;
     const ric_response_orbit kept = copy.orbit;
     memcpy(kept.u, p->orbit.u, (size_t)(p->full - p->orbit.u) * sizeof *kept.u);
@@ -430,7 +451,8 @@ static bool to_edge(tracer *t, const probe *a, double edge, probe *b)
 {
     double *free_one = ric_force_orbit_parameter(t->o, t->options->along);
     const double before = parameter(t, &a->orbit), part = (edge - before) / (*free_one - before);
-    for (size_t i = 0; i < t->all; i++) t->o->u[i] = a->orbit.u[i] + part * (t->o->u[i] - a->orbit.u[i]);
+    for (size_t i = 0; i < t->all; i++)
+        t->o->u[i] = a->orbit.u[i] + part * (t->o->u[i] - a->orbit.u[i]);
     *free_one = edge;
     return ric_force_orbit_solve(t->o, t->options->along, t->options->scale, NULL, 0, NULL) &&
            look(t, a->orbit.tangent, a->orbit.arclength + way(t, a, t->o->u, edge), b);
@@ -536,7 +558,8 @@ static void turn_round(const tracer *t)
         out->points[j] = swap;
     }
     for (int i = 0; i < out->n_point + out->n_event; i++) {
-        ric_response_orbit *at = i < out->n_point ? &out->points[i] : &out->events[i - out->n_point].at;
+        ric_response_orbit *at = i < out->n_point ? &out->points[i]
+                                                  : &out->events[i - out->n_point].at;
         at->arclength = -at->arclength;
         for (int j = 0; j <= t->o->m; j++) at->tangent[j] = -at->tangent[j];
     }
@@ -555,7 +578,8 @@ static bool begin(tracer *t, const double *direction, const ric_response_orbit *
     return look(t, direction, 0, a);
 }
 
-ric_response_trace *ric_response_trace_run(ric_force_orbit *shape, const ric_response_trace_options *options,
+ric_response_trace *ric_response_trace_run(ric_force_orbit *shape,
+                                           const ric_response_trace_options *options,
                                            const double *direction, bool both)
 {
     ric_response_trace *out = ric_calloc(1, sizeof *out);

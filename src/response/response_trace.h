@@ -1,10 +1,10 @@
-/* Curves of exact forced orbits along one parameter (docs/forcing.md), by pseudo-arclength in the state, phase and time
- * of the first flight and the parameter.
+/* Curves of exact forced orbits along one parameter (docs/forcing.md), by pseudo-arclength in the
+ * state, phase and time of the first flight and the parameter.
  *
- * Events are zeros of functions along the curve: the parameter's part of the tangent (fold), the products over all
- * multipliers of mu - 1 without a fold (branch point) and of mu + 1 (period doubling), the product over all pairs of
- * mu_i mu_j - 1 (Neimark and Sacker), and the least of all speeds at events and of all gaps that stay open (grazing),
- * at which the curve ends. */
+ * Events are zeros of functions along the curve: the parameter's part of the tangent (fold), the
+ * products over all multipliers of mu - 1 without a fold (branch point) and of mu + 1 (period
+ * doubling), the product over all pairs of mu_i mu_j - 1 (Neimark and Sacker), and the least of all
+ * speeds at events and of all gaps that stay open (grazing), at which the curve ends. */
 #ifndef RIC_RESPONSE_RESPONSE_TRACE_H
 #define RIC_RESPONSE_RESPONSE_TRACE_H
 
@@ -17,7 +17,8 @@ typedef struct {
     int points;              /* most of a curve */
 } ric_response_trace_options;
 
-/* One orbit of a curve: unknowns [N m], and the direction there on the first unknowns and the parameter [m + 1]. */
+/* One orbit of a curve: unknowns [N m], and the direction there on the first unknowns and the
+ * parameter [m + 1]. */
 typedef struct {
     double arclength;
     ric_force_drive drive;
@@ -44,9 +45,10 @@ typedef struct {
     ric_status status;
 } ric_response_trace;
 
-/* Takes the shape, which holds a solved orbit, and follows the curve from there in the direction [m + 1], and the other
- * way too if `both`. Never NULL but without memory. */
-ric_response_trace *ric_response_trace_run(ric_force_orbit *shape, const ric_response_trace_options *options,
+/* Takes the shape, which holds a solved orbit, and follows the curve from there in the direction [m
+ * + 1], and the other way too if `both`. Never NULL but without memory. */
+ric_response_trace *ric_response_trace_run(ric_force_orbit *shape,
+                                           const ric_response_trace_options *options,
                                            const double *direction, bool both);
 void ric_response_trace_free(ric_response_trace *trace);
 void ric_response_trace_orbit_free(ric_response_orbit *orbit);

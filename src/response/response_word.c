@@ -35,8 +35,9 @@ ric_status ric_response_word_touches(const ric_force_orbit *o, ric_response_touc
             if (status) return status;
             const double tau = ric_force_orbit_tau(o, k), near = sqrt(STANDS) * tau;
             /* beside an event without speed the touch is that event */
-            if (isnan(time) || (o->events && ((time < near && o->face[k] == f) ||
-                                              (time > tau - near && ric_force_orbit_end(o, k) == f))))
+            if (isnan(time) ||
+                (o->events && ((time < near && o->face[k] == f) ||
+                               (time > tau - near && ric_force_orbit_end(o, k) == f))))
                 continue;
             if (*n == RIC_TOUCHES_MOST) return *n = -1, RIC_OK;
             out[(*n)++] = (ric_response_touch){false, k, f, time};
@@ -59,7 +60,9 @@ static ric_status add(const ric_force_orbit *o, int k, int face, double time, en
     const double *u = ric_force_orbit_node(o, k);
     const int n = o->n;
     ric_status status = RIC_OK;
-    if (time > 0) status = ric_force_frame_fly(o->medium, o->closed[k], &o->drive, time, u[2 * n], u, out->z, NULL);
+    if (time > 0)
+        status = ric_force_frame_fly(o->medium, o->closed[k], &o->drive, time, u[2 * n], u, out->z,
+                                     NULL);
     else memcpy(out->z, u, 2 * (size_t)n * sizeof *u);
     out->theta = u[2 * n] + o->drive.omega * time;
     out->face = face;
@@ -74,16 +77,18 @@ static double half_time(const ric_force_orbit *o, const ric_response_touch *t, d
     const double *u = ric_force_orbit_node(o, t->flight);
     double z[2 * n], rate[2 * n];
     memcpy(z, u, sizeof z);
-    if (t->time > 0 && ric_force_frame_fly(o->medium, o->closed[t->flight], &o->drive, t->time, u[2 * n], u, z, NULL))
+    if (t->time > 0 && ric_force_frame_fly(o->medium, o->closed[t->flight], &o->drive, t->time,
+                                           u[2 * n], u, z, NULL))
         return 0;
-    ric_force_medium_rate(o->medium, o->closed[t->flight], &o->drive, u[2 * n] + o->drive.omega * t->time, z, rate);
+    ric_force_medium_rate(o->medium, o->closed[t->flight], &o->drive,
+                          u[2 * n] + o->drive.omega * t->time, z, rate);
     const double bend = fabs(ric_force_medium_towards(o->medium, t->face, rate + n));
     return bend > 0 ? speed / bend : 0;
 }
 
 /* Events of o that stay, and the touches of `set` at a small speed; how many. */
-static int list(const ric_force_orbit *o, int n_touch, const ric_response_touch *touches, unsigned set, double speed,
-                entry *out)
+static int list(const ric_force_orbit *o, int n_touch, const ric_response_touch *touches,
+                unsigned set, double speed, entry *out)
 {
     int count = 0;
     for (int k = 0; o->events && k < o->N; k++) {
@@ -93,7 +98,8 @@ static int list(const ric_force_orbit *o, int n_touch, const ric_response_touch 
             touched = touched || mate == k ||
                       /* the other switch of a spring that is closed for no time */
                       (mate >= 0 && !ric_force_medium_rigid(o->medium, touches[i].face) &&
-                       o->face[k] == touches[i].face && (k == (mate + 1) % o->N || mate == (k + 1) % o->N));
+                       o->face[k] == touches[i].face &&
+                       (k == (mate + 1) % o->N || mate == (k + 1) % o->N));
         }
         if (touched) continue;
         if (add(o, k, o->face[k], 0, &out[count])) return -1;
@@ -108,7 +114,8 @@ static int list(const ric_force_orbit *o, int n_touch, const ric_response_touch 
         if (!(half > 0) || (before < 0 && t->event == false)) return -1;
         if (add(o, t->flight, t->face, t->event ? 0 : before, &out[count])) return -1;
         if (rigid && !t->event)
-            ric_force_medium_strike(o->medium, o->drive.restitution, t->face, 1, out[count].z + o->n);
+            ric_force_medium_strike(o->medium, o->drive.restitution, t->face, 1,
+                                    out[count].z + o->n);
         count++;
         if (rigid) continue;
         if (add(o, t->flight, t->face, t->time + half, &out[count])) return -1;
@@ -174,15 +181,18 @@ static ric_force_orbit *assemble(const ric_force_orbit *o, int n, entry *e, int 
         double *u = ric_force_orbit_node(out, i);
         memcpy(u, at->z, 2 * (size_t)o->n * sizeof *u);
         u[2 * o->n] = at->theta + wrap;
-        u[2 * o->n + 1] = (next->theta - at->theta + ((first + i + 1) % n == 0 ? turn : 0)) / o->drive.omega;
+        u[2 * o->n + 1] = (next->theta - at->theta + ((first + i + 1) % n == 0 ? turn : 0)) /
+                          o->drive.omega;
     }
     return out;
 }
 
 /* ------------------------------------------------------------------- changes */
 
-/* Off the grazing in the sense in which the solution is a motion; without new impacts both are tried. */
-static bool leave_without(ric_force_orbit *x, const ric_response_trace_options *options, double *direction)
+/* Off the grazing in the sense in which the solution is a motion; without new impacts both are
+ * tried. */
+static bool leave_without(ric_force_orbit *x, const ric_response_trace_options *options,
+                          double *direction)
 {
     const int m = x->m;
     const size_t all = (size_t)x->N * (size_t)m;
@@ -200,10 +210,12 @@ static bool leave_without(ric_force_orbit *x, const ric_response_trace_options *
             *parameter = held;
             for (int i = 0; i < m; i++) direction[i] = sign * full[i];
             direction[m] = sign * full[all];
-            const double aim = ric_dot(m, direction, x->u) + direction[m] * held / options->scale + AWAY;
+            const double aim = ric_dot(m, direction, x->u) + direction[m] * held / options->scale +
+                               AWAY;
             for (size_t i = 0; i < all; i++) x->u[i] += sign * AWAY * full[i];
             *parameter += sign * AWAY * full[all] * options->scale;
-            found = ric_force_orbit_solve(x, options->along, options->scale, direction, aim, NULL) &&
+            found = ric_force_orbit_solve(x, options->along, options->scale, direction, aim,
+                                          NULL) &&
                     !ric_response_trace_margin(x, &margin) && margin > 0;
         }
     }
@@ -212,7 +224,8 @@ static bool leave_without(ric_force_orbit *x, const ric_response_trace_options *
 }
 
 /* With the speed of the first event held, and the parameter free. */
-static bool leave_with(ric_force_orbit *x, const ric_response_trace_options *options, double speed, double *direction)
+static bool leave_with(ric_force_orbit *x, const ric_response_trace_options *options, double speed,
+                       double *direction)
 {
     const int n = x->n, m = x->m, face = x->face[0];
     const double *c = ric_force_medium_normal(x->medium, face);
@@ -221,8 +234,10 @@ static bool leave_with(ric_force_orbit *x, const ric_response_trace_options *opt
     memset(row, 0, sizeof row);
     /* right after it a stop has given back e times the speed */
     for (int i = 0; i < n; i++)
-        row[n + i] = (rigid ? -1 / x->drive.restitution : 1) * x->medium->model->face[face].side * c[i];
-    bool found = full && ric_force_orbit_solve(x, options->along, options->scale, row, speed, NULL) &&
+        row[n + i] = (rigid ? -1 / x->drive.restitution : 1) * x->medium->model->face[face].side *
+                     c[i];
+    bool found = full &&
+                 ric_force_orbit_solve(x, options->along, options->scale, row, speed, NULL) &&
                  !ric_response_trace_margin(x, &margin) && margin > 0 &&
                  ric_force_orbit_tangent(x, options->along, options->scale, row, full);
     for (int i = 0; i < m && found; i++) direction[i] = full[i];
@@ -231,8 +246,10 @@ static bool leave_with(ric_force_orbit *x, const ric_response_trace_options *opt
     return found;
 }
 
-ric_force_orbit *ric_response_word_change(const ric_force_orbit *o, const ric_response_trace_options *options, int n,
-                                          const ric_response_touch *touches, unsigned set, double *direction)
+ric_force_orbit *ric_response_word_change(const ric_force_orbit *o,
+                                          const ric_response_trace_options *options, int n,
+                                          const ric_response_touch *touches, unsigned set,
+                                          double *direction)
 {
     const size_t size = 2 * (size_t)o->n, most = (size_t)o->N + 2 * (size_t)n;
     entry *e = ric_calloc(most + 1, sizeof *e);
@@ -249,8 +266,9 @@ ric_force_orbit *ric_response_word_change(const ric_force_orbit *o, const ric_re
         while (first < count - 1 && !e[first].fresh) first++;
         out = assemble(o, count, e, count ? first : 0);
         if (!out) break;
-        const bool left = set && count && e[first].fresh ? leave_with(out, options, speed, direction)
-                                                         : leave_without(out, options, direction);
+        const bool left = set && count && e[first].fresh
+                              ? leave_with(out, options, speed, direction)
+                              : leave_without(out, options, direction);
         if (left) break;
         ric_force_orbit_free(out);
         out = NULL;
@@ -272,7 +290,9 @@ ric_force_orbit *ric_response_word_repeat(const ric_force_orbit *o, int copies)
         face[k] = o->face[k % o->N];
         closed[k] = o->closed[k % o->N];
     }
-    if (ric_force_orbit_create(o->medium, N, o->events ? face : NULL, closed, o->harmonic * copies, &out)) return NULL;
+    if (ric_force_orbit_create(o->medium, N, o->events ? face : NULL, closed, o->harmonic * copies,
+                               &out))
+        return NULL;
     out->drive = o->drive;
     for (int k = 0; k < N; k++) {
         double *u = ric_force_orbit_node(out, k);
@@ -282,14 +302,18 @@ ric_force_orbit *ric_response_word_repeat(const ric_force_orbit *o, int copies)
     return out;
 }
 
-ric_force_orbit *ric_response_word_aside(const ric_force_orbit *o, const ric_response_trace_options *options,
-                                         const double *tangent, int copies, double sign, double *direction)
+ric_force_orbit *ric_response_word_aside(const ric_force_orbit *o,
+                                         const ric_response_trace_options *options,
+                                         const double *tangent, int copies, double sign,
+                                         double *direction)
 {
     ric_force_orbit *out = ric_response_word_repeat(o, copies);
     const int m = o->m;
     const size_t all = (size_t)o->N * (size_t)copies * (size_t)m;
     double *aside = ric_calloc(all + 1, sizeof *aside), second, margin, size = 1;
-    bool found = out && aside && ric_force_orbit_aside(out, options->along, options->scale, tangent, aside, &second);
+    bool found = out && aside &&
+                 ric_force_orbit_aside(out, options->along, options->scale, tangent, aside,
+                                       &second);
     for (int i = 0; i < 2 * o->n; i++) size += fabs(o->u[i]);
     if (found) {
         double row[m + 1];

@@ -7,11 +7,14 @@
 
 #include "base/room.h"
 
-/* A given state is on a face where its gap is within this part of the clearance: stored orbits are solved to less. */
+/* A given state is on a face where its gap is within this part of the clearance: stored orbits are
+ * solved to less. */
 #define ON_FACE 1e-9
-/* A given state has the energy asked for within this part of it: that of a stored orbit, and of what was printed. */
+/* A given state has the energy asked for within this part of it: that of a stored orbit, and of
+ * what was printed. */
 #define ITS_ENERGY 1e-9
-/* Points of the sequence that are tried for each start: other contacts may cut most of the ball away. */
+/* Points of the sequence that are tried for each start: other contacts may cut most of the ball
+ * away. */
 enum { TRIES = 2000 };
 /* Places after which progress is shown and a stop is looked for: a few milliseconds. */
 enum { PAUSE = 4096 };
@@ -28,24 +31,33 @@ void ric_section_options_init(ric_section_options *options)
 static ric_status check_options(const ric_model *m, const ric_section_options *o)
 {
     if (!(o->energy > 0) || !isfinite(o->energy))
-        return ric_fail(RIC_E_INPUT, "a section needs a scaled energy above 0, not %.9g", o->energy);
+        return ric_fail(RIC_E_INPUT, "a section needs a scaled energy above 0, not %.9g",
+                        o->energy);
     if (ric_model_restitution(m) != 1)
-        return ric_fail(RIC_E_INPUT,
-                        "restitution %.9g takes energy at every impact: no section of one energy; set it to "
-                        "1, or follow single motions with `ricochet simulate`",
-                        ric_model_restitution(m));
+        return ric_fail(
+            RIC_E_INPUT,
+            "restitution %.9g takes energy at every impact: no section of one energy; set it to "
+            "1, or follow single motions with `ricochet simulate`",
+            ric_model_restitution(m));
     if (m->n_contact == 0 || m->n == 0)
-        return ric_fail(RIC_E_INPUT, "the structure has no contact that its modes see: there is nothing to section");
+        return ric_fail(
+            RIC_E_INPUT,
+            "the structure has no contact that its modes see: there is nothing to section");
     if (o->starts < 1 || o->impacts < 1)
-        return ric_fail(RIC_E_INPUT, "a section needs a start and an impact at least, not %d and %ld", o->starts,
+        return ric_fail(RIC_E_INPUT,
+                        "a section needs a start and an impact at least, not %d and %ld", o->starts,
                         o->impacts);
     if (!(o->radius >= 0 && o->radius <= 1))
-        return ric_fail(RIC_E_INPUT,
-                        "the radius of starts about a state is a part of the section from 0 to 1, not %.9g", o->radius);
+        return ric_fail(
+            RIC_E_INPUT,
+            "the radius of starts about a state is a part of the section from 0 to 1, not %.9g",
+            o->radius);
     double bytes = (double)o->starts * (double)o->impacts * (2 + 2 * m->n) * (double)sizeof(double);
     if (o->rows && bytes > ROWS_MOST)
-        return ric_fail(RIC_E_INPUT, "%d starts of %ld impacts need %.2g bytes; take fewer, or keep the exponents only",
-                        o->starts, o->impacts, bytes);
+        return ric_fail(
+            RIC_E_INPUT,
+            "%d starts of %ld impacts need %.2g bytes; take fewer, or keep the exponents only",
+            o->starts, o->impacts, bytes);
     return RIC_OK;
 }
 
@@ -54,7 +66,8 @@ static int face_of(const ric_section *s, const double *w, bool *into)
 {
     for (int i = 0; i < s->surface->n_face; i++) {
         const ric_section_face *f = &s->surface->face[i];
-        double off = ric_dot(s->m->n, f->g, w) - f->gap, speed = ric_dot(s->m->n, f->c, w + s->m->n) * f->side;
+        double off = ric_dot(s->m->n, f->g, w) - f->gap,
+               speed = ric_dot(s->m->n, f->c, w + s->m->n) * f->side;
         if (fabs(off) > ON_FACE * fmax(fabs(f->gap), f->radius)) continue;
         *into = speed < 0;
         if (speed > 0 || !(f->spring || s->surface->smooth)) return i;
@@ -71,7 +84,8 @@ static ric_status fly_on(const ric_section *s, double *w, int *face, uint64_t *c
     ric_section_motion_start(motion, *closed, -1, w);
     status = ric_section_motion_next(motion, face);
     if (!status && motion->why[0])
-        status = ric_fail(RIC_E_INPUT, "the state given never comes to the section: %s", motion->why);
+        status = ric_fail(RIC_E_INPUT, "the state given never comes to the section: %s",
+                          motion->why);
     memcpy(w, motion->w, 2 * (size_t)s->m->n * sizeof *w);
     *closed = motion->closed;
     ric_section_motion_free(motion);
@@ -87,13 +101,16 @@ static ric_status read_given(const ric_section *s, int i, double *w, int *face, 
     ric_model_from_state(m, state, state + dof, w);
     *face = face_of(s, w, &into);
     *closed = ric_section_surface_closed(m, w, *face, &outside);
-    if (outside) return ric_fail(RIC_E_INPUT, "state %d is beyond a stop; give one on this side of it", i + 1);
+    if (outside)
+        return ric_fail(RIC_E_INPUT, "state %d is beyond a stop; give one on this side of it",
+                        i + 1);
     double energy = ric_flight_energy(m, *closed, w) * m->energy_unit;
     if (!(fabs(energy - s->options.energy) <= ITS_ENERGY * s->options.energy))
-        return ric_fail(RIC_E_INPUT,
-                        "state %d has the scaled energy %.17g in the modes that contacts see, and the "
-                        "section that of %.17g",
-                        i + 1, energy, s->options.energy);
+        return ric_fail(
+            RIC_E_INPUT,
+            "state %d has the scaled energy %.17g in the modes that contacts see, and the "
+            "section that of %.17g",
+            i + 1, energy, s->options.energy);
     if (*face < 0) return fly_on(s, w, face, closed);
     const ric_section_face *f = &s->surface->face[*face];
     ric_section_motion_onto(m->n, f->g, f->gap, w);
@@ -102,9 +119,10 @@ static ric_status read_given(const ric_section *s, int i, double *w, int *face, 
     return RIC_OK;
 }
 
-/* The next place of the sequence, about the given ones or on the faces in turn; false: none is left. */
-static bool scatter(const ric_section *s, const ric_section_run_of *centres, int n_centre, long *k, int i,
-                    ric_section_run_of *out)
+/* The next place of the sequence, about the given ones or on the faces in turn; false: none is
+ * left. */
+static bool scatter(const ric_section *s, const ric_section_run_of *centres, int n_centre, long *k,
+                    int i, ric_section_run_of *out)
 {
     int size = 2 * (s->m->n - 1);
     double b[size + 1], middle[size + 1];
@@ -130,7 +148,8 @@ static bool has_place(const ric_section *s, int face)
 }
 
 /* Centres: the given states, or the faces that count, without one. */
-static ric_status find_centres(ric_section *s, ric_section_run_of *centres, double *states, int *n_centre)
+static ric_status find_centres(ric_section *s, ric_section_run_of *centres, double *states,
+                               int *n_centre)
 {
     const ric_section_options *o = &s->options;
     ric_status status = RIC_OK;
@@ -146,11 +165,11 @@ static ric_status find_centres(ric_section *s, ric_section_run_of *centres, doub
             centres[(*n_centre)++].face = f;
     }
     if (!status && *n_centre == 0)
-        return ric_fail(
-            RIC_E_INPUT,
-            "no motion of scaled energy %.9g was found that leaves a contact with all other gaps open, among "
-            "%d places on each; take another energy",
-            o->energy, (int)TRIES);
+        return ric_fail(RIC_E_INPUT,
+                        "no motion of scaled energy %.9g was found that leaves a contact with all "
+                        "other gaps open, among "
+                        "%d places on each; take another energy",
+                        o->energy, (int)TRIES);
     return status;
 }
 
@@ -173,7 +192,8 @@ static ric_status make_starts(ric_section *s, ric_section_run_of *centres, int n
             start->closed = centres[i].closed;
         } else if (!scatter(s, centres, n_centre, k, i, start)) {
             return ric_fail(RIC_E_INPUT,
-                            "among %d places on face %d there is none with all other gaps open at scaled energy %.9g; "
+                            "among %d places on face %d there is none with all other gaps open at "
+                            "scaled energy %.9g; "
                             "ask for fewer starts",
                             (int)TRIES, start->face, o->energy);
         }
@@ -187,7 +207,8 @@ static ric_status make_starts(ric_section *s, ric_section_run_of *centres, int n
     return RIC_OK;
 }
 
-ric_status ric_section_create(const ric_model *model, const ric_section_options *options, ric_section **out)
+ric_status ric_section_create(const ric_model *model, const ric_section_options *options,
+                              ric_section **out)
 {
     ric_status status = check_options(model, options);
     ric_section *s = NULL;
@@ -201,8 +222,12 @@ ric_status ric_section_create(const ric_model *model, const ric_section_options 
     pthread_mutex_init(&s->lock, NULL);
     s->m = model;
     s->options = *options;
-    if ((status = ric_section_surface_create(model, options->energy / model->energy_unit, &s->surface))) goto out;
-    size_t most = (size_t)(options->n_given > s->surface->n_face ? options->n_given : s->surface->n_face) + 1;
+    if ((status = ric_section_surface_create(model, options->energy / model->energy_unit,
+                                             &s->surface)))
+        goto out;
+    size_t most = (size_t)(options->n_given > s->surface->n_face ? options->n_given
+                                                                 : s->surface->n_face) +
+                  1;
     centres = ric_calloc(most, sizeof *centres);
     states = ric_calloc(most * 2 * (size_t)model->n, sizeof *states);
     k = ric_calloc(most, sizeof *k);
@@ -242,7 +267,8 @@ static void pause_here(ric_section *s, long more)
     pthread_mutex_unlock(&s->lock);
 }
 
-static void keep_row(const ric_section *s, ric_section_run_of *start, const ric_section_motion *motion, int face)
+static void keep_row(const ric_section *s, ric_section_run_of *start,
+                     const ric_section_motion *motion, int face)
 {
     size_t size = 2 * (size_t)s->m->n;
     double *row = start->rows + (size_t)start->n_row * (2 + size);
@@ -270,7 +296,8 @@ static void end_batch(const ric_section *s, ric_section_motion *motion, ric_sect
     t->energy_error = fmax(t->energy_error, energy_error(s, motion));
 }
 
-static void take_measures(const ric_section *s, const ric_section_motion *motion, ric_section_run_of *start)
+static void take_measures(const ric_section *s, const ric_section_motion *motion,
+                          ric_section_run_of *start)
 {
     ric_section_track *t = &start->track;
     long flights = start->n_row - 1;
@@ -353,7 +380,8 @@ ric_status ric_section_run(ric_section *s)
 {
     int wanted = s->options.workers < s->n_start ? s->options.workers : s->n_start, started = 0;
     pthread_t *threads = wanted > 1 ? ric_calloc((size_t)wanted, sizeof *threads) : NULL;
-    while (threads && started < wanted - 1 && !pthread_create(&threads[started], NULL, work, s)) started++;
+    while (threads && started < wanted - 1 && !pthread_create(&threads[started], NULL, work, s))
+        started++;
     work(s);
     for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
     free(threads);
@@ -371,13 +399,14 @@ int ric_section_n_start(const ric_section *s)
 ric_status ric_section_track_at(const ric_section *s, int start, ric_section_track *out)
 {
     if (start < 0 || start >= s->n_start)
-        return ric_fail(RIC_E_RANGE, "there is no start %d; they are numbered from 0 to %d", start, s->n_start - 1);
+        return ric_fail(RIC_E_RANGE, "there is no start %d; they are numbered from 0 to %d", start,
+                        s->n_start - 1);
     *out = s->starts[start].track;
     return RIC_OK;
 }
 
-ric_status ric_section_impact(const ric_section *s, int start, long impact, double *time, int *face, double *x,
-                              double *v)
+ric_status ric_section_impact(const ric_section *s, int start, long impact, double *time, int *face,
+                              double *x, double *v)
 {
     ric_section_track track;
     double spare[2 * s->m->n_dof];
@@ -394,7 +423,8 @@ ric_status ric_section_impact(const ric_section *s, int start, long impact, doub
     return RIC_OK;
 }
 
-ric_status ric_section_place(const ric_section *s, int face, const double *x, const double *v, double *place)
+ric_status ric_section_place(const ric_section *s, int face, const double *x, const double *v,
+                             double *place)
 {
     double w[2 * s->m->n];
     if (face < 0 || face >= s->surface->n_face || s->surface->face[face].radius == 0)
@@ -404,11 +434,13 @@ ric_status ric_section_place(const ric_section *s, int face, const double *x, co
     return RIC_OK;
 }
 
-ric_status ric_section_state(const ric_section *s, int face, const double *place, double *x, double *v)
+ric_status ric_section_state(const ric_section *s, int face, const double *place, double *x,
+                             double *v)
 {
     double w[2 * s->m->n];
     uint64_t closed;
-    if (face < 0 || face >= s->surface->n_face || !ric_section_surface_at(s->surface, face, place, w, &closed))
+    if (face < 0 || face >= s->surface->n_face ||
+        !ric_section_surface_at(s->surface, face, place, w, &closed))
         return ric_fail(RIC_E_RANGE, "no motion of this energy is at this place of face %d", face);
     ric_model_to_state(s->m, w, x, v);
     return RIC_OK;

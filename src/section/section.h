@@ -1,4 +1,5 @@
-/* Motions of one energy on a section, with their exponents and rotation numbers: ric_section of ricochet.h. */
+/* Motions of one energy on a section, with their exponents and rotation numbers: ric_section of
+ * ricochet.h. */
 #ifndef RIC_SECTION_SECTION_H
 #define RIC_SECTION_SECTION_H
 

@@ -29,7 +29,8 @@ ric_status ric_section_motion_create(const ric_model *m, double energy, ric_sect
     s->smooth = law->integrated;
     s->energy = energy;
     size_t search = 4 * n + 9 * contacts;
-    s->store = ric_calloc(8 * n + 4 * n * n + (smooth > search ? smooth : search) + 2, sizeof *s->store);
+    s->store = ric_calloc(8 * n + 4 * n * n + (smooth > search ? smooth : search) + 2,
+                          sizeof *s->store);
     if (!s->store) {
         free(s);
         return ric_no_memory("a motion");
@@ -134,8 +135,8 @@ static double argument(const double *from, const double *to)
     return atan2(from[0] * to[1] - from[1] * to[0], from[0] * to[0] + from[1] * to[1]);
 }
 
-/* With all springs open the number turns by the sum of the frequencies; a free mode moves it along a straight line
- * beside that, by less than half a turn. */
+/* With all springs open the number turns by the sum of the frequencies; a free mode moves it along
+ * a straight line beside that, by less than half a turn. */
 static void fly_open(ric_section_motion *s, double tau)
 {
     int n = s->n;
@@ -153,19 +154,21 @@ static void fly_open(ric_section_motion *s, double tau)
     for (int i = 0; i < n; i++) turn += m->omega[i] * tau;
     s->measure.angle -= turn;
     if (!free_mode) return;
-    double back[2] = {cos(turn) * before[0] + sin(turn) * before[1], cos(turn) * before[1] - sin(turn) * before[0]};
+    double back[2] = {cos(turn) * before[0] + sin(turn) * before[1],
+                      cos(turn) * before[1] - sin(turn) * before[0]};
     ric_flight_rate(m, 0, s->w, s->rate);
     ric_section_measure_number(m, s->w, s->rate, s->u, after);
     s->measure.angle += argument(back, after);
 }
 
-/* A flight with springs closed, in parts of a panel, in which the number turns by less than half a turn. The state is
- * that from the start of the flight. */
+/* A flight with springs closed, in parts of a panel, in which the number turns by less than half a
+ * turn. The state is that from the start of the flight. */
 static void fly_closed(ric_section_motion *s, const ric_section_phase *p, double tau)
 {
     int size = 2 * s->n, parts = s->measure.turning && p->panel > 0 ? 1 + (int)(tau / p->panel) : 1;
     double begin[size], before[2], after[2];
-    const ric_face *closing = s->face >= 0 && s->closed >> s->face & 1 ? &s->m->face[s->face] : NULL;
+    const ric_face *closing = s->face >= 0 && s->closed >> s->face & 1 ? &s->m->face[s->face]
+                                                                       : NULL;
     memcpy(begin, s->w, sizeof begin);
     ric_regime_matrix(p->regime, tau / parts, s->matrix);
     if (s->measure.turning) ric_section_measure_number(s->m, s->w, s->rate, s->u, before);
@@ -194,21 +197,22 @@ static bool stands_alone(ric_section_motion *s, int f)
         if (fabs(ric_gap(s->n, other, s->w) - other->gap) > TOGETHER * fabs(other->gap)) continue;
         if (ric_model_orthogonal(m, face->contact, other->contact)) continue;
         snprintf(s->why, sizeof s->why,
-                 "faces %d and %d are met together, and one impact changes the speed at the other", f < k ? f : k,
-                 f < k ? k : f);
+                 "faces %d and %d are met together, and one impact changes the speed at the other",
+                 f < k ? f : k, f < k ? k : f);
         return false;
     }
     return true;
 }
 
-/* The impact of the state and, with the time dt by which a neighbour comes later, of the deviation: velocities are
- * turned round, and dw (R f(w) - f(R w)) dt is added (saltation). */
+/* The impact of the state and, with the time dt by which a neighbour comes later, of the deviation:
+ * velocities are turned round, and dw (R f(w) - f(R w)) dt is added (saltation). */
 static void reflect(ric_section_motion *s, const ric_face *face)
 {
     int n = s->n;
     const double *F = s->rate + n;
-    double *a = s->u, *p = s->u + n, speed = ric_dot(n, face->c, s->w + n), gap = ric_dot(n, face->g, a),
-           dt = speed != 0 ? -gap / speed : 0, push = ric_dot(n, face->c, p) + dt * ric_dot(n, face->c, F);
+    double *a = s->u, *p = s->u + n, speed = ric_dot(n, face->c, s->w + n),
+           gap = ric_dot(n, face->g, a), dt = speed != 0 ? -gap / speed : 0,
+           push = ric_dot(n, face->c, p) + dt * ric_dot(n, face->c, F);
     for (int i = 0; i < n; i++) {
         a[i] -= s->m->kappa[i] * 2 * gap / face->cc * face->c[i];
         p[i] -= 2 * push / face->cc * face->c[i];
@@ -235,7 +239,8 @@ static bool meet(ric_section_motion *s, int f)
 {
     const ric_face *face = &s->m->face[f];
     double square = ric_dot(2 * s->n, s->u, s->u);
-    if (!(square > RIC_SECTION_SHORT && square < RIC_SECTION_LONG)) ric_section_measure_growth(&s->measure, s->u);
+    if (!(square > RIC_SECTION_SHORT && square < RIC_SECTION_LONG))
+        ric_section_measure_growth(&s->measure, s->u);
     ric_section_motion_onto(s->n, face->g, face->gap, s->w);
     level(s);
     s->face = f;
@@ -264,10 +269,12 @@ ric_status ric_section_motion_next(ric_section_motion *s, int *face)
         ric_section_event event = ric_section_search(s->m, phase, z, s->face, PANELS_MOST, s->work);
         *face = event.face;
         if (event.face < 0 || event.rests) {
-            snprintf(s->why, sizeof s->why,
-                     event.rests ? "the structure stays on face %d: a lasting contact is outside the impact law"
-                                 : "the motion meets no face any more",
-                     event.face);
+            snprintf(
+                s->why, sizeof s->why,
+                event.rests
+                    ? "the structure stays on face %d: a lasting contact is outside the impact law"
+                    : "the motion meets no face any more",
+                event.face);
             return RIC_OK;
         }
         if (phase->regime) fly_closed(s, phase, event.time);

@@ -1,6 +1,7 @@
-/* Passages of a spring of law power through s = 0: the flow is smooth and goes in Taylor steps (flow/power_flow.h). A
- * step is a part of the radius of convergence, in which a gap coordinate turns at most once: a sign that differs at its
- * ends is a passage, and where the speed changes its sign the place in between is looked at, too. */
+/* Passages of a spring of law power through s = 0: the flow is smooth and goes in Taylor steps
+ * (flow/power_flow.h). A step is a part of the radius of convergence, in which a gap coordinate
+ * turns at most once: a sign that differs at its ends is a passage, and where the speed changes its
+ * sign the place in between is looked at, too. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +10,8 @@
 #include "section_motion.h"
 #include "base/room.h"
 
-/* Longest step over 1 / omega of the fastest mode, and over that of the series: neither a gap nor c(u) turns twice. */
+/* Longest step over 1 / omega of the fastest mode, and over that of the series: neither a gap nor
+ * c(u) turns twice. */
 #define STEP 0.7
 #define PART_OF_PACE 0.5
 /* Steps without a passage after which a motion is given up. */
@@ -37,9 +39,10 @@ static bool go(const ric_section_motion *s, double t, double *after)
     return t == 0 || ric_power_flow_fly(s->m, t, after, 0, NULL, flow_work(s));
 }
 
-/* Zero of s (order 0) or ds/dt (order 1) of a contact between the times a and b, where it changes its sign; `up`: to
- * plus. */
-static double zero_between(const ric_section_motion *s, int contact, int order, bool up, double a, double b)
+/* Zero of s (order 0) or ds/dt (order 1) of a contact between the times a and b, where it changes
+ * its sign; `up`: to plus. */
+static double zero_between(const ric_section_motion *s, int contact, int order, bool up, double a,
+                           double b)
 {
     double gap[2], slope, *w = s->next, rate[2 * s->n];
     ric_root_slope r = ric_root_slope_between(a, b, up, (a + b) / 2);
@@ -53,7 +56,8 @@ static double zero_between(const ric_section_motion *s, int contact, int order, 
     return r.x;
 }
 
-/* The time of the first passage of a contact within a step h that ends at `end`; infinite if there is none. */
+/* The time of the first passage of a contact within a step h that ends at `end`; infinite if there
+ * is none. */
 static double passage(const ric_section_motion *s, int contact, double h, const double *end)
 {
     double from[2], to[2], top[2], *w = s->next;
@@ -87,7 +91,8 @@ static bool advance(ric_section_motion *s, double t)
     ric_section_motion_pass(s, t);
     if (!s->measure.turning) return true;
     ric_section_measure_number(s->m, s->w, s->rate, s->u, after);
-    s->measure.angle += atan2(before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1]);
+    s->measure.angle += atan2(before[0] * after[1] - before[1] * after[0],
+                              before[0] * after[0] + before[1] * after[1]);
     return true;
 }
 
@@ -118,15 +123,18 @@ ric_status ric_section_power_next(ric_section_motion *s, int *face)
     for (int k = 0; k < STEPS_MOST; k++) {
         double h = step_of(s), first = INFINITY;
         int contact = -1;
-        if (!(h > 0) || !go(s, h, end)) return ric_fail(RIC_E_NUMERIC, "the flow under a power law cannot be followed");
+        if (!(h > 0) || !go(s, h, end))
+            return ric_fail(RIC_E_NUMERIC, "the flow under a power law cannot be followed");
         for (int f = 0; f < s->m->n_contact; f++) {
             double t = passage(s, f, h, end);
             if (t < first) contact = f;
             first = fmin(first, t);
         }
         double square = ric_dot(2 * s->n, s->u, s->u);
-        if (!(square > RIC_SECTION_SHORT && square < RIC_SECTION_LONG)) ric_section_measure_growth(&s->measure, s->u);
-        if (!advance(s, fmin(h, first))) return ric_fail(RIC_E_NUMERIC, "the flow under a power law overflows");
+        if (!(square > RIC_SECTION_SHORT && square < RIC_SECTION_LONG))
+            ric_section_measure_growth(&s->measure, s->u);
+        if (!advance(s, fmin(h, first)))
+            return ric_fail(RIC_E_NUMERIC, "the flow under a power law overflows");
         s->face = -1;
         if (contact < 0) continue;
         gap_of(s->m, contact, s->w, gap);

@@ -7,12 +7,15 @@
 
 #include "base/room.h"
 
-/* Length of a panel over 1 / omega of the fastest mode, rad: the interpolant of its motion is then off by 6e-4 of its
- * amplitude, so that most panels decide without being halved. Ten times as much halves most of them. */
+/* Length of a panel over 1 / omega of the fastest mode, rad: the interpolant of its motion is then
+ * off by 6e-4 of its amplitude, so that most panels decide without being halved. Ten times as much
+ * halves most of them. */
 #define PANEL 0.7
-/* BAND: a maximum beyond the face by less than this part of the size of the gap coordinate is rounding: a touch. */
+/* BAND: a maximum beyond the face by less than this part of the size of the gap coordinate is
+ * rounding: a touch. */
 #define BAND (16 * DBL_EPSILON)
-/* STILL: speed over its bound below which a start on a face is one at rest: rounding of the reflection leaves less. */
+/* STILL: speed over its bound below which a start on a face is one at rest: rounding of the
+ * reflection leaves less. */
 #define STILL (64 * DBL_EPSILON)
 
 /* ------------------------------------------------------------------ phases */
@@ -116,7 +119,8 @@ static ric_shape classify(const gap *face, const ric_sample *a, const ric_sample
     return ric_hermite_shape(face->fourth, face->band, a, b, face->band);
 }
 
-/* Where g rises through 0 in [a, b], given g(a) <= rounding < g(b) and that g is monotone, or convex, there. */
+/* Where g rises through 0 in [a, b], given g(a) <= rounding < g(b) and that g is monotone, or
+ * convex, there. */
 static double rise(const gap *face, ric_sample a, const ric_sample *b)
 {
     if (a.g[1] < 0 && b->g[1] > 0) a = ric_hermite_zero(look, face, 1, a, *b);
@@ -172,8 +176,8 @@ static gap gap_of(const search *q, int f, const double *s)
     return g;
 }
 
-/* At the start: on a face and moving into it there is an event at once; resting on it under an acceleration into it
- * there is no flight, but for a spring. */
+/* At the start: on a face and moving into it there is an event at once; resting on it under an
+ * acceleration into it there is no flight, but for a spring. */
 static void look_at_start(const search *q, const double *all)
 {
     const ric_model *m = q->m;
@@ -183,24 +187,28 @@ static void look_at_start(const search *q, const double *all)
         double speed = g.sign * s[1], still = STILL * sqrt(m->face[f].cc) * q->size;
         if (g.start < -g.band || speed < -still) continue;
         if (speed > still && f != q->left) *q->found = (ric_section_event){.time = 0, .face = f};
-        else if (g.sign * s[2] > 0 && m->face[f].spring == 0) *q->found = (ric_section_event){.face = f, .rests = true};
+        else if (g.sign * s[2] > 0 && m->face[f].spring == 0)
+            *q->found = (ric_section_event){.face = f, .rests = true};
     }
 }
 
-/* Over the panel that begins at time t, with s at its ends: the first event of each face. Most panels lie so far below
- * a face that the chord of the gap and its largest bulge over that tell. */
-static void look_at_panel(const search *q, double t, const double *begin, const double *from, const double *to)
+/* Over the panel that begins at time t, with s at its ends: the first event of each face. Most
+ * panels lie so far below a face that the chord of the gap and its largest bulge over that tell. */
+static void look_at_panel(const search *q, double t, const double *begin, const double *from,
+                          const double *to)
 {
     const ric_model *m = q->m;
     for (int f = 0; f < m->n_face; f++) {
         int contact = m->face[f].contact;
         const double *a = from + 3 * contact, *b = to + 3 * contact, gap_here = m->face[f].gap;
         const double sign = sign_of(q, f), level = sign * gap_here;
-        if (fmax(sign * a[0], sign * b[0]) - level + q->size * q->phase->bulge[contact] < -BAND * fabs(gap_here))
+        if (fmax(sign * a[0], sign * b[0]) - level + q->size * q->phase->bulge[contact] <
+            -BAND * fabs(gap_here))
             continue;
         const gap g = gap_of(q, f, begin + 3 * contact);
         ric_sample first = {t, {g.sign * a[0] - level, g.sign * a[1], g.sign * a[2]}},
-                   last = {t + q->phase->panel, {g.sign * b[0] - level, g.sign * b[1], g.sign * b[2]}};
+                   last = {t + q->phase->panel,
+                           {g.sign * b[0] - level, g.sign * b[1], g.sign * b[2]}};
         if (t == 0) first.g[0] = fmin(g.start, 0);
         double found = first_crossing(&g, &first, &last);
         if (found < q->found->time) *q->found = (ric_section_event){.time = found, .face = f};
@@ -214,7 +222,8 @@ static void look_straight(const search *q, const double *s)
         const double *c = s + 3 * q->m->face[f].contact;
         gap g = gap_of(q, f, c);
         double t = g.sign * c[1] > 0 ? -g.start / (g.sign * c[1]) : INFINITY;
-        if (f != q->left && t < q->found->time) *q->found = (ric_section_event){.time = fmax(0, t), .face = f};
+        if (f != q->left && t < q->found->time)
+            *q->found = (ric_section_event){.time = fmax(0, t), .face = f};
     }
 }
 
@@ -225,11 +234,12 @@ static double size_of(int n, const ric_section_phase *p, const double *z)
     return sqrt(sum);
 }
 
-ric_section_event ric_section_search(const ric_model *m, const ric_section_phase *p, const double *z, int face,
-                                     long panels, double *work)
+ric_section_event ric_section_search(const ric_model *m, const ric_section_phase *p,
+                                     const double *z, int face, long panels, double *work)
 {
     int n = m->n, contacts = m->n_contact;
-    double *here = work, *begin = here + 2 * n, *from = begin + 3 * contacts, *to = from + 3 * contacts;
+    double *here = work, *begin = here + 2 * n, *from = begin + 3 * contacts,
+           *to = from + 3 * contacts;
     ric_section_event found = {.time = INFINITY, .face = -1};
     search q = {m, p, z, face, size_of(n, p, z), &found};
     memcpy(here, z, 2 * (size_t)n * sizeof *here);

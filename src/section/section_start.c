@@ -9,12 +9,13 @@
 
 /* A gap beyond its stop by less than this part of its size is on it. */
 #define BEYOND 1e-12
-/* Momentum across the face below which a start is a grazing, in parts of the largest one: what comes of it is rounding.
- */
+/* Momentum across the face below which a start is a grazing, in parts of the largest one: what
+ * comes of it is rounding. */
 #define GRAZING 1e-9
 
-/* DIGITS: rounding of a gap coordinate, over its clearance, from which on impacts of a motion that swings very much
- * farther are no longer known: places of impacts are then off by as much, and impacts may be missed. */
+/* DIGITS: rounding of a gap coordinate, over its clearance, from which on impacts of a motion that
+ * swings very much farther are no longer known: places of impacts are then off by as much, and
+ * impacts may be missed. */
 #define DIGITS 1e-8
 
 /* ------------------------------------------------------------------- faces */
@@ -30,8 +31,8 @@ static int free_modes(const ric_model *m, int *last)
     return count;
 }
 
-/* The displacements of least energy on the face, and the directions along it. A free mode costs no energy: it follows
- * from the face. */
+/* The displacements of least energy on the face, and the directions along it. A free mode costs no
+ * energy: it follows from the face. */
 static void span_face(const ric_model *m, int free_mode, ric_section_face *f)
 {
     int n = m->n, row = 0;
@@ -69,19 +70,23 @@ static ric_status make_face(ric_section_surface *s, int i, int free_mode)
     }
     if (m->symmetric) f->image = s->smooth ? i ^ 1 : m->face[i].mirror;
     if (free_mode >= 0 && f->g[free_mode] == 0)
-        return ric_fail(RIC_E_INPUT,
-                        "contact %d does not see the free mode: motions along it have no bound, and no "
-                        "section has room for them",
-                        contact + 1);
+        return ric_fail(
+            RIC_E_INPUT,
+            "contact %d does not see the free mode: motions along it have no bound, and no "
+            "section has room for them",
+            contact + 1);
     double swing = sqrt(2 * s->energy * ric_dot(n, f->g, f->g));
     if (!s->smooth && !(swing * DBL_EPSILON < DIGITS * fabs(f->gap)))
         return ric_fail(RIC_E_INPUT,
-                        "with scaled energy %.3g motions swing %.3g times as far as the clearance of contact %d, and "
+                        "with scaled energy %.3g motions swing %.3g times as far as the clearance "
+                        "of contact %d, and "
                         "rounding hides their impacts; take an energy below %.3g",
                         s->energy * m->energy_unit, swing / fabs(f->gap), contact + 1,
-                        pow(DIGITS / DBL_EPSILON * f->gap, 2) / ric_dot(n, f->g, f->g) / 2 * m->energy_unit);
+                        pow(DIGITS / DBL_EPSILON * f->gap, 2) / ric_dot(n, f->g, f->g) / 2 *
+                            m->energy_unit);
     span_face(m, free_mode, f);
-    double least = free_mode >= 0 ? 0 : f->gap * f->gap / ric_dot(n, f->g, f->g), left = 2 * s->energy - least;
+    double least = free_mode >= 0 ? 0 : f->gap * f->gap / ric_dot(n, f->g, f->g),
+           left = 2 * s->energy - least;
     f->radius = left > 0 ? sqrt(left) : 0;
     return RIC_OK;
 }
@@ -103,10 +108,11 @@ ric_status ric_section_surface_create(const ric_model *m, double energy, ric_sec
     ric_status status = RIC_OK;
     *out = NULL;
     if (count > 1)
-        return ric_fail(RIC_E_INPUT,
-                        "%d modes are free: nothing holds the motion in place, and no section has room for "
-                        "it; tie the structure to the ground by a spring",
-                        count);
+        return ric_fail(
+            RIC_E_INPUT,
+            "%d modes are free: nothing holds the motion in place, and no section has room for "
+            "it; tie the structure to the ground by a spring",
+            count);
     ric_section_surface *s = ric_calloc(1, sizeof *s);
     if (!s) return ric_no_memory("a section");
     s->m = m;
@@ -123,7 +129,8 @@ ric_status ric_section_surface_create(const ric_model *m, double energy, ric_sec
     }
     if (!status && !reached)
         status = ric_fail(RIC_E_INPUT,
-                          "no motion of scaled energy %.9g meets a contact, so that there is no section; the least "
+                          "no motion of scaled energy %.9g meets a contact, so that there is no "
+                          "section; the least "
                           "energy that does is %.9g",
                           energy * m->energy_unit, least_energy(s));
     if (!status) *out = s;
@@ -155,7 +162,8 @@ uint64_t ric_section_surface_closed(const ric_model *m, const double *w, int but
     return closed;
 }
 
-bool ric_section_surface_at(const ric_section_surface *s, int face, const double *b, double *w, uint64_t *closed)
+bool ric_section_surface_at(const ric_section_surface *s, int face, const double *b, double *w,
+                            uint64_t *closed)
 {
     const ric_section_face *f = &s->face[face];
     int n = s->m->n;
@@ -180,7 +188,8 @@ bool ric_section_surface_at(const ric_section_surface *s, int face, const double
     return true;
 }
 
-/* Without a free mode the rows along the face are orthonormal; with one they are unit vectors but for its column. */
+/* Without a free mode the rows along the face are orthonormal; with one they are unit vectors but
+ * for its column. */
 void ric_section_surface_place(const ric_section_surface *s, int face, const double *w, double *b)
 {
     const ric_section_face *f = &s->face[face];
@@ -208,8 +217,8 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The additive recurrence of Roberts (2018) in the unit cube; the gaps between sorted numbers are the squares of the
- * lengths in the planes (y_j, r_j) of points spread evenly over the ball. */
+/* The additive recurrence of Roberts (2018) in the unit cube; the gaps between sorted numbers are
+ * the squares of the lengths in the planes (y_j, r_j) of points spread evenly over the ball. */
 void ric_section_surface_sequence(int size, long k, double *b)
 {
     int pairs = size / 2;

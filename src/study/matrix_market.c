@@ -44,7 +44,8 @@ static ric_status read_all(int file, const char *path, size_t limit, char **text
     }
     if (used > limit) {
         free(buffer);
-        return ric_fail(RIC_E_INPUT, "%s: larger than %zu MB, the most that is read", path, limit >> 20);
+        return ric_fail(RIC_E_INPUT, "%s: larger than %zu MB, the most that is read", path,
+                        limit >> 20);
     }
     buffer[used] = '\0';
     *text = buffer;
@@ -56,12 +57,17 @@ ric_status ric_file_read(const char *path, size_t limit, bool regular, char **te
 {
     struct stat about;
     ric_status status = RIC_OK;
-    /* O_NONBLOCK: opening a pipe that nobody writes to must not hang where only plain files will do. */
+    /* O_NONBLOCK: opening a pipe that nobody writes to must not hang where only plain files will
+     * do. */
     int file = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | (regular ? O_NONBLOCK : 0));
-    if (file < 0) return ric_fail(errno == ENOENT ? RIC_E_MISSING : RIC_E_INPUT, "%s: %s", path, strerror(errno));
+    if (file < 0)
+        return ric_fail(errno == ENOENT ? RIC_E_MISSING : RIC_E_INPUT, "%s: %s", path,
+                        strerror(errno));
     if (fstat(file, &about)) status = ric_fail(RIC_E_IO, "%s: %s", path, strerror(errno));
-    else if (S_ISDIR(about.st_mode)) status = ric_fail(RIC_E_INPUT, "%s: this is a folder; name a file in it", path);
-    else if (regular && !S_ISREG(about.st_mode)) status = ric_fail(RIC_E_INPUT, "%s: not a plain file", path);
+    else if (S_ISDIR(about.st_mode))
+        status = ric_fail(RIC_E_INPUT, "%s: this is a folder; name a file in it", path);
+    else if (regular && !S_ISREG(about.st_mode))
+        status = ric_fail(RIC_E_INPUT, "%s: not a plain file", path);
     else status = read_all(file, path, limit, text, size);
     close(file);
     return status;
@@ -80,7 +86,8 @@ typedef struct {
     long entries; /* numbers or triples in the file */
 } header;
 
-static ric_status bad(const scanner *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static ric_status bad(const scanner *s, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 static ric_status bad(const scanner *s, const char *format, ...)
 {
@@ -104,8 +111,8 @@ static void skip(scanner *s)
     }
 }
 
-/* Next word in printable form; "" at the end of the text. A longer one is cut, and then it is no number any more: what
- * is left of 2.000...0e1 says another one. */
+/* Next word in printable form; "" at the end of the text. A longer one is cut, and then it is no
+ * number any more: what is left of 2.000...0e1 says another one. */
 static bool next(scanner *s, char out[TOKEN_MAX])
 {
     int n = 0;
@@ -120,7 +127,9 @@ static bool next(scanner *s, char out[TOKEN_MAX])
 
 static ric_status too_long(const scanner *s, const char *word)
 {
-    return bad(s, "'%.20s...' has more than %d characters; write the number with fewer, 17 digits name every double",
+    return bad(s,
+               "'%.20s...' has more than %d characters; write the number with fewer, 17 digits "
+               "name every double",
                word, TOKEN_MAX - 1);
 }
 
@@ -138,14 +147,18 @@ static ric_status next_real(scanner *s, long row, long column, double *out)
 {
     char word[TOKEN_MAX];
     if (!next(s, word)) return too_long(s, word);
-    if (!word[0]) return bad(s, "the file ends where the entry of row %ld, column %ld should be", row, column);
+    if (!word[0])
+        return bad(s, "the file ends where the entry of row %ld, column %ld should be", row,
+                   column);
     switch (ric_option_text_real(word, out)) {
     case RIC_TEXT_NUMBER: return RIC_OK;
     case RIC_TEXT_NOT_FINITE:
-        return bad(s, "the entry of row %ld, column %ld is '%s'; entries must be finite", row, column, word);
+        return bad(s, "the entry of row %ld, column %ld is '%s'; entries must be finite", row,
+                   column, word);
     case RIC_TEXT_NO_NUMBER: break;
     }
-    return bad(s, "the entry of row %ld, column %ld is '%s', which is not a number", row, column, word);
+    return bad(s, "the entry of row %ld, column %ld is '%s', which is not a number", row, column,
+               word);
 }
 
 /* ------------------------------------------------------------------ header */
@@ -159,16 +172,19 @@ static ric_status read_banner(scanner *s, header *out)
 {
     char line[128], word[5][TOKEN_MAX] = {"", "", "", "", ""};
     size_t length = strcspn(s->at, "\r\n");
-    if (!strncmp(s->at, "\x1f\x8b", 2)) return bad(s, "compressed by gzip; gunzip it and name the file that comes out");
+    if (!strncmp(s->at, "\x1f\x8b", 2))
+        return bad(s, "compressed by gzip; gunzip it and name the file that comes out");
     if (length >= sizeof line)
-        return bad(s, "not a Matrix Market file; its first line is '%%%%MatrixMarket matrix coordinate real symmetric' "
+        return bad(s, "not a Matrix Market file; its first line is '%%%%MatrixMarket matrix "
+                      "coordinate real symmetric' "
                       "or similar");
     snprintf(line, sizeof line, "%.*s", (int)length, s->at);
     lower(line);
     scanner words = {line, line + strlen(line), s->label, 1};
     for (int i = 0; i < 5; i++) next(&words, word[i]);
     if (strcmp(word[0], "%%matrixmarket") || strcmp(word[1], "matrix"))
-        return bad(s, "not a Matrix Market file; its first line is '%%%%MatrixMarket matrix coordinate real symmetric' "
+        return bad(s, "not a Matrix Market file; its first line is '%%%%MatrixMarket matrix "
+                      "coordinate real symmetric' "
                       "or similar");
     out->coordinate = !strcmp(word[2], "coordinate");
     out->symmetric = !strcmp(word[4], "symmetric");
@@ -194,7 +210,8 @@ static ric_status read_header(scanner *s, header *out)
     long full = out->symmetric ? rows * (rows + 1) / 2 : rows * rows;
     out->n = (int)rows;
     out->entries = full;
-    if (out->coordinate) status = next_integer(s, "the number of entries", ENTRIES_MAX, &out->entries);
+    if (out->coordinate)
+        status = next_integer(s, "the number of entries", ENTRIES_MAX, &out->entries);
     return status;
 }
 
@@ -223,15 +240,19 @@ static ric_status read_entry(scanner *s, const header *h, bool *given, double *o
     long at = (row - 1) * n + column - 1, across = (column - 1) * n + row - 1;
     if (h->symmetric && row != column && given[across])
         return bad(s,
-                   "row %ld, column %ld, and row %ld, column %ld as well: whether that is one entry or the sum of "
-                   "two cannot be told; write one half of a symmetric matrix, or general in the first line",
+                   "row %ld, column %ld, and row %ld, column %ld as well: whether that is one "
+                   "entry or the sum of "
+                   "two cannot be told; write one half of a symmetric matrix, or general in the "
+                   "first line",
                    row, column, column, row);
     *repeated += given[at];
     given[at] = true;
     if ((status = next_real(s, row, column, &value))) return status;
     out[at] += value;
     if (h->symmetric) out[across] = out[at];
-    return isfinite(out[at]) ? RIC_OK : bad(s, "the entries of row %ld, column %ld have no finite sum", row, column);
+    return isfinite(out[at])
+               ? RIC_OK
+               : bad(s, "the entries of row %ld, column %ld have no finite sum", row, column);
 }
 
 static ric_status read_coordinate(scanner *s, const header *h, double *out, long *repeated)
@@ -239,13 +260,14 @@ static ric_status read_coordinate(scanner *s, const header *h, double *out, long
     ric_status status = RIC_OK;
     bool *given = ric_calloc((size_t)h->n * (size_t)h->n, sizeof *given);
     if (!given) return ric_fail(RIC_E_NOMEM, "%s: no memory for the matrix", s->label);
-    for (long i = 0; i < h->entries && !status; i++) status = read_entry(s, h, given, out, repeated);
+    for (long i = 0; i < h->entries && !status; i++)
+        status = read_entry(s, h, given, out, repeated);
     free(given);
     return status;
 }
 
-ric_status ric_matrix_market_parse(const char *text, size_t size, const char *label, int *n, double **out,
-                                   long *repeated)
+ric_status ric_matrix_market_parse(const char *text, size_t size, const char *label, int *n,
+                                   double **out, long *repeated)
 {
     scanner s = {text, text + size, label, 1};
     header h = {false, false, 0, 0};
@@ -263,7 +285,8 @@ ric_status ric_matrix_market_parse(const char *text, size_t size, const char *la
     if (status) goto out;
     next(&s, word);
     if (word[0]) {
-        status = bad(&s, "'%s' follows after the last of %ld entries; check the size line", word, h.entries);
+        status = bad(&s, "'%s' follows after the last of %ld entries; check the size line", word,
+                     h.entries);
         goto out;
     }
     *n = h.n;

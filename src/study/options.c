@@ -36,7 +36,8 @@ static const ric_option RIC_OPTIONS[] = {
      1e18,
      false,
      "scaled energy",
-     "energy window, auto, or multiples of an onset, {first_touch_of: 1, times: [0, 100]}; a branch that begins below "
+     "energy window, auto, or multiples of an onset, {first_touch_of: 1, times: [0, 100]}; a "
+     "branch that begins below "
      "its lower end is followed up into it, one that comes down to it ends "
      "there"},
     {"explore",
@@ -68,7 +69,8 @@ static const ric_option RIC_OPTIONS[] = {
      1000,
      false,
      "periods",
-     "largest q of one q-tupling, and largest k of a duplicated grazing junction that is departed from; 1 = none"},
+     "largest q of one q-tupling, and largest k of a duplicated grazing junction that is departed "
+     "from; 1 = none"},
     {"explore",
      "base",
      RIC_OPTION_INTEGER,
@@ -78,7 +80,8 @@ static const ric_option RIC_OPTIONS[] = {
      1000,
      false,
      "periods",
-     "K: only those multiplications and duplicates that the K-duplicate of a branch shows, q and k that divide K; 0 = "
+     "K: only those multiplications and duplicates that the K-duplicate of a branch shows, q and k "
+     "that divide K; 0 = "
      "all"},
     {"explore",
      "depth",
@@ -99,7 +102,8 @@ static const ric_option RIC_OPTIONS[] = {
      1000000000,
      false,
      "points",
-     "points of all branches from which on nothing more is departed to, but for what leaves the linear modes; 0 = "
+     "points of all branches from which on nothing more is departed to, but for what leaves the "
+     "linear modes; 0 = "
      "unlimited, which a study without energy and frequency is not unless it says so"},
     {"explore",
      "cascade",
@@ -110,7 +114,8 @@ static const ric_option RIC_OPTIONS[] = {
      64,
      false,
      "periods",
-     "all for every junction, or a list such as [3, 2, 4]: depart only from multiplications, by 3 first, by 2 on what "
+     "all for every junction, or a list such as [3, 2, 4]: depart only from multiplications, by 3 "
+     "first, by 2 on what "
      "leaves there, by 4 on that"},
     {"explore",
      "step",
@@ -131,7 +136,8 @@ static const ric_option RIC_OPTIONS[] = {
      1,
      false,
      "",
-     "follow or cross: what a branch does at an internal resonance with a mode that it hardly excites, climb along it, "
+     "follow or cross: what a branch does at an internal resonance with a mode that it hardly "
+     "excites, climb along it, "
      "or go on behind it if it is narrower than tongue_width"},
     {"explore",
      "tongue_width",
@@ -162,7 +168,8 @@ static const ric_option RIC_OPTIONS[] = {
      1e18,
      true,
      "scaled energy",
-     "energies, or multiples of an onset, that become junctions of kind user on every branch that passes them, such as "
+     "energies, or multiples of an onset, that become junctions of kind user on every branch that "
+     "passes them, such as "
      "[1.5, 10]"},
     {"explore",
      "at_frequency",
@@ -183,7 +190,8 @@ static const ric_option RIC_OPTIONS[] = {
      1e-4,
      false,
      "relative",
-     "accuracy asked for: orbits are always solved to rounding, and those of which it leaves a larger residual are "
+     "accuracy asked for: orbits are always solved to rounding, and those of which it leaves a "
+     "larger residual are "
      "counted by `run` and `report`"},
     {"",
      "restitution",
@@ -194,7 +202,8 @@ static const ric_option RIC_OPTIONS[] = {
      1,
      false,
      "",
-     "speed after an impact over that before, of all rigid stops; `force` and `response` take it above 0"},
+     "speed after an impact over that before, of all rigid stops; `force` and `response` take it "
+     "above 0"},
     {"forcing",
      "amplitude",
      RIC_OPTION_AMOUNTS,
@@ -241,7 +250,8 @@ bool ric_option_is_forcing(const ric_option *option)
 const ric_option *ric_option_find(const char *section, const char *key)
 {
     for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
-        if (!strcmp(RIC_OPTIONS[i].section, section) && !strcmp(RIC_OPTIONS[i].key, key)) return &RIC_OPTIONS[i];
+        if (!strcmp(RIC_OPTIONS[i].section, section) && !strcmp(RIC_OPTIONS[i].key, key))
+            return &RIC_OPTIONS[i];
     return NULL;
 }
 
@@ -278,14 +288,16 @@ void ric_explore_options_init(ric_explore_options *options)
 {
     memset(options, 0, sizeof *options);
     for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
-        if (!ric_option_is_forcing(&RIC_OPTIONS[i])) store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, options);
+        if (!ric_option_is_forcing(&RIC_OPTIONS[i]))
+            store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, options);
 }
 
 void ric_option_forcing_init(ric_forcing *forcing)
 {
     memset(forcing, 0, sizeof *forcing);
     for (int i = 0; i < COUNT(RIC_OPTIONS); i++)
-        if (ric_option_is_forcing(&RIC_OPTIONS[i])) store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, forcing);
+        if (ric_option_is_forcing(&RIC_OPTIONS[i]))
+            store(&RIC_OPTIONS[i], RIC_OPTIONS[i].initial, forcing);
 }
 
 /* ----------------------------------------------------------------- numbers */
@@ -296,8 +308,8 @@ static const char *digits(const char *text)
     return text;
 }
 
-/* [-+] digits [. digits] [e [-+] digits], also with the d of Fortran, with a digit before or after the point: no
- * hexadecimal, no blanks. */
+/* [-+] digits [. digits] [e [-+] digits], also with the d of Fortran, with a digit before or after
+ * the point: no hexadecimal, no blanks. */
 static bool is_decimal(const char *text)
 {
     text += *text == '-' || *text == '+';
@@ -324,7 +336,8 @@ static bool names_no_finite(const char *text)
     char lower[12] = "";
     text += *text == '-' || *text == '+';
     text += *text == '.';
-    for (size_t i = 0; i + 1 < sizeof lower && text[i]; i++) lower[i] = (char)tolower((unsigned char)text[i]);
+    for (size_t i = 0; i + 1 < sizeof lower && text[i]; i++)
+        lower[i] = (char)tolower((unsigned char)text[i]);
     for (int i = 0; i < COUNT(names); i++)
         if (!strcmp(lower, names[i])) return true;
     return false;
@@ -384,20 +397,23 @@ static ric_status read_number(const ric_option *option, const char *text, double
     bool integer = option->type == RIC_OPTION_INTEGER || option->type == RIC_OPTION_MODES ||
                    option->type == RIC_OPTION_WHOLES;
     if (kind != RIC_TEXT_NUMBER || (integer && !ric_option_text_integer(text, &whole)))
-        return ric_fail(RIC_E_INPUT, "'%.40s' is not a%s number; give one in %s", text, integer ? " whole" : "", range);
+        return ric_fail(RIC_E_INPUT, "'%.40s' is not a%s number; give one in %s", text,
+                        integer ? " whole" : "", range);
     if (*out < option->min || *out > option->max || (option->above && *out == option->min))
-        return ric_fail(RIC_E_INPUT, "%.40s is out of range; give a%s number in %s", text, integer ? " whole" : "",
-                        range);
+        return ric_fail(RIC_E_INPUT, "%.40s is out of range; give a%s number in %s", text,
+                        integer ? " whole" : "", range);
     return RIC_OK;
 }
 
-static ric_status read_window(const ric_option *option, bool list, int n, const char *const *texts, double out[2],
-                              int *item)
+static ric_status read_window(const ric_option *option, bool list, int n, const char *const *texts,
+                              double out[2], int *item)
 {
     out[0] = out[1] = 0;
     if (!list && !strcmp(texts[0], "auto")) return RIC_OK;
     if (!list || n != 2)
-        return ric_fail(RIC_E_INPUT, "a window has two numbers; write [lower, upper], for example [0.2, 10], or auto");
+        return ric_fail(
+            RIC_E_INPUT,
+            "a window has two numbers; write [lower, upper], for example [0.2, 10], or auto");
     for (int i = 0; i < 2; i++) {
         ric_status status = read_number(option, texts[i], &out[i]);
         if (status) {
@@ -406,16 +422,17 @@ static ric_status read_window(const ric_option *option, bool list, int n, const 
         }
     }
     if (out[0] < out[1]) return RIC_OK;
-    return ric_fail(RIC_E_INPUT, "the window [%.17g, %.17g] is %s; write the lower bound first", out[0], out[1],
-                    out[0] == out[1] ? "empty" : "reversed");
+    return ric_fail(RIC_E_INPUT, "the window [%.17g, %.17g] is %s; write the lower bound first",
+                    out[0], out[1], out[0] == out[1] ? "empty" : "reversed");
 }
 
 /* A number stands for a window without width. */
-static ric_status read_band(const ric_option *option, bool list, int n, const char *const *texts, double out[2],
-                            int *item)
+static ric_status read_band(const ric_option *option, bool list, int n, const char *const *texts,
+                            double out[2], int *item)
 {
     if (list && n != 2)
-        return ric_fail(RIC_E_INPUT, "expected a number, or a window [lower, upper], for example [0.5, 2]");
+        return ric_fail(RIC_E_INPUT,
+                        "expected a number, or a window [lower, upper], for example [0.5, 2]");
     if (list) return read_window(option, list, n, texts, out, item);
     ric_status status = read_number(option, texts[0], &out[0]);
     out[1] = out[0];
@@ -434,15 +451,16 @@ static int compare_integers(const void *left, const void *right)
 }
 
 /* A word, *n = 0, or a list of whole numbers. */
-static ric_status read_list(const ric_option *option, const char *word, bool list, int n, const char *const *texts,
-                            int room, int *out, int *n_out, int *item)
+static ric_status read_list(const ric_option *option, const char *word, bool list, int n,
+                            const char *const *texts, int room, int *out, int *n_out, int *item)
 {
     double number;
     *n_out = 0;
     if (!list && !strcmp(texts[0], word)) return RIC_OK;
     if (!list || n < 1 || n > room)
-        return ric_fail(RIC_E_INPUT, "expected the word %s or a list of 1 to %d numbers; write %s, or [%g, 3]", word,
-                        room, word, option->min);
+        return ric_fail(RIC_E_INPUT,
+                        "expected the word %s or a list of 1 to %d numbers; write %s, or [%g, 3]",
+                        word, room, word, option->min);
     for (int i = 0; i < n; i++) {
         *item = i;
         ric_status status = read_number(option, texts[i], &number);
@@ -480,23 +498,26 @@ static bool is_numbers(ric_option_type type)
     return type == RIC_OPTION_NUMBERS || type == RIC_OPTION_AMOUNTS || type == RIC_OPTION_WHOLES;
 }
 
-static ric_status read_numbers(const ric_option *option, bool list, int n, const char *const *texts, ric_numbers *out,
-                               int *item)
+static ric_status read_numbers(const ric_option *option, bool list, int n, const char *const *texts,
+                               ric_numbers *out, int *item)
 {
     ric_numbers numbers = {.n = n};
     if (!list && option->type == RIC_OPTION_NUMBERS)
-        return ric_fail(RIC_E_INPUT, "expected a list of numbers; write [%.40s], or [] for none", texts[0]);
+        return ric_fail(RIC_E_INPUT, "expected a list of numbers; write [%.40s], or [] for none",
+                        texts[0]);
     if (n == 0 && option->type != RIC_OPTION_NUMBERS)
         return ric_fail(RIC_E_INPUT, "an empty list; give a number, or leave the key out");
     if (n > RIC_NUMBERS_MAX)
-        return ric_fail(RIC_E_INPUT, "more than %d numbers; leave some for another study", RIC_NUMBERS_MAX);
+        return ric_fail(RIC_E_INPUT, "more than %d numbers; leave some for another study",
+                        RIC_NUMBERS_MAX);
     for (int i = 0; i < n; i++) {
         *item = i;
         ric_status status = read_number(option, texts[i], &numbers.value[i]);
         if (status) return status;
         for (int j = 0; j < i; j++)
             if (numbers.value[j] == numbers.value[i])
-                return ric_fail(RIC_E_INPUT, "%.40s is listed twice; give each number once", texts[i]);
+                return ric_fail(RIC_E_INPUT, "%.40s is listed twice; give each number once",
+                                texts[i]);
     }
     *item = -1;
     qsort(numbers.value, (size_t)n, sizeof *numbers.value, compare_reals);
@@ -504,28 +525,34 @@ static ric_status read_numbers(const ric_option *option, bool list, int n, const
     return RIC_OK;
 }
 
-ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts, void *options,
-                           int *item)
+ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts,
+                           void *options, int *item)
 {
     double value[2] = {0, 0};
     ric_status status = RIC_OK;
     ric_explore_options *out = options;
     *item = -1;
     if (option->type == RIC_OPTION_MODES) return read_modes(option, list, n, texts, out, item);
-    if (is_numbers(option->type)) return read_numbers(option, list, n, texts, field(option, out), item);
+    if (is_numbers(option->type))
+        return read_numbers(option, list, n, texts, field(option, out), item);
     if (option->type == RIC_OPTION_CASCADE)
-        return read_list(option, "all", list, n, texts, COUNT(out->cascade), out->cascade, &out->n_cascade, item);
+        return read_list(option, "all", list, n, texts, COUNT(out->cascade), out->cascade,
+                         &out->n_cascade, item);
     if (option->type == RIC_OPTION_TONGUES && !list) {
         value[0] = strcmp(texts[0], "cross") ? 0 : 1;
         if (value[0] == 0 && strcmp(texts[0], "follow"))
-            return ric_fail(RIC_E_INPUT, "'%.40s' is neither follow nor cross; write one of them", texts[0]);
-    } else if (option->type == RIC_OPTION_WINDOW) status = read_window(option, list, n, texts, value, item);
-    else if (option->type == RIC_OPTION_BAND) status = read_band(option, list, n, texts, value, item);
+            return ric_fail(RIC_E_INPUT, "'%.40s' is neither follow nor cross; write one of them",
+                            texts[0]);
+    } else if (option->type == RIC_OPTION_WINDOW)
+        status = read_window(option, list, n, texts, value, item);
+    else if (option->type == RIC_OPTION_BAND)
+        status = read_band(option, list, n, texts, value, item);
     else if (list) return ric_fail(RIC_E_INPUT, "expected one value, found a list of %d", n);
     else if (option->type == RIC_OPTION_SWITCH) {
         value[0] = strcmp(texts[0], "true") ? 0 : 1;
         if (value[0] == 0 && strcmp(texts[0], "false"))
-            return ric_fail(RIC_E_INPUT, "'%.40s' is neither true nor false; write one of them", texts[0]);
+            return ric_fail(RIC_E_INPUT, "'%.40s' is neither true nor false; write one of them",
+                            texts[0]);
     } else status = read_number(option, texts[0], &value[0]);
     if (!status) store(option, value, options);
     return status;
@@ -546,7 +573,8 @@ static void write_numbers(int n, const double *values, FILE *out)
 static void write_list(const char *word, int n, const int *list, FILE *out)
 {
     if (n == 0) fputs(word, out);
-    for (int i = 0; i < n; i++) fprintf(out, "%s%d%s", i ? ", " : "[", list[i], i + 1 == n ? "]" : "");
+    for (int i = 0; i < n; i++)
+        fprintf(out, "%s%d%s", i ? ", " : "[", list[i], i + 1 == n ? "]" : "");
 }
 
 void ric_option_write(const ric_option *option, const void *of, FILE *out)
@@ -587,7 +615,8 @@ static void write_default(const ric_option *option, size_t size, char *text)
     if (!strcmp(option->section, "forcing")) return; /* what is not given is not there */
     FILE *out = fmemopen(text, size, "w");
     if (!out) return;
-    ric_option_write(option, ric_option_is_forcing(option) ? (const void *)&forcing : &defaults, out);
+    ric_option_write(option, ric_option_is_forcing(option) ? (const void *)&forcing : &defaults,
+                     out);
     fclose(out);
 }
 
@@ -599,8 +628,8 @@ void ric_options_template(const char *section, FILE *out)
         if (strcmp(option->section, section) || ric_option_is_forcing(option)) continue;
         write_default(option, sizeof value, value);
         snprintf(line, sizeof line, "%s%s: %s", section[0] ? "  " : "", option->key, value);
-        fprintf(out, "%-26s # %s%s%s%s\n", line, option->help, option->unit[0] ? " (" : "", option->unit,
-                option->unit[0] ? ")" : "");
+        fprintf(out, "%-26s # %s%s%s%s\n", line, option->help, option->unit[0] ? " (" : "",
+                option->unit, option->unit[0] ? ")" : "");
     }
 }
 
@@ -633,9 +662,9 @@ static void document_table(bool forcing, FILE *out)
         describe_range(option, sizeof range, range);
         const bool words = option->type == RIC_OPTION_SWITCH || option->type == RIC_OPTION_TONGUES;
         const char *quote = value[0] ? "`" : "";
-        fprintf(out, "| `%s%s%s` | %s | %s%s%s | %s | %s | %s |\n", option->section, option->section[0] ? "." : "",
-                option->key, type_text(option->type), quote, value[0] ? value : "none", quote, words ? "" : range,
-                option->unit, option->help);
+        fprintf(out, "| `%s%s%s` | %s | %s%s%s | %s | %s | %s |\n", option->section,
+                option->section[0] ? "." : "", option->key, type_text(option->type), quote,
+                value[0] ? value : "none", quote, words ? "" : range, option->unit, option->help);
     }
 }
 
@@ -645,28 +674,30 @@ void ric_options_document(FILE *out)
           "Keys of the section `explore` of a study, and one at its top. All are optional.\n\n",
           out);
     document_table(false, out);
-    fputs(
-        "\n## forcing\n\n"
-        "What shakes the structure, and what it loses: [damping and force](forcing.md).\n"
-        "`simulate`, `force` and `response` take it where their options say nothing else.\n"
-        "The atlas is that of the structure without losses and force, whatever stands here:\n"
-        "an atlas stays that of its study when these keys change.\n"
-        "`ricochet run` once more takes the new keys into it, and so does `--study` of `force` and `response`.\n\n"
-        "```yaml\n"
-        "damping: 0.01             # ratio of all modes; [0.01, 0.02]: of each; {alpha: 0.1, beta: 1.0e-4}: alpha M + "
-        "beta K;\n"
-        "                          # or a matrix, rows or {file: C.mtx}\n"
-        "restitution: 0.95\n"
-        "forcing:\n"
-        "  vector: [1, 0]          # f, one number per displacement; or coordinate: 1\n"
-        "  amplitude: [0.1, 0.2]\n"
-        "  frequency: [0.5, 2]\n"
-        "  harmonic: 1\n"
-        "```\n\n"
-        "`damping` takes no energy where it is not given; no ratio is negative, and a matrix is symmetric without a\n"
-        "negative eigenvalue.\n"
-        "`forcing` needs `vector` or `coordinate`.\n\n",
-        out);
+    fputs("\n## forcing\n\n"
+          "What shakes the structure, and what it loses: [damping and force](forcing.md).\n"
+          "`simulate`, `force` and `response` take it where their options say nothing else.\n"
+          "The atlas is that of the structure without losses and force, whatever stands here:\n"
+          "an atlas stays that of its study when these keys change.\n"
+          "`ricochet run` once more takes the new keys into it, and so does `--study` of `force` "
+          "and `response`.\n\n"
+          "```yaml\n"
+          "damping: 0.01             # ratio of all modes; [0.01, 0.02]: of each; {alpha: 0.1, "
+          "beta: 1.0e-4}: alpha M + "
+          "beta K;\n"
+          "                          # or a matrix, rows or {file: C.mtx}\n"
+          "restitution: 0.95\n"
+          "forcing:\n"
+          "  vector: [1, 0]          # f, one number per displacement; or coordinate: 1\n"
+          "  amplitude: [0.1, 0.2]\n"
+          "  frequency: [0.5, 2]\n"
+          "  harmonic: 1\n"
+          "```\n\n"
+          "`damping` takes no energy where it is not given; no ratio is negative, and a matrix is "
+          "symmetric without a\n"
+          "negative eigenvalue.\n"
+          "`forcing` needs `vector` or `coordinate`.\n\n",
+          out);
     document_table(true, out);
     fputs("\n## regions\n\n"
           "Larger budgets for a part of the plane, in a list at the top of a study;\n"
@@ -676,7 +707,8 @@ void ric_options_document(FILE *out)
           "  - {energy: [1.5, 3], frequency: [1.7, 1.9], depth: 6, impacts: 36, multiply: 2}\n"
           "```\n\n"
           "`energy` and `frequency` say where.\n"
-          "`depth`, `impacts` and `multiply` hold for departures from junctions that are there, drawn there\n"
+          "`depth`, `impacts` and `multiply` hold for departures from junctions that are there, "
+          "drawn there\n"
           "or with their orbit there, if they are larger than those of `explore`,\n"
           "and are those of `explore` where they are not given.\n"
           "Departures elsewhere stay over their budgets and are counted so.\n"

@@ -1,5 +1,5 @@
-/* The options of a study, once: the study reader, the study writer, `ricochet new` and docs/study.md are made from this
- * list. */
+/* The options of a study, once: the study reader, the study writer, `ricochet new` and
+ * docs/study.md are made from this list. */
 #ifndef RIC_STUDY_OPTIONS_H
 #define RIC_STUDY_OPTIONS_H
 
@@ -26,7 +26,8 @@ typedef struct {
     const char *key;
     ric_option_type type;
     size_t offset;     /* in ric_explore_options, or in ric_forcing */
-    double initial[2]; /* default; the second one for windows only, 0, 0 for auto; lists of numbers are empty */
+    double initial[2]; /* default; the second one for windows only, 0, 0 for auto; lists of numbers
+                          are empty */
     double min, max;   /* allowed values */
     bool above;        /* min itself is not allowed */
     const char *unit;
@@ -39,10 +40,11 @@ bool ric_option_is_forcing(const ric_option *option);
 /* NULL if there is no such option. */
 const ric_option *ric_option_find(const char *section, const char *key);
 
-/* Reads `n` texts (one, or the items of a list) into *out, which is a ric_explore_options, or a ric_forcing. On
- * RIC_E_INPUT the detail says what is wrong and what would be right, without a place; *item is the text at fault, -1 if
- * it is the whole. */
-ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts, void *out, int *item);
+/* Reads `n` texts (one, or the items of a list) into *out, which is a ric_explore_options, or a
+ * ric_forcing. On RIC_E_INPUT the detail says what is wrong and what would be right, without a
+ * place; *item is the text at fault, -1 if it is the whole. */
+ric_status ric_option_read(const ric_option *option, bool list, int n, const char *const *texts,
+                           void *out, int *item);
 /* A window that is to be chosen for the model, `auto` in a study. */
 bool ric_option_is_auto(const double window[2]);
 /* The value as it stands in a study: 24, [0, 200], auto, modes. */
@@ -50,16 +52,15 @@ void ric_option_write(const ric_option *option, const void *options, FILE *out);
 /* Nothing but the defaults: no damping, no force. */
 void ric_option_forcing_init(ric_forcing *forcing);
 
-/* The options of a section as commented lines of a study at their defaults; sections explore, forcing and regions of
- * docs/study.md. */
+/* The options of a section as commented lines of a study at their defaults; sections explore,
+ * forcing and regions of docs/study.md. */
 void ric_options_template(const char *section, FILE *out);
 void ric_options_document(FILE *out);
 /* The JSON schema of a study (options_schema.c), docs/study.schema.json. */
 void ric_options_schema(FILE *out);
 
-/* Numbers as a study and a Matrix Market file write them: decimal, the whole text, finite; an exponent may be
- * marked by the d of Fortran. The locale's decimal point
- * does not matter. */
+/* Numbers as a study and a Matrix Market file write them: decimal, the whole text, finite; an
+ * exponent may be marked by the d of Fortran. The locale's decimal point does not matter. */
 typedef enum { RIC_TEXT_NUMBER, RIC_TEXT_NOT_FINITE, RIC_TEXT_NO_NUMBER } ric_text_kind;
 ric_text_kind ric_option_text_real(const char *text, double *out);
 bool ric_option_text_integer(const char *text, long *out);

@@ -1,5 +1,6 @@
-/* The JSON schema of a study file, for editors: sections explore and forcing are made from the list that the reader
- * reads with, what stands around it is compared with the reader by tests/cli/cli_schema.sh. Draft 2020-12. */
+/* The JSON schema of a study file, for editors: sections explore and forcing are made from the list
+ * that the reader reads with, what stands around it is compared with the reader by
+ * tests/cli/cli_schema.sh. Draft 2020-12. */
 #include "options.h"
 #include "base/room.h"
 
@@ -20,8 +21,8 @@ static void put_quoted(const char *text, FILE *out)
 /* A number within the range of an option; in YAML one with the exponent of Fortran is a text. */
 static void put_number(const ric_option *o, FILE *out)
 {
-    const bool whole = o->type == RIC_OPTION_INTEGER || o->type == RIC_OPTION_MODES || o->type == RIC_OPTION_CASCADE ||
-                       o->type == RIC_OPTION_WHOLES;
+    const bool whole = o->type == RIC_OPTION_INTEGER || o->type == RIC_OPTION_MODES ||
+                       o->type == RIC_OPTION_CASCADE || o->type == RIC_OPTION_WHOLES;
     if (!whole) fputs("{\"anyOf\": [", out);
     fprintf(out, "{\"type\": \"%s\", \"%s\": ", whole ? "integer" : "number",
             o->above ? "exclusiveMinimum" : "minimum");
@@ -33,7 +34,8 @@ static void put_number(const ric_option *o, FILE *out)
 
 static void put_list(const ric_option *o, int least, int most, FILE *out)
 {
-    fprintf(out, "{\"type\": \"array\", \"minItems\": %d, \"maxItems\": %d, \"items\": ", least, most);
+    fprintf(out, "{\"type\": \"array\", \"minItems\": %d, \"maxItems\": %d, \"items\": ", least,
+            most);
     put_number(o, out);
     fputc('}', out);
 }
@@ -95,8 +97,8 @@ static void put_default(const ric_option *o, FILE *out)
     if (!strcmp(o->section, "forcing")) return;
     ric_explore_options_init(&defaults);
     ric_option_forcing_init(&forcing);
-    const bool word = o->type == RIC_OPTION_WINDOW || o->type == RIC_OPTION_MODES || o->type == RIC_OPTION_CASCADE ||
-                      o->type == RIC_OPTION_TONGUES;
+    const bool word = o->type == RIC_OPTION_WINDOW || o->type == RIC_OPTION_MODES ||
+                      o->type == RIC_OPTION_CASCADE || o->type == RIC_OPTION_TONGUES;
     fputs(word ? ", \"default\": \"" : ", \"default\": ", out);
     ric_option_write(o, ric_option_is_forcing(o) ? (const void *)&forcing : &defaults, out);
     if (word) fputc('"', out);
@@ -135,24 +137,32 @@ static const char head[] =
     "  \"required\": [\"model\"],\n"
     "  \"additionalProperties\": false,\n"
     "  \"properties\": {\n"
-    "    \"title\": {\"description\": \"shown in lists and pictures\", \"$ref\": \"#/$defs/text\"},\n"
+    "    \"title\": {\"description\": \"shown in lists and pictures\", \"$ref\": "
+    "\"#/$defs/text\"},\n"
     "    \"model\": {\n"
     "      \"description\": \"the structure\",\n"
     "      \"type\": \"object\",\n"
     "      \"required\": [\"mass\", \"stiffness\", \"contacts\"],\n"
     "      \"additionalProperties\": false,\n"
     "      \"properties\": {\n"
-    "        \"mass\": {\"description\": \"symmetric, positive definite\", \"$ref\": \"#/$defs/matrix\"},\n"
-    "        \"stiffness\": {\"description\": \"symmetric, positive semidefinite\", \"$ref\": \"#/$defs/matrix\"},\n"
-    "        \"contacts\": {\"description\": \"stops and springs\", \"type\": \"array\", \"minItems\": 1, "
+    "        \"mass\": {\"description\": \"symmetric, positive definite\", \"$ref\": "
+    "\"#/$defs/matrix\"},\n"
+    "        \"stiffness\": {\"description\": \"symmetric, positive semidefinite\", \"$ref\": "
+    "\"#/$defs/matrix\"},\n"
+    "        \"contacts\": {\"description\": \"stops and springs\", \"type\": \"array\", "
+    "\"minItems\": 1, "
     "\"maxItems\": 1000, \"items\": {\"$ref\": \"#/$defs/contact\"}},\n"
-    "        \"modes\": {\"description\": \"only the lowest modes: how many, or up to a frequency in rad/s\", "
-    "\"anyOf\": [{\"enum\": [\"auto\", \"all\"]}, {\"type\": \"integer\", \"minimum\": 1, \"maximum\": 1000}, "
+    "        \"modes\": {\"description\": \"only the lowest modes: how many, or up to a frequency "
+    "in rad/s\", "
+    "\"anyOf\": [{\"enum\": [\"auto\", \"all\"]}, {\"type\": \"integer\", \"minimum\": 1, "
+    "\"maximum\": 1000}, "
     "{\"type\": \"object\", "
-    "\"required\": [\"up_to\"], \"additionalProperties\": false, \"properties\": {\"up_to\": {\"$ref\": "
+    "\"required\": [\"up_to\"], \"additionalProperties\": false, \"properties\": {\"up_to\": "
+    "{\"$ref\": "
     "\"#/$defs/positive\"}}}]},\n"
     "        \"restitution\": {\"description\": \"as at the top of the study\", \"anyOf\": "
-    "[{\"type\": \"number\", \"minimum\": 0, \"maximum\": 1}, {\"$ref\": \"#/$defs/fortran\"}], \"default\": 1}\n"
+    "[{\"type\": \"number\", \"minimum\": 0, \"maximum\": 1}, {\"$ref\": \"#/$defs/fortran\"}], "
+    "\"default\": 1}\n"
     "      }\n"
     "    },\n"
     "    \"explore\": {\n"
@@ -191,7 +201,8 @@ static const char names[] =
 
 static const char drawing[] =
     "]},\n"
-    "          \"energy\": {\"description\": \"scaled energy\", \"anyOf\": [{\"type\": \"number\", \"minimum\": 0}, "
+    "          \"energy\": {\"description\": \"scaled energy\", \"anyOf\": [{\"type\": \"number\", "
+    "\"minimum\": 0}, "
     "{\"$ref\": \"#/$defs/fortran\"}]},\n"
     "          \"frequency\": {\"description\": \"rad/s\", \"$ref\": \"#/$defs/positive\"}\n"
     "        }\n"
@@ -203,13 +214,19 @@ static const char drawing[] =
     "      \"required\": [\"nodes\"],\n"
     "      \"additionalProperties\": false,\n"
     "      \"properties\": {\n"
-    "        \"nodes\": {\"type\": \"array\", \"minItems\": 1, \"maxItems\": 100000, \"items\": {\"type\": "
-    "\"object\", \"required\": [\"at\"], \"additionalProperties\": false, \"properties\": {\"at\": {\"description\": "
+    "        \"nodes\": {\"type\": \"array\", \"minItems\": 1, \"maxItems\": 100000, \"items\": "
+    "{\"type\": "
+    "\"object\", \"required\": [\"at\"], \"additionalProperties\": false, \"properties\": {\"at\": "
+    "{\"description\": "
     "\"coordinates\", \"type\": \"array\", \"minItems\": 1, \"maxItems\": 3, \"items\": {\"$ref\": "
-    "\"#/$defs/number\"}}, \"moves\": {\"description\": \"the displacement along each direction, 0 for none\", "
-    "\"type\": \"array\", \"maxItems\": 3, \"items\": {\"type\": \"integer\", \"minimum\": 0, \"maximum\": 1000}}}}},\n"
-    "        \"lines\": {\"description\": \"pairs of nodes, from 1\", \"type\": \"array\", \"maxItems\": 1000000, "
-    "\"items\": {\"type\": \"array\", \"minItems\": 2, \"maxItems\": 2, \"items\": {\"type\": \"integer\", "
+    "\"#/$defs/number\"}}, \"moves\": {\"description\": \"the displacement along each direction, 0 "
+    "for none\", "
+    "\"type\": \"array\", \"maxItems\": 3, \"items\": {\"type\": \"integer\", \"minimum\": 0, "
+    "\"maximum\": 1000}}}}},\n"
+    "        \"lines\": {\"description\": \"pairs of nodes, from 1\", \"type\": \"array\", "
+    "\"maxItems\": 1000000, "
+    "\"items\": {\"type\": \"array\", \"minItems\": 2, \"maxItems\": 2, \"items\": {\"type\": "
+    "\"integer\", "
     "\"minimum\": 1}}}\n"
     "      }\n"
     "    },\n"
@@ -220,14 +237,18 @@ static const char drawing[] =
     "      \"additionalProperties\": false,\n"
     "      \"properties\": {\n"
     "        \"name\": {\"description\": \"what it is called\", \"$ref\": \"#/$defs/text\"},\n"
-    "        \"at\": {\"description\": \"its value of this study\", \"$ref\": \"#/$defs/number\"},\n"
+    "        \"at\": {\"description\": \"its value of this study\", \"$ref\": "
+    "\"#/$defs/number\"},\n"
     "        \"from\": {\"description\": \"least value\", \"$ref\": \"#/$defs/number\"},\n"
     "        \"to\": {\"description\": \"largest value\", \"$ref\": \"#/$defs/number\"},\n"
-    "        \"mass\": {\"description\": \"added to the mass matrix as it grows by one\", \"$ref\": "
+    "        \"mass\": {\"description\": \"added to the mass matrix as it grows by one\", "
+    "\"$ref\": "
     "\"#/$defs/matrix\"},\n"
-    "        \"stiffness\": {\"description\": \"added to the stiffness matrix as it grows by one\", \"$ref\": "
+    "        \"stiffness\": {\"description\": \"added to the stiffness matrix as it grows by "
+    "one\", \"$ref\": "
     "\"#/$defs/matrix\"},\n"
-    "        \"clearance\": {\"description\": \"added to the clearance of each contact as it grows by one\", "
+    "        \"clearance\": {\"description\": \"added to the clearance of each contact as it grows "
+    "by one\", "
     "\"type\": \"array\", \"items\": {\"$ref\": \"#/$defs/number\"}}\n"
     "      }\n"
     "    },\n"
@@ -237,21 +258,27 @@ static const char drawing[] =
     "      \"required\": [\"length\", \"force\"],\n"
     "      \"additionalProperties\": false,\n"
     "      \"properties\": {\n"
-    "        \"length\": {\"description\": \"of displacements and clearances, such as mm\", \"type\": \"string\", "
+    "        \"length\": {\"description\": \"of displacements and clearances, such as mm\", "
+    "\"type\": \"string\", "
     "\"minLength\": 1, \"maxLength\": 15},\n"
     "        \"time\": {\"const\": \"s\"},\n"
     "        \"force\": {\"description\": \"such as N\", \"type\": \"string\", \"minLength\": 1, "
     "\"maxLength\": 15},\n"
-    "        \"mass\": {\"description\": \"what follows from the others, such as kg; one that does not is refused\", "
+    "        \"mass\": {\"description\": \"what follows from the others, such as kg; one that does "
+    "not is refused\", "
     "\"type\": \"string\", \"minLength\": 1, \"maxLength\": 15}\n"
     "      }\n"
     "    },\n";
 
 static const char damping[] =
-    "    \"damping\": {\"description\": \"modal ratios, one for all or one for each; alpha M + beta K; or a matrix\", "
-    "\"anyOf\": [{\"$ref\": \"#/$defs/not_negative\"}, {\"type\": \"array\", \"minItems\": 1, \"maxItems\": 1000, "
-    "\"items\": {\"$ref\": \"#/$defs/not_negative\"}}, {\"type\": \"object\", \"minProperties\": 1, "
-    "\"additionalProperties\": false, \"properties\": {\"alpha\": {\"$ref\": \"#/$defs/not_negative\"}, \"beta\": "
+    "    \"damping\": {\"description\": \"modal ratios, one for all or one for each; alpha M + "
+    "beta K; or a matrix\", "
+    "\"anyOf\": [{\"$ref\": \"#/$defs/not_negative\"}, {\"type\": \"array\", \"minItems\": 1, "
+    "\"maxItems\": 1000, "
+    "\"items\": {\"$ref\": \"#/$defs/not_negative\"}}, {\"type\": \"object\", \"minProperties\": "
+    "1, "
+    "\"additionalProperties\": false, \"properties\": {\"alpha\": {\"$ref\": "
+    "\"#/$defs/not_negative\"}, \"beta\": "
     "{\"$ref\": \"#/$defs/not_negative\"}}}, {\"$ref\": \"#/$defs/matrix\"}]},\n"
     "    \"forcing\": {\n"
     "      \"description\": \"a harmonic force, for simulate, force and response\",\n"
@@ -259,61 +286,85 @@ static const char damping[] =
     "      \"oneOf\": [{\"required\": [\"vector\"]}, {\"required\": [\"coordinate\"]}],\n"
     "      \"additionalProperties\": false,\n"
     "      \"properties\": {\n"
-    "        \"vector\": {\"description\": \"f, one number per displacement\", \"type\": \"array\", \"minItems\": 1, "
+    "        \"vector\": {\"description\": \"f, one number per displacement\", \"type\": "
+    "\"array\", \"minItems\": 1, "
     "\"maxItems\": 1000, \"items\": {\"$ref\": \"#/$defs/number\"}},\n"
-    "        \"coordinate\": {\"description\": \"the displacement that a unit force acts on, from 1\", \"type\": "
+    "        \"coordinate\": {\"description\": \"the displacement that a unit force acts on, from "
+    "1\", \"type\": "
     "\"integer\", \"minimum\": 1, \"maximum\": 1000},\n";
 
 static const char contacts[] =
     "  },\n"
     "  \"$defs\": {\n"
-    "    \"fortran\": {\"description\": \"a number with the exponent of Fortran\", \"type\": \"string\", "
+    "    \"fortran\": {\"description\": \"a number with the exponent of Fortran\", \"type\": "
+    "\"string\", "
     "\"pattern\": \"^[-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)[dD][-+]?[0-9]+$\"},\n"
     "    \"number\": {\"anyOf\": [{\"type\": \"number\"}, {\"$ref\": \"#/$defs/fortran\"}]},\n"
     "    \"positive\": {\"anyOf\": [{\"type\": \"number\", \"exclusiveMinimum\": 0}, {\"$ref\": "
     "\"#/$defs/fortran\"}]},\n"
-    "    \"not_negative\": {\"anyOf\": [{\"type\": \"number\", \"minimum\": 0}, {\"$ref\": \"#/$defs/fortran\"}]},\n"
+    "    \"not_negative\": {\"anyOf\": [{\"type\": \"number\", \"minimum\": 0}, {\"$ref\": "
+    "\"#/$defs/fortran\"}]},\n"
     "    \"text\": {\"type\": [\"string\", \"number\", \"boolean\"], \"maxLength\": 1000},\n"
-    "    \"first_touches\": {\"description\": \"multiples of the energy at which a mode first touches a contact\", "
-    "\"type\": \"object\", \"required\": [\"first_touch_of\", \"times\"], \"additionalProperties\": false, "
-    "\"properties\": {\"first_touch_of\": {\"type\": \"integer\", \"minimum\": 1}, \"times\": {\"type\": \"array\", "
+    "    \"first_touches\": {\"description\": \"multiples of the energy at which a mode first "
+    "touches a contact\", "
+    "\"type\": \"object\", \"required\": [\"first_touch_of\", \"times\"], "
+    "\"additionalProperties\": false, "
+    "\"properties\": {\"first_touch_of\": {\"type\": \"integer\", \"minimum\": 1}, \"times\": "
+    "{\"type\": \"array\", "
     "\"items\": {\"$ref\": \"#/$defs/number\"}}}},\n"
-    "    \"matrix\": {\"anyOf\": [{\"type\": \"array\", \"minItems\": 1, \"maxItems\": 1000, \"items\": {\"type\": "
-    "\"array\", \"minItems\": 1, \"maxItems\": 1000, \"items\": {\"$ref\": \"#/$defs/number\"}}}, {\"type\": "
-    "\"object\", \"required\": [\"file\"], \"additionalProperties\": false, \"properties\": {\"file\": "
-    "{\"description\": \"a Matrix Market file, from the folder of the study\", \"type\": \"string\"}}}]},\n"
+    "    \"matrix\": {\"anyOf\": [{\"type\": \"array\", \"minItems\": 1, \"maxItems\": 1000, "
+    "\"items\": {\"type\": "
+    "\"array\", \"minItems\": 1, \"maxItems\": 1000, \"items\": {\"$ref\": \"#/$defs/number\"}}}, "
+    "{\"type\": "
+    "\"object\", \"required\": [\"file\"], \"additionalProperties\": false, \"properties\": "
+    "{\"file\": "
+    "{\"description\": \"a Matrix Market file, from the folder of the study\", \"type\": "
+    "\"string\"}}}]},\n"
     "    \"contact\": {\n"
     "      \"type\": \"object\",\n"
     "      \"required\": [\"normal\"],\n"
     "      \"additionalProperties\": false,\n"
     "      \"properties\": {\n"
-    "        \"name\": {\"description\": \"shown by ricochet check\", \"$ref\": \"#/$defs/text\"},\n"
-    "        \"normal\": {\"description\": \"b of the gap coordinate s = b.x\", \"type\": \"array\", \"minItems\": 1, "
+    "        \"name\": {\"description\": \"shown by ricochet check\", \"$ref\": "
+    "\"#/$defs/text\"},\n"
+    "        \"normal\": {\"description\": \"b of the gap coordinate s = b.x\", \"type\": "
+    "\"array\", \"minItems\": 1, "
     "\"items\": {\"$ref\": \"#/$defs/number\"}},\n"
-    "        \"clearance\": {\"description\": \"d, the distance from rest to the stop, a length\", \"$ref\": "
+    "        \"clearance\": {\"description\": \"d, the distance from rest to the stop, a length\", "
+    "\"$ref\": "
     "\"#/$defs/positive\"},\n"
-    "        \"sides\": {\"description\": \"stops at s = d and s = -d, or at one of them\", \"enum\": [\"both\", "
+    "        \"sides\": {\"description\": \"stops at s = d and s = -d, or at one of them\", "
+    "\"enum\": [\"both\", "
     "\"upper\", \"lower\"], \"default\": \"both\"},\n"
-    "        \"law\": {\"description\": \"what happens at the contact\", \"enum\": [\"rigid\", \"bilinear\", "
+    "        \"law\": {\"description\": \"what happens at the contact\", \"enum\": [\"rigid\", "
+    "\"bilinear\", "
     "\"power\"], \"default\": \"rigid\"},\n"
-    "        \"stiffness\": {\"description\": \"bilinear: force -ks (s - d) beyond d; power: force -kc s^m\", "
+    "        \"stiffness\": {\"description\": \"bilinear: force -ks (s - d) beyond d; power: force "
+    "-kc s^m\", "
     "\"$ref\": \"#/$defs/positive\"},\n"
     "        \"exponent\": {\"description\": \"m of a power law, odd\", \"enum\": [";
 
 static const char laws[] =
     "]},\n"
-    "        \"length\": {\"description\": \"d of the force -k d (s/d)^m, with reference\", \"$ref\": "
+    "        \"length\": {\"description\": \"d of the force -k d (s/d)^m, with reference\", "
+    "\"$ref\": "
     "\"#/$defs/positive\"},\n"
-    "        \"reference\": {\"description\": \"k of the force -k d (s/d)^m, with length\", \"$ref\": "
+    "        \"reference\": {\"description\": \"k of the force -k d (s/d)^m, with length\", "
+    "\"$ref\": "
     "\"#/$defs/positive\"}\n"
     "      },\n"
     "      \"if\": {\"properties\": {\"law\": {\"const\": \"power\"}}, \"required\": [\"law\"]},\n"
-    "      \"then\": {\"required\": [\"exponent\"], \"properties\": {\"clearance\": false, \"sides\": false}, "
-    "\"oneOf\": [{\"required\": [\"stiffness\"], \"properties\": {\"length\": false, \"reference\": false}}, "
+    "      \"then\": {\"required\": [\"exponent\"], \"properties\": {\"clearance\": false, "
+    "\"sides\": false}, "
+    "\"oneOf\": [{\"required\": [\"stiffness\"], \"properties\": {\"length\": false, "
+    "\"reference\": false}}, "
     "{\"required\": [\"length\", \"reference\"], \"properties\": {\"stiffness\": false}}]},\n"
-    "      \"else\": {\"required\": [\"clearance\"], \"properties\": {\"exponent\": false, \"length\": false, "
-    "\"reference\": false}, \"if\": {\"properties\": {\"law\": {\"const\": \"bilinear\"}}, \"required\": "
-    "[\"law\"]}, \"then\": {\"required\": [\"stiffness\"]}, \"else\": {\"properties\": {\"stiffness\": false}}}\n"
+    "      \"else\": {\"required\": [\"clearance\"], \"properties\": {\"exponent\": false, "
+    "\"length\": false, "
+    "\"reference\": false}, \"if\": {\"properties\": {\"law\": {\"const\": \"bilinear\"}}, "
+    "\"required\": "
+    "[\"law\"]}, \"then\": {\"required\": [\"stiffness\"]}, \"else\": {\"properties\": "
+    "{\"stiffness\": false}}}\n"
     "    }\n"
     "  }\n"
     "}\n";

@@ -10,7 +10,8 @@ static bool within(const double window[2], double value)
 
 static bool holds(const ric_region *r, double energy, double frequency, int multiple)
 {
-    return within(r->energy, energy) && (within(r->frequency, frequency) || within(r->frequency, frequency / multiple));
+    return within(r->energy, energy) &&
+           (within(r->frequency, frequency) || within(r->frequency, frequency / multiple));
 }
 
 /* Depth 0 is without limit. */
@@ -26,7 +27,8 @@ static int larger(int a, int b)
 
 static ric_budgets of_study(const ric_explore_options *o)
 {
-    return (ric_budgets){.depth = limit_of(o->depth), .impacts = o->impacts, .multiply = o->multiply};
+    return (
+        ric_budgets){.depth = limit_of(o->depth), .impacts = o->impacts, .multiply = o->multiply};
 }
 
 static void raise(ric_budgets *b, const ric_region *r)
@@ -37,13 +39,15 @@ static void raise(ric_budgets *b, const ric_region *r)
     b->inside = b->raised = true;
 }
 
-ric_budgets ric_region_budgets(const ric_explore_options *o, double energy, double frequency, int multiple)
+ric_budgets ric_region_budgets(const ric_explore_options *o, double energy, double frequency,
+                               int multiple)
 {
     ric_budgets budgets = of_study(o);
-    /* without regions branches end at the windows, and only the originals of duplicates lie beyond; families that reach
-     * into a window begin below its lower end */
-    budgets.inside = o->n_region == 0 || (energy <= o->energy[1] && (within(o->frequency, frequency) ||
-                                                                     within(o->frequency, frequency / multiple)));
+    /* without regions branches end at the windows, and only the originals of duplicates lie beyond;
+     * families that reach into a window begin below its lower end */
+    budgets.inside = o->n_region == 0 ||
+                     (energy <= o->energy[1] && (within(o->frequency, frequency) ||
+                                                 within(o->frequency, frequency / multiple)));
     for (int i = 0; i < o->n_region; i++)
         if (holds(&o->region[i], energy, frequency, multiple)) raise(&budgets, &o->region[i]);
     return budgets;
@@ -89,7 +93,8 @@ static bool comes_near(const ric_region *r, const ric_point *a, const ric_point 
     return false;
 }
 
-bool ric_region_multiplies(const ric_explore_options *o, int n_point, size_t stride, const double *points)
+bool ric_region_multiplies(const ric_explore_options *o, int n_point, size_t stride,
+                           const double *points)
 {
     for (int i = 0; i < o->n_region; i++) {
         if (o->region[i].multiply <= o->multiply) continue;
@@ -105,7 +110,8 @@ bool ric_region_multiplies(const ric_explore_options *o, int n_point, size_t str
 bool ric_region_covers(const ric_region *outer, const ric_region *inner)
 {
     return outer->energy[0] <= inner->energy[0] && outer->energy[1] >= inner->energy[1] &&
-           outer->frequency[0] <= inner->frequency[0] && outer->frequency[1] >= inner->frequency[1] &&
+           outer->frequency[0] <= inner->frequency[0] &&
+           outer->frequency[1] >= inner->frequency[1] &&
            limit_of(outer->depth) >= limit_of(inner->depth) && outer->impacts >= inner->impacts &&
            outer->multiply >= inner->multiply;
 }

@@ -47,19 +47,22 @@ ric_status ric_study_option_read(const ric_yaml *r, const ric_option *option, co
     for (int i = 0; i < n && i < LONGEST; i++) {
         const ric_yaml_node *part = list ? ric_yaml_item(r, value, i) : value;
         if (!ric_yaml_is_scalar(part) ||
-            (!ric_yaml_is_plain(part) && option->type != RIC_OPTION_MODES && option->type != RIC_OPTION_CASCADE))
+            (!ric_yaml_is_plain(part) && option->type != RIC_OPTION_MODES &&
+             option->type != RIC_OPTION_CASCADE))
             return ric_yaml_wrong(r, part, key, "expected a plain value, found %s",
-                                  ric_yaml_is_scalar(part) ? "quoted text; remove the quotes" : ric_yaml_kind(part));
+                                  ric_yaml_is_scalar(part) ? "quoted text; remove the quotes"
+                                                           : ric_yaml_kind(part));
         texts[i] = ric_yaml_text(part);
     }
     ric_status status = ric_option_read(option, list, n < LONGEST ? n : LONGEST, texts, out, &item);
     if (status != RIC_E_INPUT) return status;
     snprintf(why, sizeof why, "%s", ric_detail());
-    return ric_yaml_wrong(r, list && item >= 0 ? ric_yaml_item(r, value, item) : value, key, "%s", why);
+    return ric_yaml_wrong(r, list && item >= 0 ? ric_yaml_item(r, value, item) : value, key, "%s",
+                          why);
 }
 
-/* Energies given as multiples of the first touch of a mode: numbers of the options that become scaled energies when the
- * model is known. */
+/* Energies given as multiples of the first touch of a mode: numbers of the options that become
+ * scaled energies when the model is known. */
 typedef struct {
     const ric_yaml_node *place;
     char key[RIC_KEY_MAX];
@@ -73,8 +76,8 @@ typedef struct {
     multiples of[RIC_REGIONS_MAX + 2];
 } all_multiples;
 
-static ric_status read_multiples(const ric_yaml *r, const ric_option *option, const char *key, const ric_yaml_node *map,
-                                 ric_explore_options *out, multiples *m)
+static ric_status read_multiples(const ric_yaml *r, const ric_option *option, const char *key,
+                                 const ric_yaml_node *map, ric_explore_options *out, multiples *m)
 {
     static const char *const keys[] = {"first_touch_of", "times"};
     ric_yaml_slot slots[2];
@@ -84,12 +87,15 @@ static ric_status read_multiples(const ric_yaml *r, const ric_option *option, co
     for (int i = 0; i < 2; i++) ric_yaml_join(part[i], key, keys[i]);
     for (int i = 0; i < 2 && !status; i++)
         if (!slots[i].key)
-            status = ric_yaml_wrong(r, map, part[i], "missing; write {first_touch_of: 1, times: [0, 100]}");
+            status = ric_yaml_wrong(r, map, part[i],
+                                    "missing; write {first_touch_of: 1, times: [0, 100]}");
     if (!status && ric_yaml_is_scalar(slots[1].value))
-        status = ric_yaml_wrong(r, slots[1].value, part[1], "expected a list of numbers; write times: [0, 100]");
+        status = ric_yaml_wrong(r, slots[1].value, part[1],
+                                "expected a list of numbers; write times: [0, 100]");
     if (status || (status = ric_yaml_real(r, slots[0].value, part[0], &mode))) return status;
     if (mode != floor(mode) || mode < 1 || mode > RIC_MATRIX_MAX)
-        return ric_yaml_wrong(r, slots[0].value, part[0], "%.10g is no mode; give its number, from 1", mode);
+        return ric_yaml_wrong(r, slots[0].value, part[0],
+                              "%.10g is no mode; give its number, from 1", mode);
     *m = (multiples){.place = slots[0].value, .mode = (int)mode};
     snprintf(m->key, sizeof m->key, "%s", part[0]);
     return ric_study_option_read(r, option, part[1], slots[1].value, out);
@@ -100,8 +106,8 @@ static ric_status read_energies(const ric_yaml *r, const ric_option *option, con
                                 const ric_yaml_node *value, ric_explore_options *out, multiples *m)
 {
     m->mode = 0;
-    if (value->type == YAML_MAPPING_NODE &&
-        (option == ric_option_find("explore", "energy") || option == ric_option_find("explore", "at_energy")))
+    if (value->type == YAML_MAPPING_NODE && (option == ric_option_find("explore", "energy") ||
+                                             option == ric_option_find("explore", "at_energy")))
         return read_multiples(r, option, key, value, out, m);
     return ric_study_option_read(r, option, key, value, out);
 }
@@ -114,7 +120,8 @@ static void keep_multiples(all_multiples *all, const multiples *m, int n, double
     all->of[all->n++].value = value;
 }
 
-static ric_status apply_multiples(const ric_yaml *r, const ric_model *model, const all_multiples *all)
+static ric_status apply_multiples(const ric_yaml *r, const ric_model *model,
+                                  const all_multiples *all)
 {
     const double largest = ric_option_find("explore", "energy")->max;
     double onset[ric_model_n_dof(model)];
@@ -122,28 +129,32 @@ static ric_status apply_multiples(const ric_yaml *r, const ric_model *model, con
     for (int i = 0; i < all->n && !status; i++) {
         const multiples *m = &all->of[i];
         if (m->mode > ric_model_n_dof(model))
-            return ric_yaml_wrong(r, m->place, m->key, "there is no mode %d; the structure has modes 1 to %d", m->mode,
+            return ric_yaml_wrong(r, m->place, m->key,
+                                  "there is no mode %d; the structure has modes 1 to %d", m->mode,
                                   ric_model_n_dof(model));
         if (!isfinite(onset[m->mode - 1]))
-            return ric_yaml_wrong(r, m->place, m->key,
-                                  "mode %d never touches a contact; name one of those for which `ricochet check` "
-                                  "shows a first touch",
-                                  m->mode);
+            return ric_yaml_wrong(
+                r, m->place, m->key,
+                "mode %d never touches a contact; name one of those for which `ricochet check` "
+                "shows a first touch",
+                m->mode);
         for (int k = 0; k < m->n; k++)
             if ((m->value[k] *= onset[m->mode - 1]) > largest)
-                return ric_yaml_wrong(r, m->place, m->key, "energies up to %.3g come of it, and up to %g are taken",
+                return ric_yaml_wrong(r, m->place, m->key,
+                                      "energies up to %.3g come of it, and up to %g are taken",
                                       m->value[k], largest);
     }
     return status;
 }
 
-/* Where keys of explore stand that the model has something to say about, NULL if they are not given. */
+/* Where keys of explore stand that the model has something to say about, NULL if they are not
+ * given. */
 typedef struct {
     const ric_yaml_node *start, *tongues, *points;
 } places;
 
-static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, places *given, ric_explore_options *out,
-                               all_multiples *all)
+static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, places *given,
+                               ric_explore_options *out, all_multiples *all)
 {
     enum { MOST = 32 };
     const ric_option *options, *found[MOST];
@@ -157,12 +168,14 @@ static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, pla
             found[n] = &options[i];
             keys[n++] = options[i].key;
         }
-    ric_status status = from->key ? ric_yaml_map(r, from->value, "explore", n, keys, slots) : RIC_OK;
+    ric_status status = from->key ? ric_yaml_map(r, from->value, "explore", n, keys, slots)
+                                  : RIC_OK;
     for (int i = 0; from->key && i < n && !status; i++) {
         ric_yaml_join(key, "explore", keys[i]);
         multiples m = {.mode = 0};
         if (slots[i].key) status = read_energies(r, found[i], key, slots[i].value, out, &m);
-        if (found[i]->type == RIC_OPTION_NUMBERS) keep_multiples(all, &m, out->at_energy.n, out->at_energy.value);
+        if (found[i]->type == RIC_OPTION_NUMBERS)
+            keep_multiples(all, &m, out->at_energy.n, out->at_energy.value);
         else keep_multiples(all, &m, 2, out->energy);
         if (found[i]->type == RIC_OPTION_MODES) given->start = slots[i].value;
         if (found[i]->type == RIC_OPTION_TONGUES) given->tongues = slots[i].value;
@@ -176,13 +189,15 @@ static ric_status check_start(const ric_yaml *r, const ric_yaml_node *start, int
 {
     for (int i = 0; i < options->n_start; i++)
         if (options->start[i] > n_dof)
-            return ric_yaml_wrong(r, start, "explore.start", "there is no mode %d; the structure has modes 1 to %d",
+            return ric_yaml_wrong(r, start, "explore.start",
+                                  "there is no mode %d; the structure has modes 1 to %d",
                                   options->start[i], n_dof);
     return RIC_OK;
 }
 
-/* A study that leaves open where to look is looked at behind its tongues, and as long as a first look may take. A power
- * law acts all the time and makes other modes of the linear ones: where their tongues are is not known. */
+/* A study that leaves open where to look is looked at behind its tongues, and as long as a first
+ * look may take. A power law acts all the time and makes other modes of the linear ones: where
+ * their tongues are is not known. */
 static ric_status settle_look(const ric_yaml *r, const places *given, const ric_model *model,
                               ric_explore_options *options)
 {
@@ -193,7 +208,8 @@ static ric_status settle_look(const ric_yaml *r, const places *given, const ric_
     if (!given->points && open) options->points = ric_windows_points(model);
     if (!options->cross_tongues || !power) return RIC_OK;
     return ric_yaml_wrong(r, given->tongues, "explore.tongues",
-                          "cross is for contacts that open and close; under a power law the modes that a branch would "
+                          "cross is for contacts that open and close; under a power law the modes "
+                          "that a branch would "
                           "step over are not the linear ones; write follow");
 }
 
@@ -202,7 +218,8 @@ static ric_status settle_look(const ric_yaml *r, const places *given, const ric_
 static const char *const region_keys[] = {"energy", "frequency", "depth", "impacts", "multiply"};
 enum { REGION_KEYS = sizeof region_keys / sizeof *region_keys };
 
-/* A region in the place of the options of the same names, so that these are read and written in one way. */
+/* A region in the place of the options of the same names, so that these are read and written in one
+ * way. */
 static ric_explore_options options_of(const ric_region *region)
 {
     ric_explore_options o;
@@ -215,26 +232,31 @@ static ric_explore_options options_of(const ric_region *region)
     return o;
 }
 
-static ric_status read_region(const ric_yaml *r, const ric_yaml_node *map, const char *path, ric_region *out,
-                              all_multiples *all)
+static ric_status read_region(const ric_yaml *r, const ric_yaml_node *map, const char *path,
+                              ric_region *out, all_multiples *all)
 {
     multiples m, relative = {.mode = 0};
-    ric_explore_options given = options_of(
-        &(ric_region){.depth = RIC_REGION_SAME, .impacts = RIC_REGION_SAME, .multiply = RIC_REGION_SAME});
+    ric_explore_options given = options_of(&(ric_region){.depth = RIC_REGION_SAME,
+                                                         .impacts = RIC_REGION_SAME,
+                                                         .multiply = RIC_REGION_SAME});
     ric_yaml_slot slots[REGION_KEYS];
     char key[RIC_KEY_MAX];
     ric_status status = ric_yaml_map(r, map, path, REGION_KEYS, region_keys, slots);
     for (int i = 0; i < REGION_KEYS && !status; i++) {
         ric_yaml_join(key, path, region_keys[i]);
         if (slots[i].key)
-            status = read_energies(r, ric_option_find("explore", region_keys[i]), key, slots[i].value, &given, &m);
-        if (!status && slots[i].key && i < 2 && ric_option_is_auto(i ? given.frequency : given.energy))
-            status = ric_yaml_wrong(r, slots[i].value, key,
-                                    "'auto' says nothing of a part of the plane; write [lower, upper]");
+            status = read_energies(r, ric_option_find("explore", region_keys[i]), key,
+                                   slots[i].value, &given, &m);
+        if (!status && slots[i].key && i < 2 &&
+            ric_option_is_auto(i ? given.frequency : given.energy))
+            status =
+                ric_yaml_wrong(r, slots[i].value, key,
+                               "'auto' says nothing of a part of the plane; write [lower, upper]");
         if (slots[i].key && i == 0) relative = m;
         else if (!slots[i].key && i < 2)
-            status = ric_yaml_wrong(r, map, key,
-                                    "missing; a region is {energy: [70, 85], frequency: [1.66, 1.67], depth: 5}");
+            status = ric_yaml_wrong(
+                r, map, key,
+                "missing; a region is {energy: [70, 85], frequency: [1.66, 1.67], depth: 5}");
     }
     *out = (ric_region){.depth = given.depth, .impacts = given.impacts, .multiply = given.multiply};
     memcpy(out->energy, given.energy, sizeof out->energy);
@@ -243,26 +265,29 @@ static ric_status read_region(const ric_yaml *r, const ric_yaml_node *map, const
     return status;
 }
 
-static ric_status read_regions(const ric_yaml *r, const ric_yaml_slot *from, ric_explore_options *out,
-                               all_multiples *all)
+static ric_status read_regions(const ric_yaml *r, const ric_yaml_slot *from,
+                               ric_explore_options *out, all_multiples *all)
 {
     char key[RIC_KEY_MAX];
     if (!from->key) return RIC_OK;
     if (!ric_yaml_is_list(from->value))
-        return ric_yaml_wrong(
-            r, from->value, "regions",
-            "expected a list, found %s; write '- {energy: [70, 85], frequency: [1.66, 1.67], depth: 5}'",
-            ric_yaml_kind(from->value));
+        return ric_yaml_wrong(r, from->value, "regions",
+                              "expected a list, found %s; write '- {energy: [70, 85], frequency: "
+                              "[1.66, 1.67], depth: 5}'",
+                              ric_yaml_kind(from->value));
     int n = ric_yaml_length(from->value);
     if (n > RIC_REGIONS_MAX)
-        return ric_yaml_wrong(r, from->value, "regions", "%d regions; at most %d are read, make some of them one", n,
+        return ric_yaml_wrong(r, from->value, "regions",
+                              "%d regions; at most %d are read, make some of them one", n,
                               RIC_REGIONS_MAX);
     if (n > 0 && out->n_cascade > 0)
-        return ric_yaml_wrong(r, from->value, "regions",
-                              "explore.cascade says what is departed from, wherever it is; leave out one of the two");
+        return ric_yaml_wrong(
+            r, from->value, "regions",
+            "explore.cascade says what is departed from, wherever it is; leave out one of the two");
     for (int i = 0; i < n; i++) {
         snprintf(key, sizeof key, "regions[%d]", i + 1);
-        ric_status status = read_region(r, ric_yaml_item(r, from->value, i), key, &out->region[i], all);
+        ric_status status = read_region(r, ric_yaml_item(r, from->value, i), key, &out->region[i],
+                                        all);
         if (status) return status;
     }
     out->n_region = n;
@@ -278,7 +303,8 @@ static void write_regions(const ric_explore_options *options, FILE *out)
         const ric_region *region = &options->region[i];
         const ric_explore_options o = options_of(region);
         const bool given[REGION_KEYS] = {true, true, region->depth != RIC_REGION_SAME,
-                                         region->impacts != RIC_REGION_SAME, region->multiply != RIC_REGION_SAME};
+                                         region->impacts != RIC_REGION_SAME,
+                                         region->multiply != RIC_REGION_SAME};
         for (int k = 0; k < REGION_KEYS; k++) {
             if (!given[k]) continue;
             fprintf(out, "%s%s: ", k ? ", " : "  - {", region_keys[k]);
@@ -304,8 +330,8 @@ static void write_options(const ric_explore_options *options, FILE *out)
     write_regions(options, out);
 }
 
-/* Text of the study with the explore options as they are now; the rest from `raw`, or from the text there is if raw is
- * NULL. */
+/* Text of the study with the explore options as they are now; the rest from `raw`, or from the text
+ * there is if raw is NULL. */
 static ric_status write_text(ric_study *study, const ric_raw_model *raw)
 {
     ric_buffer written;
@@ -355,12 +381,13 @@ enum {
     S_UNITS,
     S_COUNT
 };
-static const char *const study_keys[S_COUNT] = {"title",   "model", "explore", "regions",     "names",   "tolerance",
-                                                "drawing", "vary",  "damping", "restitution", "forcing", "units"};
+static const char *const study_keys[S_COUNT] = {"title",   "model",       "explore", "regions",
+                                                "names",   "tolerance",   "drawing", "vary",
+                                                "damping", "restitution", "forcing", "units"};
 
 /* What the model has to say about the options. */
-static ric_status settle_options(const ric_yaml *r, const ric_yaml_node *place, const all_multiples *all,
-                                 ric_study *study)
+static ric_status settle_options(const ric_yaml *r, const ric_yaml_node *place,
+                                 const all_multiples *all, ric_study *study)
 {
     char why[300];
     ric_explore_options *o = &study->options;
@@ -381,49 +408,57 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
     places given = {NULL, NULL, NULL};
     ric_status status = ric_yaml_map(r, root, "", S_COUNT, study_keys, slots);
     if (status) return status;
-    if (slots[S_TITLE].key) status = ric_yaml_string(r, slots[S_TITLE].value, "title", &study->title);
+    if (slots[S_TITLE].key)
+        status = ric_yaml_string(r, slots[S_TITLE].value, "title", &study->title);
     else if (!(study->title = ric_strdup(""))) status = ric_yaml_no_memory(r);
     if (status) return status;
-    /* cheap sections first: a wrong option is told before the eigenvalues of a large model are computed */
+    /* cheap sections first: a wrong option is told before the eigenvalues of a large model are
+     * computed */
     ric_explore_options_init(&study->options);
-    if ((status = read_explore(r, &slots[S_EXPLORE], &given, &study->options, &relative))) return status;
+    if ((status = read_explore(r, &slots[S_EXPLORE], &given, &study->options, &relative)))
+        return status;
     if (slots[S_TOLERANCE].key)
-        status = ric_study_option_read(r, ric_option_find("", "tolerance"), "tolerance", slots[S_TOLERANCE].value,
-                                       &study->options);
+        status = ric_study_option_read(r, ric_option_find("", "tolerance"), "tolerance",
+                                       slots[S_TOLERANCE].value, &study->options);
     if (status || (status = read_regions(r, &slots[S_REGIONS], &study->options, &relative)) ||
         (status = ric_study_names_read(r, &slots[S_NAMES], &study->names)) ||
         (status = ric_study_units_read(r, &slots[S_UNITS], &units)))
         return status;
     if (!slots[S_MODEL].key)
-        return ric_yaml_wrong(r, root, "model", "missing; a study has a model with mass, stiffness and contacts");
-    const bool open = ric_option_is_auto(study->options.energy) && ric_option_is_auto(study->options.frequency) &&
-                      !slots[S_VARY].key;
-    if ((status = ric_study_model_read(r, &slots[S_MODEL], &study->options, open, raw, &study->model))) return status;
+        return ric_yaml_wrong(r, root, "model",
+                              "missing; a study has a model with mass, stiffness and contacts");
+    const bool open = ric_option_is_auto(study->options.energy) &&
+                      ric_option_is_auto(study->options.frequency) && !slots[S_VARY].key;
+    if ((status = ric_study_model_read(r, &slots[S_MODEL], &study->options, open, raw,
+                                       &study->model)))
+        return status;
     ric_model_name_units(study->model, &units);
     if ((status = ric_study_drawing_read(r, &slots[S_DRAWING], raw->n, &study->drawing)) ||
         (status = ric_study_vary_read(r, &slots[S_VARY], raw, &study->vary)) ||
-        (status = ric_study_forcing_read(r, &slots[S_DAMPING], &slots[S_RESTITUTION], &slots[S_FORCING], raw,
-                                         &study->forcing)))
+        (status = ric_study_forcing_read(r, &slots[S_DAMPING], &slots[S_RESTITUTION],
+                                         &slots[S_FORCING], raw, &study->forcing)))
         return status;
     study->restitution_line = raw->restitution_line;
     snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
     if ((status = check_start(r, given.start, raw->n, &study->options)) ||
         (status = settle_look(r, &given, study->model, &study->options)) ||
-        (status = settle_options(r, slots[S_EXPLORE].key ? slots[S_EXPLORE].key : slots[S_MODEL].key, &relative,
-                                 study)))
+        (status = settle_options(r,
+                                 slots[S_EXPLORE].key ? slots[S_EXPLORE].key : slots[S_MODEL].key,
+                                 &relative, study)))
         return status;
     return write_text(study, raw);
 }
 
-static ric_status parse(const char *text, size_t size, const char *label, const char *base, const ric_model *like,
-                        ric_study **out)
+static ric_status parse(const char *text, size_t size, const char *label, const char *base,
+                        const ric_model *like, ric_study **out)
 {
     ric_yaml r = {.label = label, .base = base};
     ric_raw_model raw = {.like = like};
     ric_study *study = NULL;
     bool loaded = false;
     /* numbers have a decimal point, whatever the locale of the calling program */
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0), before = plain ? uselocale(plain) : (locale_t)0;
+    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0),
+             before = plain ? uselocale(plain) : (locale_t)0;
     ric_status status = plain ? RIC_OK : ric_yaml_no_memory(&r);
     if (status || (status = ric_yaml_load(&r, text, size))) goto out;
     loaded = true;
@@ -449,7 +484,8 @@ ric_status ric_study_parse(const char *text, const char *label, const char *base
     size_t size = strlen(text);
     *out = NULL;
     if (size > FILE_MAX)
-        return ric_fail(RIC_E_INPUT, "%.200s: larger than %d MB; put large matrices into Matrix Market files",
+        return ric_fail(RIC_E_INPUT,
+                        "%.200s: larger than %d MB; put large matrices into Matrix Market files",
                         label ? label : "study", FILE_MAX >> 20);
     return parse(text, size, label ? label : "study", base, NULL, out);
 }
@@ -468,10 +504,12 @@ ric_status ric_study_read(const char *path, ric_study **out)
     *out = NULL;
     ric_status status = ric_file_read(path, FILE_MAX, false, &text, &size);
     if (status == RIC_E_MISSING)
-        status = ric_fail(RIC_E_MISSING, "%.200s: %s; `ricochet new NAME` writes a study to start from", path,
+        status = ric_fail(RIC_E_MISSING,
+                          "%.200s: %s; `ricochet new NAME` writes a study to start from", path,
                           strerror(ENOENT));
     if (!status && size >= strlen(sqlite) && !memcmp(text, sqlite, strlen(sqlite)))
-        status = ric_fail(RIC_E_INPUT, "%.200s: this is an atlas; name the study that it was made from", path);
+        status = ric_fail(RIC_E_INPUT,
+                          "%.200s: this is an atlas; name the study that it was made from", path);
     if (status) goto out;
     base = ric_strdup(path);
     if (!base) {
@@ -498,14 +536,17 @@ static ric_status raw_of(const ric_model *m, ric_raw_model *out)
                            .stiffness = ric_own(ric_model_stiffness(m)),
                            .restitution = ric_model_restitution(m)};
     out->contacts = ric_calloc((size_t)out->n_contact + 1, sizeof *out->contacts);
-    if (!out->contacts) return ric_fail(RIC_E_NOMEM, "no memory for a study of %d contacts", out->n_contact);
-    for (int i = 0; i < out->n_contact && !status; i++) status = ric_model_contact(m, i, &out->contacts[i]);
+    if (!out->contacts)
+        return ric_fail(RIC_E_NOMEM, "no memory for a study of %d contacts", out->n_contact);
+    for (int i = 0; i < out->n_contact && !status; i++)
+        status = ric_model_contact(m, i, &out->contacts[i]);
     return status;
 }
 
-/* By way of the text, so that a study from memory has passed every check that one from a file has to pass. */
-ric_status ric_study_create(const ric_model *model, const ric_explore_options *options, const char *title,
-                            ric_study **out)
+/* By way of the text, so that a study from memory has passed every check that one from a file has
+ * to pass. */
+ric_status ric_study_create(const ric_model *model, const ric_explore_options *options,
+                            const char *title, ric_study **out)
 {
     ric_raw_model raw;
     ric_study made = {0};
@@ -526,8 +567,8 @@ ric_status ric_study_create(const ric_model *model, const ric_explore_options *o
     return status;
 }
 
-ric_status ric_study_override(ric_study *study, const char *section, const char *key, const char *text,
-                              const char *label)
+ric_status ric_study_override(ric_study *study, const char *section, const char *key,
+                              const char *text, const char *label)
 {
     const ric_option *option = ric_option_find(section, key);
     ric_explore_options before = study->options;
@@ -549,8 +590,8 @@ ric_status ric_study_add_region(ric_study *study, const ric_region *region)
     ric_explore_options before = study->options, *o = &study->options;
     int n = 0;
     if (o->n_cascade)
-        return ric_fail(RIC_E_INPUT,
-                        "explore.cascade says what is departed from, wherever it is: such a study has no regions");
+        return ric_fail(RIC_E_INPUT, "explore.cascade says what is departed from, wherever it is: "
+                                     "such a study has no regions");
     for (int i = 0; i < o->n_region; i++)
         if (ric_region_covers(&o->region[i], region)) return RIC_OK;
     for (int i = 0; i < o->n_region; i++)
@@ -558,9 +599,10 @@ ric_status ric_study_add_region(ric_study *study, const ric_region *region)
     o->n_region = n;
     ric_status status = RIC_OK;
     if (n >= RIC_REGIONS_MAX)
-        status = ric_fail(
-            RIC_E_RANGE,
-            "the study has %d regions already, and more are not kept; take a larger region that holds some of them", n);
+        status = ric_fail(RIC_E_RANGE,
+                          "the study has %d regions already, and more are not kept; take a larger "
+                          "region that holds some of them",
+                          n);
     if (!status) {
         o->region[o->n_region++] = *region;
         status = write_text(study, NULL);
@@ -663,7 +705,8 @@ int ric_study_n_name(const ric_study *study)
 ric_status ric_study_name(const ric_study *study, int i, ric_name *out)
 {
     if (i < 0 || i >= study->names.n)
-        return ric_fail(RIC_E_RANGE, "name %d does not exist; there are %d, from 0", i, study->names.n);
+        return ric_fail(RIC_E_RANGE, "name %d does not exist; there are %d, from 0", i,
+                        study->names.n);
     *out = study->names.name[i];
     return RIC_OK;
 }

@@ -1,5 +1,5 @@
-/* The section drawing: where the nodes of a structure are, and which displacements move them. It is for pictures alone;
- * the model does not know it. */
+/* The section drawing: where the nodes of a structure are, and which displacements move them. It is
+ * for pictures alone; the model does not know it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,10 +18,12 @@ void ric_study_drawing_free(ric_drawing *d)
 }
 
 /* A list of one to three numbers; how many. */
-static ric_status read_axes(const ric_yaml *r, const ric_yaml_node *value, const char *key, double out[AXES], int *n)
+static ric_status read_axes(const ric_yaml *r, const ric_yaml_node *value, const char *key,
+                            double out[AXES], int *n)
 {
     if (!ric_yaml_is_list(value) || ric_yaml_length(value) < 1 || ric_yaml_length(value) > AXES)
-        return ric_yaml_wrong(r, value, key, "expected a list of one to three numbers, one for each direction");
+        return ric_yaml_wrong(r, value, key,
+                              "expected a list of one to three numbers, one for each direction");
     *n = ric_yaml_length(value);
     for (int i = 0; i < *n; i++) {
         ric_status status = ric_yaml_real(r, ric_yaml_item(r, value, i), key, &out[i]);
@@ -30,8 +32,8 @@ static ric_status read_axes(const ric_yaml *r, const ric_yaml_node *value, const
     return RIC_OK;
 }
 
-static ric_status read_node(const ric_yaml *r, const ric_yaml_node *map, const char *path, int n_dof,
-                            ric_drawing_node *out)
+static ric_status read_node(const ric_yaml *r, const ric_yaml_node *map, const char *path,
+                            int n_dof, ric_drawing_node *out)
 {
     static const char *const keys[] = {"at", "moves"};
     ric_yaml_slot slots[2];
@@ -41,15 +43,19 @@ static ric_status read_node(const ric_yaml *r, const ric_yaml_node *map, const c
     ric_status status = ric_yaml_map(r, map, path, 2, keys, slots);
     if (status) return status;
     ric_yaml_join(key, path, "at");
-    if (!slots[0].key) return ric_yaml_wrong(r, map, key, "missing; a node is {at: [0.5, 0], moves: [0, 3]}");
+    if (!slots[0].key)
+        return ric_yaml_wrong(r, map, key, "missing; a node is {at: [0.5, 0], moves: [0, 3]}");
     if ((status = read_axes(r, slots[0].value, key, out->at, &n))) return status;
     ric_yaml_join(key, path, "moves");
     if (slots[1].key && (status = read_axes(r, slots[1].value, key, moves, &n_move))) return status;
-    if (n_move > n) return ric_yaml_wrong(r, slots[1].value, key, "%d directions, but the node lies in %d", n_move, n);
+    if (n_move > n)
+        return ric_yaml_wrong(r, slots[1].value, key, "%d directions, but the node lies in %d",
+                              n_move, n);
     for (int i = 0; i < n_move; i++) {
         if (moves[i] != floor(moves[i]) || moves[i] < 0 || moves[i] > n_dof)
             return ric_yaml_wrong(r, slots[1].value, key,
-                                  "%.10g is no displacement; give the number of one, 1 to %d, or 0 for a direction in "
+                                  "%.10g is no displacement; give the number of one, 1 to %d, or 0 "
+                                  "for a direction in "
                                   "which the node does not move",
                                   moves[i], n_dof);
         out->moves[i] = (int)moves[i];
@@ -57,13 +63,15 @@ static ric_status read_node(const ric_yaml *r, const ric_yaml_node *map, const c
     return RIC_OK;
 }
 
-static ric_status read_nodes(const ric_yaml *r, const ric_yaml_node *list, int n_dof, ric_drawing *out)
+static ric_status read_nodes(const ric_yaml *r, const ric_yaml_node *list, int n_dof,
+                             ric_drawing *out)
 {
     char key[RIC_KEY_MAX];
     const int n = ric_yaml_is_list(list) ? ric_yaml_length(list) : 0;
     if (n < 1 || n > NODES_MAX)
-        return ric_yaml_wrong(r, list, "drawing.nodes",
-                              "expected a list of 1 to %d nodes, such as [{at: [0.5, 0], moves: [0, 3]}]", NODES_MAX);
+        return ric_yaml_wrong(
+            r, list, "drawing.nodes",
+            "expected a list of 1 to %d nodes, such as [{at: [0.5, 0], moves: [0, 3]}]", NODES_MAX);
     out->nodes = ric_calloc((size_t)n, sizeof *out->nodes);
     if (!out->nodes) return ric_yaml_no_memory(r);
     out->n_node = n;
@@ -80,7 +88,8 @@ static ric_status read_lines(const ric_yaml *r, const ric_yaml_node *list, ric_d
     char key[RIC_KEY_MAX];
     const int n = ric_yaml_is_list(list) ? ric_yaml_length(list) : 0;
     if (n < 1 || n > LINES_MAX)
-        return ric_yaml_wrong(r, list, "drawing.lines", "expected a list of 1 to %d pairs of nodes, such as [[1, 2]]",
+        return ric_yaml_wrong(r, list, "drawing.lines",
+                              "expected a list of 1 to %d pairs of nodes, such as [[1, 2]]",
                               LINES_MAX);
     out->lines = ric_calloc((size_t)n, sizeof *out->lines);
     if (!out->lines) return ric_yaml_no_memory(r);
@@ -94,14 +103,16 @@ static ric_status read_lines(const ric_yaml *r, const ric_yaml_node *list, ric_d
         for (int k = 0; k < count; k++)
             if (ends[k] != floor(ends[k]) || ends[k] < 1 || ends[k] > out->n_node) count = 0;
         if (count != 2)
-            return ric_yaml_wrong(r, pair, key, "a line joins two nodes by their numbers, 1 to %d", out->n_node);
+            return ric_yaml_wrong(r, pair, key, "a line joins two nodes by their numbers, 1 to %d",
+                                  out->n_node);
         for (int k = 0; k < 2; k++) out->lines[i].ends[k] = (int)ends[k];
         out->n_line = i + 1;
     }
     return RIC_OK;
 }
 
-ric_status ric_study_drawing_read(const ric_yaml *r, const ric_yaml_slot *from, int n_dof, ric_drawing *out)
+ric_status ric_study_drawing_read(const ric_yaml *r, const ric_yaml_slot *from, int n_dof,
+                                  ric_drawing *out)
 {
     static const char *const keys[] = {"nodes", "lines"};
     ric_yaml_slot slots[2];
@@ -109,8 +120,9 @@ ric_status ric_study_drawing_read(const ric_yaml *r, const ric_yaml_slot *from, 
     ric_status status = ric_yaml_map(r, from->value, "drawing", 2, keys, slots);
     if (status) return status;
     if (!slots[0].key)
-        return ric_yaml_wrong(r, from->value, "drawing.nodes",
-                              "missing; give a list such as [{at: [0, 0]}, {at: [0.5, 0], moves: [0, 3]}]");
+        return ric_yaml_wrong(
+            r, from->value, "drawing.nodes",
+            "missing; give a list such as [{at: [0, 0]}, {at: [0.5, 0], moves: [0, 3]}]");
     status = read_nodes(r, slots[0].value, n_dof, out);
     return status || !slots[1].key ? status : read_lines(r, slots[1].value, out);
 }
@@ -129,5 +141,6 @@ void ric_study_drawing_write(const ric_drawing *d, FILE *out)
         fprintf(out, "], moves: [%d, %d, %d]}\n", node->moves[0], node->moves[1], node->moves[2]);
     }
     if (d->n_line) fputs("  lines:\n", out);
-    for (int i = 0; i < d->n_line; i++) fprintf(out, "    - [%d, %d]\n", d->lines[i].ends[0], d->lines[i].ends[1]);
+    for (int i = 0; i < d->n_line; i++)
+        fprintf(out, "    - [%d, %d]\n", d->lines[i].ends[0], d->lines[i].ends[1]);
 }

@@ -17,7 +17,8 @@ void ric_study_forcing_free(ric_forcing *f)
 }
 
 /* What was found wrong without a place, said with it. */
-static ric_status place(const ric_yaml *r, const ric_yaml_node *where, const char *key, ric_status status)
+static ric_status place(const ric_yaml *r, const ric_yaml_node *where, const char *key,
+                        ric_status status)
 {
     char why[400];
     if (status != RIC_E_INPUT) return status;
@@ -27,7 +28,8 @@ static ric_status place(const ric_yaml *r, const ric_yaml_node *where, const cha
 
 /* ------------------------------------------------------------------ damping */
 
-static ric_status read_list(const ric_yaml *r, const ric_yaml_node *value, const char *key, int *n, const double **out)
+static ric_status read_list(const ric_yaml *r, const ric_yaml_node *value, const char *key, int *n,
+                            const double **out)
 {
     const bool list = ric_yaml_is_list(value);
     const int count = list ? ric_yaml_length(value) : 1;
@@ -36,17 +38,19 @@ static ric_status read_list(const ric_yaml *r, const ric_yaml_node *value, const
     *out = numbers;
     *n = count;
     for (int i = 0; i < count; i++) {
-        ric_status status = ric_yaml_real(r, list ? ric_yaml_item(r, value, i) : value, key, &numbers[i]);
+        ric_status status = ric_yaml_real(r, list ? ric_yaml_item(r, value, i) : value, key,
+                                          &numbers[i]);
         if (status) return status;
     }
     return RIC_OK;
 }
 
 /* alpha M + beta K, as a matrix. */
-static ric_status read_proportional(const ric_yaml *r, const ric_yaml_node *map, const ric_raw_model *raw,
-                                    ric_shaking *out)
+static ric_status read_proportional(const ric_yaml *r, const ric_yaml_node *map,
+                                    const ric_raw_model *raw, ric_shaking *out)
 {
-    static const char *const keys[] = {"alpha", "beta"}, *const names[] = {"damping.alpha", "damping.beta"};
+    static const char *const keys[] = {"alpha", "beta"}, *const names[] = {"damping.alpha",
+                                                                           "damping.beta"};
     const size_t nn = (size_t)raw->n * (size_t)raw->n;
     double factor[2] = {0, 0}, *C;
     ric_yaml_slot slots[2];
@@ -60,7 +64,8 @@ static ric_status read_proportional(const ric_yaml *r, const ric_yaml_node *map,
                                     factor[i]);
     }
     if (!status && !slots[0].key && !slots[1].key)
-        status = ric_yaml_wrong(r, map, "damping", "no key; write {alpha: 0.1, beta: 0.001} for alpha M + beta K");
+        status = ric_yaml_wrong(r, map, "damping",
+                                "no key; write {alpha: 0.1, beta: 0.001} for alpha M + beta K");
     if (status) return status;
     if (!(C = ric_calloc(nn, sizeof *C))) return ric_yaml_no_memory(r);
     for (size_t i = 0; i < nn; i++) C[i] = factor[0] * raw->mass[i] + factor[1] * raw->stiffness[i];
@@ -71,47 +76,58 @@ static ric_status read_proportional(const ric_yaml *r, const ric_yaml_node *map,
 
 static bool has_key(const ric_yaml *r, const ric_yaml_node *map, const char *key)
 {
-    for (const yaml_node_pair_t *p = map->data.mapping.pairs.start; p < map->data.mapping.pairs.top; p++) {
-        const ric_yaml_node *k = yaml_document_get_node((yaml_document_t *)(uintptr_t)&r->document, p->key);
+    for (const yaml_node_pair_t *p = map->data.mapping.pairs.start; p < map->data.mapping.pairs.top;
+         p++) {
+        const ric_yaml_node *k = yaml_document_get_node((yaml_document_t *)(uintptr_t)&r->document,
+                                                        p->key);
         if (k && ric_yaml_is_scalar(k) && strcmp(ric_yaml_text(k), key) == 0) return true;
     }
     return false;
 }
 
 /* Rows, or {file: C.mtx}. */
-static ric_status read_matrix(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_shaking *out)
+static ric_status read_matrix(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw,
+                              ric_shaking *out)
 {
     int n = raw->n;
     double *C = NULL;
     ric_status status = ric_study_matrix_read(r, from, "damping", &n, &C, raw);
     out->matrix = C;
     out->n_matrix = raw->n;
-    return status ? status : place(r, from->value, "damping", ric_losses_check_matrix(raw->n, n, C));
+    return status ? status
+                  : place(r, from->value, "damping", ric_losses_check_matrix(raw->n, n, C));
 }
 
-static ric_status read_damping(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_shaking *out)
+static ric_status read_damping(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw,
+                               ric_shaking *out)
 {
     const ric_yaml_node *value = from->value;
     if (!from->key) return RIC_OK;
-    const bool rows = ric_yaml_is_list(value) && ric_yaml_length(value) && ric_yaml_is_list(ric_yaml_item(r, value, 0));
-    if (rows || (value->type == YAML_MAPPING_NODE && has_key(r, value, "file"))) return read_matrix(r, from, raw, out);
+    const bool rows = ric_yaml_is_list(value) && ric_yaml_length(value) &&
+                      ric_yaml_is_list(ric_yaml_item(r, value, 0));
+    if (rows || (value->type == YAML_MAPPING_NODE && has_key(r, value, "file")))
+        return read_matrix(r, from, raw, out);
     if (value->type == YAML_MAPPING_NODE) return read_proportional(r, value, raw, out);
     ric_status status = read_list(r, value, "damping", &out->n_ratio, &out->ratios);
-    return status ? status : place(r, value, "damping", ric_losses_check_ratios(raw->n, out->n_ratio, out->ratios));
+    return status ? status
+                  : place(r, value, "damping",
+                          ric_losses_check_ratios(raw->n, out->n_ratio, out->ratios));
 }
 
 /* -------------------------------------------------------------- restitution */
 
-static ric_status read_restitution(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw, ric_forcing *out)
+static ric_status read_restitution(const ric_yaml *r, const ric_yaml_slot *from, ric_raw_model *raw,
+                                   ric_forcing *out)
 {
     if (from->key) {
-        ric_status status = ric_study_option_read(r, ric_option_find("", "restitution"), "restitution", from->value,
-                                                  out);
+        ric_status status = ric_study_option_read(r, ric_option_find("", "restitution"),
+                                                  "restitution", from->value, out);
         if (status) return status;
     }
     if (raw->restitution_line && from->key && raw->restitution != 1)
         return ric_yaml_wrong(r, from->value, "restitution",
-                              "given in line %zu, too, as model.restitution; leave one out", raw->restitution_line);
+                              "given in line %zu, too, as model.restitution; leave one out",
+                              raw->restitution_line);
     if (raw->restitution_line && !from->key) out->shaking.restitution = raw->restitution;
     return RIC_OK;
 }
@@ -119,16 +135,20 @@ static ric_status read_restitution(const ric_yaml *r, const ric_yaml_slot *from,
 /* ------------------------------------------------------------------ forcing */
 
 enum { F_VECTOR, F_COORDINATE, F_AMPLITUDE, F_FREQUENCY, F_HARMONIC, F_COUNT };
-static const char *const forcing_keys[F_COUNT] = {"vector", "coordinate", "amplitude", "frequency", "harmonic"};
+static const char *const forcing_keys[F_COUNT] = {"vector", "coordinate", "amplitude", "frequency",
+                                                  "harmonic"};
 
-static ric_status read_coordinate(const ric_yaml *r, const ric_yaml_node *value, int n, ric_shaking *out)
+static ric_status read_coordinate(const ric_yaml *r, const ric_yaml_node *value, int n,
+                                  ric_shaking *out)
 {
     const char *key = "forcing.coordinate";
     double number = 0, *force;
     ric_status status = ric_yaml_real(r, value, key, &number);
     if (status) return status;
     if (number != floor(number) || number < 1 || number > n)
-        return ric_yaml_wrong(r, value, key, "%.10g is no displacement; they are numbered from 1 to %d", number, n);
+        return ric_yaml_wrong(r, value, key,
+                              "%.10g is no displacement; they are numbered from 1 to %d", number,
+                              n);
     if (!(force = ric_calloc((size_t)n, sizeof *force))) return ric_yaml_no_memory(r);
     force[(int)number - 1] = 1;
     out->force = force;
@@ -136,40 +156,47 @@ static ric_status read_coordinate(const ric_yaml *r, const ric_yaml_node *value,
     return RIC_OK;
 }
 
-static ric_status read_vector(const ric_yaml *r, const ric_yaml_node *value, int n, ric_shaking *out)
+static ric_status read_vector(const ric_yaml *r, const ric_yaml_node *value, int n,
+                              ric_shaking *out)
 {
     const char *key = "forcing.vector";
     if (!ric_yaml_is_list(value))
-        return ric_yaml_wrong(r, value, key, "expected a list of %d numbers, found %s", n, ric_yaml_kind(value));
+        return ric_yaml_wrong(r, value, key, "expected a list of %d numbers, found %s", n,
+                              ric_yaml_kind(value));
     ric_status status = read_list(r, value, key, &out->n_force, &out->force);
-    return status ? status : place(r, value, key, ric_losses_check_force(n, out->n_force, out->force));
+    return status ? status
+                  : place(r, value, key, ric_losses_check_force(n, out->n_force, out->force));
 }
 
-static ric_status read_forcing(const ric_yaml *r, const ric_yaml_slot *from, int n, ric_forcing *out)
+static ric_status read_forcing(const ric_yaml *r, const ric_yaml_slot *from, int n,
+                               ric_forcing *out)
 {
     ric_yaml_slot slots[F_COUNT];
     char key[RIC_KEY_MAX];
     if (!from->key) return RIC_OK;
     ric_status status = ric_yaml_map(r, from->value, "forcing", F_COUNT, forcing_keys, slots);
     if (!status && !slots[F_VECTOR].key == !slots[F_COORDINATE].key)
-        return ric_yaml_wrong(
-            r, from->value, "forcing",
-            "vector, one number for each of the %d displacements, or coordinate, the number of one of "
-            "them: give one of the two keys",
-            n);
+        return ric_yaml_wrong(r, from->value, "forcing",
+                              "vector, one number for each of the %d displacements, or coordinate, "
+                              "the number of one of "
+                              "them: give one of the two keys",
+                              n);
     if (!status)
-        status = slots[F_VECTOR].key ? read_vector(r, slots[F_VECTOR].value, n, &out->shaking)
-                                     : read_coordinate(r, slots[F_COORDINATE].value, n, &out->shaking);
+        status = slots[F_VECTOR].key
+                     ? read_vector(r, slots[F_VECTOR].value, n, &out->shaking)
+                     : read_coordinate(r, slots[F_COORDINATE].value, n, &out->shaking);
     for (int i = F_AMPLITUDE; i < F_COUNT && !status; i++) {
         ric_yaml_join(key, "forcing", forcing_keys[i]);
         if (slots[i].key)
-            status = ric_study_option_read(r, ric_option_find("forcing", forcing_keys[i]), key, slots[i].value, out);
+            status = ric_study_option_read(r, ric_option_find("forcing", forcing_keys[i]), key,
+                                           slots[i].value, out);
     }
     return status;
 }
 
-ric_status ric_study_forcing_read(const ric_yaml *r, const ric_yaml_slot *damping, const ric_yaml_slot *restitution,
-                                  const ric_yaml_slot *forcing, ric_raw_model *raw, ric_forcing *out)
+ric_status ric_study_forcing_read(const ric_yaml *r, const ric_yaml_slot *damping,
+                                  const ric_yaml_slot *restitution, const ric_yaml_slot *forcing,
+                                  ric_raw_model *raw, ric_forcing *out)
 {
     ric_status status = read_damping(r, damping, raw, &out->shaking);
     if (!status) status = read_restitution(r, restitution, raw, out);
@@ -191,12 +218,13 @@ static void write_damping(const ric_shaking *s, FILE *out)
     }
 }
 
-/* What is not given is not written: a study without these keys has the text that it always had. `of_model` is the
- * restitution that stands in section model already. */
+/* What is not given is not written: a study without these keys has the text that it always had.
+ * `of_model` is the restitution that stands in section model already. */
 void ric_study_forcing_write(const ric_forcing *f, double of_model, FILE *out)
 {
-    const bool given[F_COUNT] =
-        {[F_AMPLITUDE] = f->amplitude.n > 0, [F_FREQUENCY] = f->frequency[1] > 0, [F_HARMONIC] = f->harmonic.n > 0};
+    const bool given[F_COUNT] = {[F_AMPLITUDE] = f->amplitude.n > 0,
+                                 [F_FREQUENCY] = f->frequency[1] > 0,
+                                 [F_HARMONIC] = f->harmonic.n > 0};
     write_damping(&f->shaking, out);
     if (f->shaking.restitution != of_model) {
         fputs("restitution: ", out);
@@ -216,5 +244,6 @@ void ric_study_forcing_write(const ric_forcing *f, double of_model, FILE *out)
 
 bool ric_study_forcing_given(const ric_forcing *f)
 {
-    return f->shaking.n_force || f->shaking.n_ratio || f->shaking.n_matrix || f->shaking.restitution < 1;
+    return f->shaking.n_force || f->shaking.n_ratio || f->shaking.n_matrix ||
+           f->shaking.restitution < 1;
 }

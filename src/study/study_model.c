@@ -15,15 +15,18 @@ enum { CONTACT_MAX = 1000 };
 
 /* ---------------------------------------------------------------- matrices */
 
-static ric_status read_row(const ric_yaml *r, const ric_yaml_node *row, const char *key, int i, int n, double *out)
+static ric_status read_row(const ric_yaml *r, const ric_yaml_node *row, const char *key, int i,
+                           int n, double *out)
 {
     if (!ric_yaml_is_list(row))
-        return ric_yaml_wrong(r, row, key,
-                              "row %d is %s; a matrix is a list of rows such as [[2, 0], [0, 1]], or {file: M.mtx}",
-                              i + 1, ric_yaml_kind(row));
+        return ric_yaml_wrong(
+            r, row, key,
+            "row %d is %s; a matrix is a list of rows such as [[2, 0], [0, 1]], or {file: M.mtx}",
+            i + 1, ric_yaml_kind(row));
     if (ric_yaml_length(row) != n)
-        return ric_yaml_wrong(r, row, key, "row %d has %d entries, but there are %d rows; the matrix must be square",
-                              i + 1, ric_yaml_length(row), n);
+        return ric_yaml_wrong(
+            r, row, key, "row %d has %d entries, but there are %d rows; the matrix must be square",
+            i + 1, ric_yaml_length(row), n);
     for (int j = 0; j < n; j++) {
         char entry[RIC_KEY_MAX + 32];
         const ric_yaml_node *item = ric_yaml_item(r, row, j);
@@ -34,7 +37,8 @@ static ric_status read_row(const ric_yaml *r, const ric_yaml_node *row, const ch
     return RIC_OK;
 }
 
-static ric_status read_rows(const ric_yaml *r, const ric_yaml_node *list, const char *key, int *n, double **out)
+static ric_status read_rows(const ric_yaml *r, const ric_yaml_node *list, const char *key, int *n,
+                            double **out)
 {
     *n = ric_yaml_length(list);
     if (*n < 1 || *n > RIC_MATRIX_MAX)
@@ -42,7 +46,8 @@ static ric_status read_rows(const ric_yaml *r, const ric_yaml_node *list, const 
     *out = ric_malloc((size_t)*n * (size_t)*n * sizeof **out);
     if (!*out) return ric_yaml_no_memory(r);
     for (int i = 0; i < *n; i++) {
-        ric_status status = read_row(r, ric_yaml_item(r, list, i), key, i, *n, *out + (size_t)i * (size_t)*n);
+        ric_status status = read_row(r, ric_yaml_item(r, list, i), key, i, *n,
+                                     *out + (size_t)i * (size_t)*n);
         if (status) return status;
     }
     return RIC_OK;
@@ -54,12 +59,13 @@ void ric_study_remark_add(ric_raw_model *raw, const char *format, ...)
     const size_t used = strlen(raw->remark);
     va_start(arguments, format);
     if (used) snprintf(raw->remark + used, sizeof raw->remark - used, "; ");
-    vsnprintf(raw->remark + strlen(raw->remark), sizeof raw->remark - strlen(raw->remark), format, arguments);
+    vsnprintf(raw->remark + strlen(raw->remark), sizeof raw->remark - strlen(raw->remark), format,
+              arguments);
     va_end(arguments);
 }
 
-static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, const char *key, int *n, double **out,
-                                   ric_raw_model *raw)
+static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, const char *key,
+                                   int *n, double **out, ric_raw_model *raw)
 {
     static const char *const keys[] = {"file"};
     ric_yaml_slot file;
@@ -85,10 +91,11 @@ static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, 
     long repeated = 0;
     status = ric_matrix_market_read(path, n, out, &repeated);
     if (!status && repeated)
-        ric_study_remark_add(raw,
-                             repeated == 1 ? "%s: %ld entry of its file stands there before, and is added to it"
-                                           : "%s: %ld entries of its file stand there before, and are added to them",
-                             key, repeated);
+        ric_study_remark_add(
+            raw,
+            repeated == 1 ? "%s: %ld entry of its file stands there before, and is added to it"
+                          : "%s: %ld entries of its file stand there before, and are added to them",
+            key, repeated);
     if (status == RIC_E_INPUT || status == RIC_E_MISSING) {
         snprintf(why, sizeof why, "%s", ric_detail());
         status = ric_yaml_wrong(r, file.value, key, "%s", why);
@@ -99,11 +106,12 @@ out:
     return status;
 }
 
-/* Twice the stored rounding of a symmetric matrix, of its largest entry, about which nothing is said. */
+/* Twice the stored rounding of a symmetric matrix, of its largest entry, about which nothing is
+ * said. */
 #define ROUNDING 1e-12
-/* Rounding of an assembly in many steps or of numbers that were printed with nine digits, relative to the two entries
- * of the diagonal that belong to it, so that a small block beside a large one is seen; it is said. Larger differences
- * are mistakes. */
+/* Rounding of an assembly in many steps or of numbers that were printed with nine digits, relative
+ * to the two entries of the diagonal that belong to it, so that a small block beside a large one is
+ * seen; it is said. Larger differences are mistakes. */
 #define SYMMETRY_TOLERANCE 1e-8
 
 static double entry(const double *A, int n, int row, int column)
@@ -123,42 +131,47 @@ static bool is_half(int n, const double *A)
     return upper != lower;
 }
 
-static ric_status not_symmetric(const ric_yaml *r, const ric_yaml_node *value, const char *key, int n, const double *A,
-                                const int at[2])
+static ric_status not_symmetric(const ric_yaml *r, const ric_yaml_node *value, const char *key,
+                                int n, const double *A, const int at[2])
 {
     const ric_yaml_node *row = ric_yaml_is_list(value) ? ric_yaml_item(r, value, at[0]) : value;
-    return ric_yaml_wrong(r, row, key, "not symmetric: row %d, column %d is %.17g but row %d, column %d is %.17g; %s",
-                          at[0] + 1, at[1] + 1, entry(A, n, at[0], at[1]), at[1] + 1, at[0] + 1,
-                          entry(A, n, at[1], at[0]),
-                          is_half(n, A) ? "all on one side of the diagonal is zero: if this is half of the matrix, "
-                                          "write the other half, or symmetric in the first line of its file"
-                                        : "make them equal");
+    return ric_yaml_wrong(
+        r, row, key, "not symmetric: row %d, column %d is %.17g but row %d, column %d is %.17g; %s",
+        at[0] + 1, at[1] + 1, entry(A, n, at[0], at[1]), at[1] + 1, at[0] + 1,
+        entry(A, n, at[1], at[0]),
+        is_half(n, A) ? "all on one side of the diagonal is zero: if this is half of the matrix, "
+                        "write the other half, or symmetric in the first line of its file"
+                      : "make them equal");
 }
 
-static ric_status check_symmetric(const ric_yaml *r, const ric_yaml_node *value, const char *key, int n, double *A,
-                                  ric_raw_model *raw)
+static ric_status check_symmetric(const ric_yaml *r, const ric_yaml_node *value, const char *key,
+                                  int n, double *A, ric_raw_model *raw)
 {
     double largest = 0, worst = 0;
     for (size_t i = 0; i < (size_t)n * (size_t)n; i++) largest = fmax(largest, fabs(A[i]));
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++) {
-            double *low = &A[(size_t)i * (size_t)n + (size_t)j], *high = &A[(size_t)j * (size_t)n + (size_t)i];
-            const double off = fabs(*low - *high), size = sqrt(fabs(entry(A, n, i, i))) * sqrt(fabs(entry(A, n, j, j)));
+            double *low = &A[(size_t)i * (size_t)n + (size_t)j],
+                   *high = &A[(size_t)j * (size_t)n + (size_t)i];
+            const double off = fabs(*low - *high),
+                         size = sqrt(fabs(entry(A, n, i, i))) * sqrt(fabs(entry(A, n, j, j)));
             if (!(off <= ROUNDING * largest)) {
-                if (!(off <= SYMMETRY_TOLERANCE * size)) return not_symmetric(r, value, key, n, A, (const int[]){i, j});
+                if (!(off <= SYMMETRY_TOLERANCE * size))
+                    return not_symmetric(r, value, key, n, A, (const int[]){i, j});
                 worst = fmax(worst, off / size);
             }
             *low = *high = *low == *high ? *low : 0.5 * *low + 0.5 * *high;
         }
     if (worst > 0)
-        ric_study_remark_add(raw,
-                             "%s is symmetric up to %.1e of its diagonal only, and the mean of both halves is taken",
-                             key, worst);
+        ric_study_remark_add(
+            raw,
+            "%s is symmetric up to %.1e of its diagonal only, and the mean of both halves is taken",
+            key, worst);
     return RIC_OK;
 }
 
-ric_status ric_study_matrix_read(const ric_yaml *r, const ric_yaml_slot *matrix, const char *key, int *n, double **out,
-                                 ric_raw_model *raw)
+ric_status ric_study_matrix_read(const ric_yaml *r, const ric_yaml_slot *matrix, const char *key,
+                                 int *n, double **out, ric_raw_model *raw)
 {
     int rows = 0;
     ric_status status;
@@ -166,13 +179,15 @@ ric_status ric_study_matrix_read(const ric_yaml *r, const ric_yaml_slot *matrix,
     else if (matrix->value->type == YAML_MAPPING_NODE)
         status = read_matrix_file(r, matrix->value, key, &rows, out, raw);
     else
-        return ric_yaml_wrong(r, matrix->value, key,
-                              "expected a matrix, found %s; write rows such as [[2, 0], [0, 1]], or {file: M.mtx}",
-                              ric_yaml_kind(matrix->value));
+        return ric_yaml_wrong(
+            r, matrix->value, key,
+            "expected a matrix, found %s; write rows such as [[2, 0], [0, 1]], or {file: M.mtx}",
+            ric_yaml_kind(matrix->value));
     if (!status && *n && rows != *n)
-        status = ric_yaml_wrong(r, matrix->key, key,
-                                "%d x %d, but the mass matrix is %d x %d; both have one row per displacement", rows,
-                                rows, *n, *n);
+        status = ric_yaml_wrong(
+            r, matrix->key, key,
+            "%d x %d, but the mass matrix is %d x %d; both have one row per displacement", rows,
+            rows, *n, *n);
     if (!status) status = check_symmetric(r, matrix->value, key, rows, *out, raw);
     *n = rows;
     return status;
@@ -180,72 +195,101 @@ ric_status ric_study_matrix_read(const ric_yaml *r, const ric_yaml_slot *matrix,
 
 /* ---------------------------------------------------------------- contacts */
 
-enum { C_NAME, C_NORMAL, C_CLEARANCE, C_SIDES, C_LAW, C_STIFFNESS, C_EXPONENT, C_LENGTH, C_REFERENCE, C_COUNT };
-static const char *const contact_keys[C_COUNT] = {"name",      "normal",   "clearance", "sides",    "law",
-                                                  "stiffness", "exponent", "length",    "reference"};
+enum {
+    C_NAME,
+    C_NORMAL,
+    C_CLEARANCE,
+    C_SIDES,
+    C_LAW,
+    C_STIFFNESS,
+    C_EXPONENT,
+    C_LENGTH,
+    C_REFERENCE,
+    C_COUNT
+};
+static const char *const contact_keys[C_COUNT] = {"name",     "normal", "clearance",
+                                                  "sides",    "law",    "stiffness",
+                                                  "exponent", "length", "reference"};
 static const char *const law_names[] = {"rigid", "bilinear", "power"};
 static const char *const side_names[] = {"both", "upper", "lower"};
 
-static ric_status read_normal(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from, const char *key,
-                              int n, double *out)
+static ric_status read_normal(const ric_yaml *r, const ric_yaml_node *map,
+                              const ric_yaml_slot *from, const char *key, int n, double *out)
 {
     bool zero = true;
     if (!from->key)
-        return ric_yaml_wrong(r, map, key,
-                              "missing; give the list b of %d numbers that makes the gap coordinate s = b.x", n);
+        return ric_yaml_wrong(
+            r, map, key,
+            "missing; give the list b of %d numbers that makes the gap coordinate s = b.x", n);
     if (!ric_yaml_is_list(from->value))
         return ric_yaml_wrong(r, from->value, key, "expected a list of %d numbers, found %s", n,
                               ric_yaml_kind(from->value));
     if (ric_yaml_length(from->value) != n)
-        return ric_yaml_wrong(r, from->value, key,
-                              "%d numbers, but the mass matrix has %d rows; give one number per displacement",
-                              ric_yaml_length(from->value), n);
+        return ric_yaml_wrong(
+            r, from->value, key,
+            "%d numbers, but the mass matrix has %d rows; give one number per displacement",
+            ric_yaml_length(from->value), n);
     for (int j = 0; j < n; j++) {
         ric_status status = ric_yaml_real(r, ric_yaml_item(r, from->value, j), key, &out[j]);
         if (status) return status;
         zero = zero && out[j] == 0;
     }
     if (zero)
-        return ric_yaml_wrong(r, from->value, key,
-                              "all zeros, so that no motion closes the gap; name the displacements that do, for "
-                              "example [-1, 1] for x2 - x1");
+        return ric_yaml_wrong(
+            r, from->value, key,
+            "all zeros, so that no motion closes the gap; name the displacements that do, for "
+            "example [-1, 1] for x2 - x1");
     return RIC_OK;
 }
 
-static ric_status read_positive(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from, const char *key,
-                                const char *meaning, double *out)
+static ric_status read_positive(const ric_yaml *r, const ric_yaml_node *map,
+                                const ric_yaml_slot *from, const char *key, const char *meaning,
+                                double *out)
 {
     if (!from->key) return ric_yaml_wrong(r, map, key, "missing; give %s, a number > 0", meaning);
     ric_status status = ric_yaml_real(r, from->value, key, out);
     if (!status && *out <= 0)
-        status = ric_yaml_wrong(r, from->value, key, "%.10g is not positive; give %s, a number > 0", *out, meaning);
+        status = ric_yaml_wrong(r, from->value, key, "%.10g is not positive; give %s, a number > 0",
+                                *out, meaning);
     return status;
 }
 
-static ric_status read_clearance(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from,
-                                 const char *key, double *out)
+static ric_status read_clearance(const ric_yaml *r, const ric_yaml_node *map,
+                                 const ric_yaml_slot *from, const char *key, double *out)
 {
-    if (!from->key) return ric_yaml_wrong(r, map, key, "missing; give the distance d > 0 from rest to the stop");
+    if (!from->key)
+        return ric_yaml_wrong(r, map, key,
+                              "missing; give the distance d > 0 from rest to the stop");
     ric_status status = ric_yaml_real(r, from->value, key, out);
     if (!status && *out == 0)
-        return ric_yaml_wrong(r, from->value, key,
-                              "zero; without a gap every motion impacts at any energy and the linear motions that the "
-                              "exploration starts from do not exist; use a small positive clearance");
+        return ric_yaml_wrong(
+            r, from->value, key,
+            "zero; without a gap every motion impacts at any energy and the linear motions that "
+            "the "
+            "exploration starts from do not exist; use a small positive clearance");
     if (!status && *out < 0)
-        return ric_yaml_wrong(r, from->value, key,
-                              "%.10g is negative, a preloaded stop: the structure at rest would be beyond it and its "
-                              "equilibrium is not that of K; measure x from the true equilibrium and give a (small) "
-                              "positive clearance",
-                              *out);
+        return ric_yaml_wrong(
+            r, from->value, key,
+            "%.10g is negative, a preloaded stop: the structure at rest would be beyond it and its "
+            "equilibrium is not that of K; measure x from the true equilibrium and give a (small) "
+            "positive clearance",
+            *out);
     return status;
 }
 
-/* Keys that a law does not have are refused one by one: a stiffness beside law rigid is most likely a forgotten law. */
-static ric_status check_law_keys(const ric_yaml *r, const ric_yaml_slot *slots, const char *path, int law)
+/* Keys that a law does not have are refused one by one: a stiffness beside law rigid is most likely
+ * a forgotten law. */
+static ric_status check_law_keys(const ric_yaml *r, const ric_yaml_slot *slots, const char *path,
+                                 int law)
 {
     static const bool allowed[][C_COUNT] = {
         {[C_NAME] = 1, [C_NORMAL] = 1, [C_CLEARANCE] = 1, [C_SIDES] = 1, [C_LAW] = 1},
-        {[C_NAME] = 1, [C_NORMAL] = 1, [C_CLEARANCE] = 1, [C_SIDES] = 1, [C_LAW] = 1, [C_STIFFNESS] = 1},
+        {[C_NAME] = 1,
+         [C_NORMAL] = 1,
+         [C_CLEARANCE] = 1,
+         [C_SIDES] = 1,
+         [C_LAW] = 1,
+         [C_STIFFNESS] = 1},
         {[C_NAME] = 1,
          [C_NORMAL] = 1,
          [C_LAW] = 1,
@@ -254,54 +298,64 @@ static ric_status check_law_keys(const ric_yaml *r, const ric_yaml_slot *slots, 
          [C_LENGTH] = 1,
          [C_REFERENCE] = 1},
     };
-    static const char *const takes[] = {"normal, clearance and sides", "normal, clearance, sides and stiffness",
+    static const char *const takes[] = {"normal, clearance and sides",
+                                        "normal, clearance, sides and stiffness",
                                         "normal, exponent, and stiffness or length with reference"};
     char key[RIC_KEY_MAX];
     for (int i = 0; i < C_COUNT; i++)
         if (slots[i].key && !allowed[law][i]) {
             ric_yaml_join(key, path, contact_keys[i]);
-            return ric_yaml_wrong(r, slots[i].key, key,
-                                  "not a key of law %s, which takes %s; remove it or change the law", law_names[law],
-                                  takes[law]);
+            return ric_yaml_wrong(
+                r, slots[i].key, key,
+                "not a key of law %s, which takes %s; remove it or change the law", law_names[law],
+                takes[law]);
         }
     return RIC_OK;
 }
 
-static ric_status read_power(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *slots, const char *path,
-                             ric_contact *out)
+static ric_status read_power(const ric_yaml *r, const ric_yaml_node *map,
+                             const ric_yaml_slot *slots, const char *path, ric_contact *out)
 {
     char key[RIC_KEY_MAX];
     double exponent = 0;
     ric_status status;
     ric_yaml_join(key, path, "exponent");
-    if ((status = read_positive(r, map, &slots[C_EXPONENT], key, "the power m of the force, odd and at least 3",
-                                &exponent)))
+    if ((status = read_positive(r, map, &slots[C_EXPONENT], key,
+                                "the power m of the force, odd and at least 3", &exponent)))
         return status;
     if (exponent == 1)
-        return ric_yaml_wrong(r, slots[C_EXPONENT].value, key,
-                              "1 is a linear spring; add it to the stiffness matrix, or give an odd m of at least 3");
-    if (fmod(exponent, 2) != 1 || exponent > 99)
         return ric_yaml_wrong(
             r, slots[C_EXPONENT].value, key,
-            "%.10g is not an odd whole number from 3 to 99; an even power does not restore on both sides", exponent);
+            "1 is a linear spring; add it to the stiffness matrix, or give an odd m of at least 3");
+    if (fmod(exponent, 2) != 1 || exponent > 99)
+        return ric_yaml_wrong(r, slots[C_EXPONENT].value, key,
+                              "%.10g is not an odd whole number from 3 to 99; an even power does "
+                              "not restore on both sides",
+                              exponent);
     out->exponent = (int)exponent;
-    const ric_yaml_slot *stiffness = &slots[C_STIFFNESS], *length = &slots[C_LENGTH], *reference = &slots[C_REFERENCE];
+    const ric_yaml_slot *stiffness = &slots[C_STIFFNESS], *length = &slots[C_LENGTH],
+                        *reference = &slots[C_REFERENCE];
     ric_yaml_join(key, path, "stiffness");
     if (stiffness->key && (length->key || reference->key))
         return ric_yaml_wrong(r, stiffness->key, key,
-                              "given together with length or reference; give stiffness k_c, or length d with reference "
+                              "given together with length or reference; give stiffness k_c, or "
+                              "length d with reference "
                               "k");
     if (stiffness->key || (!length->key && !reference->key))
-        return read_positive(r, map, stiffness, key, "k_c of the force -k_c s^m (or length with reference)",
+        return read_positive(r, map, stiffness, key,
+                             "k_c of the force -k_c s^m (or length with reference)",
                              &out->stiffness);
     ric_yaml_join(key, path, "length");
-    if ((status = read_positive(r, map, length, key, "d of the force -k d (s/d)^m, beside reference k", &out->length)))
+    if ((status = read_positive(r, map, length, key,
+                                "d of the force -k d (s/d)^m, beside reference k", &out->length)))
         return status;
     ric_yaml_join(key, path, "reference");
-    return read_positive(r, map, reference, key, "k of the force -k d (s/d)^m, beside length d", &out->reference);
+    return read_positive(r, map, reference, key, "k of the force -k d (s/d)^m, beside length d",
+                         &out->reference);
 }
 
-static ric_status read_contact(const ric_yaml *r, const ric_yaml_node *map, const char *path, int n, ric_contact *out)
+static ric_status read_contact(const ric_yaml *r, const ric_yaml_node *map, const char *path, int n,
+                               ric_contact *out)
 {
     ric_yaml_slot slots[C_COUNT];
     char key[RIC_KEY_MAX], *name = NULL;
@@ -312,10 +366,12 @@ static ric_status read_contact(const ric_yaml *r, const ric_yaml_node *map, cons
     if (!normal) return ric_yaml_no_memory(r);
     if ((status = ric_yaml_map(r, map, path, C_COUNT, contact_keys, slots))) return status;
     ric_yaml_join(key, path, "law");
-    if ((status = ric_yaml_choice(r, &slots[C_LAW], key, COUNT(law_names), law_names, &law))) return status;
+    if ((status = ric_yaml_choice(r, &slots[C_LAW], key, COUNT(law_names), law_names, &law)))
+        return status;
     if ((status = check_law_keys(r, slots, path, law))) return status;
     ric_yaml_join(key, path, "name");
-    if (slots[C_NAME].key && (status = ric_yaml_string(r, slots[C_NAME].value, key, &name))) return status;
+    if (slots[C_NAME].key && (status = ric_yaml_string(r, slots[C_NAME].value, key, &name)))
+        return status;
     out->name = name;
     ric_yaml_join(key, path, "normal");
     if ((status = read_normal(r, map, &slots[C_NORMAL], key, n, normal))) return status;
@@ -324,11 +380,13 @@ static ric_status read_contact(const ric_yaml *r, const ric_yaml_node *map, cons
     ric_yaml_join(key, path, "clearance");
     if ((status = read_clearance(r, map, &slots[C_CLEARANCE], key, &out->clearance))) return status;
     ric_yaml_join(key, path, "sides");
-    if ((status = ric_yaml_choice(r, &slots[C_SIDES], key, COUNT(side_names), side_names, &sides))) return status;
+    if ((status = ric_yaml_choice(r, &slots[C_SIDES], key, COUNT(side_names), side_names, &sides)))
+        return status;
     out->sides = (ric_sides)sides;
     ric_yaml_join(key, path, "stiffness");
     if (law == RIC_LAW_BILINEAR)
-        status = read_positive(r, map, &slots[C_STIFFNESS], key, "the contact stiffness ks", &out->stiffness);
+        status = read_positive(r, map, &slots[C_STIFFNESS], key, "the contact stiffness ks",
+                               &out->stiffness);
     return status;
 }
 
@@ -338,35 +396,41 @@ static ric_status check_laws(const ric_yaml *r, const ric_yaml_node *list, const
     for (int i = 0; i < raw->n_contact; i++) {
         snprintf(key, sizeof key, "model.contacts[%d].law", i + 1);
         if ((raw->contacts[i].law == RIC_LAW_POWER) != (raw->contacts[0].law == RIC_LAW_POWER))
-            return ric_yaml_wrong(r, ric_yaml_item(r, list, i), key,
-                                  "%s beside %s of contact 1; a power law acts all the time and is not computed beside "
-                                  "contacts that open and close; give all contacts law power, or none (rigid and "
-                                  "bilinear go together)",
-                                  law_names[raw->contacts[i].law], law_names[raw->contacts[0].law]);
+            return ric_yaml_wrong(
+                r, ric_yaml_item(r, list, i), key,
+                "%s beside %s of contact 1; a power law acts all the time and is not computed "
+                "beside "
+                "contacts that open and close; give all contacts law power, or none (rigid and "
+                "bilinear go together)",
+                law_names[raw->contacts[i].law], law_names[raw->contacts[0].law]);
     }
     return RIC_OK;
 }
 
-static ric_status read_contacts(const ric_yaml *r, const ric_yaml_node *map, const ric_yaml_slot *from,
-                                ric_raw_model *raw)
+static ric_status read_contacts(const ric_yaml *r, const ric_yaml_node *map,
+                                const ric_yaml_slot *from, ric_raw_model *raw)
 {
     char key[RIC_KEY_MAX];
     if (!from->key)
-        return ric_yaml_wrong(r, map, "model.contacts", "missing; give a list with normal and clearance of each stop");
+        return ric_yaml_wrong(r, map, "model.contacts",
+                              "missing; give a list with normal and clearance of each stop");
     if (!ric_yaml_is_list(from->value))
         return ric_yaml_wrong(r, from->value, "model.contacts",
-                              "expected a list, found %s; start each contact with '- '", ric_yaml_kind(from->value));
+                              "expected a list, found %s; start each contact with '- '",
+                              ric_yaml_kind(from->value));
     int n = ric_yaml_length(from->value);
     if (n < 1 || n > CONTACT_MAX)
-        return ric_yaml_wrong(r, from->value, "model.contacts",
-                              "%d contacts; there must be 1 to %d, without any the structure is linear", n,
-                              CONTACT_MAX);
+        return ric_yaml_wrong(
+            r, from->value, "model.contacts",
+            "%d contacts; there must be 1 to %d, without any the structure is linear", n,
+            CONTACT_MAX);
     raw->contacts = ric_calloc((size_t)n, sizeof *raw->contacts);
     if (!raw->contacts) return ric_yaml_no_memory(r);
     for (int i = 0; i < n; i++) {
         snprintf(key, sizeof key, "model.contacts[%d]", i + 1);
         raw->n_contact = i + 1;
-        ric_status status = read_contact(r, ric_yaml_item(r, from->value, i), key, raw->n, &raw->contacts[i]);
+        ric_status status = read_contact(r, ric_yaml_item(r, from->value, i), key, raw->n,
+                                         &raw->contacts[i]);
         if (status) return status;
     }
     return check_laws(r, from->value, raw);
@@ -375,7 +439,8 @@ static ric_status read_contacts(const ric_yaml *r, const ric_yaml_node *map, con
 /* ------------------------------------------------------------------- model */
 
 enum { M_MASS, M_STIFFNESS, M_CONTACTS, M_RESTITUTION, M_MODES, M_COUNT };
-static const char *const model_keys[M_COUNT] = {"mass", "stiffness", "contacts", "restitution", "modes"};
+static const char *const model_keys[M_COUNT] = {"mass", "stiffness", "contacts", "restitution",
+                                                "modes"};
 
 void ric_study_model_free(ric_raw_model *raw)
 {
@@ -389,23 +454,26 @@ void ric_study_model_free(ric_raw_model *raw)
 }
 
 /* What the model itself finds (eigenvalues) is said with the line of the key it is about. */
-static ric_status create_model(const ric_yaml *r, const ric_yaml_node *key, const ric_yaml_slot *slots,
-                               const ric_raw_model *raw, ric_model **out)
+static ric_status create_model(const ric_yaml *r, const ric_yaml_node *key,
+                               const ric_yaml_slot *slots, const ric_raw_model *raw,
+                               ric_model **out)
 {
     static const char *const words[] = {"mass", "stiffness"};
     char why[600];
-    ric_status status = ric_model_create_near(raw->like, raw->n, raw->mass, raw->stiffness, raw->n_contact,
-                                              raw->contacts, raw->restitution, out);
+    ric_status status = ric_model_create_near(raw->like, raw->n, raw->mass, raw->stiffness,
+                                              raw->n_contact, raw->contacts, raw->restitution, out);
     if (status != RIC_E_INPUT) return status;
     snprintf(why, sizeof why, "%s", ric_detail());
     for (int i = 0; i < COUNT(words); i++)
         if (!strncmp(why, words[i], strlen(words[i])))
-            return ric_yaml_wrong(r, slots[i].key, i == M_MASS ? "model.mass" : "model.stiffness", "%s", why);
+            return ric_yaml_wrong(r, slots[i].key, i == M_MASS ? "model.mass" : "model.stiffness",
+                                  "%s", why);
     return ric_yaml_wrong(r, key, "model", "%s", why);
 }
 
-ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, const ric_explore_options *options,
-                                bool open, ric_raw_model *raw, ric_model **out)
+ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from,
+                                const ric_explore_options *options, bool open, ric_raw_model *raw,
+                                ric_model **out)
 {
     ric_yaml_slot slots[M_COUNT];
     int n = 0;
@@ -417,18 +485,22 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from, co
     if (!slots[M_STIFFNESS].key)
         return ric_yaml_wrong(r, from->key, "model.stiffness",
                               "missing; give rows such as [[9, -1], [-1, 1]], or {file: K.mtx}");
-    if ((status = ric_study_matrix_read(r, &slots[M_MASS], "model.mass", &n, &raw->mass, raw))) return status;
+    if ((status = ric_study_matrix_read(r, &slots[M_MASS], "model.mass", &n, &raw->mass, raw)))
+        return status;
     raw->n = n;
-    if ((status = ric_study_matrix_read(r, &slots[M_STIFFNESS], "model.stiffness", &n, &raw->stiffness, raw)))
+    if ((status = ric_study_matrix_read(r, &slots[M_STIFFNESS], "model.stiffness", &n,
+                                        &raw->stiffness, raw)))
         return status;
     if ((status = read_contacts(r, from->key, &slots[M_CONTACTS], raw))) return status;
     raw->restitution = 1;
     const ric_yaml_node *restitution = slots[M_RESTITUTION].value;
     raw->restitution_line = restitution ? restitution->start_mark.line + 1 : 0;
-    if (restitution && (status = ric_yaml_real(r, restitution, "model.restitution", &raw->restitution))) return status;
+    if (restitution &&
+        (status = ric_yaml_real(r, restitution, "model.restitution", &raw->restitution)))
+        return status;
     if (raw->restitution < 0 || raw->restitution > 1)
-        return ric_yaml_wrong(r, restitution, "model.restitution", "%.10g is out of range; give a number in [0, 1]",
-                              raw->restitution);
+        return ric_yaml_wrong(r, restitution, "model.restitution",
+                              "%.10g is out of range; give a number in [0, 1]", raw->restitution);
     status = create_model(r, from->key, slots, raw, out);
     return status ? status : ric_study_modes_read(r, &slots[M_MODES], options, open, raw, out);
 }

@@ -8,27 +8,33 @@
 #include "study_parts.h"
 #include "windows.h"
 
-enum { SAID = 4 };   /* contacts of which is said what the modes that are left out mean to them */
-#define COUPLED 0.01 /* of the own compliance: of what is left out, what joins two springs and is said */
+enum { SAID = 4 }; /* contacts of which is said what the modes that are left out mean to them */
+/* COUPLED: of the own compliance: of what is left out, what joins two springs and is said */
+#define COUPLED 0.01
 
-static ric_status take_limit(const ric_yaml *r, const ric_yaml_node *map, const ric_model *full, int *n)
+static ric_status take_limit(const ric_yaml *r, const ric_yaml_node *map, const ric_model *full,
+                             int *n)
 {
     static const char *const keys[] = {"up_to"};
     ric_yaml_slot up_to;
     double frequency = 0;
     ric_status status = ric_yaml_map(r, map, "model.modes", 1, keys, &up_to);
     if (status) return status;
-    if (!up_to.key) return ric_yaml_wrong(r, map, "model.modes", "no key 'up_to'; write {up_to: 5000}, in rad/s");
+    if (!up_to.key)
+        return ric_yaml_wrong(r, map, "model.modes",
+                              "no key 'up_to'; write {up_to: 5000}, in rad/s");
     if ((status = ric_yaml_real(r, up_to.value, "model.modes.up_to", &frequency))) return status;
     *n = ric_truncate_count(full, frequency);
     return *n > 0 ? RIC_OK
                   : ric_yaml_wrong(r, up_to.value, "model.modes.up_to",
-                                   "no mode has a frequency up to %.10g rad/s; `ricochet check` without this key shows "
+                                   "no mode has a frequency up to %.10g rad/s; `ricochet check` "
+                                   "without this key shows "
                                    "them",
                                    frequency);
 }
 
-static ric_status take_count(const ric_yaml *r, const ric_yaml_node *value, const ric_model *full, int *n)
+static ric_status take_count(const ric_yaml *r, const ric_yaml_node *value, const ric_model *full,
+                             int *n)
 {
     double number = 0;
     if (!ric_yaml_is_scalar(value))
@@ -39,10 +45,11 @@ static ric_status take_count(const ric_yaml *r, const ric_yaml_node *value, cons
     if (status) return status;
     *n = ric_model_n_dof(full);
     if (number != floor(number) || number < 1 || number > *n)
-        return ric_yaml_wrong(r, value, "model.modes",
-                              "%.10g is no number of modes; the structure has modes 1 to %d, and {up_to: 5000} means "
-                              "those up to a frequency in rad/s",
-                              number, *n);
+        return ric_yaml_wrong(
+            r, value, "model.modes",
+            "%.10g is no number of modes; the structure has modes 1 to %d, and {up_to: 5000} means "
+            "those up to a frequency in rad/s",
+            number, *n);
     *n = (int)number;
     return RIC_OK;
 }
@@ -74,41 +81,51 @@ static ric_status say(const ric_model *full, int n, bool chosen, ric_raw_model *
     const int all = ric_model_n_dof(full);
     double compliance[all], frequency[all];
     ric_status status = ric_model_frequencies(full, frequency);
-    ric_study_remark_add(raw, "%d of %d modes are kept, up to %.6g rad/s", n, all, frequency[n - 1]);
+    ric_study_remark_add(raw, "%d of %d modes are kept, up to %.6g rad/s", n, all,
+                         frequency[n - 1]);
     if (chosen)
-        ric_study_remark_add(raw,
-                             "that is chosen for a first look, as the study says neither how many nor where to look; "
-                             "under `model`, `modes: all` keeps all, and `modes: %d` these with a window, too",
-                             n);
+        ric_study_remark_add(
+            raw,
+            "that is chosen for a first look, as the study says neither how many nor where to "
+            "look; "
+            "under `model`, `modes: all` keeps all, and `modes: %d` these with a window, too",
+            n);
     for (int f = 0; f < ric_model_n_contact(full) && f < SAID && !status; f++) {
         ric_contact about;
-        if ((status = ric_model_compliance(full, f, compliance)) || (status = ric_model_contact(full, f, &about)))
+        if ((status = ric_model_compliance(full, f, compliance)) ||
+            (status = ric_model_contact(full, f, &about)))
             break;
         const double rest = ric_truncate_rest(full, n, f, f), joined = coupling(full, n, f);
-        ric_study_remark_add(raw, "contact %d: c.c is %.6g of %.6g with all modes", f + 1, compliance[n - 1],
-                             compliance[all - 1]);
+        ric_study_remark_add(raw, "contact %d: c.c is %.6g of %.6g with all modes", f + 1,
+                             compliance[n - 1], compliance[all - 1]);
         if (about.law == RIC_LAW_BILINEAR)
-            ric_study_remark_add(raw, "its stiffness %.6g becomes %.6g with the static compliance of the rest, %.3g",
-                                 about.stiffness, about.stiffness / (1 + about.stiffness * rest), rest);
+            ric_study_remark_add(
+                raw, "its stiffness %.6g becomes %.6g with the static compliance of the rest, %.3g",
+                about.stiffness, about.stiffness / (1 + about.stiffness * rest), rest);
         else if (rest > 0)
-            ric_study_remark_add(raw, "the static compliance of the rest, %.3g, is left out: behind it %s", rest,
-                                 about.law == RIC_LAW_RIGID ? "a rigid stop would be a spring"
-                                                            : "a power law would be none");
+            ric_study_remark_add(
+                raw, "the static compliance of the rest, %.3g, is left out: behind it %s", rest,
+                about.law == RIC_LAW_RIGID ? "a rigid stop would be a spring"
+                                           : "a power law would be none");
         if (about.law == RIC_LAW_BILINEAR && joined > COUPLED)
-            ric_study_remark_add(raw, "what of it joins contact %d to others, up to %.2g of that, is left out", f + 1,
-                                 joined);
+            ric_study_remark_add(
+                raw, "what of it joins contact %d to others, up to %.2g of that, is left out",
+                f + 1, joined);
     }
     if (ric_model_n_contact(full) > SAID)
-        ric_study_remark_add(raw, "and likewise for %d more contacts", ric_model_n_contact(full) - SAID);
+        ric_study_remark_add(raw, "and likewise for %d more contacts",
+                             ric_model_n_contact(full) - SAID);
     return status;
 }
 
-ric_status ric_study_modes_read(const ric_yaml *r, const ric_yaml_slot *from, const ric_explore_options *options,
-                                bool open, ric_raw_model *raw, ric_model **model)
+ric_status ric_study_modes_read(const ric_yaml *r, const ric_yaml_slot *from,
+                                const ric_explore_options *options, bool open, ric_raw_model *raw,
+                                ric_model **model)
 {
     ric_model *full = *model;
     int n = 0;
-    const bool chosen = from->key ? !strcmp(word_of(from), "auto") : open, all = !strcmp(word_of(from), "all");
+    const bool chosen = from->key ? !strcmp(word_of(from), "auto") : open,
+               all = !strcmp(word_of(from), "all");
     ric_status status = RIC_OK;
     if (chosen) status = choose(full, options, &n);
     else if (from->key && !all)

@@ -13,13 +13,15 @@ static ric_status check_kind(const ric_yaml *r, const ric_yaml_node *value, cons
 {
     for (int kind = RIC_KIND_START; kind <= RIC_KIND_USER; kind++)
         if (!strcmp(ric_yaml_text(value), ric_kind_text((ric_kind)kind))) return RIC_OK;
-    return ric_yaml_wrong(r, value, key,
-                          "'%.40s' is no kind of junction; write start, grazing, corner, extremum, branch-point, "
-                          "multiplication, period-extremum or user",
-                          ric_yaml_text(value));
+    return ric_yaml_wrong(
+        r, value, key,
+        "'%.40s' is no kind of junction; write start, grazing, corner, extremum, branch-point, "
+        "multiplication, period-extremum or user",
+        ric_yaml_text(value));
 }
 
-static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const char *path, ric_name *out)
+static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const char *path,
+                            ric_name *out)
 {
     static const char *const keys[] = {"name", "kind", "energy", "frequency"};
     ric_yaml_slot slots[4];
@@ -28,23 +30,27 @@ static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const c
     for (int i = 0; i < 4 && !status; i++) {
         ric_yaml_join(key, path, keys[i]);
         if (!slots[i].key)
-            status =
-                ric_yaml_wrong(r, map, key,
-                               "missing; a name is {name: C1_32, kind: branch-point, energy: 1.9, frequency: 1.4}");
+            status = ric_yaml_wrong(r, map, key,
+                                    "missing; a name is {name: C1_32, kind: branch-point, energy: "
+                                    "1.9, frequency: 1.4}");
         else if (i < 2) status = ric_yaml_string(r, slots[i].value, key, &texts[i]);
-        else status = ric_yaml_real(r, slots[i].value, key, i == 2 ? &out->energy : &out->frequency);
+        else
+            status = ric_yaml_real(r, slots[i].value, key, i == 2 ? &out->energy : &out->frequency);
         if (!status && i == 1) status = check_kind(r, slots[1].value, key);
     }
     out->name = texts[0];
     out->kind = texts[1];
     ric_yaml_join(key, path, "energy");
     if (!status && out->energy < 0)
-        status = ric_yaml_wrong(r, slots[2].value, key, "%.10g is negative; give the scaled energy of the junction",
+        status = ric_yaml_wrong(r, slots[2].value, key,
+                                "%.10g is negative; give the scaled energy of the junction",
                                 out->energy);
     ric_yaml_join(key, path, "frequency");
     if (!status && out->frequency <= 0)
-        status = ric_yaml_wrong(r, slots[3].value, key,
-                                "%.10g is not positive; give the frequency of the junction in rad/s", out->frequency);
+        status =
+            ric_yaml_wrong(r, slots[3].value, key,
+                           "%.10g is not positive; give the frequency of the junction in rad/s",
+                           out->frequency);
     return status;
 }
 
@@ -53,12 +59,14 @@ ric_status ric_study_names_read(const ric_yaml *r, const ric_yaml_slot *from, ri
     char key[RIC_KEY_MAX];
     if (!from->key) return RIC_OK;
     if (!ric_yaml_is_list(from->value))
-        return ric_yaml_wrong(r, from->value, "names",
-                              "expected a list, found %s; write '- {name: C1_32, kind: branch-point, energy: 1.9, "
-                              "frequency: 1.4}'",
-                              ric_yaml_kind(from->value));
+        return ric_yaml_wrong(
+            r, from->value, "names",
+            "expected a list, found %s; write '- {name: C1_32, kind: branch-point, energy: 1.9, "
+            "frequency: 1.4}'",
+            ric_yaml_kind(from->value));
     int n = ric_yaml_length(from->value);
-    if (n > MOST) return ric_yaml_wrong(r, from->value, "names", "%d names; at most %d are read", n, MOST);
+    if (n > MOST)
+        return ric_yaml_wrong(r, from->value, "names", "%d names; at most %d are read", n, MOST);
     out->name = ric_calloc((size_t)n + 1, sizeof *out->name);
     if (!out->name) return ric_yaml_no_memory(r);
     for (int i = 0; i < n; i++) {

@@ -1,5 +1,5 @@
-/* The section units: what the numbers of a structure are called. Nothing is converted; what is shown in them has these
- * names beside it, and names that contradict themselves are refused. */
+/* The section units: what the numbers of a structure are called. Nothing is converted; what is
+ * shown in them has these names beside it, and names that contradict themselves are refused. */
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +15,8 @@ enum { LENGTH, TIME, FORCE, MASS, N_UNIT };
 static const char *const unit_keys[N_UNIT] = {"length", "time", "force", "mass"};
 static const char *const samples[N_UNIT] = {"mm", "s", "N", "kg"};
 
-/* Names that everybody reads as one kind of unit, with their size in SI; then what is none of the four. */
+/* Names that everybody reads as one kind of unit, with their size in SI; then what is none of the
+ * four. */
 static const struct {
     const char *name;
     int kind;
@@ -55,7 +56,8 @@ static const struct {
              {"Pa", N_UNIT, 1},
              {"MPa", N_UNIT, 1000000}};
 
-#define SAME_UNIT 1e-6 /* sizes that differ by less, relative, are one: pounds have ten digits here */
+/* SAME_UNIT: sizes that differ by less, relative, are one: pounds have ten digits here */
+#define SAME_UNIT 1e-6
 
 static int find_known(const char *name)
 {
@@ -81,7 +83,8 @@ void ric_study_units_mass(const ric_units *units, size_t size, char *out)
 {
     const double mass = mass_of(units);
     *out = '\0';
-    if (mass > 0) snprintf(out, size, mass < 1000 ? "%.6g kg" : "%.6g t", mass < 1000 ? mass : mass / 1000);
+    if (mass > 0)
+        snprintf(out, size, mass < 1000 ? "%.6g kg" : "%.6g t", mass < 1000 ? mass : mass / 1000);
     for (int i = 0; i < COUNT(known) && mass > 0; i++)
         if (known[i].kind == MASS && fabs(mass / known[i].size - 1) < SAME_UNIT)
             snprintf(out, size, "%s", known[i].name);
@@ -96,30 +99,33 @@ static bool is_name(const char *text)
     return true;
 }
 
-static ric_status read_unit(const ric_yaml *r, const ric_yaml_node *value, const char *key, int kind,
-                            char out[RIC_UNIT_NAME])
+static ric_status read_unit(const ric_yaml *r, const ric_yaml_node *value, const char *key,
+                            int kind, char out[RIC_UNIT_NAME])
 {
     char *text = NULL;
     ric_status status = ric_yaml_string(r, value, key, &text);
     if (status) return status;
     const int meant = kind_of(text);
     if (!is_name(text) || strlen(text) >= RIC_UNIT_NAME)
-        status = ric_yaml_wrong(r, value, key, "'%.40s' is no name of a unit; write up to %d letters, such as %s", text,
-                                RIC_UNIT_NAME - 1, samples[kind]);
-    else if (meant >= 0 && meant != kind)
-        status = ric_yaml_wrong(r, value, key, "%s is no unit of %s%s%s; write one, such as %s", text, unit_keys[kind],
-                                meant < N_UNIT ? ", but of " : "", meant < N_UNIT ? unit_keys[meant] : "",
-                                samples[kind]);
-    else if (kind == TIME && strcmp(text, "s"))
         status = ric_yaml_wrong(r, value, key,
-                                "frequencies are in rad/s, so that the unit of time is s; write mass, stiffness and "
-                                "forces for seconds");
+                                "'%.40s' is no name of a unit; write up to %d letters, such as %s",
+                                text, RIC_UNIT_NAME - 1, samples[kind]);
+    else if (meant >= 0 && meant != kind)
+        status = ric_yaml_wrong(r, value, key, "%s is no unit of %s%s%s; write one, such as %s",
+                                text, unit_keys[kind], meant < N_UNIT ? ", but of " : "",
+                                meant < N_UNIT ? unit_keys[meant] : "", samples[kind]);
+    else if (kind == TIME && strcmp(text, "s"))
+        status = ric_yaml_wrong(
+            r, value, key,
+            "frequencies are in rad/s, so that the unit of time is s; write mass, stiffness and "
+            "forces for seconds");
     else memcpy(out, text, strlen(text) + 1);
     free(text);
     return status;
 }
 
-/* The unit of mass follows from the others: one that is named is theirs, or numbers are in units that do not fit. */
+/* The unit of mass follows from the others: one that is named is theirs, or numbers are in units
+ * that do not fit. */
 static ric_status read_mass(const ric_yaml *r, const ric_yaml_node *value, const ric_units *units)
 {
     char name[RIC_UNIT_NAME], follows[32];
@@ -129,7 +135,8 @@ static ric_status read_mass(const ric_yaml *r, const ric_yaml_node *value, const
     if (i < 0 || !(mass > 0) || fabs(known[i].size / mass - 1) < SAME_UNIT) return status;
     ric_study_units_mass(units, sizeof follows, follows);
     return ric_yaml_wrong(r, value, "units.mass",
-                          "with lengths in %s and forces in %s masses are in %s: multiply those in %s by %.6g, or name "
+                          "with lengths in %s and forces in %s masses are in %s: multiply those in "
+                          "%s by %.6g, or name "
                           "other units of length and force",
                           units->length, units->force, follows, name, known[i].size / mass);
 }
@@ -147,8 +154,9 @@ ric_status ric_study_units_read(const ric_yaml *r, const ric_yaml_slot *from, ri
         if (slots[i].key) status = read_unit(r, slots[i].value, key, i, into[i]);
         else if (i == TIME) strcpy(out->time, "s");
         else
-            status = ric_yaml_wrong(r, from->value, key,
-                                    "missing; units are {length: mm, force: N}, and time: s if it is to be said");
+            status = ric_yaml_wrong(
+                r, from->value, key,
+                "missing; units are {length: mm, force: N}, and time: s if it is to be said");
     }
     if (!status && slots[MASS].key) status = read_mass(r, slots[MASS].value, out);
     return status;

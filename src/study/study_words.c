@@ -77,14 +77,19 @@ static const word WORDS[] = {
     {"options", "explore"},
 };
 
-#define NO_DAMPING                                                                                                     \
-    "what a structure loses stands at the top of the study: damping: 0.01, and restitution; its atlas is that "        \
-    "without "                                                                                                         \
+#define NO_DAMPING                                                                                 \
+    "what a structure loses stands at the top of the study: damping: 0.01, and restitution; its "  \
+    "atlas is that "                                                                               \
+    "without "                                                                                     \
     "losses"
-#define NO_FORCE "what shakes a structure is section forcing at the top of the study; its atlas is that without a force"
-#define NO_UNITS                                                                                                       \
-    "names of units stand at the top of the study: units: {length: mm, force: N}; nothing is converted by them, and "  \
-    "mass, stiffness and lengths are in any that fit each other, such as t, N/mm and mm, with seconds"
+#define NO_FORCE                                                                                   \
+    "what shakes a structure is section forcing at the top of the study; its atlas is that "       \
+    "without a force"
+#define NO_UNITS                                                                                   \
+    "names of units stand at the top of the study: units: {length: mm, force: N}; nothing is "     \
+    "converted by them, and "                                                                      \
+    "mass, stiffness and lengths are in any that fit each other, such as t, N/mm and mm, with "    \
+    "seconds"
 
 static const word NOTHING[] = {
     {"damping", NO_DAMPING},
@@ -98,7 +103,8 @@ static const word NOTHING[] = {
     {"amplitude", NO_FORCE},
     {"units", NO_UNITS},
     {"unit", NO_UNITS},
-    {"preload", "there is no preload: measure x from the true equilibrium and give a small positive clearance"},
+    {"preload", "there is no preload: measure x from the true equilibrium and give a small "
+                "positive clearance"},
 };
 
 const char *ric_study_word_of_key(const char *found, int n, const char *const *keys)

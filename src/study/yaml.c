@@ -1,4 +1,5 @@
-/* The YAML of a study: bytes, limits, libyaml document, typed values; every check names file, line and key. */
+/* The YAML of a study: bytes, limits, libyaml document, typed values; every check names file, line
+ * and key. */
 #include "study_parts.h"
 
 #include <ctype.h>
@@ -9,7 +10,8 @@
 #include "options.h"
 #include "base/room.h"
 
-/* Bounds of what is read, so that no file can take more than seconds and a few hundred megabytes. */
+/* Bounds of what is read, so that no file can take more than seconds and a few hundred megabytes.
+ */
 enum {
     DEPTH_MAX = 12,     /* a contact's normal is at depth 5 */
     ANCHOR_MAX = 100,   /* anchors, and aliases, of a document */
@@ -19,10 +21,11 @@ enum {
 
 /* ---------------------------------------------------------------- messages */
 
-static ric_status vwrong(const ric_yaml *r, size_t line, const char *key, const char *format, va_list arguments)
-    __attribute__((format(printf, 4, 0)));
+static ric_status vwrong(const ric_yaml *r, size_t line, const char *key, const char *format,
+                         va_list arguments) __attribute__((format(printf, 4, 0)));
 
-static ric_status vwrong(const ric_yaml *r, size_t line, const char *key, const char *format, va_list arguments)
+static ric_status vwrong(const ric_yaml *r, size_t line, const char *key, const char *format,
+                         va_list arguments)
 {
     char what[700];
     vsnprintf(what, sizeof what, format, arguments);
@@ -43,7 +46,8 @@ static ric_status wrong_at(const ric_yaml *r, size_t line, const char *key, cons
     return status;
 }
 
-ric_status ric_yaml_wrong(const ric_yaml *r, const ric_yaml_node *where, const char *key, const char *format, ...)
+ric_status ric_yaml_wrong(const ric_yaml *r, const ric_yaml_node *where, const char *key,
+                          const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -69,7 +73,8 @@ static int utf8_length(const unsigned char *c)
         if (c[i] >> 6 != 2) return 0;
         code = code << 6 | (c[i] & 0x3Fu);
     }
-    return n < 2 || (code >= least[n] && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF)) ? n : 0;
+    return n < 2 || (code >= least[n] && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF)) ? n
+                                                                                               : 0;
 }
 
 static ric_status check_bytes(const ric_yaml *r, const char *text, size_t size)
@@ -79,14 +84,19 @@ static ric_status check_bytes(const ric_yaml *r, const char *text, size_t size)
     for (size_t i = 0; i < size;) {
         unsigned char c = (unsigned char)text[i];
         int length = utf8_length((const unsigned char *)text + i);
-        if (length == 0) return wrong_at(r, line, "text", "byte 0x%02X is not UTF-8; save the study as UTF-8 text", c);
+        if (length == 0)
+            return wrong_at(r, line, "text",
+                            "byte 0x%02X is not UTF-8; save the study as UTF-8 text", c);
         if (c == 0x7F || (c < 0x20 && c != '\n' && c != '\r' && c != '\t'))
-            return wrong_at(r, line, "text", "control character 0x%02X; a study is plain UTF-8 text", c);
+            return wrong_at(r, line, "text",
+                            "control character 0x%02X; a study is plain UTF-8 text", c);
         content = content || !isspace(c);
         line += c == '\n';
         i += (size_t)length;
     }
-    if (!content) return wrong_at(r, 1, "model", "the study is empty; `ricochet new NAME` writes one to start from");
+    if (!content)
+        return wrong_at(r, 1, "model",
+                        "the study is empty; `ricochet new NAME` writes one to start from");
     return RIC_OK;
 }
 
@@ -106,11 +116,12 @@ static ric_status parser_failed(const ric_yaml *r, const yaml_parser_t *parser)
     if (parser->error == YAML_MEMORY_ERROR || !parser->problem) return ric_yaml_no_memory(r);
     if (tab_indents(r->text, parser->problem_mark.line))
         return wrong_at(r, parser->problem_mark.line + 1, "syntax",
-                        "a tab stands in the indentation of this line; YAML is indented by blanks, never by tabs");
+                        "a tab stands in the indentation of this line; YAML is indented by blanks, "
+                        "never by tabs");
     return wrong_at(r, parser->problem_mark.line + 1, "syntax",
                     "%s%s%s; check indentation, brackets and colons near column %zu",
-                    parser->context ? parser->context : "", parser->context ? ", " : "", parser->problem,
-                    parser->problem_mark.column + 1);
+                    parser->context ? parser->context : "", parser->context ? ", " : "",
+                    parser->problem, parser->problem_mark.column + 1);
 }
 
 typedef struct {
@@ -139,14 +150,19 @@ static ric_status count_event(const ric_yaml *r, const yaml_event_t *event, tall
     t->nodes++;
     t->anchors += anchor || event->type == YAML_ALIAS_EVENT;
     if (t->depth > DEPTH_MAX)
-        return wrong_at(r, line, "syntax", "nested more than %d levels deep; a study needs six", DEPTH_MAX);
+        return wrong_at(r, line, "syntax", "nested more than %d levels deep; a study needs six",
+                        DEPTH_MAX);
     if (t->anchors > ANCHOR_MAX)
-        return wrong_at(r, line, "syntax", "more than %d anchors (&) and aliases (*); write the values out",
+        return wrong_at(r, line, "syntax",
+                        "more than %d anchors (&) and aliases (*); write the values out",
                         ANCHOR_MAX);
     if (t->nodes > NODE_MAX)
-        return wrong_at(r, line, "syntax", "more than %d values; put large matrices into Matrix Market files",
+        return wrong_at(r, line, "syntax",
+                        "more than %d values; put large matrices into Matrix Market files",
                         NODE_MAX);
-    if (t->documents > 1) return wrong_at(r, line, "syntax", "a second document starts here; one file holds one study");
+    if (t->documents > 1)
+        return wrong_at(r, line, "syntax",
+                        "a second document starts here; one file holds one study");
     return RIC_OK;
 }
 
@@ -170,7 +186,8 @@ static ric_status check_limits(const ric_yaml *r, const char *text, size_t size)
         yaml_event_delete(&event);
     }
     if (!status && t.documents == 0)
-        status = wrong_at(r, 1, "model", "the study is empty; `ricochet new NAME` writes one to start from");
+        status = wrong_at(r, 1, "model",
+                          "the study is empty; `ricochet new NAME` writes one to start from");
     yaml_parser_delete(&parser);
     return status;
 }
@@ -287,7 +304,8 @@ static size_t shared(const char *a, const char *b)
 
 enum { STEM = 4 }; /* letters at the beginning that make two words forms of one */
 
-/* The key that is meant: by another word, with a slip of the pen in less than half of it, or in another form. */
+/* The key that is meant: by another word, with a slip of the pen in less than half of it, or in
+ * another form. */
 static const char *meant_key(const char *found, int n, const char *const *keys)
 {
     const char *meant = ric_study_word_of_key(found, n, keys);
@@ -308,7 +326,8 @@ static ric_status unknown_key(const ric_yaml *r, const ric_yaml_node *key, const
                               const char *const *keys)
 {
     char full[RIC_KEY_MAX], all[300] = "";
-    const char *closest = meant_key(ric_yaml_text(key), n, keys), *none = ric_study_word_of_nothing(ric_yaml_text(key));
+    const char *closest = meant_key(ric_yaml_text(key), n, keys),
+               *none = ric_study_word_of_nothing(ric_yaml_text(key));
     for (int i = 0; i < n; i++) {
         size_t used = strlen(all);
         snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", keys[i]);
@@ -316,41 +335,48 @@ static ric_status unknown_key(const ric_yaml *r, const ric_yaml_node *key, const
     ric_yaml_join(full, path, ric_yaml_text(key));
     for (char *c = full; *c; c++)
         if (iscntrl((unsigned char)*c)) *c = '?';
-    if (none) return ric_yaml_wrong(r, key, full, "unknown key; %s; the keys here are %s", none, all);
+    if (none)
+        return ric_yaml_wrong(r, key, full, "unknown key; %s; the keys here are %s", none, all);
     if (closest) return ric_yaml_wrong(r, key, full, "unknown key; did you mean '%s'?", closest);
     return ric_yaml_wrong(r, key, full, "unknown key; the keys here are %s", all);
 }
 
-ric_status ric_yaml_map(const ric_yaml *r, const ric_yaml_node *map, const char *path, int n, const char *const *keys,
-                        ric_yaml_slot *slots)
+ric_status ric_yaml_map(const ric_yaml *r, const ric_yaml_node *map, const char *path, int n,
+                        const char *const *keys, ric_yaml_slot *slots)
 {
     memset(slots, 0, (size_t)n * sizeof *slots);
     if (map->type != YAML_MAPPING_NODE)
-        return ric_yaml_wrong(r, map, path[0] ? path : "study", "expected a group of keys (%s, ...), found %s", keys[0],
+        return ric_yaml_wrong(r, map, path[0] ? path : "study",
+                              "expected a group of keys (%s, ...), found %s", keys[0],
                               ric_yaml_kind(map));
-    for (yaml_node_pair_t *pair = map->data.mapping.pairs.start; pair < map->data.mapping.pairs.top; pair++) {
+    for (yaml_node_pair_t *pair = map->data.mapping.pairs.start; pair < map->data.mapping.pairs.top;
+         pair++) {
         char full[RIC_KEY_MAX];
         const ric_yaml_node *key = at(r, pair->key);
         int i = 0;
         if (!ric_yaml_is_scalar(key))
-            return ric_yaml_wrong(r, key, path[0] ? path : "study", "a key is %s; keys are words", ric_yaml_kind(key));
+            return ric_yaml_wrong(r, key, path[0] ? path : "study", "a key is %s; keys are words",
+                                  ric_yaml_kind(key));
         while (i < n && strcmp(keys[i], ric_yaml_text(key))) i++;
         if (i == n) return unknown_key(r, key, path, n, keys);
         ric_yaml_join(full, path, keys[i]);
         if (slots[i].key)
-            return ric_yaml_wrong(r, key, full, "given twice, first in line %zu; keep one of the two",
+            return ric_yaml_wrong(r, key, full,
+                                  "given twice, first in line %zu; keep one of the two",
                                   slots[i].key->start_mark.line + 1);
         slots[i] = (ric_yaml_slot){key, at(r, pair->value)};
     }
     return RIC_OK;
 }
 
-ric_status ric_yaml_real(const ric_yaml *r, const ric_yaml_node *value, const char *key, double *out)
+ric_status ric_yaml_real(const ric_yaml *r, const ric_yaml_node *value, const char *key,
+                         double *out)
 {
     if (!ric_yaml_is_scalar(value))
         return ric_yaml_wrong(r, value, key, "expected a number, found %s", ric_yaml_kind(value));
     if (!ric_yaml_is_plain(value))
-        return ric_yaml_wrong(r, value, key, "expected a number, found the quoted text '%.40s'; remove the quotes",
+        return ric_yaml_wrong(r, value, key,
+                              "expected a number, found the quoted text '%.40s'; remove the quotes",
                               ric_yaml_text(value));
     switch (ric_option_text_real(ric_yaml_text(value), out)) {
     case RIC_TEXT_NUMBER: return RIC_OK;
@@ -362,17 +388,21 @@ ric_status ric_yaml_real(const ric_yaml *r, const ric_yaml_node *value, const ch
     case RIC_TEXT_NO_NUMBER: break;
     }
     if (!ric_yaml_text(value)[0]) return ric_yaml_wrong(r, value, key, "no value; give a number");
-    return ric_yaml_wrong(r, value, key, "'%.40s' is not a number; write it in decimal, for example 0.5 or 2.5e-3",
+    return ric_yaml_wrong(r, value, key,
+                          "'%.40s' is not a number; write it in decimal, for example 0.5 or 2.5e-3",
                           ric_yaml_text(value));
 }
 
-ric_status ric_yaml_string(const ric_yaml *r, const ric_yaml_node *value, const char *key, char **out)
+ric_status ric_yaml_string(const ric_yaml *r, const ric_yaml_node *value, const char *key,
+                           char **out)
 {
     if (!ric_yaml_is_scalar(value))
         return ric_yaml_wrong(r, value, key, "expected a text, found %s", ric_yaml_kind(value));
-    if (value->data.scalar.length > STRING_MAX || strlen(ric_yaml_text(value)) != value->data.scalar.length)
-        return ric_yaml_wrong(r, value, key, "the text is longer than %d bytes or has a zero byte inside; shorten it",
-                              STRING_MAX);
+    if (value->data.scalar.length > STRING_MAX ||
+        strlen(ric_yaml_text(value)) != value->data.scalar.length)
+        return ric_yaml_wrong(
+            r, value, key, "the text is longer than %d bytes or has a zero byte inside; shorten it",
+            STRING_MAX);
     *out = ric_strdup(ric_yaml_text(value));
     return *out ? RIC_OK : ric_yaml_no_memory(r);
 }
@@ -388,14 +418,19 @@ ric_status ric_yaml_choice(const ric_yaml *r, const ric_yaml_slot *from, const c
             return RIC_OK;
         }
         size_t used = strlen(all);
-        snprintf(all + used, sizeof all - used, "%s%s", i == 0 ? "" : i + 1 == n ? " or " : ", ", names[i]);
+        snprintf(all + used, sizeof all - used, "%s%s",
+                 i == 0       ? ""
+                 : i + 1 == n ? " or "
+                              : ", ",
+                 names[i]);
     }
     if (!ric_yaml_is_scalar(from->value))
-        return ric_yaml_wrong(r, from->value, key, "expected a word, found %s; write %s", ric_yaml_kind(from->value),
-                              all);
+        return ric_yaml_wrong(r, from->value, key, "expected a word, found %s; write %s",
+                              ric_yaml_kind(from->value), all);
     const char *meant = ric_study_word_of_value(ric_yaml_text(from->value));
-    return ric_yaml_wrong(r, from->value, key, "'%.40s' is not known; write %s%s%s", ric_yaml_text(from->value), all,
-                          meant ? "; you may mean " : "", meant ? meant : "");
+    return ric_yaml_wrong(r, from->value, key, "'%.40s' is not known; write %s%s%s",
+                          ric_yaml_text(from->value), all, meant ? "; you may mean " : "",
+                          meant ? meant : "");
 }
 
 /* ----------------------------------------------------------------- writing */
@@ -409,7 +444,8 @@ void ric_yaml_write(const char *text, FILE *out)
         unsigned code = length < 2 ? c[0] : c[0] & (0x7Fu >> length);
         for (int i = 1; i < length; i++) code = code << 6 | (c[i] & 0x3Fu);
         if (code == '"' || code == '\\') fprintf(out, "\\%c", (int)code);
-        else if (code < 0x20 || (code >= 0x7F && code <= 0xA0) || (code >= 0x2028 && code <= 0x2029) || code >= 0xFEFF)
+        else if (code < 0x20 || (code >= 0x7F && code <= 0xA0) ||
+                 (code >= 0x2028 && code <= 0x2029) || code >= 0xFEFF)
             fprintf(out, "\\U%08X", code);
         else fwrite(c, 1, (size_t)length, out);
         c += length ? length : 1;

@@ -1,4 +1,5 @@
-/* The atlases that the statements of the article are checked against, each explored once, and what one asks them. */
+/* The atlases that the statements of the article are checked against, each explored once, and what
+ * one asks them. */
 #ifndef ARTICLE_ATLASES_H
 #define ARTICLE_ATLASES_H
 
@@ -15,8 +16,8 @@
 
 #include "explored.h"
 
-/* Windows and budgets are as narrow as a statement allows: frequencies below bring in duplicates of grazings with many
- * touches. */
+/* Windows and budgets are as narrow as a statement allows: frequencies below bring in duplicates of
+ * grazings with many touches. */
 enum {
     ELEMENTARY,
     DUPLICATES,
@@ -40,32 +41,61 @@ static struct {
     const char *name, *explore;
     ric_atlas *atlas;
 } explored[N_EXPLORED] = {
-    {"elementary", "{start: modes, energy: [0, 200], frequency: [0.2, 10], impacts: 24, multiply: 1, depth: 4}", NULL},
-    {"duplicates", "{start: modes, energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: 2, depth: 1}", NULL},
-    {"loop", "{start: [2], energy: [0, 100], frequency: [1, 40], impacts: 8, multiply: 9, depth: 2}", NULL},
-    {"triple", "{start: [2], energy: [0, 60], frequency: [0.715, 40], impacts: 8, multiply: 4, depth: 3}", NULL},
-    {"chatter", "{start: [2], energy: [0, 1500], frequency: [1.5, 100], impacts: 24, multiply: 12, depth: 2}", NULL},
-    {"backbone", "{start: [1], energy: [0, 200], frequency: [0.92, 10], impacts: 8, multiply: 9, depth: 1}", NULL},
+    {"elementary",
+     "{start: modes, energy: [0, 200], frequency: [0.2, 10], impacts: 24, multiply: 1, depth: 4}",
+     NULL},
+    {"duplicates",
+     "{start: modes, energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: 2, depth: 1}",
+     NULL},
+    {"loop",
+     "{start: [2], energy: [0, 100], frequency: [1, 40], impacts: 8, multiply: 9, depth: 2}", NULL},
+    {"triple",
+     "{start: [2], energy: [0, 60], frequency: [0.715, 40], impacts: 8, multiply: 4, depth: 3}",
+     NULL},
+    {"chatter",
+     "{start: [2], energy: [0, 1500], frequency: [1.5, 100], impacts: 24, multiply: 12, depth: 2}",
+     NULL},
+    {"backbone",
+     "{start: [1], energy: [0, 200], frequency: [0.92, 10], impacts: 8, multiply: 9, depth: 1}",
+     NULL},
     {"path",
-     "{start: [1], energy: [0, 10000], frequency: [0.9, 80], impacts: 22, multiply: 1, depth: 0, symmetric: true}",
+     "{start: [1], energy: [0, 10000], frequency: [0.9, 80], impacts: 22, multiply: 1, depth: 0, "
+     "symmetric: true}",
      NULL},
-    {"tongues", "{start: [1], energy: [0, 2000], frequency: [0.9, 10], impacts: 16, multiply: 1, depth: 0}", NULL},
-    {"local", "{start: [2], energy: [0, 100], frequency: [0.82, 10], impacts: 12, multiply: 3, depth: 5}", NULL},
-    {"cascade", "{start: [2], energy: [0, 60], frequency: [0.83, 10], impacts: 12, multiply: 4, depth: 3}", NULL},
+    {"tongues",
+     "{start: [1], energy: [0, 2000], frequency: [0.9, 10], impacts: 16, multiply: 1, depth: 0}",
+     NULL},
+    {"local",
+     "{start: [2], energy: [0, 100], frequency: [0.82, 10], impacts: 12, multiply: 3, depth: 5}",
+     NULL},
+    {"cascade",
+     "{start: [2], energy: [0, 60], frequency: [0.83, 10], impacts: 12, multiply: 4, depth: 3}",
+     NULL},
     {"far",
-     "{start: [1], energy: [0, 100000], frequency: [0.9, 80], impacts: 34, multiply: 1, depth: 0, symmetric: true}",
+     "{start: [1], energy: [0, 100000], frequency: [0.9, 80], impacts: 34, multiply: 1, depth: 0, "
+     "symmetric: true}",
      NULL},
-    {"far tongues", "{start: [1], energy: [0, 10000], frequency: [0.9, 10], impacts: 20, multiply: 1, depth: 0}", NULL},
-    {"base 4", "{start: [2], energy: [0, 20], frequency: [0.53, 40], impacts: 8, multiply: 4, base: 4, depth: 3}",
+    {"far tongues",
+     "{start: [1], energy: [0, 10000], frequency: [0.9, 10], impacts: 20, multiply: 1, depth: 0}",
      NULL},
-    {"base 5", "{start: [2], energy: [0, 20], frequency: [0.43, 40], impacts: 10, multiply: 5, base: 5, depth: 3}",
+    {"base 4",
+     "{start: [2], energy: [0, 20], frequency: [0.53, 40], impacts: 8, multiply: 4, base: 4, "
+     "depth: 3}",
      NULL},
-    {"base 6", "{start: [2], energy: [0, 20], frequency: [0.358, 40], impacts: 12, multiply: 6, base: 6, depth: 0}",
+    {"base 5",
+     "{start: [2], energy: [0, 20], frequency: [0.43, 40], impacts: 10, multiply: 5, base: 5, "
+     "depth: 3}",
      NULL},
-    {"tripled", "{start: [2], energy: [0, 12], frequency: [0.59, 10], impacts: 12, multiply: 3, depth: 5}", NULL},
+    {"base 6",
+     "{start: [2], energy: [0, 20], frequency: [0.358, 40], impacts: 12, multiply: 6, base: 6, "
+     "depth: 0}",
+     NULL},
+    {"tripled",
+     "{start: [2], energy: [0, 12], frequency: [0.59, 10], impacts: 12, multiply: 3, depth: 5}",
+     NULL},
 };
-/* Those in which nothing is multiplied beyond the second mode's duplicates: what they contain does not grow with the
- * kinds of families that the program can follow. */
+/* Those in which nothing is multiplied beyond the second mode's duplicates: what they contain does
+ * not grow with the kinds of families that the program can follow. */
 static const int settled[] = {ELEMENTARY, DUPLICATES, PATH, TONGUES};
 enum { N_SETTLED = sizeof settled / sizeof *settled };
 
@@ -75,7 +105,8 @@ static const ric_atlas *atlas_of(int which)
     if (explored[which].atlas) return explored[which].atlas;
     snprintf(text, sizeof text,
              "title: %s\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
-             "  contacts: [{name: stop, normal: [-1, 1], clearance: 1, sides: both, law: rigid}]\nexplore: %s\n",
+             "  contacts: [{name: stop, normal: [-1, 1], clearance: 1, sides: both, law: "
+             "rigid}]\nexplore: %s\n",
              explored[which].name, explored[which].explore);
     explored[which].atlas = explore_text(text);
     return explored[which].atlas;
@@ -107,8 +138,8 @@ static bool near(double a, double b)
     return fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b));
 }
 
-/* The article's points with the numbers of the independent prototypes (relative accuracy 1e-9). Names in small letters
- * are ours. */
+/* The article's points with the numbers of the independent prototypes (relative accuracy 1e-9).
+ * Names in small letters are ours. */
 typedef struct {
     const char *name;
     ric_kind kind;
@@ -154,7 +185,8 @@ static int at(int which, const char *name)
     int found = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas_of(which)); id++) {
         ric_junction j = junction(which, id);
-        if (j.kind != p->kind || !near(j.energy, p->energy) || !near(j.frequency, p->omega)) continue;
+        if (j.kind != p->kind || !near(j.energy, p->energy) || !near(j.frequency, p->omega))
+            continue;
         if (found) return 0;
         found = id;
     }
@@ -168,7 +200,8 @@ static int multiplications(int which, int b, int p, int q, int *id)
     ric_branch row = branch(which, b);
     for (int i = 0; i < row.n_junction; i++) {
         ric_junction j = junction(which, row.junctions[i]);
-        if (j.kind != RIC_KIND_MULTIPLICATION || strlen(row.label) < 2 || j.impacts != row.impacts) continue;
+        if (j.kind != RIC_KIND_MULTIPLICATION || strlen(row.label) < 2 || j.impacts != row.impacts)
+            continue;
         if (j.rotation[0] != p || j.rotation[1] != q) continue;
         n++;
         if (id) *id = j.id;
@@ -188,7 +221,8 @@ static bool passes(ric_branch b, int id)
     return false;
 }
 
-/* The branch of that label with these two ends in either order (0: none, -1: any): there exactly once, or 0. */
+/* The branch of that label with these two ends in either order (0: none, -1: any): there exactly
+ * once, or 0. */
 static int between(int which, const char *label, int one, int two)
 {
     int found = 0;
@@ -232,8 +266,8 @@ static double place_on(int which, int b, int id)
     return point(which, b, row.from == id ? 0 : row.n_point - 1).arclength;
 }
 
-/* Stability of the points strictly between two places of a branch: yes, no, or -1 if there are both or none. Undecided
- * points, at the ends of a segment, do not count. */
+/* Stability of the points strictly between two places of a branch: yes, no, or -1 if there are both
+ * or none. Undecided points, at the ends of a segment, do not count. */
 static int stable_between(int which, int b, int one, int two)
 {
     double low = place_on(which, b, one), high = place_on(which, b, two), swap = low;
@@ -247,7 +281,8 @@ static int stable_between(int which, int b, int one, int two)
     return n[0] && n[1] ? -1 : n[1] ? 1 : n[0] ? 0 : -1;
 }
 
-/* Number of junctions of a kind on a branch, its ends not counted; ids in ascending order of arclength. */
+/* Number of junctions of a kind on a branch, its ends not counted; ids in ascending order of
+ * arclength. */
 static int inner(int which, int b, ric_kind kind, int *ids, int room)
 {
     int n = 0;
@@ -261,8 +296,8 @@ static int inner(int which, int b, ric_kind kind, int *ids, int room)
     return n;
 }
 
-/* The q-fold orbit's own end of a family: number of branches with an end at the multiplication or passing it as q times
- * its word. */
+/* The q-fold orbit's own end of a family: number of branches with an end at the multiplication or
+ * passing it as q times its word. */
 static int families(int which, int id, int *ids, int room)
 {
     int n = 0;
@@ -275,14 +310,15 @@ static int families(int which, int id, int *ids, int room)
     return n;
 }
 
-/* Number of branches on the shortest way from one junction to another, -1 if there is none; their labels in order. S
- * branches count only if `symmetric`, A branches only if `asymmetric`, and the branch `barred` never. Ends and interior
- * junctions join alike. */
-static int hops(int which, int from, int to, bool symmetric, bool asymmetric, int barred, char *labels, size_t size)
+/* Number of branches on the shortest way from one junction to another, -1 if there is none; their
+ * labels in order. S branches count only if `symmetric`, A branches only if `asymmetric`, and the
+ * branch `barred` never. Ends and interior junctions join alike. */
+static int hops(int which, int from, int to, bool symmetric, bool asymmetric, int barred,
+                char *labels, size_t size)
 {
     int n = ric_atlas_n_junction(atlas_of(which)), first = 0, last = 0, steps = 0, by[64];
-    int *queue = calloc((size_t)n + 1, sizeof *queue), *before = calloc((size_t)n + 1, sizeof *before),
-        *via = calloc((size_t)n + 1, sizeof *via);
+    int *queue = calloc((size_t)n + 1, sizeof *queue),
+        *before = calloc((size_t)n + 1, sizeof *before), *via = calloc((size_t)n + 1, sizeof *via);
     queue[last++] = from;
     before[from] = -1;
     while (first < last && queue[first] != to) {

@@ -1,5 +1,5 @@
-/* What the article states about the symmetric path, tongues, loops and duplicates: the end of section 3.1 and section
- * 3.2. */
+/* What the article states about the symmetric path, tongues, loops and duplicates: the end of
+ * section 3.1 and section 3.2. */
 #ifndef ARTICLE_FRACTALS_H
 #define ARTICLE_FRACTALS_H
 
@@ -44,7 +44,8 @@ static int reversible_branch(int which, const char *label)
 static int upper_end(int which, int b)
 {
     ric_branch row = branch(which, b);
-    return point(which, b, 0).frequency > point(which, b, row.n_point - 1).frequency ? row.from : row.to;
+    return point(which, b, 0).frequency > point(which, b, row.n_point - 1).frequency ? row.from
+                                                                                     : row.to;
 }
 
 /* Otherwise: the same ends, but that of G_2k-4,4 has the higher frequency from k = 9 on. */
@@ -55,12 +56,14 @@ static verdict chattering_ends(finding *f, const char *arg)
     for (int k = 3; k <= 9; k += 2) {
         int b = reversible_branch(CHATTER, chattering(k));
         if (!b || branch(CHATTER, b).stop != RIC_STOP_JUNCTION) return NEITHER;
-        ric_junction one = junction(CHATTER, branch(CHATTER, b).from), two = junction(CHATTER, branch(CHATTER, b).to),
-                     swap = one;
+        ric_junction one = junction(CHATTER, branch(CHATTER, b).from),
+                     two = junction(CHATTER, branch(CHATTER, b).to), swap = one;
         if (one.grazings > two.grazings) one = two, two = swap;
-        say(f, "%s%s: G_%d,%d (%.6g, %.7g), G_%d,%d (%.6g, %.7g)", k > 3 ? "; " : "", chattering(k), one.impacts,
-            one.grazings, one.energy, one.frequency, two.impacts, two.grazings, two.energy, two.frequency);
-        ends = ends && one.impacts == 2 * k - 2 && one.grazings == 2 && two.impacts == 2 * k - 4 && two.grazings == 4;
+        say(f, "%s%s: G_%d,%d (%.6g, %.7g), G_%d,%d (%.6g, %.7g)", k > 3 ? "; " : "", chattering(k),
+            one.impacts, one.grazings, one.energy, one.frequency, two.impacts, two.grazings,
+            two.energy, two.frequency);
+        ends = ends && one.impacts == 2 * k - 2 && one.grazings == 2 && two.impacts == 2 * k - 4 &&
+               two.grazings == 4;
         order[(k - 3) / 2] = one.frequency > two.frequency;
     }
     if (!ends || !order[0] || !order[1] || !order[2]) return NEITHER;
@@ -77,18 +80,21 @@ static double lowest(int which, int b)
     /* junctions may have points closely beside */
     for (int i = least; i >= 0 && q.arclength - p.arclength < 1e-4; i--) p = point(which, b, i);
     for (int i = least; i < n && r.arclength - q.arclength < 1e-4; i++) r = point(which, b, i);
-    double h = q.arclength - p.arclength, k = r.arclength - q.arclength, left = (q.energy - p.energy) / h,
-           right = (r.energy - q.energy) / k;
-    double curvature = (right - left) / (h + k), slope = (left * k + right * h) / (h + k); /* at the middle point */
+    double h = q.arclength - p.arclength, k = r.arclength - q.arclength,
+           left = (q.energy - p.energy) / h, right = (r.energy - q.energy) / k;
+    double curvature = (right - left) / (h + k),
+           slope = (left * k + right * h) / (h + k); /* at the middle point */
     return q.energy - slope * slope / (4 * curvature);
 }
 
-/* The C_33 of S_2k and the end of its stable part there: the minimum beside it for k = 3, else the C_33 itself. */
+/* The C_33 of S_2k and the end of its stable part there: the minimum beside it for k = 3, else the
+ * C_33 itself. */
 static bool chattering_point(int k, int *b, int *c33, int *end)
 {
     int low[2];
     *b = reversible_branch(CHATTER, chattering(k));
-    if (!*b || multiplications(CHATTER, s2_minus(), k - 1, k, c33) != 1 || !passes(branch(CHATTER, *b), *c33))
+    if (!*b || multiplications(CHATTER, s2_minus(), k - 1, k, c33) != 1 ||
+        !passes(branch(CHATTER, *b), *c33))
         return false;
     int n = inner(CHATTER, *b, RIC_KIND_EXTREMUM, low, 2);
     *end = n ? low[0] : *c33;
@@ -120,12 +126,13 @@ static verdict chattering_stable(finding *f, const char *arg)
     (void)arg;
     for (int k = 3; k <= 9; k += 2) {
         int b, c33, end, c32[2];
-        if (!chattering_point(k, &b, &c33, &end) || inner(CHATTER, b, RIC_KIND_BRANCH_POINT, c32, 2) != 1)
+        if (!chattering_point(k, &b, &c33, &end) ||
+            inner(CHATTER, b, RIC_KIND_BRANCH_POINT, c32, 2) != 1)
             return NEITHER;
         ric_branch row = branch(CHATTER, b);
         bool first = place_on(CHATTER, b, c32[0]) < place_on(CHATTER, b, end);
-        say(f, "%sk = %d: from E %.9g to %.9g", k > 3 ? "; " : "stable for ", k, junction(CHATTER, c32[0]).energy,
-            junction(CHATTER, end).energy);
+        say(f, "%sk = %d: from E %.9g to %.9g", k > 3 ? "; " : "stable for ", k,
+            junction(CHATTER, c32[0]).energy, junction(CHATTER, end).energy);
         right = right && stable_between(CHATTER, b, c32[0], end) == 1 &&
                 stable_between(CHATTER, b, first ? row.from : row.to, c32[0]) == 0 &&
                 stable_between(CHATTER, b, end, first ? row.to : row.from) == 0;
@@ -138,11 +145,13 @@ static verdict chattering_above(finding *f, const char *arg)
     double locked, last = INFINITY;
     bool right = true;
     (void)arg;
-    assert_int_equal(ric_model_locked_frequencies(ric_atlas_model(atlas_of(CHATTER)), 0, &locked), RIC_OK);
+    assert_int_equal(ric_model_locked_frequencies(ric_atlas_model(atlas_of(CHATTER)), 0, &locked),
+                     RIC_OK);
     say(f, "above omega_0 by");
     for (int k = 3; k <= 9; k += 2) {
         ric_branch b = branch(CHATTER, reversible_branch(CHATTER, chattering(k)));
-        say(f, " %.5f to %.5f%s", b.frequency_min - locked, b.frequency_max - locked, k < 9 ? "," : "");
+        say(f, " %.5f to %.5f%s", b.frequency_min - locked, b.frequency_max - locked,
+            k < 9 ? "," : "");
         right = right && b.frequency_min > locked && b.frequency_max < last;
         last = b.frequency_max;
     }
@@ -179,7 +188,8 @@ static verdict sticking_critical(finding *f, const char *arg)
             say(f, " C_%d%d at %.7g", p.a, p.b, p.energy);
             right = right && p.a == 3 && p.b == (i == 1 ? 1 : 2);
         }
-        right = right && stable_between(PATH, b, c[1], c[2]) == 1 && stable_between(PATH, b, c[0], c[1]) == 0;
+        right = right && stable_between(PATH, b, c[1], c[2]) == 1 &&
+                stable_between(PATH, b, c[0], c[1]) == 0;
     }
     return stated(right);
 }
@@ -190,11 +200,13 @@ static verdict sticking_bridges(finding *f, const char *arg)
     (void)arg;
     for (int j = 2; j <= 5; j++) {
         int b, c[3], bridge = 0,
-                     before = j == 2 ? between(PATH, "S2+[01]", -1, -1) : reversible_branch(PATH, sticking(j - 1));
-        if (!sticking_points(j, &b, c) || !before || leaving(PATH, c[0], sticking(j), &bridge) != 1) return NEITHER;
+                     before = j == 2 ? between(PATH, "S2+[01]", -1, -1)
+                                     : reversible_branch(PATH, sticking(j - 1));
+        if (!sticking_points(j, &b, c) || !before || leaving(PATH, c[0], sticking(j), &bridge) != 1)
+            return NEITHER;
         ric_junction end = junction(PATH, far_end(PATH, bridge, c[0]));
-        say(f, "%sj = %d: to G_%d,%d at E %.7g, an end of %s", j > 2 ? "; " : "", j, end.impacts, end.grazings,
-            end.energy, branch(PATH, before).label);
+        say(f, "%sj = %d: to G_%d,%d at E %.7g, an end of %s", j > 2 ? "; " : "", j, end.impacts,
+            end.grazings, end.energy, branch(PATH, before).label);
         right = right && branch(PATH, bridge).symmetric && ends_at(branch(PATH, before), end.id);
     }
     return stated(right);
@@ -210,9 +222,11 @@ static verdict sticking_third_point(finding *f, const char *arg)
         if (!sticking_points(j, &b, c)) return NEITHER;
         ric_junction p = junction(PATH, c[2]);
         int n = 0;
-        for (int id = 1; id <= ric_atlas_n_junction(atlas_of(TONGUES)); id++) { /* the path has no A branches */
+        for (int id = 1; id <= ric_atlas_n_junction(atlas_of(TONGUES));
+             id++) { /* the path has no A branches */
             ric_junction t = junction(TONGUES, id);
-            if (t.kind == RIC_KIND_BRANCH_POINT && near(t.energy, p.energy) && near(t.frequency, p.frequency))
+            if (t.kind == RIC_KIND_BRANCH_POINT && near(t.energy, p.energy) &&
+                near(t.frequency, p.frequency))
                 n += leaving(TONGUES, id, side[j - 2], &last);
         }
         say(f, "%s%s at E %.7g", j > 2 ? "; " : "", side[j - 2], p.energy);
@@ -226,7 +240,8 @@ static verdict sticking_below(finding *f, const char *arg)
     double locked, last = 0;
     bool right = true;
     (void)arg;
-    assert_int_equal(ric_model_locked_frequencies(ric_atlas_model(atlas_of(PATH)), 0, &locked), RIC_OK);
+    assert_int_equal(ric_model_locked_frequencies(ric_atlas_model(atlas_of(PATH)), 0, &locked),
+                     RIC_OK);
     say(f, "least frequencies");
     for (int j = 2; j <= 5; j++) {
         ric_branch b = branch(PATH, reversible_branch(PATH, sticking(j)));
@@ -245,13 +260,14 @@ static verdict path_order(finding *f, const char *arg)
     bool right = true;
     (void)arg;
     for (int i = 0; i < 6; i++) {
-        int a = reversible_branch(PATH, order[i]), b = reversible_branch(PATH, order[i + 1]), least = 99;
+        int a = reversible_branch(PATH, order[i]), b = reversible_branch(PATH, order[i + 1]),
+            least = 99;
         char best[256] = "", labels[256];
         if (!a || !b) return NEITHER;
         ric_branch one = branch(PATH, a), two = branch(PATH, b);
         for (int k = 0; k < 4; k++) {
-            int n = hops(PATH, k & 1 ? one.to : one.from, k & 2 ? two.to : two.from, true, false, 0, labels,
-                         sizeof labels);
+            int n = hops(PATH, k & 1 ? one.to : one.from, k & 2 ? two.to : two.from, true, false, 0,
+                         labels, sizeof labels);
             if (n < 0 || n >= least) continue;
             least = n;
             snprintf(best, sizeof best, "%s", labels);
@@ -267,11 +283,14 @@ static verdict path_converges(finding *f, const char *arg)
     double locked, energy = 0, away = INFINITY;
     bool right = true;
     (void)arg;
-    assert_int_equal(ric_model_locked_frequencies(ric_atlas_model(atlas_of(PATH)), 0, &locked), RIC_OK);
+    assert_int_equal(ric_model_locked_frequencies(ric_atlas_model(atlas_of(PATH)), 0, &locked),
+                     RIC_OK);
     for (int j = 1; j <= 5; j++) { /* the ends of highest energy */
-        ric_branch b = branch(PATH, j == 1 ? between(PATH, "S2+[01]", -1, -1) : reversible_branch(PATH, sticking(j)));
+        ric_branch b = branch(PATH, j == 1 ? between(PATH, "S2+[01]", -1, -1)
+                                           : reversible_branch(PATH, sticking(j)));
         ric_junction end = junction(PATH, b.to);
-        say(f, "%sE %.6g: %.5f", j > 1 ? ", " : "omega - omega_0 where S2+, S4, S6, S8, S10 end: ", end.energy,
+        say(f, "%sE %.6g: %.5f",
+            j > 1 ? ", " : "omega - omega_0 where S2+, S4, S6, S8, S10 end: ", end.energy,
             end.frequency - locked);
         right = right && end.energy > energy && fabs(end.frequency - locked) < away;
         energy = end.energy, away = fabs(end.frequency - locked);
@@ -295,7 +314,8 @@ static verdict even_is_asymmetric(finding *f, const char *arg)
         }
         wrong += count != (q % 2 ? 1 : 2);
     }
-    static const int more[] = {LOOP, TRIPLE, BASE_4, BASE_5}; /* down to lower frequencies, for all p */
+    static const int more[] = {LOOP, TRIPLE, BASE_4,
+                               BASE_5}; /* down to lower frequencies, for all p */
     int others = 0, left = 0;
     for (int k = 0; k < 4; k++)
         for (int q = 2; q <= 5; q++)
@@ -308,8 +328,10 @@ static verdict even_is_asymmetric(finding *f, const char *arg)
                     others += branch(more[k], list[i]).symmetric != (q % 2 == 1 && p % 2 == 0);
             }
     say(f,
-        "(q, p) = (2, 1), (3, 2) .. (12, 11): one S family each for odd q, two A families each for even q, %d in all, "
-        "%d otherwise; for all p up to q = 5, at %d points in 4 atlases, S only for odd q and even p, %d otherwise",
+        "(q, p) = (2, 1), (3, 2) .. (12, 11): one S family each for odd q, two A families each for "
+        "even q, %d in all, "
+        "%d otherwise; for all p up to q = 5, at %d points in 4 atlases, S only for odd q and even "
+        "p, %d otherwise",
         n, wrong, left, others);
     return stated(n == 17 && !wrong && left > 5 && !others);
 }
@@ -317,7 +339,8 @@ static verdict even_is_asymmetric(finding *f, const char *arg)
 /* On which sides in energy a branch lies next to a junction on it: bit 0 above, bit 1 below. */
 static int energy_sides(int which, int b, int id)
 {
-    double s = place_on(which, b, id), energy = junction(which, id).energy, nearest[2] = {INFINITY, INFINITY};
+    double s = place_on(which, b, id), energy = junction(which, id).energy,
+           nearest[2] = {INFINITY, INFINITY};
     int side[2] = {0, 0};
     for (int i = 0; i < branch(which, b).n_point; i++) {
         ric_point p = point(which, b, i);
@@ -329,32 +352,35 @@ static int energy_sides(int which, int b, int id)
     return side[0] | side[1];
 }
 
-/* The stored points verify, and the first of them have the period claimed: q times that of S2-, p / q turns of its
- * multipliers. */
+/* The stored points verify, and the first of them have the period claimed: q times that of S2-, p /
+ * q turns of its multipliers. */
 static bool member_is_right(int which, int b, int id)
 {
     double nearest = INFINITY;
     ric_branch row = branch(which, b);
     for (int k = 0; k < 3; k++) {
         ric_check check;
-        if (ric_verify_point(atlas_of(which), b, 1 + k * (row.n_point - 3) / 2, &check)) fail_msg("%s", ric_detail());
+        if (ric_verify_point(atlas_of(which), b, 1 + k * (row.n_point - 3) / 2, &check))
+            fail_msg("%s", ric_detail());
         if (!check.passed) return false;
     }
     for (int k = 0; k < row.n_point; k++)
-        nearest = fmin(nearest, fabs(point(which, b, k).frequency / junction(which, id).frequency - 1));
+        nearest = fmin(nearest,
+                       fabs(point(which, b, k).frequency / junction(which, id).frequency - 1));
     return row.reversible && nearest < 1e-4;
 }
 
-/* arg: "ATLAS q p families". Two families have mirror points of their own and lie on one side in energy; a single one
- * passes. That of q = 3 is on both sides; for q >= 5 it is on one side: its halves are the elliptic and the hyperbolic
- * family. */
+/* arg: "ATLAS q p families". Two families have mirror points of their own and lie on one side in
+ * energy; a single one passes. That of q = 3 is on both sides; for q >= 5 it is on one side: its
+ * halves are the elliptic and the hyperbolic family. */
 static verdict leave_s2_minus(finding *f, const char *arg)
 {
     int q, p, want, list[8], id = 0;
     char from;
     assert_int_equal(sscanf(arg, "%c %d %d %d", &from, &q, &p, &want), 4);
     int which = from == 'T' ? TRIPLE : CHATTER;
-    if (multiplications(which, between(which, "S2-[01]", at(which, "G2_0,2"), 0), p, q, &id) != 1) return NEITHER;
+    if (multiplications(which, between(which, "S2-[01]", at(which, "G2_0,2"), 0), p, q, &id) != 1)
+        return NEITHER;
     int n = families(which, id, list, 8), sides = 0;
     ric_junction j = junction(which, id);
     bool right = n == 2 || n == 1, both_passes = n == 1;
@@ -362,11 +388,15 @@ static verdict leave_s2_minus(finding *f, const char *arg)
     for (int i = 0; i < n && i < 8; i++) {
         ric_branch row = branch(which, list[i]);
         sides |= energy_sides(which, list[i], id);
-        say(f, "%s %s%s (%s)", i ? "," : "", row.label, passes(row, id) ? " passing" : "", row.mirror);
+        say(f, "%s %s%s (%s)", i ? "," : "", row.label, passes(row, id) ? " passing" : "",
+            row.mirror);
         right = right && member_is_right(which, list[i], id) && passes(row, id) == both_passes;
-        for (int k = 0; k < i; k++) right = right && strcmp(row.mirror, branch(which, list[k]).mirror);
+        for (int k = 0; k < i; k++)
+            right = right && strcmp(row.mirror, branch(which, list[k]).mirror);
     }
-    say(f, sides == 3 ? ", on both sides in energy" : sides == 1 ? ", at higher energies" : ", at lower energies");
+    say(f, sides == 3   ? ", on both sides in energy"
+           : sides == 1 ? ", at higher energies"
+                        : ", at lower energies");
     right = right && (q == 3 && n == 1 ? sides == 3 : sides == 1);
     return !right ? NEITHER : n == want ? AS_STATED : OTHERWISE;
 }
@@ -377,7 +407,8 @@ static verdict all_duplicates_meet(finding *f, const char *arg)
     bool right = true, c32 = true;
     (void)arg;
     assert_int_equal(ric_model_frequencies(ric_atlas_model(atlas_of(CHATTER)), omega), RIC_OK);
-    assert_int_equal(ric_model_locked_frequencies(ric_atlas_model(atlas_of(CHATTER)), 0, &locked), RIC_OK);
+    assert_int_equal(ric_model_locked_frequencies(ric_atlas_model(atlas_of(CHATTER)), 0, &locked),
+                     RIC_OK);
     say(f, "omega");
     for (int q = 2; q <= 12; q++) {
         int id = 0;
@@ -441,7 +472,8 @@ static verdict ghosts_of_a1(finding *f, const char *arg)
     ric_ghost_limits limits;
     (void)arg;
     for (int i = 0; i < branch(LOOP, b).n_point; i++)
-        if (point(LOOP, b, i).stable == RIC_STABLE_YES) most = fmax(most, point(LOOP, b, i).rotation);
+        if (point(LOOP, b, i).stable == RIC_STABLE_YES)
+            most = fmax(most, point(LOOP, b, i).rotation);
     ric_ghost_limits_init(atlas_of(LOOP), &limits);
     if (ric_ghost_find(atlas_of(LOOP), b, &limits, &n, &ghosts)) fail_msg("%s", ric_detail());
     for (int g = 0; g < n; g++) {
@@ -456,8 +488,9 @@ static verdict ghosts_of_a1(finding *f, const char *arg)
         }
     }
     ric_ghosts_free(n, ghosts);
-    say(f, "rotation number up to %.6f on the branch; beyond its grazing it passes 1/3 %s and 1/2 %s", most,
-        passed[0] ? "as a ghost" : "never", passed[1] ? "as a ghost" : "never");
+    say(f,
+        "rotation number up to %.6f on the branch; beyond its grazing it passes 1/3 %s and 1/2 %s",
+        most, passed[0] ? "as a ghost" : "never", passed[1] ? "as a ghost" : "never");
     return stated(most < 1.0 / 3 && passed[0] > 0 && passed[1] > 0);
 }
 
@@ -475,14 +508,16 @@ static verdict only_on_stable_parts(finding *f, const char *arg)
                 bool beside = false;
                 for (int m = 1; m < b.n_point; m++) {
                     ric_point one = point(which[k], id, m - 1), two = point(which[k], id, m);
-                    if (one.arclength > b.junction_at[i] || two.arclength < b.junction_at[i]) continue;
+                    if (one.arclength > b.junction_at[i] || two.arclength < b.junction_at[i])
+                        continue;
                     beside = beside || one.stable != RIC_STABLE_NO || two.stable != RIC_STABLE_NO;
                 }
                 n++;
                 wrong += !beside;
             }
         }
-    say(f, "%d multiplications on branches with impacts, %d of them not in or beside a stable part", n, wrong);
+    say(f, "%d multiplications on branches with impacts, %d of them not in or beside a stable part",
+        n, wrong);
     return stated(n > 100 && !wrong);
 }
 

@@ -1,5 +1,5 @@
-/* The article's own equations (14 to 46) for its two masses, written out anew: nothing of the library is used but the
- * orbits that are put in. */
+/* The article's own equations (14 to 46) for its two masses, written out anew: nothing of the
+ * library is used but the orbits that are put in. */
 #ifndef ARTICLE_MAP_H
 #define ARTICLE_MAP_H
 
@@ -16,7 +16,8 @@ static void map_modes(double omega[2], double shape[2][2])
     for (int i = 0; i < 2; i++) {
         double w = (11 + (i ? 1 : -1) * sqrt(57)) / 4, norm;
         shape[i][0] = 1, shape[i][1] = 9 - 2 * w; /* first row of K - w M */
-        norm = sqrt(MAP_MASS_1 * shape[i][0] * shape[i][0] + MAP_MASS_2 * shape[i][1] * shape[i][1]);
+        norm = sqrt(MAP_MASS_1 * shape[i][0] * shape[i][0] +
+                    MAP_MASS_2 * shape[i][1] * shape[i][1]);
         for (int k = 0; k < 2; k++) shape[i][k] /= norm;
         omega[i] = sqrt(w);
     }
@@ -40,7 +41,8 @@ static void map_flow(double t, double phi[4][4])
             }
 }
 
-/* Velocities after an elastic impact between the masses: the relative one is turned round, momentum is kept. */
+/* Velocities after an elastic impact between the masses: the relative one is turned round, momentum
+ * is kept. */
 static void map_impact(double z[4])
 {
     double impulse = 2 * MAP_MASS_1 * MAP_MASS_2 / (MAP_MASS_1 + MAP_MASS_2) * (z[3] - z[2]);
@@ -55,8 +57,8 @@ static void map_apply(double a[4][4], double z[4])
     memcpy(z, out, sizeof out);
 }
 
-/* F(z0, beta, T) = 0, eq. 24 to 27: z0 right after the first impact, N gaps at the ends of the flights, the sum of
- * the parts beta of the period, and the closing of z. `side` [n]: +1 or -1. */
+/* F(z0, beta, T) = 0, eq. 24 to 27: z0 right after the first impact, N gaps at the ends of the
+ * flights, the sum of the parts beta of the period, and the closing of z. `side` [n]: +1 or -1. */
 static void map_equations(int n, const double *s, const double *side, double *out)
 {
     double z[4], phi[4][4], sum = 0;
@@ -72,8 +74,8 @@ static void map_equations(int n, const double *s, const double *side, double *ou
     for (int i = 0; i < 4; i++) out[n + 1 + i] = z[i] - s[i];
 }
 
-/* Central differences; `left_out`: a row that is not taken, or -1. Returns the rank, told by the largest of the ratios
- * of neighbouring pivots; *gap is that ratio. */
+/* Central differences; `left_out`: a row that is not taken, or -1. Returns the rank, told by the
+ * largest of the ratios of neighbouring pivots; *gap is that ratio. */
 static int map_rank(int n, const double *s, const double *side, int left_out, double *gap)
 {
     double a[MAP_SIZE][MAP_SIZE], pivot[MAP_SIZE], plus[MAP_SIZE], minus[MAP_SIZE], moved[MAP_SIZE];
@@ -104,7 +106,8 @@ static int map_rank(int n, const double *s, const double *side, int left_out, do
         }
         pivot[step] = fabs(a[step][step]);
         for (int i = step + 1; i < rows; i++)
-            for (int k = size - 1; k >= step; k--) a[i][k] -= a[i][step] / a[step][step] * a[step][k];
+            for (int k = size - 1; k >= step; k--)
+                a[i][k] -= a[i][step] / a[step][step] * a[step][k];
     }
     *gap = 1;
     for (int i = 1; i < rows; i++)
@@ -128,7 +131,8 @@ static bool map_unknowns(int which, const ric_branch *b, int i, double *s, doubl
     return true;
 }
 
-/* One redundant equation, solutions are curves: of N + 5 equations in N + 5 unknowns N + 4 are independent. */
+/* One redundant equation, solutions are curves: of N + 5 equations in N + 5 unknowns N + 4 are
+ * independent. */
 static verdict solutions_form_curves(finding *f, const char *arg)
 {
     int n = 0, wrong = 0;
@@ -140,7 +144,8 @@ static verdict solutions_form_curves(finding *f, const char *arg)
             double s[MAP_SIZE], side[MAP_IMPACTS], out[MAP_SIZE], gap;
             if (!map_unknowns(ELEMENTARY, &b, i, s, side)) continue;
             map_equations(b.impacts, s, side, out);
-            for (int k = 0; k < b.impacts + 5; k++) worst = fmax(worst, fabs(out[k]) / (1 + fabs(s[0]) + fabs(s[2])));
+            for (int k = 0; k < b.impacts + 5; k++)
+                worst = fmax(worst, fabs(out[k]) / (1 + fabs(s[0]) + fabs(s[2])));
             if (i % 10 != 5) continue; /* rank */
             n++;
             wrong += map_rank(b.impacts, s, side, -1, &gap) != b.impacts + 4;
@@ -148,13 +153,15 @@ static verdict solutions_form_curves(finding *f, const char *arg)
         }
     }
     say(f,
-        "all stored points solve these equations, written out anew, to 1e-12: %s; rank N + 4 of N + 5 at all but %d of "
+        "all stored points solve these equations, written out anew, to 1e-12: %s; rank N + 4 of N "
+        "+ 5 at all but %d of "
         "%d of them",
         worst < 1e-12 ? "yes" : "no", wrong, n);
     return stated(n > 20 && !wrong && worst < 1e-12);
 }
 
-/* Any one of the four rows that close the orbit can be left out (but where the energy does not depend on it). */
+/* Any one of the four rows that close the orbit can be left out (but where the energy does not
+ * depend on it). */
 static verdict any_row_can_go(finding *f, const char *arg)
 {
     int n = 0, wrong = 0;
@@ -174,9 +181,10 @@ static verdict any_row_can_go(finding *f, const char *arg)
     return stated(n > 30 && !wrong);
 }
 
-/* F and its explicit Jacobian (eq. 28 to 37), each column carried along: in flight dz' = Phi dz + z' dtau with
- * tau = beta_i T, and the impact is linear. */
-static void map_jacobian(int n, const double *s, const double *side, double *out, double jac[MAP_SIZE][MAP_SIZE])
+/* F and its explicit Jacobian (eq. 28 to 37), each column carried along: in flight dz' = Phi dz +
+ * z' dtau with tau = beta_i T, and the impact is linear. */
+static void map_jacobian(int n, const double *s, const double *side, double *out,
+                         double jac[MAP_SIZE][MAP_SIZE])
 {
     double z[4], dz[MAP_SIZE][4] = {{0}}, phi[4][4];
     const int size = n + 5;
@@ -185,7 +193,8 @@ static void map_jacobian(int n, const double *s, const double *side, double *out
     for (int i = 0; i < n; i++) {
         map_flow(s[4 + i] * s[4 + n], phi);
         map_apply(phi, z);
-        const double rate[4] = {z[2], z[3], (z[1] - 9 * z[0]) / MAP_MASS_1, (z[0] - z[1]) / MAP_MASS_2};
+        const double rate[4] = {z[2], z[3], (z[1] - 9 * z[0]) / MAP_MASS_1,
+                                (z[0] - z[1]) / MAP_MASS_2};
         out[i] = z[1] - z[0] - side[(i + 1) % n];
         for (int k = 0; k < size; k++) {
             const double dtau = k == 4 + i ? s[4 + n] : k == 4 + n ? s[4 + i] : 0;
@@ -231,9 +240,10 @@ static void map_solve(int size, double a[MAP_SIZE][MAP_SIZE], double *b)
     }
 }
 
-/* Newton steps from s across the direction `along`, in the place of the row `row` that closes; the distances covered.
- */
-static void map_newton(int n, double *s, const double *side, const double *along, int row, double moved[3])
+/* Newton steps from s across the direction `along`, in the place of the row `row` that closes; the
+ * distances covered. */
+static void map_newton(int n, double *s, const double *side, const double *along, int row,
+                       double moved[3])
 {
     for (int step = 0; step < 3; step++) {
         double jac[MAP_SIZE][MAP_SIZE], out[MAP_SIZE];
@@ -242,12 +252,14 @@ static void map_newton(int n, double *s, const double *side, const double *along
         out[row] = 0;
         map_solve(n + 5, jac, out);
         moved[step] = 0;
-        for (int k = 0; k < n + 5; k++) s[k] -= out[k], moved[step] = fmax(moved[step], fabs(out[k]));
+        for (int k = 0; k < n + 5; k++)
+            s[k] -= out[k], moved[step] = fmax(moved[step], fabs(out[k]));
     }
 }
 
-/* From beside a stored point, 1e-4 across the branch, Newton's method in (z0, beta, T) comes back to that point. Orbits
- * that multiply what is off by more than 1000 in a period are beyond its reach, as those of any single shooting. */
+/* From beside a stored point, 1e-4 across the branch, Newton's method in (z0, beta, T) comes back
+ * to that point. Orbits that multiply what is off by more than 1000 in a period are beyond its
+ * reach, as those of any single shooting. */
 static verdict newton_in_states_and_parts(finding *f, const char *arg)
 {
     int n = 0, back = 0;
@@ -255,16 +267,21 @@ static verdict newton_in_states_and_parts(finding *f, const char *arg)
     (void)arg;
     for (int id = 1; id <= ric_atlas_n_branch(atlas_of(ELEMENTARY)); id++) {
         ric_branch b = branch(ELEMENTARY, id);
-        double s[MAP_SIZE], side[MAP_IMPACTS], before[MAP_SIZE], after[MAP_SIZE], moved[3], off[MAP_SIZE];
+        double s[MAP_SIZE], side[MAP_IMPACTS], before[MAP_SIZE], after[MAP_SIZE], moved[3],
+            off[MAP_SIZE];
         const int i = b.n_point / 2, size = b.impacts + 5;
         if (b.n_point < 5 || !map_unknowns(ELEMENTARY, &b, i, s, side)) continue;
         if (!(fabs(point(ELEMENTARY, id, i).trace) < 1000)) continue;
-        map_unknowns(ELEMENTARY, &b, i - 1, before, side), map_unknowns(ELEMENTARY, &b, i + 1, after, side);
+        map_unknowns(ELEMENTARY, &b, i - 1, before, side),
+            map_unknowns(ELEMENTARY, &b, i + 1, after, side);
         double along[MAP_SIZE], length = 0, part = 0;
-        for (int k = 0; k < size; k++) along[k] = after[k] - before[k], length += along[k] * along[k];
-        for (int k = 0; k < size; k++) off[k] = 1e-4 * cos(3 * k + id), part += off[k] * along[k] / length;
+        for (int k = 0; k < size; k++)
+            along[k] = after[k] - before[k], length += along[k] * along[k];
+        for (int k = 0; k < size; k++)
+            off[k] = 1e-4 * cos(3 * k + id), part += off[k] * along[k] / length;
         for (int k = 0; k < size; k++) before[k] = s[k] + off[k] - part * along[k];
-        const double slope[4] = {9 * s[0] - s[1], s[1] - s[0], MAP_MASS_1 * s[2], MAP_MASS_2 * s[3]};
+        const double slope[4] = {9 * s[0] - s[1], s[1] - s[0], MAP_MASS_1 * s[2],
+                                 MAP_MASS_2 * s[3]};
         int row = 0;
         for (int k = 1; k < 4; k++)
             if (fabs(slope[k]) > fabs(slope[row])) row = k;
@@ -277,17 +294,20 @@ static verdict newton_in_states_and_parts(finding *f, const char *arg)
         square = fmax(square, moved[1] / (moved[0] * moved[0]));
     }
     say(f,
-        "from 1e-4 beside %d orbits three steps lead back to within 1e-9 of %d; the second step is at most %.2g times "
+        "from 1e-4 beside %d orbits three steps lead back to within 1e-9 of %d; the second step is "
+        "at most %.2g times "
         "the square of the first",
         n, back, square);
     return stated(n > 10 && back == n && square < 1e4);
 }
 
-/* lambda + 1 / lambda of the return map of (z, t), eq. 40 to 46, of an orbit that begins right after an impact: its
- * block of z has the eigenvalues 0, 1, lambda, 1 / lambda. *slowest: the least speed of an impact. */
+/* lambda + 1 / lambda of the return map of (z, t), eq. 40 to 46, of an orbit that begins right
+ * after an impact: its block of z has the eigenvalues 0, 1, lambda, 1 / lambda. *slowest: the least
+ * speed of an impact. */
 static double map_pair(int n, const double *s, double *slowest)
 {
-    double z[4], product[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}, trace = 0;
+    double z[4], product[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}},
+                 trace = 0;
     memcpy(z, s, sizeof z);
     *slowest = INFINITY;
     for (int i = 0; i < n; i++) {
@@ -298,7 +318,8 @@ static double map_pair(int n, const double *s, double *slowest)
         f[2] = -(9 * z[0] - z[1]) / MAP_MASS_1, f[3] = -(z[1] - z[0]) / MAP_MASS_2;
         speed = f[1] - f[0];
         *slowest = fmin(*slowest, fabs(speed));
-        for (int k = 0; k < 4; k++) { /* H' z dt + H dz with dt = -(gap of H dz) / speed; then the velocities turn */
+        for (int k = 0; k < 4;
+             k++) { /* H' z dt + H dz with dt = -(gap of H dz) / speed; then the velocities turn */
             double y[4] = {0}, dt;
             for (int a = 0; a < 4; a++)
                 for (int b = 0; b < 4; b++) y[a] += phi[a][b] * product[b][k];
@@ -336,13 +357,15 @@ static verdict stability_of_return_map(finding *f, const char *arg)
         }
     }
     say(f,
-        "lambda + 1 / lambda of the article's map, written out anew, are those stored at %d points to 1e-6: %s; of %d "
+        "lambda + 1 / lambda of the article's map, written out anew, are those stored at %d points "
+        "to 1e-6: %s; of %d "
         "flags of stability %d are not those of |lambda + 1 / lambda| < 2",
         n, worst < 1e-6 ? "yes" : "no", flags, wrong);
     return stated(n > 500 && flags > 500 && !wrong && worst < 1e-6);
 }
 
-/* Share of the energy that the masses have against each other at the impacts of a stored orbit, their mean. */
+/* Share of the energy that the masses have against each other at the impacts of a stored orbit,
+ * their mean. */
 static double share_of_relative_motion(int which, int b, int i)
 {
     double state[4], flights[40], phi[4][4], sum = 0;
@@ -367,19 +390,23 @@ static int beside_branch_point(int which, int b)
     int best = 0;
     for (int k = 0; k < row.n_junction; k++) {
         ric_junction j = junction(which, row.junctions[k]);
-        if (j.kind == RIC_KIND_BRANCH_POINT && j.energy < least) least = j.energy, along = row.junction_at[k];
+        if (j.kind == RIC_KIND_BRANCH_POINT && j.energy < least)
+            least = j.energy, along = row.junction_at[k];
     }
     for (int i = 1; i < row.n_point; i++)
-        if (fabs(point(which, b, i).arclength - along) < fabs(point(which, b, best).arclength - along)) best = i;
+        if (fabs(point(which, b, i).arclength - along) <
+            fabs(point(which, b, best).arclength - along))
+            best = i;
     return best;
 }
 
-/* Trace of the return map of S2[01] at a frequency, less 2: lambda + 1 / lambda. The orbit is in closed form: in each
- * flight both modes are odd about the middle, and the impulse is that of the stop. */
+/* Trace of the return map of S2[01] at a frequency, less 2: lambda + 1 / lambda. The orbit is in
+ * closed form: in each flight both modes are odd about the middle, and the impulse is that of the
+ * stop. */
 static double s2_trace(double frequency)
 {
-    double h = M_PI / frequency, omega[2], shape[2][2], impulse = 0, z[4] = {0}, after[4], f[4], g[4], half[4][4],
-           out[4][4], trace = 0;
+    double h = M_PI / frequency, omega[2], shape[2][2], impulse = 0, z[4] = {0}, after[4], f[4],
+           g[4], half[4][4], out[4][4], trace = 0;
     map_modes(omega, shape);
     for (int m = 0; m < 2; m++) {
         double c = shape[m][1] - shape[m][0];

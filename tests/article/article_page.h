@@ -1,4 +1,5 @@
-/* docs/article.md: its parts between <!-- NAME --> and <!-- end of NAME --> are written by tests, the rest by hand. */
+/* docs/article.md: its parts between <!-- NAME --> and <!-- end of NAME --> are written by tests,
+ * the rest by hand. */
 #ifndef ARTICLE_PAGE_H
 #define ARTICLE_PAGE_H
 

@@ -1,6 +1,6 @@
-/* What the article states but for section 3.3 (test_article_power.c), each statement checked against computed atlases,
- * and what became of each of its claims. docs/article.md has the tables; UPDATE=1 in the environment writes them anew.
- */
+/* What the article states but for section 3.3 (test_article_power.c), each statement checked
+ * against computed atlases, and what became of each of its claims. docs/article.md has the tables;
+ * UPDATE=1 in the environment writes them anew. */
 #define _GNU_SOURCE
 
 #include <ctype.h>
@@ -9,7 +9,8 @@
 #include "article_predictions.h"
 #include "article_claims.h"
 
-/* Without a check: the heading of a table, `statement`. Numbers stay what they are, for other pages name them. */
+/* Without a check: the heading of a table, `statement`. Numbers stay what they are, for other pages
+ * name them. */
 typedef struct {
     int number;
     const char *where, *statement;
@@ -20,165 +21,228 @@ typedef struct {
 
 static const entry table[] = {
     {0, NULL, "## Sections 1, 2, 3.1 and 3.2", NULL, NULL, NULL},
-    {87, "1, 3.2.1", "New branches start from grazing or critical points of solved ones.", branches_begin_at_junctions,
-     NULL, NULL},
+    {87, "1, 3.2.1", "New branches start from grazing or critical points of solved ones.",
+     branches_begin_at_junctions, NULL, NULL},
     /* 2.2 Models */
-    {88, "2.2, eq. 3, 5", "One plot of scaled energies serves all clearances.", one_plot_for_all_clearances, NULL,
-     NULL},
+    {88, "2.2, eq. 3, 5", "One plot of scaled energies serves all clearances.",
+     one_plot_for_all_clearances, NULL, NULL},
     /* 2.3 Continuation of periodic orbits */
-    {1, "2.3, eq. 24-27", "One of N + 5 equations is redundant: solutions form curves.", solutions_form_curves, NULL,
-     NULL},
-    {89, "2.3, eq. 28", "Any one of the rows that close the orbit can be left out.", any_row_can_go, NULL, NULL},
-    {103, "2.3, eq. 28-37", "Newton's method with the explicit Jacobian in (z0, beta, T) solves for orbits.",
+    {1, "2.3, eq. 24-27", "One of N + 5 equations is redundant: solutions form curves.",
+     solutions_form_curves, NULL, NULL},
+    {89, "2.3, eq. 28", "Any one of the rows that close the orbit can be left out.", any_row_can_go,
+     NULL, NULL},
+    {103, "2.3, eq. 28-37",
+     "Newton's method with the explicit Jacobian in (z0, beta, T) solves for orbits.",
      newton_in_states_and_parts, NULL, NULL},
-    {2, "2.3", "S forms have an even number of impacts; the second half of the word is the negation of the first.",
+    {2, "2.3",
+     "S forms have an even number of impacts; the second half of the word is the negation of the "
+     "first.",
      symmetric_words, NULL, NULL},
-    {3, "2.3, Table 1", "Three impacts: 2 independent forms, one for 6 words, one for 2.", three_impacts, NULL, NULL},
-    {4, "2.3, eq. 38", "The estimate of the number of independent forms is exact for odd N.", words_counted, "odd",
-     NULL},
+    {3, "2.3, Table 1", "Three impacts: 2 independent forms, one for 6 words, one for 2.",
+     three_impacts, NULL, NULL},
+    {4, "2.3, eq. 38", "The estimate of the number of independent forms is exact for odd N.",
+     words_counted, "odd", NULL},
     {5, "2.3, eq. 38", "It is a lower bound for even N.", words_counted, "even", NULL},
-    {6, "2.3", "Forms are equivalent by rotation and negation and in no other manner.", time_reversal_merges, NULL,
-     "Reading a word backwards is an equivalence as well (time reversal). It merges nothing up to N = 6, but some "
+    {6, "2.3", "Forms are equivalent by rotation and negation and in no other manner.",
+     time_reversal_merges, NULL,
+     "Reading a word backwards is an equivalence as well (time reversal). It merges nothing up to "
+     "N = 6, but some "
      "words from N = 7 on."},
     /* 2.4 Details of implementation */
-    {7, "2.4.1", "Where a branch with N impacts grazes p times, a branch with N + p impacts ends, too.",
+    {7, "2.4.1",
+     "Where a branch with N impacts grazes p times, a branch with N + p impacts ends, too.",
      grazing_joins_n_and_n_plus_p, NULL, NULL},
-    {8, "2.4.1", "At a grazing with p touches at most 2^p branches meet, and more than two may.", grazing_bound, NULL,
-     NULL},
+    {8, "2.4.1", "At a grazing with p touches at most 2^p branches meet, and more than two may.",
+     grazing_bound, NULL, NULL},
     {9, "2.4.2", "Stable solutions are marginally stable.", stable_is_marginal, NULL, NULL},
-    {101, "2.4.2, eq. 39-46", "Stability follows from the return map of states and times.", stability_of_return_map,
-     NULL, NULL},
-    {10, "2.4.3, case 1", "a = 2 or 3, b = 1: no bifurcation, but stability changes.", extrema_do_not_branch, NULL,
-     NULL},
+    {101, "2.4.2, eq. 39-46", "Stability follows from the return map of states and times.",
+     stability_of_return_map, NULL, NULL},
+    {10, "2.4.3, case 1", "a = 2 or 3, b = 1: no bifurcation, but stability changes.",
+     extrema_do_not_branch, NULL, NULL},
     {11, "2.4.3, case 2", "a = 2 or 3, b = 2: two branches.", branch_points_have_two, NULL, NULL},
-    {12, "2.4.3, case 3; 3.1, C1_33", "a = b = 3: four branches, three of them identical in the frequency-energy plot.",
+    {12, "2.4.3, case 3; 3.1, C1_33",
+     "a = b = 3: four branches, three of them identical in the frequency-energy plot.",
      four_curves_at_c33, NULL, NULL},
-    {90, "3.1", "At critical points branches of one form meet, at grazings such of different forms.",
+    {90, "3.1",
+     "At critical points branches of one form meet, at grazings such of different forms.",
      critical_points_keep_the_form, NULL, NULL},
     /* 3.1 Elementary structure */
-    {13, "3.1, eq. 47-48", "The linear frequencies are 0.9287 and 2.1535, the locked one 1.6330.", frequencies, NULL,
+    {13, "3.1, eq. 47-48", "The linear frequencies are 0.9287 and 2.1535, the locked one 1.6330.",
+     frequencies, NULL, NULL},
+    {14, "3.1, eq. 47", "The parameters are m_1 = 2, m_2 = 2, k_1 = 8, k_2 = 1.",
+     parameters_as_printed, NULL,
+     "m_2 = 1 (a misprint or a fault of the scan): only that gives the frequencies printed beside "
+     "it."},
+    {15, "3.1", "A k-duplicate of a solution is a solution at a frequency k times lower.",
+     duplicate_is_a_solution, NULL, NULL},
+    {16, "3.1, Fig. 3", "At low energies there are only the linear modes.",
+     only_modes_at_low_energy, NULL, NULL},
+    {17, "3.1, Fig. 3", "S0+ is stable up to G1_0,2, where it touches both stops.", mode_ends, "+",
      NULL},
-    {14, "3.1, eq. 47", "The parameters are m_1 = 2, m_2 = 2, k_1 = 8, k_2 = 1.", parameters_as_printed, NULL,
-     "m_2 = 1 (a misprint or a fault of the scan): only that gives the frequencies printed beside it."},
-    {15, "3.1", "A k-duplicate of a solution is a solution at a frequency k times lower.", duplicate_is_a_solution,
-     NULL, NULL},
-    {16, "3.1, Fig. 3", "At low energies there are only the linear modes.", only_modes_at_low_energy, NULL, NULL},
-    {17, "3.1, Fig. 3", "S0+ is stable up to G1_0,2, where it touches both stops.", mode_ends, "+", NULL},
-    {18, "3.1, Fig. 3", "S0- is stable up to G2_0,2, where it touches both stops.", mode_ends, "-", NULL},
-    {19, "3.1, Fig. 3", "Of the candidates A1[0] and A2[01] at both grazings only A2[01] is admissible.",
+    {18, "3.1, Fig. 3", "S0- is stable up to G2_0,2, where it touches both stops.", mode_ends, "-",
+     NULL},
+    {19, "3.1, Fig. 3",
+     "Of the candidates A1[0] and A2[01] at both grazings only A2[01] is admissible.",
      two_candidates_one_admissible, NULL, NULL},
-    {20, "3.1, Fig. 3", "These branches are symmetric and start with flights T/2 and T/2.", half_periods, NULL, NULL},
-    {21, "3.1, Fig. 3", "S2- is unstable and loses energy at first, up to C2_31.", s2_minus_begins, NULL, NULL},
+    {20, "3.1, Fig. 3", "These branches are symmetric and start with flights T/2 and T/2.",
+     half_periods, NULL, NULL},
+    {21, "3.1, Fig. 3", "S2- is unstable and loses energy at first, up to C2_31.", s2_minus_begins,
+     NULL, NULL},
     {22, "3.1, Fig. 3",
-     "C2_31 is its energy minimum; beyond, it is stable for ever and meets no critical or grazing point.",
+     "C2_31 is its energy minimum; beyond, it is stable for ever and meets no critical or grazing "
+     "point.",
      s2_minus_goes_on, NULL, NULL},
-    {23, "3.1, Fig. 3c", "S2+ is unstable up to C1_31.", segment_stable, "S2+[01]|G1_0,2|G1_2,4|G1_0,2|C1_31|no", NULL},
+    {23, "3.1, Fig. 3c", "S2+ is unstable up to C1_31.", segment_stable,
+     "S2+[01]|G1_0,2|G1_2,4|G1_0,2|C1_31|no", NULL},
     {24, "3.1, Fig. 3c", "S2+ turns stable at its energy minimum C1_31.", segment_stable,
      "S2+[01]|G1_0,2|G1_2,4|C1_31|C1_32|yes", NULL},
-    {25, "3.1, Fig. 4", "S2+ is unstable again beyond C1_32.", segment_stable, "S2+[01]|G1_0,2|G1_2,4|C1_32|G1_2,4|no",
-     NULL},
+    {25, "3.1, Fig. 4", "S2+ is unstable again beyond C1_32.", segment_stable,
+     "S2+[01]|G1_0,2|G1_2,4|C1_32|G1_2,4|no", NULL},
     {26, "3.1", "S2+ ends at G1_2,4.", edge, "S2+[01]|G1_0,2|G1_2,4", NULL},
-    {27, "3.1, Fig. 4", "At C1_32 a branch A2[01] leaves that ends at G1_2,2.", edge, "A2[01]|C1_32|G1_2,2", NULL},
-    {28, "3.1, Fig. 4a", "On it symmetry is broken and stability restored.", a2_restores_stability, NULL, NULL},
+    {27, "3.1, Fig. 4", "At C1_32 a branch A2[01] leaves that ends at G1_2,2.", edge,
+     "A2[01]|C1_32|G1_2,2", NULL},
+    {28, "3.1, Fig. 4a", "On it symmetry is broken and stability restored.", a2_restores_stability,
+     NULL, NULL},
     {29, "3.1, Fig. 4a", "It is horizontal.", horizontal, "A2[01]|C1_32|G1_2,2", NULL},
-    {30, "3.1, eq. 49", "The 16 subsets of touches at G1_2,4 give 7 independent forms, all of which leave admissibly.",
+    {30, "3.1, eq. 49",
+     "The 16 subsets of touches at G1_2,4 give 7 independent forms, all of which leave admissibly.",
      seven_forms, NULL, NULL},
     {31, "3.1, Fig. 8", "A3[010] and A4[0010] end at G1_2,2.", edges_pair,
      "A3[001]|G1_2,4|G1_2,2&A4[0001]|G1_2,4|G1_2,2", NULL},
     {32, "3.1, Fig. 8", "A4[0101] and A5[00101] end at G2_4,2.", edges_pair,
      "A4[0101]|G1_2,4|G2_4,2&A5[00101]|G1_2,4|G2_4,2", NULL},
-    {33, "3.1, Fig. 8", "From there a short A6[010101] leads to C3_32 on S6[010101].", edge, "A6[010101]|G2_4,2|C3_32",
-     NULL},
-    {34, "3.1, Fig. 8", "S6[010101] turns stable at C3_32 and stays so up to C1_33.", s6_stable_part, NULL,
-     "The stable part ends at the energy minimum C_31, 4e-5 below C1_33: C1_33 is not quite the minimum, and between "
-     "the two the trace exceeds 2 by less than 4e-9. At C1_33 itself the trace only touches 2, as it must where a "
+    {33, "3.1, Fig. 8", "From there a short A6[010101] leads to C3_32 on S6[010101].", edge,
+     "A6[010101]|G2_4,2|C3_32", NULL},
+    {34, "3.1, Fig. 8", "S6[010101] turns stable at C3_32 and stays so up to C1_33.",
+     s6_stable_part, NULL,
+     "The stable part ends at the energy minimum C_31, 4e-5 below C1_33: C1_33 is not quite the "
+     "minimum, and between "
+     "the two the trace exceeds 2 by less than 4e-9. At C1_33 itself the trace only touches 2, as "
+     "it must where a "
      "period is multiplied."},
-    {35, "3.1, Fig. 8", "The symmetric branch at C1_33 extends to G1_4,2.", edge, "S6[010101]|G1_4,2|G1_2,4", NULL},
-    {36, "3.1, Fig. 8", "S4[0011] from G1_4,2 changes stability at C2_32.", s4_changes_at_c2_32, NULL, NULL},
-    {37, "3.1, Fig. 8", "There it meets an S4[0011] from G1_2,4.", edge, "S4[0011]|C2_32|G1_2,4", NULL},
-    {38, "3.1, Fig. 8", "That S4[0011] is horizontal.", horizontal, "S4[0011]|C2_32|G1_2,4", NULL},
-    {39, "3.1", "C1_33 exists on the duplicate of S2-, not on S2- itself.", extra_point_on_the_duplicate, NULL, NULL},
-    {40, "3.1, Figs. 10-11",
-     "Branches S_2k[01]^k exist for k = 3, 5, 7, 9; they end at G_2k-2,2 (high frequency) and G_2k-4,4 (low).",
-     chattering_ends, NULL,
-     "They exist and have these ends. For k = 9 (and only there, of the four) the end G_14,4 has the higher "
-     "frequency."},
-    {41, "3.1, Figs. 10-11", "Each meets the k-duplicate of S2- at its energy minimum, a C_33.", chattering_minimum,
-     NULL,
-     "The minimum is the C_33 itself for k = 5, 7, 9. For k = 3 it lies a little beside: there the multiplier of the "
-     "half-period map is a third root of unity, the only case in which energy changes to first order along the "
-     "family."},
-    {42, "3.1, Figs. 10-11", "Each has one C_32 and is stable only between it and the energy minimum.",
-     chattering_stable, NULL, NULL},
-    {43, "3.1, Fig. 12", "They lie above omega_0; their highest frequencies fall towards it.", chattering_above, NULL,
-     NULL},
-    {44, "3.1, Figs. 10-11",
-     "Branches S_2j[0^j 1^j] exist for j = 2, 3, 4, 5 with C_32, C_31, C_32; stability changes at C_31.",
-     sticking_critical, NULL, NULL},
-    {45, "3.1, Figs. 10-11", "From the first C_32 a symmetric branch leads to an end of S_2(j-1).", sticking_bridges,
+    {35, "3.1, Fig. 8", "The symmetric branch at C1_33 extends to G1_4,2.", edge,
+     "S6[010101]|G1_4,2|G1_2,4", NULL},
+    {36, "3.1, Fig. 8", "S4[0011] from G1_4,2 changes stability at C2_32.", s4_changes_at_c2_32,
      NULL, NULL},
-    {46, "3.1, Fig. 14", "At the last C_32 an asymmetric branch leaves.", sticking_third_point, NULL, NULL},
-    {47, "3.1, Fig. 13", "Their lowest frequencies lie below omega_0 and rise towards it.", sticking_below, NULL, NULL},
+    {37, "3.1, Fig. 8", "There it meets an S4[0011] from G1_2,4.", edge, "S4[0011]|C2_32|G1_2,4",
+     NULL},
+    {38, "3.1, Fig. 8", "That S4[0011] is horizontal.", horizontal, "S4[0011]|C2_32|G1_2,4", NULL},
+    {39, "3.1", "C1_33 exists on the duplicate of S2-, not on S2- itself.",
+     extra_point_on_the_duplicate, NULL, NULL},
+    {40, "3.1, Figs. 10-11",
+     "Branches S_2k[01]^k exist for k = 3, 5, 7, 9; they end at G_2k-2,2 (high frequency) and "
+     "G_2k-4,4 (low).",
+     chattering_ends, NULL,
+     "They exist and have these ends. For k = 9 (and only there, of the four) the end G_14,4 has "
+     "the higher "
+     "frequency."},
+    {41, "3.1, Figs. 10-11", "Each meets the k-duplicate of S2- at its energy minimum, a C_33.",
+     chattering_minimum, NULL,
+     "The minimum is the C_33 itself for k = 5, 7, 9. For k = 3 it lies a little beside: there the "
+     "multiplier of the "
+     "half-period map is a third root of unity, the only case in which energy changes to first "
+     "order along the "
+     "family."},
+    {42, "3.1, Figs. 10-11",
+     "Each has one C_32 and is stable only between it and the energy minimum.", chattering_stable,
+     NULL, NULL},
+    {43, "3.1, Fig. 12", "They lie above omega_0; their highest frequencies fall towards it.",
+     chattering_above, NULL, NULL},
+    {44, "3.1, Figs. 10-11",
+     "Branches S_2j[0^j 1^j] exist for j = 2, 3, 4, 5 with C_32, C_31, C_32; stability changes at "
+     "C_31.",
+     sticking_critical, NULL, NULL},
+    {45, "3.1, Figs. 10-11", "From the first C_32 a symmetric branch leads to an end of S_2(j-1).",
+     sticking_bridges, NULL, NULL},
+    {46, "3.1, Fig. 14", "At the last C_32 an asymmetric branch leaves.", sticking_third_point,
+     NULL, NULL},
+    {47, "3.1, Fig. 13", "Their lowest frequencies lie below omega_0 and rise towards it.",
+     sticking_below, NULL, NULL},
     {48, "3.1",
-     "S6[01]^3, S4, S10[01]^5, S6[000111], S14[01]^7, S8, S18[01]^9 follow one another, directly or over short "
+     "S6[01]^3, S4, S10[01]^5, S6[000111], S14[01]^7, S8, S18[01]^9 follow one another, directly "
+     "or over short "
      "symmetric branches.",
      path_order, NULL, NULL},
-    {91, "3.1, Figs. 10-11", "The path is clamped between the maxima of S_2k and the minima of S_2j.", path_is_clamped,
+    {91, "3.1, Figs. 10-11",
+     "The path is clamped between the maxima of S_2k and the minima of S_2j.", path_is_clamped,
      NULL, NULL},
-    {49, "3.1", "The path goes to infinite energy while its frequency converges to omega_0.", path_converges, NULL,
-     NULL},
-    {100, "3.1", "Both families become the motion of one mass, one fixed on the other.", becomes_one_mass, NULL, NULL},
-    {50, "3.1", "A symmetric branch leaves the k-duplicate of S2- only if k is odd; if k is even, others do.",
+    {49, "3.1", "The path goes to infinite energy while its frequency converges to omega_0.",
+     path_converges, NULL, NULL},
+    {100, "3.1", "Both families become the motion of one mass, one fixed on the other.",
+     becomes_one_mass, NULL, NULL},
+    {50, "3.1",
+     "A symmetric branch leaves the k-duplicate of S2- only if k is odd; if k is even, others do.",
      even_is_asymmetric, NULL, NULL},
-    {51, "3.1, Fig. 14", "A4[0011] leads over A6[001011] to A8[01010101], which meets the 4-duplicate of S2- at C5_33.",
+    {51, "3.1, Fig. 14",
+     "A4[0011] leads over A6[001011] to A8[01010101], which meets the 4-duplicate of S2- at C5_33.",
      tongue_connects, "3 4 2", NULL},
-    {52, "3.1, Fig. 15", "Beyond C5_33 follows a tongue of branches with more and more impacts, joined at grazings.",
+    {52, "3.1, Fig. 15",
+     "Beyond C5_33 follows a tongue of branches with more and more impacts, joined at grazings.",
      tongue_grows, NULL, NULL},
-    {53, "3.1, Fig. 16", "They stick at one side and have 2 impacts at the other.", tongue_words, NULL, NULL},
-    {54, "3.1, Fig. 15", "Each has two short stable segments at low frequency.", tongue_stability, NULL,
-     "A5[00011] has a third one, near its end of high frequency."},
+    {53, "3.1, Fig. 16", "They stick at one side and have 2 impacts at the other.", tongue_words,
+     NULL, NULL},
+    {54, "3.1, Fig. 15", "Each has two short stable segments at low frequency.", tongue_stability,
+     NULL, "A5[00011] has a third one, near its end of high frequency."},
     {55, "3.1, Fig. 15", "Each bifurcates once, at a C_22.", tongue_bifurcations, NULL,
-     "A5[00011] has a second C_22 just before the grazing where it joins A7[0010101]; the others have one."},
-    {56, "3.1, Fig. 19", "A second tongue joins S6[000111] to the 6-duplicate of S2-.", tongue_connects, "5 6 3", NULL},
-    {57, "3.1, Fig. 17", "On the 2-duplicate of S2- a loop leaves C6_33 and closes at G1_0,4.", loop_closes, NULL,
+     "A5[00011] has a second C_22 just before the grazing where it joins A7[0010101]; the others "
+     "have one."},
+    {56, "3.1, Fig. 19", "A second tongue joins S6[000111] to the 6-duplicate of S2-.",
+     tongue_connects, "5 6 3", NULL},
+    {57, "3.1, Fig. 17", "On the 2-duplicate of S2- a loop leaves C6_33 and closes at G1_0,4.",
+     loop_closes, NULL, NULL},
+    {58, "3.1, Fig. 17", "The loop consists of asymmetric branches only, A1[0] among them.",
+     loop_is_asymmetric, NULL, NULL},
+    {59, "3.1, Fig. 18", "On it are G_2,2, G_3,1, a C_32, G_1,2 and a C_21.", loop_points, NULL,
      NULL},
-    {58, "3.1, Fig. 17", "The loop consists of asymmetric branches only, A1[0] among them.", loop_is_asymmetric, NULL,
+    {60, "3.1, Fig. 17", "The C_32 of the loop (C15_32) is joined to G_1,2.", loop_bridge, NULL,
      NULL},
-    {59, "3.1, Fig. 18", "On it are G_2,2, G_3,1, a C_32, G_1,2 and a C_21.", loop_points, NULL, NULL},
-    {60, "3.1, Fig. 17", "The C_32 of the loop (C15_32) is joined to G_1,2.", loop_bridge, NULL, NULL},
-    {61, "3.1", "Every k-duplicate of S2-, k >= 2, meets a C_32 in [omega_0, omega_2] and bifurcates there.",
+    {61, "3.1",
+     "Every k-duplicate of S2-, k >= 2, meets a C_32 in [omega_0, omega_2] and bifurcates there.",
      all_duplicates_meet, NULL,
-     "It is a C_33 throughout (a slip of the pen: the same points are called C_33 everywhere else)."},
+     "It is a C_33 throughout (a slip of the pen: the same points are called C_33 everywhere "
+     "else)."},
     /* 3.2 Complete FEP as infinite fractals */
-    {62, "3.2.1, Fig. 20a", "The k-duplicate of S2- has k - 1 points C_33, k = 2..9, some of them duplicates.",
+    {62, "3.2.1, Fig. 20a",
+     "The k-duplicate of S2- has k - 1 points C_33, k = 2..9, some of them duplicates.",
      k_minus_one, "-", NULL},
     {63, "3.2.1, Fig. 20b", "So has the k-duplicate of S2+.", k_minus_one, "+", NULL},
-    {64, "3.2.1, Fig. 20c", "The duplicates of A1[0] have none up to k = 3; the first is at k = 4.", first_on_a1, NULL,
-     NULL},
-    {65, "3.2.1, Fig. 20c", "Those missing lie on the inadmissible part of the branch.", ghosts_of_a1, NULL, NULL},
+    {64, "3.2.1, Fig. 20c", "The duplicates of A1[0] have none up to k = 3; the first is at k = 4.",
+     first_on_a1, NULL, NULL},
+    {65, "3.2.1, Fig. 20c", "Those missing lie on the inadmissible part of the branch.",
+     ghosts_of_a1, NULL, NULL},
     {66, "3.2.1", "C_33 points appear only on stable parts.", only_on_stable_parts, NULL, NULL},
-    {67, "3.2.1", "A k-duplicate of G_N,p is a G_kN,kp: G1_0,4 is that of G2_0,2.", duplicate_grazing, NULL, NULL},
-    {68, "3.2.1", "It gives branches that do not exist at the original.", loop_ends_on_the_duplicate, NULL, NULL},
-    {69, "3.2.1, Fig. 17", "The 2-duplicate of S0- gives A1[0] and A2[01].", linear_duplicates, "-", NULL},
-    {71, "3.2.2",
-     "The elementary structure consists of the bases F_1^1, F_2^1 and F_2^2: tongues belong to S2+, the loop does not.",
-     bases_apart, NULL, NULL},
-    {72, "3.2.2, Fig. 21", "The 6-duplicate of S2- has 5 C_33: two original, duplicates of C1_33, C6_33 and C7_33.",
-     sixfold_points, NULL, NULL},
-    {73, "3.2.2, Fig. 21", "C_33^64 leads to a closed loop that ends at a duplicate of G1_0,4.", tripling_loop, NULL,
+    {67, "3.2.1", "A k-duplicate of G_N,p is a G_kN,kp: G1_0,4 is that of G2_0,2.",
+     duplicate_grazing, NULL, NULL},
+    {68, "3.2.1", "It gives branches that do not exist at the original.",
+     loop_ends_on_the_duplicate, NULL, NULL},
+    {69, "3.2.1, Fig. 17", "The 2-duplicate of S0- gives A1[0] and A2[01].", linear_duplicates, "-",
      NULL},
-    {74, "3.2.2, Fig. 21d", "A sub-level C_33^66 on the duplicate of S6[010101] gives a local closed loop.",
+    {71, "3.2.2",
+     "The elementary structure consists of the bases F_1^1, F_2^1 and F_2^2: tongues belong to "
+     "S2+, the loop does not.",
+     bases_apart, NULL, NULL},
+    {72, "3.2.2, Fig. 21",
+     "The 6-duplicate of S2- has 5 C_33: two original, duplicates of C1_33, C6_33 and C7_33.",
+     sixfold_points, NULL, NULL},
+    {73, "3.2.2, Fig. 21", "C_33^64 leads to a closed loop that ends at a duplicate of G1_0,4.",
+     tripling_loop, NULL, NULL},
+    {74, "3.2.2, Fig. 21d",
+     "A sub-level C_33^66 on the duplicate of S6[010101] gives a local closed loop.",
      doubling_of_s6, NULL, NULL},
-    {75, "3.2.2, Fig. 21e", "A sub-level C_33^67 on the 3-duplicate of the loop's A4[0101] gives one, too.",
+    {75, "3.2.2, Fig. 21e",
+     "A sub-level C_33^67 on the 3-duplicate of the loop's A4[0101] gives one, too.",
      tripling_of_a4, NULL, NULL},
     {76, "3.2.2, Fig. 23",
-     "The lower part of S6[010101]^8 has 7 C_33: 3 inherited from the 4-duplicate, one of them from the 2-duplicate, 4 "
+     "The lower part of S6[010101]^8 has 7 C_33: 3 inherited from the 4-duplicate, one of them "
+     "from the 2-duplicate, 4 "
      "original.",
      octuple, NULL, NULL},
     {77, "3.2.2, Fig. 23",
-     "On the branch A12 from the doubling of S6 a C_33^88 emerges on the 4-duplicate: tripling, doubling, quadrupling.",
+     "On the branch A12 from the doubling of S6 a C_33^88 emerges on the 4-duplicate: tripling, "
+     "doubling, quadrupling.",
      cascade_goes_on, NULL, NULL},
-    {102, "3.3", "On a new stable segment the multipliers begin at 1 again.", multipliers_begin_again, NULL,
+    {102, "3.3", "On a new stable segment the multipliers begin at 1 again.",
+     multipliers_begin_again, NULL,
      "They do behind a fold, not where the family leaves: there A12 is unstable."},
     {0, NULL,
      "## Predictions and open questions\n\n"
@@ -192,7 +256,8 @@ static const entry table[] = {
     {96, "3.2.1", "How many extra points a duplicate has is nearly impossible to predict.",
      extra_points_follow_rotation, NULL,
      "It is the number of p / k in the range of the rotation number along the branch."},
-    {97, "3.2.2", "Each k-duplicate of S2- has a loop that closes at a duplicate of G1_0,4, without end.",
+    {97, "3.2.2",
+     "Each k-duplicate of S2- has a loop that closes at a duplicate of G1_0,4, without end.",
      loops_of_duplicates, NULL, NULL},
     {98, "1, 3.2.2, 4", "All periodic motions, if possible, are reached from the linear modes.",
      everything_hangs_on_modes, NULL,
@@ -201,29 +266,42 @@ static const entry table[] = {
      "## What the article has otherwise\n\n"
      "Neither a slip of the pen nor a matter of budgets; that of Fig. 26 is below, in section 3.3.",
      NULL, NULL, NULL},
-    {99, "3.2.2", "A base F_2^j holds closed loops only, all of them asymmetric.", bases_are_asymmetric, NULL,
-     "Symmetric branches leave G_0,2j for j = 5, and are joined to the loop: where j is odd the linear motion of "
+    {99, "3.2.2", "A base F_2^j holds closed loops only, all of them asymmetric.",
+     bases_are_asymmetric, NULL,
+     "Symmetric branches leave G_0,2j for j = 5, and are joined to the loop: where j is odd the "
+     "linear motion of "
      "omega_2 / j is symmetric itself. For j = 3 no S branch is found."},
     {0, NULL,
      "## Statements that the article does not make\n\n"
      "Of the theory of this program, checked in the same manner.",
      NULL, NULL, NULL},
-    {70, "duplicates", "The 2-duplicate of S0+ gives A2[01] with flights T/2, 3T/2 and A3[001].", linear_duplicates,
-     "+", NULL},
+    {70, "duplicates", "The 2-duplicate of S0+ gives A2[01] with flights T/2, 3T/2 and A3[001].",
+     linear_duplicates, "+", NULL},
     /* what leaves S2- (method of departures; numbers: q, p, families) */
-    {78, "theory", "(q, p) = (2, 1) on S2- gives two families on one side.", leave_s2_minus, "T 2 1 2", NULL},
-    {79, "theory", "(q, p) = (3, 1) on S2- gives two families on one side.", leave_s2_minus, "T 3 1 2", NULL},
-    {80, "theory", "(q, p) = (3, 2) on S2- gives one family that passes.", leave_s2_minus, "C 3 2 1", NULL},
-    {81, "theory", "(q, p) = (4, 1) on S2- gives two families on one side.", leave_s2_minus, "T 4 1 2", NULL},
-    {82, "theory", "(q, p) = (4, 3) on S2- gives two families on one side.", leave_s2_minus, "C 4 3 2", NULL},
-    {83, "theory", "(q, p) = (5, 4) on S2- gives two families on one side.", leave_s2_minus, "C 5 4 2",
-     "One branch that passes: r = 5 is odd, so the elliptic and the hyperbolic family have the same mirror points and "
+    {78, "theory", "(q, p) = (2, 1) on S2- gives two families on one side.", leave_s2_minus,
+     "T 2 1 2", NULL},
+    {79, "theory", "(q, p) = (3, 1) on S2- gives two families on one side.", leave_s2_minus,
+     "T 3 1 2", NULL},
+    {80, "theory", "(q, p) = (3, 2) on S2- gives one family that passes.", leave_s2_minus,
+     "C 3 2 1", NULL},
+    {81, "theory", "(q, p) = (4, 1) on S2- gives two families on one side.", leave_s2_minus,
+     "T 4 1 2", NULL},
+    {82, "theory", "(q, p) = (4, 3) on S2- gives two families on one side.", leave_s2_minus,
+     "C 4 3 2", NULL},
+    {83, "theory", "(q, p) = (5, 4) on S2- gives two families on one side.", leave_s2_minus,
+     "C 5 4 2",
+     "One branch that passes: r = 5 is odd, so the elliptic and the hyperbolic family have the "
+     "same mirror points and "
      "are the two halves of one smooth curve, both at higher energies."},
-    {84, "theory", "(q, p) = (7, 6) on S2- gives two families on one side.", leave_s2_minus, "C 7 6 2",
-     "One branch that passes: r = 7 is odd, so the elliptic and the hyperbolic family have the same mirror points and "
+    {84, "theory", "(q, p) = (7, 6) on S2- gives two families on one side.", leave_s2_minus,
+     "C 7 6 2",
+     "One branch that passes: r = 7 is odd, so the elliptic and the hyperbolic family have the "
+     "same mirror points and "
      "are the two halves of one smooth curve, both at higher energies."},
-    {85, "theory", "(q, p) = (8, 7) on S2- gives two families on one side.", leave_s2_minus, "C 8 7 2", NULL},
-    {86, "theory", "(q, p) = (12, 11) on S2- gives two families on one side.", leave_s2_minus, "C 12 11 2", NULL},
+    {85, "theory", "(q, p) = (8, 7) on S2- gives two families on one side.", leave_s2_minus,
+     "C 8 7 2", NULL},
+    {86, "theory", "(q, p) = (12, 11) on S2- gives two families on one side.", leave_s2_minus,
+     "C 12 11 2", NULL},
 };
 enum { N_ENTRY = sizeof table / sizeof *table };
 
@@ -241,7 +319,8 @@ static void write_row(FILE *out, const entry *e, const finding *f, verdict v)
            : v == OTHERWISE ? (e->instead ? e->instead : "otherwise")
                             : "neither");
     fprintf(out, "| %d | %s | %s | %s | %s%s |\n", e->number, e->where, e->statement, f->text,
-            v == AS_STATED ? "holds" : "found instead: ", v == AS_STATED || !e->instead ? "" : e->instead);
+            v == AS_STATED ? "holds" : "found instead: ",
+            v == AS_STATED || !e->instead ? "" : e->instead);
 }
 
 /* The tables as a part of the page; also on the screen as it goes. */
@@ -255,8 +334,11 @@ static char *make_page(int *wrong)
         finding f = {{0}, 0};
         const entry *e = &table[i];
         if (!e->check) {
-            fprintf(out, "%s%s\n\n| no. | place | %s | the program finds | verdict |\n|---|---|---|---|---|\n",
-                    i ? "\n" : "", e->statement, i < N_ENTRY - 11 ? "the article says" : "statement");
+            fprintf(out,
+                    "%s%s\n\n| no. | place | %s | the program finds | verdict "
+                    "|\n|---|---|---|---|---|\n",
+                    i ? "\n" : "", e->statement,
+                    i < N_ENTRY - 11 ? "the article says" : "statement");
             continue;
         }
         verdicts[i] = e->check(&f, e->arg);
@@ -274,7 +356,8 @@ static void every_statement(void **state)
     char *page = make_page(&wrong);
     if (wrong) fail_msg("%d statements are not as the table has them", wrong);
     for (int i = 0; i < N_ENTRY; i++)
-        for (int k = 0; k < i; k++) assert_true(!table[i].check || table[i].number != table[k].number);
+        for (int k = 0; k < i; k++)
+            assert_true(!table[i].check || table[i].number != table[k].number);
     page_part("statements", page);
     free(page);
 }
@@ -282,9 +365,9 @@ static void every_statement(void **state)
 /* ------------------------------------------------------------------ all claims */
 
 /* Names of the checks, as the list of claims has them. */
-#define NAMED(check)                                                                                                   \
-    {                                                                                                                  \
-#check, check                                                                                                  \
+#define NAMED(check)                                                                               \
+    {                                                                                              \
+#check, check                                                                              \
     }
 static const struct {
     const char *name;
@@ -373,8 +456,8 @@ static const struct {
     NAMED(leave_s2_minus),
 };
 
-/* The entries that a reference means, "CHECK" or "CHECK ARG": how many, and in *instead how many of them are found
- * otherwise. */
+/* The entries that a reference means, "CHECK" or "CHECK ARG": how many, and in *instead how many of
+ * them are found otherwise. */
 static int entries_of(const char *reference, int *instead)
 {
     size_t length = strcspn(reference, " ");
@@ -383,7 +466,9 @@ static int entries_of(const char *reference, int *instead)
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
         if (strlen(names[k].name) != length || strncmp(names[k].name, reference, length)) continue;
         for (int i = 0; i < N_ENTRY; i++) {
-            if (table[i].check != names[k].check || (arg && (!table[i].arg || strcmp(arg, table[i].arg)))) continue;
+            if (table[i].check != names[k].check ||
+                (arg && (!table[i].arg || strcmp(arg, table[i].arg))))
+                continue;
             assert_true(verdicts[i] == AS_STATED || verdicts[i] == OTHERWISE);
             n++;
             *instead += verdicts[i] == OTHERWISE;
@@ -426,8 +511,9 @@ static bool asserts(const char *source, const char *name, int depth)
     return found;
 }
 
-/* "FILE: TEST", a test of another program: TEST is run there, and asserts something. In a shell test it is the text of
- * an `ok`, in test_article_power.c an entry of its table, which the page has with its verdict. */
+/* "FILE: TEST", a test of another program: TEST is run there, and asserts something. In a shell
+ * test it is the text of an `ok`, in test_article_power.c an entry of its table, which the page has
+ * with its verdict. */
 static bool tested_elsewhere(const char *reference)
 {
     char path[128], *source, run[160];
@@ -442,7 +528,8 @@ static bool tested_elsewhere(const char *reference)
         snprintf(run, sizeof run, "ok '%s'", name);
         found = found || strstr(source, run);
     }
-    if (power) found = found && body_of(source, name) && strstr(source, "fail_msg(\"%d of %d statements");
+    if (power)
+        found = found && body_of(source, name) && strstr(source, "fail_msg(\"%d of %d statements");
     free(source);
     return found;
 }
@@ -454,7 +541,8 @@ static bool write_claim(FILE *out, const claim *c, int counts[4])
     bool right = true;
     fprintf(out, "| %d | %s | %s | ", c->number, c->where, c->sentence);
     for (int k = 0; k < CLAIM_TESTS && c->by[k]; k++, tests++)
-        if (!(strstr(c->by[k], ": ") ? tested_elsewhere(c->by[k]) : entries_of(c->by[k], &instead) > 0)) {
+        if (!(strstr(c->by[k], ": ") ? tested_elsewhere(c->by[k])
+                                     : entries_of(c->by[k], &instead) > 0)) {
             print_message("claim %d: there is no test '%s'\n", c->number, c->by[k]);
             right = false;
         }
@@ -489,7 +577,8 @@ static void every_claim(void **state)
         wrong += !write_claim(out, &claims[i], counts);
     }
     fprintf(out,
-            "\nOf %d claims %d hold, %d are found otherwise in one point or in all, %d are checked in part, and %d no "
+            "\nOf %d claims %d hold, %d are found otherwise in one point or in all, %d are checked "
+            "in part, and %d no "
             "machine decides.\n",
             N_CLAIM, counts[0], counts[1], counts[2], counts[3]);
     assert_int_equal(fclose(out), 0);

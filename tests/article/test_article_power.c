@@ -1,5 +1,6 @@
-/* What sections 2.2 and 3.3 of the article state about the two masses with power-law springs, looked up in atlases for
- * n = 3, 7 and 21; a part of docs/article.md. Each entry computes what there is, says it with digits, and compares. */
+/* What sections 2.2 and 3.3 of the article state about the two masses with power-law springs,
+ * looked up in atlases for n = 3, 7 and 21; a part of docs/article.md. Each entry computes what
+ * there is, says it with digits, and compares. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
@@ -18,10 +19,11 @@
 enum { CUBIC, SEVENTH, HIGH, SIDES, N_ATLAS };
 enum { N_EXPONENT = HIGH + 1 };
 static const int exponent_of[] = {3, 7, 21, 21};
-static const char *const window_of[] = {"energy: [0, 3000], frequency: [0.1, 10], multiply: 8, depth: 1",
-                                        "energy: [0, 1000], frequency: [0.1, 10], multiply: 2, depth: 1",
-                                        "energy: [0, 1000], frequency: [0.1, 10], multiply: 2, depth: 1",
-                                        "energy: [0, 100], frequency: [0.9, 10], multiply: 1, depth: 3"};
+static const char *const window_of[] =
+    {"energy: [0, 3000], frequency: [0.1, 10], multiply: 8, depth: 1",
+     "energy: [0, 1000], frequency: [0.1, 10], multiply: 2, depth: 1",
+     "energy: [0, 1000], frequency: [0.1, 10], multiply: 2, depth: 1",
+     "energy: [0, 100], frequency: [0.9, 10], multiply: 1, depth: 3"};
 static ric_atlas *atlases[N_ATLAS];
 
 static int explore_all(void **state)
@@ -30,7 +32,8 @@ static int explore_all(void **state)
     for (int i = 0; i < N_ATLAS; i++) {
         char text[700];
         snprintf(text, sizeof text,
-                 "title: section 3.3\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: "
+                 "title: section 3.3\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, "
+                 "1]], contacts: "
                  "[{normal: [-1, 1], law: power, exponent: %d, length: 1, reference: 1}]}\n"
                  "explore: {%s}\n",
                  exponent_of[i], window_of[i]);
@@ -69,13 +72,15 @@ static int find(int which, const ric_branch *b, int from, ric_kind kind)
     for (int i = from + 1; i < b->n_junction; i++) {
         ric_junction j = junction_at(which, b, i);
         /* one that the path goes through */
-        bool wanted = kind != RIC_KIND_MULTIPLICATION || (j.multiple == 3 && ric_junction_level(&j, b) == 1);
+        bool wanted = kind != RIC_KIND_MULTIPLICATION ||
+                      (j.multiple == 3 && ric_junction_level(&j, b) == 1);
         if (j.kind == kind && wanted) return i;
     }
     return -1;
 }
 
-/* The places that the article names: C1_32, C1_33, C3_31 (the least energy behind the turning at C1_33), C4_32. */
+/* The places that the article names: C1_32, C1_33, C3_31 (the least energy behind the turning at
+ * C1_33), C4_32. */
 typedef struct {
     ric_branch b;
     int c32, c33, fold, c31, last;
@@ -86,9 +91,11 @@ static path path_of(int which)
     path p = {.b = backbone(which, 1)};
     p.c32 = find(which, &p.b, -1, RIC_KIND_BRANCH_POINT);
     p.c33 = find(which, &p.b, p.c32, RIC_KIND_MULTIPLICATION);
-    for (int i = p.c33 - 1; i <= p.c33 + 1; i++) /* the turning lies close by, on one side or the other */
+    for (int i = p.c33 - 1; i <= p.c33 + 1;
+         i++) /* the turning lies close by, on one side or the other */
         if (junction_at(which, &p.b, i).kind == RIC_KIND_EXTREMUM &&
-            fabs(junction_at(which, &p.b, i).energy / junction_at(which, &p.b, p.c33).energy - 1) < 1e-4)
+            fabs(junction_at(which, &p.b, i).energy / junction_at(which, &p.b, p.c33).energy - 1) <
+                1e-4)
             p.fold = i;
     int top = find(which, &p.b, p.fold > p.c33 ? p.fold : p.c33, RIC_KIND_EXTREMUM);
     p.c31 = top < 0 ? -1 : find(which, &p.b, top, RIC_KIND_EXTREMUM);
@@ -96,15 +103,17 @@ static path path_of(int which)
     return p;
 }
 
-/* Stability of the points of a branch strictly between two arclengths: 1 all stable, 0 all unstable, -1 mixed or
- * none. */
+/* Stability of the points of a branch strictly between two arclengths: 1 all stable, 0 all
+ * unstable, -1 mixed or none. */
 static int stable_between(int which, const ric_branch *b, double from, double to)
 {
     int yes = 0, no = 0;
     for (int i = 0; i < b->n_point; i++) {
         ric_point p;
         assert_int_equal(ric_atlas_point(atlases[which], b->id, i, &p, NULL, NULL), RIC_OK);
-        if (p.arclength <= from + 1e-9 || p.arclength >= to - 1e-9 || p.stable == RIC_STABLE_UNDECIDED) continue;
+        if (p.arclength <= from + 1e-9 || p.arclength >= to - 1e-9 ||
+            p.stable == RIC_STABLE_UNDECIDED)
+            continue;
         yes += p.stable == RIC_STABLE_YES;
         no += p.stable == RIC_STABLE_NO;
     }
@@ -117,7 +126,8 @@ typedef struct {
     const char *where, *statement;
     bool (*check)(int which, char *found, size_t size);
     int which;
-    const char *instead; /* NULL: the check looks for what is stated; else for this, which contradicts it */
+    const char *
+        instead; /* NULL: the check looks for what is stated; else for this, which contradicts it */
 } entry;
 
 static bool labelled(int which, int place, int a, int b, char *found, size_t size)
@@ -128,7 +138,8 @@ static bool labelled(int which, int place, int a, int b, char *found, size_t siz
     }
     path p = path_of(which);
     ric_junction j = junction_at(which, &p.b, place);
-    snprintf(found, size, "%s C_%d%d at E %.9g, omega %.9g", ric_kind_text(j.kind), j.a, j.b, j.energy, j.frequency);
+    snprintf(found, size, "%s C_%d%d at E %.9g, omega %.9g", ric_kind_text(j.kind), j.a, j.b,
+             j.energy, j.frequency);
     return j.a == a && j.b == b;
 }
 
@@ -157,7 +168,8 @@ static void beside_turning(int which, int *before, int *after, double *lower_bef
     double from = p.b.junction_at[first], to = p.b.junction_at[second];
     *before = stable_between(which, &p.b, p.b.junction_at[first - 1], from);
     *after = stable_between(which, &p.b, to, p.b.junction_at[second + 1]);
-    *lower_before = junction_at(which, &p.b, first).frequency < junction_at(which, &p.b, second).frequency;
+    *lower_before = junction_at(which, &p.b, first).frequency <
+                    junction_at(which, &p.b, second).frequency;
 }
 
 static bool stable_is(int which, bool first, char *found, size_t size)
@@ -186,7 +198,8 @@ static bool stable_at_lower_frequency(int which, char *found, size_t size)
     double lower_before;
     beside_turning(which, &before, &after, &lower_before);
     snprintf(found, size, "the part %s the turning is at the lower frequency and %s",
-             lower_before ? "before" : "behind", (lower_before ? before : after) == 1 ? "stable" : "unstable");
+             lower_before ? "before" : "behind",
+             (lower_before ? before : after) == 1 ? "stable" : "unstable");
     return (lower_before ? before : after) == 1 && (lower_before ? after : before) == 0;
 }
 
@@ -201,10 +214,10 @@ static bool more_energy_less_frequency(int which, char *found, size_t size)
         energy[i] = j.energy;
         frequency[i] = j.frequency;
     }
-    snprintf(found, size, "C33 at E %.6g, %.6g, %.6g and omega %.6g, %.6g, %.6g", energy[0], energy[1], energy[2],
-             frequency[0], frequency[1], frequency[2]);
-    return energy[0] > energy[1] && energy[1] > energy[2] && energy[2] > 3.8487 && frequency[0] < frequency[1] &&
-           frequency[1] < frequency[2];
+    snprintf(found, size, "C33 at E %.6g, %.6g, %.6g and omega %.6g, %.6g, %.6g", energy[0],
+             energy[1], energy[2], frequency[0], frequency[1], frequency[2]);
+    return energy[0] > energy[1] && energy[1] > energy[2] && energy[2] > 3.8487 &&
+           frequency[0] < frequency[1] && frequency[1] < frequency[2];
 }
 
 /* The first branch point goes towards that of the stops, E 1.9013, omega 1.3820. */
@@ -237,7 +250,8 @@ static bool on_triple_of_other_mode(int which, char *found, size_t size)
 static int extrema_on(int which, const ric_branch *b)
 {
     int count = 0;
-    for (int i = 0; i < b->n_junction; i++) count += junction_at(which, b, i).kind == RIC_KIND_EXTREMUM;
+    for (int i = 0; i < b->n_junction; i++)
+        count += junction_at(which, b, i).kind == RIC_KIND_EXTREMUM;
     return count;
 }
 
@@ -254,7 +268,8 @@ static bool twisting_corner(int which, char *found, size_t size)
         ric_junction j = junction_at(which, &b, i);
         c31 += j.kind == RIC_KIND_EXTREMUM && j.a == 3 && j.b == 1;
     }
-    snprintf(found, size, "%d extrema, %d of them C_31, %d of %d points unstable", count, c31, unstable, b.n_point);
+    snprintf(found, size, "%d extrema, %d of them C_31, %d of %d points unstable", count, c31,
+             unstable, b.n_point);
     return c31 > 0 && unstable > 0 && b.stable_fraction > 0.5;
 }
 
@@ -266,7 +281,8 @@ static bool no_twist(int which, char *found, size_t size)
     return count == 0 && b.stable_fraction > 0.999;
 }
 
-/* Branches without mirror points that join the two families of the loop, for n = 7, 9, 11 and 21. */
+/* Branches without mirror points that join the two families of the loop, for n = 7, 9, 11 and 21.
+ */
 static bool bridges_cease(int which, char *found, size_t size)
 {
     static const int exponents[] = {7, 9, 11, 21}, expected[] = {0, 2, 1, 1};
@@ -277,8 +293,10 @@ static bool bridges_cease(int which, char *found, size_t size)
         char text[500];
         int bridges = 0, reversible = 0;
         snprintf(text, sizeof text,
-                 "model: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: [{normal: [-1, 1], law: "
-                 "power, exponent: %d, length: 1, reference: 1}]}\nexplore: {start: [2], energy: [0, 16], frequency: "
+                 "model: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: "
+                 "[{normal: [-1, 1], law: "
+                 "power, exponent: %d, length: 1, reference: 1}]}\nexplore: {start: [2], energy: "
+                 "[0, 16], frequency: "
                  "[1, 4], multiply: 2, depth: 3}\n",
                  exponents[i]);
         ric_atlas *atlas = explore_text(text);
@@ -290,7 +308,8 @@ static bool bridges_cease(int which, char *found, size_t size)
         }
         ric_atlas_free(atlas);
         right = right && bridges == expected[i] && reversible == 2;
-        used += (size_t)snprintf(found + used, size - used, "%sn = %d: %d", i ? ", " : "", exponents[i], bridges);
+        used += (size_t)snprintf(found + used, size - used, "%sn = %d: %d", i ? ", " : "",
+                                 exponents[i], bridges);
     }
     return right;
 }
@@ -309,9 +328,11 @@ static int eighths(const ric_branch *b, int from, int to)
 static bool seven_on_segment(int which, char *found, size_t size)
 {
     path p = path_of(which);
-    int point = find(which, &p.b, p.c32, RIC_KIND_BRANCH_POINT), extremum = find(which, &p.b, point, RIC_KIND_EXTREMUM);
+    int point = find(which, &p.b, p.c32, RIC_KIND_BRANCH_POINT),
+        extremum = find(which, &p.b, point, RIC_KIND_EXTREMUM);
     int n = point < 0 || extremum < 0 ? -1 : eighths(&p.b, point, extremum);
-    snprintf(found, size, "%d between omega %.5g and %.5g", n, junction_at(which, &p.b, point).frequency,
+    snprintf(found, size, "%d between omega %.5g and %.5g", n,
+             junction_at(which, &p.b, point).frequency,
              junction_at(which, &p.b, extremum).frequency);
     return n == 7;
 }
@@ -319,8 +340,10 @@ static bool seven_on_segment(int which, char *found, size_t size)
 static bool none_behind_c33(int which, char *found, size_t size)
 {
     path p = path_of(which);
-    int extremum = find(which, &p.b, p.fold, RIC_KIND_EXTREMUM), n = eighths(&p.b, p.fold, extremum);
-    snprintf(found, size, "%d between omega %.5g and %.5g", n, junction_at(which, &p.b, p.fold).frequency,
+    int extremum = find(which, &p.b, p.fold, RIC_KIND_EXTREMUM),
+        n = eighths(&p.b, p.fold, extremum);
+    snprintf(found, size, "%d between omega %.5g and %.5g", n,
+             junction_at(which, &p.b, p.fold).frequency,
              junction_at(which, &p.b, extremum).frequency);
     return n == 0;
 }
@@ -342,9 +365,11 @@ static bool scattered(int which, char *found, size_t size)
     int count = 0;
     for (int i = 0; i < p.c33; i++) {
         ric_junction j = junction_at(which, &p.b, i);
-        count += i > p.c32 && (j.kind == RIC_KIND_BRANCH_POINT || j.kind == RIC_KIND_EXTREMUM) && j.energy > 50;
+        count += i > p.c32 && (j.kind == RIC_KIND_BRANCH_POINT || j.kind == RIC_KIND_EXTREMUM) &&
+                 j.energy > 50;
     }
-    snprintf(found, size, "%d critical points of the path between C32 and C33 far above both", count);
+    snprintf(found, size, "%d critical points of the path between C32 and C33 far above both",
+             count);
     return count >= 3;
 }
 
@@ -377,10 +402,13 @@ static bool bridge_on_the_backbone(int which, char *found, size_t size)
     for (int id = 1; id <= ric_atlas_n_branch(atlases[which]); id++) {
         ric_branch b = branch_of(atlases[which], id);
         if (!b.symmetric || b.reversible || !b.from || !b.to) continue;
-        ric_junction one = junction_of(atlases[which], b.from), two = junction_of(atlases[which], b.to);
+        ric_junction one = junction_of(atlases[which], b.from),
+                     two = junction_of(atlases[which], b.to);
         count += on(&p.b, one.id) && on(&p.b, two.id) && one.b == 2 && two.b == 2;
-        snprintf(found, size, "S from C_%d%d at E %.7g to C_%d%d at E %.7g, omega %.6g to %.6g, both on the path",
-                 one.a, one.b, one.energy, two.a, two.b, two.energy, b.frequency_min, b.frequency_max);
+        snprintf(
+            found, size,
+            "S from C_%d%d at E %.7g to C_%d%d at E %.7g, omega %.6g to %.6g, both on the path",
+            one.a, one.b, one.energy, two.a, two.b, two.energy, b.frequency_min, b.frequency_max);
     }
     return count == 1;
 }
@@ -390,13 +418,15 @@ static bool second_branch(int which, ric_branch *first, ric_branch *second)
     if (!first_side_branch(first)) return false;
     for (int id = 1; id <= ric_atlas_n_branch(atlases[which]); id++) {
         *second = branch_of(atlases[which], id);
-        if (id != first->id && second->from && second->to && on(first, second->from) && on(first, second->to))
+        if (id != first->id && second->from && second->to && on(first, second->from) &&
+            on(first, second->to))
             return true;
     }
     return false;
 }
 
-/* Both ends of the second branch are inside the first one, and it shares no junction with the path. */
+/* Both ends of the second branch are inside the first one, and it shares no junction with the path.
+ */
 static bool second_branch_leaves_the_first(int which, char *found, size_t size)
 {
     path p = path_of(which);
@@ -404,14 +434,16 @@ static bool second_branch_leaves_the_first(int which, char *found, size_t size)
     if (!second_branch(which, &first, &second)) return false;
     bool apart = !on(&p.b, second.from) && !on(&p.b, second.to);
     for (int i = 0; i < second.n_junction; i++) apart = apart && !on(&p.b, second.junctions[i]);
-    snprintf(
-        found, size,
-        "the first one from E %.7g to %.7g on the path; the second one from E %.7g to %.7g on the first one, on the "
-        "path %s",
-        junction_of(atlases[which], first.from).energy, junction_of(atlases[which], first.to).energy,
-        junction_of(atlases[which], second.from).energy, junction_of(atlases[which], second.to).energy,
-        apart ? "nowhere" : "too");
-    return apart && on(&p.b, first.from) && on(&p.b, first.to) && !first.symmetric && !second.symmetric;
+    snprintf(found, size,
+             "the first one from E %.7g to %.7g on the path; the second one from E %.7g to %.7g on "
+             "the first one, on the "
+             "path %s",
+             junction_of(atlases[which], first.from).energy,
+             junction_of(atlases[which], first.to).energy,
+             junction_of(atlases[which], second.from).energy,
+             junction_of(atlases[which], second.to).energy, apart ? "nowhere" : "too");
+    return apart && on(&p.b, first.from) && on(&p.b, first.to) && !first.symmetric &&
+           !second.symmetric;
 }
 
 static bool three_counterparts(int which, char *found, size_t size)
@@ -426,33 +458,38 @@ static bool three_counterparts(int which, char *found, size_t size)
 
 /* ------------------------------------------------------------- 2.2 stretching */
 
-/* Junctions of two springs of one exponent, energies of the second times `factor`: the same, in number, kind, order and
- * frequency. */
-static bool stretched(int exponent, const char *one, const char *two, double factor, double top, char *found,
-                      size_t size)
+/* Junctions of two springs of one exponent, energies of the second times `factor`: the same, in
+ * number, kind, order and frequency. */
+static bool stretched(int exponent, const char *one, const char *two, double factor, double top,
+                      char *found, size_t size)
 {
     ric_atlas *at[2];
     double worst = 0;
     for (int i = 0; i < 2; i++) {
         char text[500];
         snprintf(text, sizeof text,
-                 "model: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: [{normal: [-1, 1], law: "
-                 "power, exponent: %d, %s}]}\nexplore: {energy: [0, %.17g], frequency: [0.5, 5], multiply: 3, depth: "
+                 "model: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: "
+                 "[{normal: [-1, 1], law: "
+                 "power, exponent: %d, %s}]}\nexplore: {energy: [0, %.17g], frequency: [0.5, 5], "
+                 "multiply: 3, depth: "
                  "1}\n",
                  exponent, i ? two : one, i ? top / factor : top);
         at[i] = explore_text(text);
     }
     int n = ric_atlas_n_junction(at[0]);
-    bool same = n == ric_atlas_n_junction(at[1]) && ric_atlas_n_branch(at[0]) == ric_atlas_n_branch(at[1]);
+    bool same = n == ric_atlas_n_junction(at[1]) &&
+                ric_atlas_n_branch(at[0]) == ric_atlas_n_branch(at[1]);
     for (int id = 1; same && id <= n; id++) {
         ric_junction a = junction_of(at[0], id), b = junction_of(at[1], id);
         if (a.kind == RIC_KIND_START) continue;
         same = a.kind == b.kind;
-        worst = fmax(worst, fmax(fabs(b.energy * factor / a.energy - 1), fabs(b.frequency / a.frequency - 1)));
+        worst = fmax(worst, fmax(fabs(b.energy * factor / a.energy - 1),
+                                 fabs(b.frequency / a.frequency - 1)));
     }
     ric_atlas_free(at[0]), ric_atlas_free(at[1]);
-    snprintf(found, size, "{%s} and {%s}: %d junctions each, energies stretched by %.6g, to 1e-7: %s", one, two, n,
-             factor, same && worst < 1e-7 ? "yes" : "no");
+    snprintf(found, size,
+             "{%s} and {%s}: %d junctions each, energies stretched by %.6g, to 1e-7: %s", one, two,
+             n, factor, same && worst < 1e-7 ? "yes" : "no");
     return same && n > 5 && worst < 1e-7;
 }
 
@@ -463,62 +500,90 @@ static bool stretched_cubic(int which, char *found, size_t size)
 
 static bool stretched_seventh(int which, char *found, size_t size)
 {
-    return stretched(exponent_of[which], "length: 1, reference: 1", "length: 1, reference: 5", pow(5, 2. / 6), 12,
-                     found, size);
+    return stretched(exponent_of[which], "length: 1, reference: 1", "length: 1, reference: 5",
+                     pow(5, 2. / 6), 12, found, size);
 }
 
 static bool stretched_by_length(int which, char *found, size_t size)
 {
-    return stretched(exponent_of[which], "length: 1, reference: 1", "length: 0.5, reference: 1", 1, 120, found, size);
+    return stretched(exponent_of[which], "length: 1, reference: 1", "length: 0.5, reference: 1", 1,
+                     120, found, size);
 }
 
 static const entry table[] = {
-    {"2.2, eq. 13", "k_c alone stretches energies by (k_2 / k_c)^(2 / (n - 1)), the topology is that of n: n = 3.",
+    {"2.2, eq. 13",
+     "k_c alone stretches energies by (k_2 / k_c)^(2 / (n - 1)), the topology is that of n: n = 3.",
      stretched_cubic, CUBIC, NULL},
-    {"2.2, footnote", "Any stiffness in the place of k_2 does the same for n = 7; the factor tends to 1 with n.",
+    {"2.2, footnote",
+     "Any stiffness in the place of k_2 does the same for n = 7; the factor tends to 1 with n.",
      stretched_seventh, SEVENTH, NULL},
-    {"2.2, eq. 12", "H_p = d^2 H_s: scaled energies are those for any d, n = 3.", stretched_by_length, CUBIC, NULL},
-    {"3.3, Fig. 24", "C1_32 is inherited with its multiplicities at n = 3.", c32_inherited, CUBIC, NULL},
-    {"3.3, Fig. 24", "C1_32 is inherited with its multiplicities at n = 7.", c32_inherited, SEVENTH, NULL},
-    {"3.3, Fig. 24", "C1_32 is inherited with its multiplicities at n = 21.", c32_inherited, HIGH, NULL},
-    {"3.3, Fig. 24", "C1_33 is inherited with its multiplicities at n = 3.", c33_inherited, CUBIC, NULL},
-    {"3.3, Fig. 24", "C1_33 is inherited with its multiplicities at n = 7.", c33_inherited, SEVENTH, NULL},
-    {"3.3, Fig. 24", "C1_33 is inherited with its multiplicities at n = 21.", c33_inherited, HIGH, NULL},
-    {"3.3, Fig. 24", "C3_31 is inherited with its multiplicities at n = 3.", c31_inherited, CUBIC, NULL},
-    {"3.3, Fig. 24", "C3_31 is inherited with its multiplicities at n = 7.", c31_inherited, SEVENTH, NULL},
-    {"3.3, Fig. 24", "C3_31 is inherited with its multiplicities at n = 21.", c31_inherited, HIGH, NULL},
-    {"3.3, Fig. 24", "C4_32 is inherited with its multiplicities at n = 3.", last_inherited, CUBIC, NULL},
-    {"3.3, Fig. 24", "C4_32 is inherited with its multiplicities at n = 7.", last_inherited, SEVENTH, NULL},
-    {"3.3, Fig. 24", "C4_32 is inherited with its multiplicities at n = 21.", last_inherited, HIGH, NULL},
-    {"3.3, Fig. 24", "The branch with n = 3 is stable after the turning at C1_33.", stable_after, CUBIC, NULL},
-    {"3.3, Fig. 24", "The branch with n = 7 is stable after the turning at C1_33.", stable_after, SEVENTH, NULL},
-    {"3.3, Fig. 24", "The branch with n = 21 is stable before it.", stable_before, HIGH, NULL},
-    {"3.3, Fig. 24", "The stable part is that at lower frequency, n = 3.", stable_at_lower_frequency, CUBIC, NULL},
-    {"3.3, Fig. 24", "The stable part is that at lower frequency, n = 7.", stable_at_lower_frequency, SEVENTH, NULL},
-    {"3.3, Fig. 24", "The stable part is that at lower frequency, n = 21.", stable_at_lower_frequency, HIGH, NULL},
-    {"3.3, Fig. 24", "The path spans more energy and less frequency as n decreases.", more_energy_less_frequency, CUBIC,
+    {"2.2, eq. 12", "H_p = d^2 H_s: scaled energies are those for any d, n = 3.",
+     stretched_by_length, CUBIC, NULL},
+    {"3.3, Fig. 24", "C1_32 is inherited with its multiplicities at n = 3.", c32_inherited, CUBIC,
      NULL},
-    {"3.3, Fig. 24", "A smooth transformation towards the stops.", smooth_transformation, CUBIC, NULL},
-    {"3.3, Fig. 24", "C1_33 of the cubic system is a tripling of the out-of-phase mode.", on_triple_of_other_mode,
+    {"3.3, Fig. 24", "C1_32 is inherited with its multiplicities at n = 7.", c32_inherited, SEVENTH,
+     NULL},
+    {"3.3, Fig. 24", "C1_32 is inherited with its multiplicities at n = 21.", c32_inherited, HIGH,
+     NULL},
+    {"3.3, Fig. 24", "C1_33 is inherited with its multiplicities at n = 3.", c33_inherited, CUBIC,
+     NULL},
+    {"3.3, Fig. 24", "C1_33 is inherited with its multiplicities at n = 7.", c33_inherited, SEVENTH,
+     NULL},
+    {"3.3, Fig. 24", "C1_33 is inherited with its multiplicities at n = 21.", c33_inherited, HIGH,
+     NULL},
+    {"3.3, Fig. 24", "C3_31 is inherited with its multiplicities at n = 3.", c31_inherited, CUBIC,
+     NULL},
+    {"3.3, Fig. 24", "C3_31 is inherited with its multiplicities at n = 7.", c31_inherited, SEVENTH,
+     NULL},
+    {"3.3, Fig. 24", "C3_31 is inherited with its multiplicities at n = 21.", c31_inherited, HIGH,
+     NULL},
+    {"3.3, Fig. 24", "C4_32 is inherited with its multiplicities at n = 3.", last_inherited, CUBIC,
+     NULL},
+    {"3.3, Fig. 24", "C4_32 is inherited with its multiplicities at n = 7.", last_inherited,
+     SEVENTH, NULL},
+    {"3.3, Fig. 24", "C4_32 is inherited with its multiplicities at n = 21.", last_inherited, HIGH,
+     NULL},
+    {"3.3, Fig. 24", "The branch with n = 3 is stable after the turning at C1_33.", stable_after,
      CUBIC, NULL},
-    {"3.3, Fig. 25", "With n = 21 appears the twisting corner of G2_0,2: a short unstable section and a C_31 point.",
+    {"3.3, Fig. 24", "The branch with n = 7 is stable after the turning at C1_33.", stable_after,
+     SEVENTH, NULL},
+    {"3.3, Fig. 24", "The branch with n = 21 is stable before it.", stable_before, HIGH, NULL},
+    {"3.3, Fig. 24", "The stable part is that at lower frequency, n = 3.",
+     stable_at_lower_frequency, CUBIC, NULL},
+    {"3.3, Fig. 24", "The stable part is that at lower frequency, n = 7.",
+     stable_at_lower_frequency, SEVENTH, NULL},
+    {"3.3, Fig. 24", "The stable part is that at lower frequency, n = 21.",
+     stable_at_lower_frequency, HIGH, NULL},
+    {"3.3, Fig. 24", "The path spans more energy and less frequency as n decreases.",
+     more_energy_less_frequency, CUBIC, NULL},
+    {"3.3, Fig. 24", "A smooth transformation towards the stops.", smooth_transformation, CUBIC,
+     NULL},
+    {"3.3, Fig. 24", "C1_33 of the cubic system is a tripling of the out-of-phase mode.",
+     on_triple_of_other_mode, CUBIC, NULL},
+    {"3.3, Fig. 25",
+     "With n = 21 appears the twisting corner of G2_0,2: a short unstable section and a C_31 "
+     "point.",
      twisting_corner, HIGH, NULL},
     {"3.3, Fig. 25", "There are fewer twists for lower n: none at n = 7.", no_twist, SEVENTH, NULL},
     {"3.3, Fig. 25", "There are fewer twists for lower n: none at n = 3.", no_twist, CUBIC, NULL},
     {"3.3", "Grazing occurs only with stops, n = 3.", nothing_grazes, CUBIC, NULL},
     {"3.3", "Grazing occurs only with stops, n = 21.", nothing_grazes, HIGH, NULL},
-    {"3.3, Fig. 26", "G1_2,4 is scattered into a series of critical points at n = 21.", scattered, HIGH, NULL},
-    {"3.3, Fig. 29", "Exactly 8 - 1 = 7 C_33 points on the 8-duplicate of the segment C31b C32a, n = 3.",
+    {"3.3, Fig. 26", "G1_2,4 is scattered into a series of critical points at n = 21.", scattered,
+     HIGH, NULL},
+    {"3.3, Fig. 29",
+     "Exactly 8 - 1 = 7 C_33 points on the 8-duplicate of the segment C31b C32a, n = 3.",
      seven_on_segment, CUBIC, NULL},
     {"3.3, Fig. 29", "There is none on the segment C33a C31a.", none_behind_c33, CUBIC, NULL},
     {"3.3, Fig. 26", "C^b_32 is the end of the horizontal bridge S4[0011] that came from G1_2,4.",
      bridge_on_the_backbone, SIDES, NULL},
-    {"3.3, Fig. 26", "Two asymmetric branches meet C^f_32 on the backbone; their other ends are C^d_32 and C^e_32.",
+    {"3.3, Fig. 26",
+     "Two asymmetric branches meet C^f_32 on the backbone; their other ends are C^d_32 and C^e_32.",
      second_branch_leaves_the_first, SIDES,
      "The second one leaves the first one and returns to it. It never meets the backbone."},
-    {"3.3", "Of five side branches that cross G1_2,4 three have counterparts at n = 21.", three_counterparts, SIDES,
-     NULL},
-    {"3.3, Fig. 25", "Some of the bridges of the loop cease to exist as n decreases.", bridges_cease, HIGH, NULL},
+    {"3.3", "Of five side branches that cross G1_2,4 three have counterparts at n = 21.",
+     three_counterparts, SIDES, NULL},
+    {"3.3, Fig. 25", "Some of the bridges of the loop cease to exist as n decreases.",
+     bridges_cease, HIGH, NULL},
 };
 
 static void statements(void **state)
@@ -529,12 +594,15 @@ static void statements(void **state)
     FILE *out = open_memstream(&text, &size);
     (void)state;
     assert_non_null(out);
-    fputs("| no. | place | the article says | the program finds | verdict |\n|---|---|---|---|---|\n", out);
+    fputs(
+        "| no. | place | the article says | the program finds | verdict |\n|---|---|---|---|---|\n",
+        out);
     for (int i = 0; i < count; i++) {
         char found[300] = "";
         const entry *e = &table[i];
         bool good = e->check(e->which, found, sizeof found);
-        print_message("# %s: %s: %s\n", good ? e->instead ? "found instead" : "as stated" : "OTHERWISE", e->statement,
+        print_message("# %s: %s: %s\n",
+                      good ? e->instead ? "found instead" : "as stated" : "OTHERWISE", e->statement,
                       found);
         fprintf(out, "| P%d | %s | %s | %s | %s%s |\n", i + 1, e->where, e->statement, found,
                 e->instead ? "found instead: " : "holds", e->instead ? e->instead : "");

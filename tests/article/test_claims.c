@@ -1,4 +1,5 @@
-/* What verify says of the numbers stored with a point: right ones agree, and whatever is a little wrong does not. */
+/* What verify says of the numbers stored with a point: right ones agree, and whatever is a little
+ * wrong does not. */
 #include "simulated_models.h"
 
 #include "explored.h"
@@ -24,7 +25,8 @@ enum { STUDIES = sizeof studies / sizeof *studies, FEW = 5 };
 
 static bool right(const ric_claims *c)
 {
-    return c->multipliers != RIC_AGREES_NO && c->stable != RIC_AGREES_NO && c->numbers != RIC_AGREES_NO;
+    return c->multipliers != RIC_AGREES_NO && c->stable != RIC_AGREES_NO &&
+           c->numbers != RIC_AGREES_NO;
 }
 
 static ric_claims claims_of(const ric_atlas *atlas, int branch, int i)
@@ -46,9 +48,12 @@ static void plant(ric_atlas *atlas, int branch, int i)
     ric_point *p = point_in(atlas, branch, i), kept = *p;
     ric_claims before = claims_of(atlas, branch, i);
     double move = fmax(1e-6, 10 * before.multiplier_bound);
-    /* 2 cos(2 pi gamma) = trace: where its slope vanishes, a small error of the trace is a large one of gamma */
+    /* 2 cos(2 pi gamma) = trace: where its slope vanishes, a small error of the trace is a large
+     * one of gamma */
     double slope = 4 * PI * fabs(sin(2 * PI * p->rotation)), trace = 2 * sinh(p->trace),
-           turned = slope > 1e-4 ? fmax(1e-6, 10 * before.multiplier_bound * hypot(2, trace) / slope) : NAN;
+           turned = slope > 1e-4
+                        ? fmax(1e-6, 10 * before.multiplier_bound * hypot(2, trace) / slope)
+                        : NAN;
     struct {
         const char *name;
         double *at, off;
@@ -65,39 +70,48 @@ static void plant(ric_atlas *atlas, int branch, int i)
         *numbers[k].at += numbers[k].off;
         ric_claims after = claims_of(atlas, branch, i);
         if (right(&after))
-            fail_msg("branch %d, point %d: a %s off by %.3g is not seen", branch, i, numbers[k].name, numbers[k].off);
+            fail_msg("branch %d, point %d: a %s off by %.3g is not seen", branch, i,
+                     numbers[k].name, numbers[k].off);
         *p = kept;
     }
     if (fabs(p->rotation - 0.5) > turned && p->rotation > turned) {
         p->rotation = 1 - p->rotation;
         ric_claims after = claims_of(atlas, branch, i);
-        if (right(&after)) fail_msg("branch %d, point %d: a rotation in the other sense is not seen", branch, i);
+        if (right(&after))
+            fail_msg("branch %d, point %d: a rotation in the other sense is not seen", branch, i);
         *p = kept;
     }
     if (p->stable == RIC_STABLE_UNDECIDED || before.stable != RIC_AGREES_YES) return;
     for (int flag = RIC_STABLE_NO; flag <= RIC_STABLE_UNDECIDED; flag++) {
         /* where branches meet undecided is right, and at the orbit of a junction it may be said */
-        bool border = fabs(fabs(sinh(kept.trace)) - 1) < 1e-4 || i == 0 || i == branch_of(atlas, branch).n_point - 1;
+        bool border = fabs(fabs(sinh(kept.trace)) - 1) < 1e-4 || i == 0 ||
+                      i == branch_of(atlas, branch).n_point - 1;
         if (flag == kept.stable || (flag == RIC_STABLE_UNDECIDED && border)) continue;
         p->stable = flag;
         ric_claims after = claims_of(atlas, branch, i);
-        if (right(&after)) fail_msg("branch %d, point %d: stored as %d instead of %d", branch, i, flag, kept.stable);
+        if (right(&after))
+            fail_msg("branch %d, point %d: stored as %d instead of %d", branch, i, flag,
+                     kept.stable);
     }
     *p = kept;
 }
 
-/* A flag may be left open for two reasons: an impact without speed at the end of a branch, whose trace is lost, or a
- * trace that is nearer to the border of stability than the replay knows it, 64 times what the rounding of a double
- * makes of it. The solver, in extended precision, may know it better: of the bilinear structure it decides rho - 2
- * = 4.5e-12 where the replay knows it to 7e-11 (exact orbits in 60 digits: 4.46815e-12, the same side). */
+/* A flag may be left open for two reasons: an impact without speed at the end of a branch, whose
+ * trace is lost, or a trace that is nearer to the border of stability than the replay knows it, 64
+ * times what the rounding of a double makes of it. The solver, in extended precision, may know it
+ * better: of the bilinear structure it decides rho - 2 = 4.5e-12 where the replay knows it to 7e-11
+ * (exact orbits in 60 digits: 4.46815e-12, the same side). */
 static void must_be_open(const ric_branch *row, int i, const ric_point *p, const ric_claims *c)
 {
-    double rho = 2 * sinh(p->trace), off = fabs(fabs(rho) - 2), known = c->multiplier_bound * hypot(2, rho);
-    bool end = i == 0 || i == row->n_point - 1,
-         lost = end && isnan(p->trace) && p->stable == RIC_STABLE_UNDECIDED && fabs(p->approach) < 1e-12;
+    double rho = 2 * sinh(p->trace), off = fabs(fabs(rho) - 2),
+           known = c->multiplier_bound * hypot(2, rho);
+    bool end = i == 0 || i == row->n_point - 1, lost = end && isnan(p->trace) &&
+                                                       p->stable == RIC_STABLE_UNDECIDED &&
+                                                       fabs(p->approach) < 1e-12;
     if (!lost && !(off <= known))
-        fail_msg("branch %s, point %d: the flag is not checked, %.3g off the border with a bound of %.3g", row->label,
-                 i, off, known);
+        fail_msg("branch %s, point %d: the flag is not checked, %.3g off the border with a bound "
+                 "of %.3g",
+                 row->label, i, off, known);
 }
 
 static void planted(void **state)
@@ -110,10 +124,12 @@ static void planted(void **state)
             ric_branch row = branch_of(atlas, b);
             for (int i = 0; i < row.n_point; i++) {
                 ric_claims c = claims_of(atlas, b, i);
-                if (!right(&c)) fail_msg("study %d, branch %d %s, point %d: %s", k, b, row.label, i, c.finding);
+                if (!right(&c))
+                    fail_msg("study %d, branch %d %s, point %d: %s", k, b, row.label, i, c.finding);
                 points++;
                 unchecked += c.stable == RIC_AGREES_UNCHECKED;
-                if (c.stable == RIC_AGREES_UNCHECKED) must_be_open(&row, i, point_in(atlas, b, i), &c);
+                if (c.stable == RIC_AGREES_UNCHECKED)
+                    must_be_open(&row, i, point_in(atlas, b, i), &c);
                 if (i % 7 == b % 7) plant(atlas, b, i);
             }
         }
@@ -139,11 +155,13 @@ static bool row_agrees(const ric_atlas *atlas, bool junction, int id)
 static void plant_branch(ric_atlas *atlas, int id)
 {
     ric_branch *b = &atlas->branches[id - 1].row;
-    double *const numbers[] = {&b->energy_min, &b->energy_max, &b->frequency_min, &b->frequency_max};
+    double *const numbers[] = {&b->energy_min, &b->energy_max, &b->frequency_min,
+                               &b->frequency_max};
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
         double kept = *numbers[k];
         *numbers[k] += (k % 2 ? -1 : 1) * 1e-6 * fmax(kept, 1e-3); /* so that a point is outside */
-        if (row_agrees(atlas, false, id)) fail_msg("branch %d: number %d off is not seen", id, (int)k);
+        if (row_agrees(atlas, false, id))
+            fail_msg("branch %d: number %d off is not seen", id, (int)k);
         *numbers[k] = kept;
     }
     if (ric_branch_linear(ric_atlas_model(atlas), b)) return;
@@ -152,8 +170,8 @@ static void plant_branch(ric_atlas *atlas, int id)
         *flags[k] = !*flags[k];
         ric_agreement says = row_says(atlas, false, id);
         if (says == RIC_AGREES_YES || (says == RIC_AGREES_UNCHECKED && b->n_point > FEW))
-            fail_msg("branch %d %s: %s turned to %d is not seen", id, b->label, k ? "reversible" : "symmetric",
-                     *flags[k]);
+            fail_msg("branch %d %s: %s turned to %d is not seen", id, b->label,
+                     k ? "reversible" : "symmetric", *flags[k]);
         *flags[k] = !*flags[k];
     }
     b->impacts++;
@@ -168,11 +186,13 @@ static void plant_junction(ric_atlas *atlas, int id)
     for (int i = 1; i < 2 * n; i++)
         if (fabs(j->state[i]) > fabs(j->state[largest])) largest = i;
     if (!(j->row.energy > 0)) return;
-    double *const numbers[] = {&j->row.energy, &j->row.frequency, &j->state[largest], &j->flights[0]};
+    double *const numbers[] = {&j->row.energy, &j->row.frequency, &j->state[largest],
+                               &j->flights[0]};
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
         double kept = *numbers[k];
         *numbers[k] *= 1 + 1e-6;
-        if (row_agrees(atlas, true, id)) fail_msg("junction %d: number %d off is not seen", id, (int)k);
+        if (row_agrees(atlas, true, id))
+            fail_msg("junction %d: number %d off is not seen", id, (int)k);
         *numbers[k] = kept;
     }
 }
@@ -183,23 +203,27 @@ static void rows(void **state)
     for (int k = 0; k < STUDIES; k++) {
         ric_atlas *atlas = explore_text(studies[k]);
         for (int b = 1; b <= ric_atlas_n_branch(atlas); b++) {
-            if (!row_agrees(atlas, false, b)) fail_msg("study %d: the row of branch %d does not agree", k, b);
+            if (!row_agrees(atlas, false, b))
+                fail_msg("study %d: the row of branch %d does not agree", k, b);
             plant_branch(atlas, b);
         }
         for (int j = 1; j <= ric_atlas_n_junction(atlas); j++) {
-            if (!row_agrees(atlas, true, j)) fail_msg("study %d: the row of junction %d does not agree", k, j);
+            if (!row_agrees(atlas, true, j))
+                fail_msg("study %d: the row of junction %d does not agree", k, j);
             plant_junction(atlas, j);
         }
         ric_atlas_free(atlas);
     }
 }
 
-/* Orbits of two modes, of which the stop hardly sees one: amplitudes of a hundred clearances, impacts as slow as 1e-4
- * of the largest speed. In sections on the face the map has entries of 1e8 and a trace of 300, and what rounding leaves
- * open of the closure is in the trace with them. What is stored must be known to the bound of the replay, and the
- * multipliers given where an impact has no speed must not pretend to be known. */
+/* Orbits of two modes, of which the stop hardly sees one: amplitudes of a hundred clearances,
+ * impacts as slow as 1e-4 of the largest speed. In sections on the face the map has entries of 1e8
+ * and a trace of 300, and what rounding leaves open of the closure is in the trace with them. What
+ * is stored must be known to the bound of the replay, and the multipliers given where an impact has
+ * no speed must not pretend to be known. */
 static const char slow_impacts[] =
-    "model:\n  mass: [[1.5625, 0.21875], [0.21875, 0.90625]]\n  stiffness: [[5.75, 2.75], [2.75, 2.5625]]\n"
+    "model:\n  mass: [[1.5625, 0.21875], [0.21875, 0.90625]]\n  stiffness: [[5.75, 2.75], [2.75, "
+    "2.5625]]\n"
     "  contacts: [{normal: [1, -1], law: rigid, clearance: 1.72, sides: lower}]\n"
     "explore: {energy: [0, 59560], frequency: [0.21, 6.54], impacts: 4, multiply: 2, depth: 2}\n";
 
@@ -223,7 +247,8 @@ static void slow(void **state)
             assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, i, &n, &orbits), RIC_OK);
             ric_orbit_multipliers(orbits[0], pair);
             if (!isnan(pair[0]))
-                fail_msg("branch %d, point %d: multiplier %.17g of an impact without speed", id, i, pair[0]);
+                fail_msg("branch %d, point %d: multiplier %.17g of an impact without speed", id, i,
+                         pair[0]);
             ric_orbits_free(n, orbits);
             lost++;
         }
@@ -233,7 +258,8 @@ static void slow(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Of two modes with one frequency a contact sees one: that there are two in the simulator's frame is its choice. */
+/* Of two modes with one frequency a contact sees one: that there are two in the simulator's frame
+ * is its choice. */
 static void equal_frequencies(void **state)
 {
     (void)state;
@@ -254,7 +280,7 @@ static void equal_frequencies(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(planted), cmocka_unit_test(rows), cmocka_unit_test(slow),
-                                       cmocka_unit_test(equal_frequencies)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(planted), cmocka_unit_test(rows),
+                                       cmocka_unit_test(slow), cmocka_unit_test(equal_frequencies)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
-/* A structure with power-law contacts integrated by SUNDIALS CVODE from its raw matrices: M x'' + K x + sum_f k_f
- * s_f^m_f b_f = 0. Shares nothing with the program but the numbers of the study. Public scaled units: lengths in d,
- * seconds. Needs cmocka.h before it. */
+/* A structure with power-law contacts integrated by SUNDIALS CVODE from its raw matrices: M x'' + K
+ * x + sum_f k_f s_f^m_f b_f = 0. Shares nothing with the program but the numbers of the study.
+ * Public scaled units: lengths in d, seconds. Needs cmocka.h before it. */
 #ifndef CVODE_FLOW_H
 #define CVODE_FLOW_H
 
@@ -43,10 +43,11 @@ static inline int cvode_rate(sunrealtype t, N_Vector y, N_Vector dy, void *user)
     return LAPACKE_dpotrs(LAPACK_ROW_MAJOR, 'L', n, 1, raw->L, n, dv, 1);
 }
 
-/* x, v [n each] through the time; returns an estimate of the error: the distance to a run with ten times the tolerance,
- * over |x, v|. */
-static inline double cvode_fly(const ric_model *model, int n, const double *M, const double *K, int n_contact,
-                               const ric_contact *contacts, double time, double *x, double *v)
+/* x, v [n each] through the time; returns an estimate of the error: the distance to a run with ten
+ * times the tolerance, over |x, v|. */
+static inline double cvode_fly(const ric_model *model, int n, const double *M, const double *K,
+                               int n_contact, const ric_contact *contacts, double time, double *x,
+                               double *v)
 {
     double L[n * n], result[2][2 * n], off = 0, size = 0;
     memcpy(L, M, sizeof L);

@@ -14,7 +14,8 @@ static inline ric_atlas *explore_text_with(const char *text, ric_store *store, d
     if (ric_study_parse(text, "test", ".", &study)) fail_msg("%s\n%s", ric_detail(), text);
     assert_int_equal(ric_graph_create(study, store, &graph), RIC_OK);
     if (max_step > 0) graph->limits.max_step = max_step;
-    if (ric_graph_explore(graph, NULL) || ric_rows_make(graph, study, true, &atlas)) fail_msg("%s", ric_detail());
+    if (ric_graph_explore(graph, NULL) || ric_rows_make(graph, study, true, &atlas))
+        fail_msg("%s", ric_detail());
     ric_graph_free(graph);
     ric_study_free(study);
     return atlas;
@@ -53,9 +54,10 @@ static inline void point_passes(const ric_atlas *atlas, int id, int i)
     ric_check check;
     if (ric_verify_point(atlas, id, i, &check)) fail_msg("%s", ric_detail());
     if (!check.passed)
-        fail_msg("branch %d %s, point %d: flights %.3g, return %.3g, condition %.3g, energy %.3g, faces %d", id,
-                 branch_of(atlas, id).label, i, check.flight_error, check.return_error, check.condition,
-                 check.energy_error, check.faces_agree);
+        fail_msg("branch %d %s, point %d: flights %.3g, return %.3g, condition %.3g, energy %.3g, "
+                 "faces %d",
+                 id, branch_of(atlas, id).label, i, check.flight_error, check.return_error,
+                 check.condition, check.energy_error, check.faces_agree);
 }
 
 #endif

@@ -1,12 +1,14 @@
 /* Loaded before a program (LD_PRELOAD), it lets one of its requests to the system fail:
  *
  *   FAULT_ALLOC=K   the K-th call of malloc, calloc, realloc or strdup finds no memory
- *   FAULT_DISK=K    from the K-th writing call (write, pwrite, ftruncate, fsync, fdatasync) on the disk is full
- *   FAULT_POWER=K   at the K-th writing call the power fails: every file is as it was when it was last synchronised
+ *   FAULT_DISK=K    from the K-th writing call (write, pwrite, ftruncate, fsync, fdatasync) on the
+ *                   disk is full
+ *   FAULT_POWER=K   at the K-th writing call the power fails: every file is as it was when it was
+ *                   last synchronised
  *   FAULT_COUNT=F   at the end the numbers of both kinds of calls are written to the file F
  *
- * Only what the program itself and the libraries it calls ask for counts. Of a file that was never synchronised nothing
- * is left. */
+ * Only what the program itself and the libraries it calls ask for counts. Of a file that was never
+ * synchronised nothing is left. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -127,7 +129,9 @@ static void remember(int i)
     int file = open(known[i].path, O_RDONLY);
     free(known[i].bytes);
     known[i].bytes = NULL;
-    if (file < 0 || fstat(file, &about) || !(known[i].bytes = __libc_malloc((size_t)about.st_size + 1))) abort();
+    if (file < 0 || fstat(file, &about) ||
+        !(known[i].bytes = __libc_malloc((size_t)about.st_size + 1)))
+        abort();
     if (read(file, known[i].bytes, (size_t)about.st_size) != about.st_size) abort();
     known[i].size = (size_t)about.st_size;
     close(file);
@@ -142,13 +146,15 @@ static void lose_power(void)
             continue;
         }
         int file = open(known[i].path, O_WRONLY | O_TRUNC);
-        if (file < 0 || real_write(file, known[i].bytes, known[i].size) != (ssize_t)known[i].size) abort();
+        if (file < 0 || real_write(file, known[i].bytes, known[i].size) != (ssize_t)known[i].size)
+            abort();
         close(file);
     }
     kill(getpid(), SIGKILL);
 }
 
-/* True: the call is to fail. A file that was there before the program began counts as synchronised. */
+/* True: the call is to fail. A file that was there before the program began counts as synchronised.
+ */
 static bool refused(int file, bool before)
 {
     struct stat about;

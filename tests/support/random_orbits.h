@@ -8,9 +8,10 @@
 #include "explore/graph.h"
 #include "random_models.h"
 
-/* Contacts on both sides, so that centres exist, or with `any_side` on both, the upper or the lower one only;
- * `floating`: one frequency is zero. */
-static inline ric_model *random_structure_of(uint64_t seed, int n, int n_contact, bool floating, bool any_side)
+/* Contacts on both sides, so that centres exist, or with `any_side` on both, the upper or the lower
+ * one only; `floating`: one frequency is zero. */
+static inline ric_model *random_structure_of(uint64_t seed, int n, int n_contact, bool floating,
+                                             bool any_side)
 {
     static const ric_sides sides[3] = {RIC_SIDES_BOTH, RIC_SIDES_UPPER, RIC_SIDES_LOWER};
     double M[n * n], K[n * n], normal[n_contact * n];
@@ -29,7 +30,8 @@ static inline ric_model *random_structure_of(uint64_t seed, int n, int n_contact
     return model;
 }
 
-/* Forms 0, 1: general with sigma +1, -1; 2..10: reversible, start and end from rest, impact, centre. */
+/* Forms 0, 1: general with sigma +1, -1; 2..10: reversible, start and end from rest, impact,
+ * centre. */
 enum { N_FORM = 11 };
 
 static inline ric_mirror form_start(int form)
@@ -53,20 +55,20 @@ static inline void random_word(const ric_model *m, int form, int n_flight, int *
 }
 
 /* A chain over such a word, with random unknowns; those of the start block up to `size`. */
-static inline ric_shooting *random_chain_over(const ric_model *m, int form, int n_flight, const int *face, double size,
-                                              double *u)
+static inline ric_shooting *random_chain_over(const ric_model *m, int form, int n_flight,
+                                              const int *face, double size, double *u)
 {
     ric_shooting *chain = NULL;
-    assert_int_equal(ric_shooting_create(m, form_start(form), form_end(form), form == 1 ? -1 : 1, n_flight, face,
-                                         &chain),
+    assert_int_equal(ric_shooting_create(m, form_start(form), form_end(form), form == 1 ? -1 : 1,
+                                         n_flight, face, &chain),
                      RIC_OK);
     for (int i = 0; i < chain->n_start; i++) u[i] = uniform(-size, size);
     for (int i = chain->n_start; i < chain->n_unknown; i++) u[i] = uniform(0.3, 1.5);
     return chain;
 }
 
-/* A solution of a random word in the form given: Newton from random starts. Admissible or not does not matter here.
- * NULL: none found. */
+/* A solution of a random word in the form given: Newton from random starts. Admissible or not does
+ * not matter here. NULL: none found. */
 static inline ric_shooting *random_orbit(const ric_model *m, int form, int n_flight, double *u)
 {
     int face[n_flight + 1], iterations;

@@ -1,4 +1,5 @@
-/* Curves of forced motions, computed into a file that is gone afterwards. Needs cmocka.h before it. */
+/* Curves of forced motions, computed into a file that is gone afterwards. Needs cmocka.h before it.
+ */
 #ifndef RESPONSES_H
 #define RESPONSES_H
 

@@ -1,10 +1,10 @@
-/* The suite has two forms: `make test` takes of the dear kinds of cases a sample or a smaller case, and `make long`,
- * which sets RICOCHET_TEST_LONG, all of them (CONTRIBUTING.md, Tests). What a test takes beside its short form it names
- * by long_form().
+/* The suite has two forms: `make test` takes of the dear kinds of cases a sample or a smaller case,
+ * and `make long`, which sets RICOCHET_TEST_LONG, all of them (CONTRIBUTING.md, Tests). What a test
+ * takes beside its short form it names by long_form().
  *
  * Of many cases of a kind a test takes all; with RICOCHET_TEST_EVERY=n, for tools that make it slow
- * (tools/memcheck.sh), every n-th. What a test counts may then fall short. A number like 7, prime to the small ones by
- * which cases are told apart, keeps cases of all kinds. */
+ * (tools/memcheck.sh), every n-th. What a test counts may then fall short. A number like 7, prime
+ * to the small ones by which cases are told apart, keeps cases of all kinds. */
 #ifndef SAMPLE_H
 #define SAMPLE_H
 

@@ -1,5 +1,6 @@
-/* Models, motions in closed form and a simulator for the tests of the simulator and of the verification. The closed
- * forms are computed from ric_model_modes, which the simulator does not use. */
+/* Models, motions in closed form and a simulator for the tests of the simulator and of the
+ * verification. The closed forms are computed from ric_model_modes, which the simulator does not
+ * use. */
 #ifndef SIMULATED_MODELS_H
 #define SIMULATED_MODELS_H
 
@@ -24,14 +25,16 @@ static inline void check_close(double a, double b, double tolerance, const char 
 {
     double error = fabs(a - b) / fmax(1e-300, fmax(fabs(a), fabs(b)));
     if (!(error <= tolerance))
-        fail_msg("%s: %.17g against %.17g, relative difference %.3g > %.3g", what, a, b, error, tolerance);
+        fail_msg("%s: %.17g against %.17g, relative difference %.3g > %.3g", what, a, b, error,
+                 tolerance);
 }
 
-static inline ric_model *make(int n, const double *M, const double *K, int n_contact, const ric_contact *contacts,
-                              double restitution)
+static inline ric_model *make(int n, const double *M, const double *K, int n_contact,
+                              const ric_contact *contacts, double restitution)
 {
     ric_model *model = NULL;
-    if (ric_model_create(n, M, K, n_contact, contacts, restitution, &model)) fail_msg("%s", ric_detail());
+    if (ric_model_create(n, M, K, n_contact, contacts, restitution, &model))
+        fail_msg("%s", ric_detail());
     return model;
 }
 
@@ -105,7 +108,9 @@ typedef struct {
 
 static inline modal make_modal(const ric_model *model)
 {
-    modal m = {.n = ric_model_n_dof(model), .n_contact = ric_model_n_contact(model), .M = ric_model_mass(model)};
+    modal m = {.n = ric_model_n_dof(model),
+               .n_contact = ric_model_n_contact(model),
+               .M = ric_model_mass(model)};
     ric_model_frequencies(model, m.omega);
     ric_model_modes(model, m.phi);
     for (int f = 0; f < m.n_contact; f++) {
@@ -139,7 +144,8 @@ static inline void to_space(const modal *m, const double *q, double *x)
     }
 }
 
-static inline void modal_flight(const modal *m, double t, const double *q, const double *p, double *qt, double *pt)
+static inline void modal_flight(const modal *m, double t, const double *q, const double *p,
+                                double *qt, double *pt)
 {
     for (int i = 0; i < m->n; i++) {
         double w = m->omega[i], s = sin(w * t), c = cos(w * t), qi = q[i], pi = p[i];
@@ -148,7 +154,8 @@ static inline void modal_flight(const modal *m, double t, const double *q, const
     }
 }
 
-static inline double modal_gap(const modal *m, int contact, double t, const double *q, const double *p)
+static inline double modal_gap(const modal *m, int contact, double t, const double *q,
+                               const double *p)
 {
     double qt[MAX_N], pt[MAX_N], s = 0;
     modal_flight(m, t, q, p, qt, pt);
@@ -170,13 +177,15 @@ static inline double length(int n, const double *x)
     return sqrt(sum);
 }
 
-/* S2[01]: q_i = -J c_i sin(omega_i (t - h/2)) / (omega_i cos(omega_i h/2)), J sum c_i^2 tan(omega_i h/2) / omega_i = d,
- * h = pi / omega; *through: beyond a stop on the way. False: the impacts would pull. */
+/* S2[01]: q_i = -J c_i sin(omega_i (t - h/2)) / (omega_i cos(omega_i h/2)), J sum c_i^2 tan(omega_i
+ * h/2) / omega_i = d, h = pi / omega; *through: beyond a stop on the way. False: the impacts would
+ * pull. */
 static inline bool s2_motion(const modal *m, double h, double *x, double *v, bool *through)
 {
     double q[MAX_N], p[MAX_N], sum = 0;
     *through = false;
-    for (int i = 0; i < m->n; i++) sum += m->c[i] * m->c[i] * tan(m->omega[i] * h / 2) / m->omega[i];
+    for (int i = 0; i < m->n; i++)
+        sum += m->c[i] * m->c[i] * tan(m->omega[i] * h / 2) / m->omega[i];
     if (sum <= 0) return false;
     for (int i = 0; i < m->n; i++) {
         q[i] = m->c[i] * tan(m->omega[i] * h / 2) / (m->omega[i] * sum);

@@ -1,4 +1,5 @@
-/* Random atlases, a folder for their files, and what of them is the same: for the tests of the store. */
+/* Random atlases, a folder for their files, and what of them is the same: for the tests of the
+ * store. */
 #ifndef STORED_ATLASES_H
 #define STORED_ATLASES_H
 
@@ -53,11 +54,13 @@ static inline ric_study *study_of(const char *text)
     return study;
 }
 
-/* A number as an atlas may have it: of moderate size, now and then a zero with a sign or a denormal. */
+/* A number as an atlas may have it: of moderate size, now and then a zero with a sign or a
+ * denormal. */
 static inline double random_number(void)
 {
     static const double special[] = {0.0, -0.0, 5e-324, 1.0, -7.0, 1e15, 9007199254740993.0};
-    return below(8) == 0 ? special[below(7)] : ldexp((double)(int64_t)random_bits(), below(80) - 100);
+    return below(8) == 0 ? special[below(7)]
+                         : ldexp((double)(int64_t)random_bits(), below(80) - 100);
 }
 
 static inline double random_or_nothing(void)
@@ -71,13 +74,15 @@ static inline double random_share(void)
 }
 
 /* A state [2 n_dof] and flights, and the energy and frequency that go with them. */
-static inline void fill_orbit(const ric_model *model, int n_flight, double *state, double *flights, double *energy,
-                              double *frequency)
+static inline void fill_orbit(const ric_model *model, int n_flight, double *state, double *flights,
+                              double *energy, double *frequency)
 {
     int n = ric_model_n_dof(model);
     double period = 0;
-    for (int i = 0; i < 2 * n; i++) state[i] = below(8) ? ldexp((double)(int64_t)random_bits(), -60) : 5e-324;
-    for (int i = 0; i < n_flight; i++) period += flights[i] = below(8) ? 9 * random_share() + 0.01 : 1e-300;
+    for (int i = 0; i < 2 * n; i++)
+        state[i] = below(8) ? ldexp((double)(int64_t)random_bits(), -60) : 5e-324;
+    for (int i = 0; i < n_flight; i++)
+        period += flights[i] = below(8) ? 9 * random_share() + 0.01 : 1e-300;
     if (!(period > 0.01)) period += flights[0] = 2.5;
     double fit = fmin(1, 30 / period); /* the longest that the window of frequencies has */
     for (int i = 0; i < n_flight; i++) flights[i] *= fit;
@@ -100,8 +105,8 @@ static inline void fill_points(ric_branch_record *branch, const ric_model *model
     branch->stride = ric_atlas_point_stride(n_dof, branch->row.letters);
     branch->points = calloc((size_t)branch->row.n_point + 1, branch->stride * sizeof(double));
     for (int i = 0; i < branch->row.n_point; i++) {
-        double *at = branch->points + (size_t)i * branch->stride, *state = at + sizeof(ric_point) / sizeof *at, energy,
-               frequency;
+        double *at = branch->points + (size_t)i * branch->stride,
+               *state = at + sizeof(ric_point) / sizeof *at, energy, frequency;
         fill_orbit(model, n_flight, state, state + 2 * n_dof, &energy, &frequency);
         ric_point point = {arclength += random_share(),
                            energy,
@@ -213,7 +218,8 @@ static inline void list_branches(ric_atlas *atlas)
     }
 }
 
-static inline ric_atlas *random_atlas(const char *study, uint64_t seed, int n_branch, int n_junction)
+static inline ric_atlas *random_atlas(const char *study, uint64_t seed, int n_branch,
+                                      int n_junction)
 {
     ric_atlas *atlas = calloc(1, sizeof *atlas);
     seed_now = seed;
@@ -227,7 +233,8 @@ static inline ric_atlas *random_atlas(const char *study, uint64_t seed, int n_br
     atlas->branches = calloc((size_t)n_branch + 1, sizeof *atlas->branches);
     atlas->junctions = calloc((size_t)n_junction + 1, sizeof *atlas->junctions);
     for (int i = 0; i < n_branch; i++) atlas->branches[i] = random_branch(i + 1, n_junction, model);
-    for (int i = 0; i < n_junction; i++) atlas->junctions[i] = random_junction(i + 1, n_branch, model);
+    for (int i = 0; i < n_junction; i++)
+        atlas->junctions[i] = random_junction(i + 1, n_branch, model);
     list_branches(atlas);
     return atlas;
 }
@@ -254,28 +261,35 @@ static inline bool same_branch(const ric_branch_record *left, const ric_branch_r
 {
     const ric_branch *a = &left->row, *b = &right->row;
     bool same = a->id == b->id && !strcmp(a->label, b->label) && a->impacts == b->impacts &&
-                !memcmp(a->word, b->word, (size_t)a->impacts * sizeof *a->word) && a->symmetric == b->symmetric &&
-                a->reversible == b->reversible && !strcmp(a->mirror, b->mirror) &&
+                !memcmp(a->word, b->word, (size_t)a->impacts * sizeof *a->word) &&
+                a->symmetric == b->symmetric && a->reversible == b->reversible &&
+                !strcmp(a->mirror, b->mirror) &&
                 same_bits(a->stable_fraction, b->stable_fraction) && a->n_point == b->n_point &&
-                same_bits(a->energy_min, b->energy_min) && same_bits(a->energy_max, b->energy_max) &&
-                same_bits(a->frequency_min, b->frequency_min) && same_bits(a->frequency_max, b->frequency_max) &&
-                a->from == b->from && a->to == b->to && a->stop == b->stop && !strcmp(a->why, b->why) &&
+                same_bits(a->energy_min, b->energy_min) &&
+                same_bits(a->energy_max, b->energy_max) &&
+                same_bits(a->frequency_min, b->frequency_min) &&
+                same_bits(a->frequency_max, b->frequency_max) && a->from == b->from &&
+                a->to == b->to && a->stop == b->stop && !strcmp(a->why, b->why) &&
                 a->n_junction == b->n_junction && a->depth == b->depth && a->mode == b->mode &&
                 same_points(left, right);
     for (int i = 0; same && i < a->n_junction; i++)
-        same = a->junctions[i] == b->junctions[i] && same_bits(a->junction_at[i], b->junction_at[i]);
+        same = a->junctions[i] == b->junctions[i] &&
+               same_bits(a->junction_at[i], b->junction_at[i]);
     return same;
 }
 
 static inline bool same_junction(const ric_junction *a, const ric_junction *b, int n_dof)
 {
     int n_flight = a->impacts ? a->impacts : 1;
-    bool same = a->id == b->id && a->kind == b->kind && !strcmp(a->label, b->label) && !strcmp(a->name, b->name) &&
-                a->impacts == b->impacts && !memcmp(a->word, b->word, (size_t)a->impacts * sizeof *a->word) &&
-                a->grazings == b->grazings && a->multiple == b->multiple && a->rotation[0] == b->rotation[0] &&
-                a->rotation[1] == b->rotation[1] && a->a == b->a && a->b == b->b && same_bits(a->energy, b->energy) &&
+    bool same = a->id == b->id && a->kind == b->kind && !strcmp(a->label, b->label) &&
+                !strcmp(a->name, b->name) && a->impacts == b->impacts &&
+                !memcmp(a->word, b->word, (size_t)a->impacts * sizeof *a->word) &&
+                a->grazings == b->grazings && a->multiple == b->multiple &&
+                a->rotation[0] == b->rotation[0] && a->rotation[1] == b->rotation[1] &&
+                a->a == b->a && a->b == b->b && same_bits(a->energy, b->energy) &&
                 same_bits(a->frequency, b->frequency) && a->n_branch == b->n_branch &&
-                !memcmp(&a->departures, &b->departures, sizeof a->departures) && !strcmp(a->refusal, b->refusal);
+                !memcmp(&a->departures, &b->departures, sizeof a->departures) &&
+                !strcmp(a->refusal, b->refusal);
     for (int i = 0; same && i < 2 * n_dof; i++) same = same_bits(a->state[i], b->state[i]);
     for (int i = 0; same && i < n_flight; i++) same = same_bits(a->flights[i], b->flights[i]);
     for (int i = 0; same && i < a->n_branch; i++) same = a->branches[i] == b->branches[i];
@@ -284,12 +298,15 @@ static inline bool same_junction(const ric_junction *a, const ric_junction *b, i
 
 static inline bool same_atlas(const ric_atlas *a, const ric_atlas *b)
 {
-    bool same = !strcmp(ric_study_text(a->study), ric_study_text(b->study)) && a->finished == b->finished &&
-                a->n_unplaced == b->n_unplaced && a->n_blind == b->n_blind && a->n_branch == b->n_branch &&
+    bool same = !strcmp(ric_study_text(a->study), ric_study_text(b->study)) &&
+                a->finished == b->finished && a->n_unplaced == b->n_unplaced &&
+                a->n_blind == b->n_blind && a->n_branch == b->n_branch &&
                 a->n_junction == b->n_junction;
-    for (int i = 0; same && i < a->n_branch; i++) same = same_branch(&a->branches[i], &b->branches[i]);
+    for (int i = 0; same && i < a->n_branch; i++)
+        same = same_branch(&a->branches[i], &b->branches[i]);
     for (int i = 0; same && i < a->n_junction; i++)
-        same = same_junction(&a->junctions[i].row, &b->junctions[i].row, ric_model_n_dof(ric_atlas_model(a)));
+        same = same_junction(&a->junctions[i].row, &b->junctions[i].row,
+                             ric_model_n_dof(ric_atlas_model(a)));
     return same;
 }
 
@@ -366,8 +383,10 @@ static inline int tear_down(void **state)
     return rmdir(folder);
 }
 
-/* Both ways in refuse `path` with `expected`, say why, and leave every byte and the folder as they were. */
-static inline void assert_refused(const char *path, const char *study_text, ric_status expected, const char *reason)
+/* Both ways in refuse `path` with `expected`, say why, and leave every byte and the folder as they
+ * were. */
+static inline void assert_refused(const char *path, const char *study_text, ric_status expected,
+                                  const char *reason)
 {
     ric_study *study = study_of(study_text);
     ric_store *store = NULL;

@@ -1,7 +1,7 @@
-/* Where the shaken masses end up from random starts: on curves that were computed, stable parts of them, or on motions
- * that are not periodic, which are counted; below the birth of a detached resonance, where it is an isola, and above
- * the level at which it joins. RICOCHET_ATTRACTORS names a file in which each start is written down, and is not taken
- * again (tools/attractors). */
+/* Where the shaken masses end up from random starts: on curves that were computed, stable parts of
+ * them, or on motions that are not periodic, which are counted; below the birth of a detached
+ * resonance, where it is an isola, and above the level at which it joins. RICOCHET_ATTRACTORS names
+ * a file in which each start is written down, and is not taken again (tools/attractors). */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,10 +24,10 @@ enum { SETTLE = 700, MORE = 12, PERIODS = 16, MOST = 64, STARTS = 125, PARTING =
 #define SAME 1e-5 /* states of one motion that has settled to 1e-7 */
 
 static const double two_pi = 6.283185307179586;
-static const char
-    *const study = "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                   "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                   "explore: {energy: [0, 60], frequency: [0.3, 4], impacts: 4, multiply: 2, depth: 2}\n";
+static const char *const study =
+    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+    "explore: {energy: [0, 60], frequency: [0.3, 4], impacts: 4, multiply: 2, depth: 2}\n";
 
 /* A motion at one frequency: its states at phase 0, period by period. */
 typedef struct {
@@ -44,7 +44,8 @@ typedef struct {
 static ric_shaking shaking_of(double e)
 {
     static const double force[] = {1, -0.1}, zeta = 0.01;
-    return (ric_shaking){.n_force = 2, .force = force, .n_ratio = 1, .ratios = &zeta, .restitution = e};
+    return (
+        ric_shaking){.n_force = 2, .force = force, .n_ratio = 1, .ratios = &zeta, .restitution = e};
 }
 
 /* Through whole periods of the force; false: it cannot be followed. */
@@ -67,7 +68,8 @@ static double apart(const double *a, const double *b, double sign)
 }
 
 /* The orbit of a point of a response, flown from phase 0 on. */
-static void add_motion(const ric_model *model, const ric_response_curve *c, const ric_response_point *p, motions *all)
+static void add_motion(const ric_model *model, const ric_response_curve *c,
+                       const ric_response_point *p, motions *all)
 {
     const ric_shaking shaking = shaking_of(p->restitution);
     ric_shaken *s;
@@ -82,13 +84,15 @@ static void add_motion(const ric_model *model, const ric_response_curve *c, cons
     assert_int_equal(ric_shaken_start(s, p->state, p->state + 2, p->phase), RIC_OK);
     for (int k = 0; k < c->harmonic; k++) {
         for (hit = true; hit;)
-            assert_int_equal(ric_shaken_advance(s, first + k * two_pi / p->omega, &hit, &impact), RIC_OK);
+            assert_int_equal(ric_shaken_advance(s, first + k * two_pi / p->omega, &hit, &impact),
+                             RIC_OK);
         ric_shaken_state(s, &time, m->strobe[k], m->strobe[k] + 2);
     }
     ric_shaken_free(s);
 }
 
-static void add_side(const ric_atlas *atlas, double level, double e, double omega, double other, motions *all)
+static void add_side(const ric_atlas *atlas, double level, double e, double omega, double other,
+                     motions *all)
 {
     ric_response_options o;
     static const int harmonics[] = {1, 2, 3};
@@ -111,10 +115,11 @@ static void add_side(const ric_atlas *atlas, double level, double e, double omeg
     ric_response_free(r);
 }
 
-/* Its number of periods, 0: it is not periodic, -1: it cannot be followed; and its state at phase 0. What is left of a
- * slow mode may repeat nearly after more periods than the motion has: the first of them that is near counts. */
-static int settle(const ric_model *model, const ric_shaking *shaking, double omega, double level, unsigned *seed,
-                  double *out)
+/* Its number of periods, 0: it is not periodic, -1: it cannot be followed; and its state at phase
+ * 0. What is left of a slow mode may repeat nearly after more periods than the motion has: the
+ * first of them that is near counts. */
+static int settle(const ric_model *model, const ric_shaking *shaking, double omega, double level,
+                  unsigned *seed, double *out)
 {
     ric_shaken *s;
     double x[2], v[2], strobe[PERIODS + 1][4], begun = 0;
@@ -145,10 +150,11 @@ typedef struct {
     double rate, error;
 } speed;
 
-/* On the average over many periods: above 0 it is chaotic, about 0 it has several frequencies, below 0 it is periodic.
- * The error is that of the mean of blocks, which are longer than what a period remembers. 0 and infinity where it
- * cannot be followed. */
-static speed parting(const ric_model *model, const ric_shaking *shaking, double omega, double level, const double *at)
+/* On the average over many periods: above 0 it is chaotic, about 0 it has several frequencies,
+ * below 0 it is periodic. The error is that of the mean of blocks, which are longer than what a
+ * period remembers. 0 and infinity where it cannot be followed. */
+static speed parting(const ric_model *model, const ric_shaking *shaking, double omega, double level,
+                     const double *at)
 {
     const double aside = 1e-8;
     const speed lost = {0, INFINITY};
@@ -179,19 +185,20 @@ static speed parting(const ric_model *model, const ric_shaking *shaking, double 
     return (speed){sum, sqrt(squares / (BLOCKS - 1) / BLOCKS)};
 }
 
-/* Whether a state belongs to one of the motions, or to its mirror image half a period of the force later; *near: how
- * far the nearest is. */
+/* Whether a state belongs to one of the motions, or to its mirror image half a period of the force
+ * later; *near: how far the nearest is. */
 static bool known(const motions *all, int periods, const double *at, double *near)
 {
     *near = INFINITY;
     for (int i = 0; i < all->n; i++)
         for (int k = 0; k < all->m[i].periods; k++)
-            if (all->m[i].periods == periods) *near = fmin(*near, apart(at, all->m[i].strobe[k], 1));
+            if (all->m[i].periods == periods)
+                *near = fmin(*near, apart(at, all->m[i].strobe[k], 1));
     return *near < SAME;
 }
 
-/* Mirror images: x -> -x at the opposite phase. Their strobes are those half a period later, turned round; so the image
- * of an attractor is flown instead. */
+/* Mirror images: x -> -x at the opposite phase. Their strobes are those half a period later, turned
+ * round; so the image of an attractor is flown instead. */
 static void add_images(const ric_model *model, double omega, double level, double e, motions *all)
 {
     const ric_shaking shaking = shaking_of(e);
@@ -201,7 +208,8 @@ static void add_images(const ric_model *model, double omega, double level, doubl
         motion *m = &all->m[all->n++];
         *m = all->m[i];
         assert_int_equal(ric_shaken_create(model, &shaking, omega, level, &s), RIC_OK);
-        assert_int_equal(ric_shaken_start(s, all->m[i].strobe[0], all->m[i].strobe[0] + 2, 0), RIC_OK);
+        assert_int_equal(ric_shaken_start(s, all->m[i].strobe[0], all->m[i].strobe[0] + 2, 0),
+                         RIC_OK);
         double time, begun = 0;
         bool followed = true;
         for (int k = 0; k < m->periods && followed; k++) {
@@ -241,7 +249,9 @@ static void read_log(const char *path, place *p, bool *done)
     char word[32];
     while (file && fscanf(file, "%lf %lf %d %31s", &level, &omega, &start, word) == 4)
         for (int i = 0; i < OUTCOMES; i++) {
-            if (level != p->level || omega != p->omega || start < 0 || start >= p->starts || done[start]) continue;
+            if (level != p->level || omega != p->omega || start < 0 || start >= p->starts ||
+                done[start])
+                continue;
             if (strcmp(word, outcome_text[i]) != 0) continue;
             p->count[i]++;
             done[start] = true;
@@ -273,7 +283,8 @@ static outcome one_start(const ric_model *model, place *p, int start)
         return WILD;
     }
     if (known(p->all, periods, at, &near)) return ON_CURVE;
-    print_message("level %g, omega %g: start %d: an attractor of %d periods is on no curve, the nearest is %.3g away: "
+    print_message("level %g, omega %g: start %d: an attractor of %d periods is on no curve, the "
+                  "nearest is %.3g away: "
                   "%.10g %.10g %.10g %.10g\n",
                   p->level, p->omega, start, periods, near, at[0], at[1], at[2], at[3]);
     return UNKNOWN;
@@ -298,12 +309,14 @@ static void all_starts(const ric_atlas *atlas, place *p)
         p->measured += what == WILD;
         write_log(path, p, i, what);
     }
-    print_message("level %g, omega %g: %d starts, %d on curves, %d not periodic, %d at rest on a stop, %d unknown; %d "
+    print_message("level %g, omega %g: %d starts, %d on curves, %d not periodic, %d at rest on a "
+                  "stop, %d unknown; %d "
                   "orbits there\n",
-                  p->level, p->omega, p->starts, p->count[ON_CURVE], p->count[WILD], p->count[LOST], p->count[UNKNOWN],
-                  p->all->n);
+                  p->level, p->omega, p->starts, p->count[ON_CURVE], p->count[WILD], p->count[LOST],
+                  p->count[UNKNOWN], p->all->n);
     if (p->fastest > -INFINITY)
-        print_message("%d of %d that are not periodic are chaotic: neighbours part by %.3g to %.3g a period, +- %.2g\n",
+        print_message("%d of %d that are not periodic are chaotic: neighbours part by %.3g to %.3g "
+                      "a period, +- %.2g\n",
                       p->chaotic, p->measured, p->slowest, p->fastest, p->error);
     free(p->all);
     assert_int_equal(p->count[UNKNOWN], 0);
@@ -327,8 +340,8 @@ static void test_attractors(void **state)
     ric_atlas_free(atlas);
 }
 
-/* A stable periodic motion takes its neighbours in as its largest multiplier says; what random starts come to beside
- * the second mode parts from them. */
+/* A stable periodic motion takes its neighbours in as its largest multiplier says; what random
+ * starts come to beside the second mode parts from them. */
 static void test_parting(void **state)
 {
     (void)state;
@@ -337,7 +350,8 @@ static void test_parting(void **state)
     const ric_model *model = ric_atlas_model(atlas);
     double x[2] = {0.1, 0.2}, v[2] = {0}, at[4], begun = 0, time;
     ric_shaken *s;
-    /* without impacts: the multipliers are those of the damped modes, of which the slower one decays last */
+    /* without impacts: the multipliers are those of the damped modes, of which the slower one
+     * decays last */
     const double omega = 1.2, slow = -0.01 * 0.928731065046 * two_pi / omega;
     assert_int_equal(ric_shaken_create(model, &shaking, omega, 0.05, &s), RIC_OK);
     assert_int_equal(ric_shaken_start(s, x, v, 0), RIC_OK);
@@ -345,7 +359,8 @@ static void test_parting(void **state)
     ric_shaken_state(s, &time, at, at + 2);
     ric_shaken_free(s);
     const speed calm = parting(model, &shaking, omega, 0.05, at);
-    print_message("without impacts %.6f +- %.1g a period, multipliers say %.6f\n", calm.rate, calm.error, slow);
+    print_message("without impacts %.6f +- %.1g a period, multipliers say %.6f\n", calm.rate,
+                  calm.error, slow);
     assert_true(fabs(calm.rate - slow) < 0.1 * fabs(slow));
     for (int start = 0; start < (long_form() ? 10 : 2); start++) {
         unsigned seed = 7 + 1000 * (unsigned)start;
@@ -360,7 +375,8 @@ static void test_parting(void **state)
         ric_shaken_state(s, &time, at, at + 2);
         ric_shaken_free(s);
         const speed wild = parting(model, &shaking, 2.3, 0.6, at);
-        print_message("start %d beside the second mode: %.3f +- %.3f a period\n", start, wild.rate, wild.error);
+        print_message("start %d beside the second mode: %.3f +- %.3f a period\n", start, wild.rate,
+                      wild.error);
         assert_true(wild.rate > CHAOTIC * wild.error && wild.rate > 0.15 && wild.rate < 0.4);
     }
     ric_atlas_free(atlas);
@@ -368,9 +384,10 @@ static void test_parting(void **state)
 
 /* -------------------------------------------------------------------- isola */
 
-/* Curves of one impact on either side in a period of the force, around 1.2 rad/s: how many, how many of them closed,
- * and how many begin or end at a grazing. */
-static void around(const ric_atlas *atlas, double level, int *curves, int *closed, int *grazing, double window[2])
+/* Curves of one impact on either side in a period of the force, around 1.2 rad/s: how many, how
+ * many of them closed, and how many begin or end at a grazing. */
+static void around(const ric_atlas *atlas, double level, int *curves, int *closed, int *grazing,
+                   double window[2])
 {
     ric_response_options o;
     ric_response_defaults(&o);
@@ -402,7 +419,8 @@ static void around(const ric_atlas *atlas, double level, int *curves, int *close
     ric_response_free(r);
 }
 
-/* Below the birth that is predicted for S2+, between it and the join at the grazing of mode 1, and above. */
+/* Below the birth that is predicted for S2+, between it and the join at the grazing of mode 1, and
+ * above. */
 static void test_isola(void **state)
 {
     (void)state;
@@ -421,7 +439,8 @@ static void test_isola(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_isola), cmocka_unit_test(test_attractors),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_isola),
+                                       cmocka_unit_test(test_attractors),
                                        cmocka_unit_test(test_parting)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

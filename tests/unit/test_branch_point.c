@@ -1,7 +1,8 @@
-/* Branch points where two branches of one symmetry cross: both are found, and which is which does not depend on where
- * one comes from. A structure that is its own image under the exchange of left and right, of which the program knows
- * nothing, has many: one branch is its own image, the other one breaks the symmetry. With one mass a little larger the
- * branches do not cross, they pass each other, and no step may lead from one to the other. */
+/* Branch points where two branches of one symmetry cross: both are found, and which is which does
+ * not depend on where one comes from. A structure that is its own image under the exchange of left
+ * and right, of which the program knows nothing, has many: one branch is its own image, the other
+ * one breaks the symmetry. With one mass a little larger the branches do not cross, they pass each
+ * other, and no step may lead from one to the other. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,11 +21,13 @@
 static const double PI = 3.14159265358979323846;
 
 /* Two equal masses on equal springs, joined by a third; each has a wall on its outer side. */
-static const char study_text[] =
-    "model:\n  mass: [[HEAVY, 0], [0, MASS]]\n  stiffness: [[STIFF, -JOIN], [-JOIN, STIFF]]\n  contacts:\n"
-    "    - {normal: [1, 0], clearance: 1, sides: upper, law: rigid}\n    - {normal: [0, -1], clearance: 1, sides: "
-    "upper, law: rigid}\n"
-    "explore: {start: modes, energy: [0, 60], frequency: [0.1, 8], impacts: 9, multiply: 1, depth: 4}\n";
+static const char study_text[] = "model:\n  mass: [[HEAVY, 0], [0, MASS]]\n  stiffness: [[STIFF, "
+                                 "-JOIN], [-JOIN, STIFF]]\n  contacts:\n"
+                                 "    - {normal: [1, 0], clearance: 1, sides: upper, law: rigid}\n "
+                                 "   - {normal: [0, -1], clearance: 1, sides: "
+                                 "upper, law: rigid}\n"
+                                 "explore: {start: modes, energy: [0, 60], frequency: [0.1, 8], "
+                                 "impacts: 9, multiply: 1, depth: 4}\n";
 
 /* Left and right exchanged: x1 -> -x2, x2 -> -x1, and the walls. */
 static ric_periodic *exchanged(const ric_model *m, const ric_periodic *cycle)
@@ -51,8 +54,10 @@ static bool own_image(const ric_model *m, const ric_periodic *cycle)
     return same;
 }
 
-/* Point `at` of the branch that leaves by `choice` on `side`; its class seen from the node, and the energy there. */
-static ric_periodic *leave(const ric_graph *g, const ric_node *node, unsigned choice, int side, int at, double *energy)
+/* Point `at` of the branch that leaves by `choice` on `side`; its class seen from the node, and the
+ * energy there. */
+static ric_periodic *leave(const ric_graph *g, const ric_node *node, unsigned choice, int side,
+                           int at, double *energy)
 {
     ric_shooting *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
@@ -64,11 +69,13 @@ static ric_periodic *leave(const ric_graph *g, const ric_node *node, unsigned ch
         ric_continuation_create(chain, u0, t0, ignore, &limits, &tr) || ric_continuation_run(tr))
         fail_msg("choice %u, side %d at E %.9g: %s", choice, side, node->energy, ric_detail());
     assert_true(tr->n_point > at);
-    const double *point = tr->points + (size_t)at * tr->stride, *u = point + sizeof(ric_point) / sizeof(double);
+    const double *point = tr->points + (size_t)at * tr->stride,
+                 *u = point + sizeof(ric_point) / sizeof(double);
     ric_shooting_fly(tr->chain, u);
     assert_true(tr->chain->residual <= ric_continuation_tolerance(tr->chain));
     *energy = ((const ric_point *)point)->energy;
-    ric_periodic *cycle = ric_periodic_from_chain(tr->chain, u), *turned = ric_periodic_canonical(g->model, cycle);
+    ric_periodic *cycle = ric_periodic_from_chain(tr->chain, u),
+                 *turned = ric_periodic_canonical(g->model, cycle);
     if (ric_branch_point_choice(g->model, node, turned, &seen)) fail_msg("%s", ric_detail());
     if (seen != choice) fail_msg("choice %u at E %.9g is taken for %u", choice, node->energy, seen);
     ric_periodic_free(turned);
@@ -78,8 +85,9 @@ static ric_periodic *leave(const ric_graph *g, const ric_node *node, unsigned ch
     return cycle;
 }
 
-/* The one branch keeps the symmetry, the other one breaks it: both sides of the node are images, of one energy but for
- * the square of the step, 1e-3, as the exchange is no isometry of the unknowns. */
+/* The one branch keeps the symmetry, the other one breaks it: both sides of the node are images, of
+ * one energy but for the square of the step, 1e-3, as the exchange is no isometry of the unknowns.
+ */
 static bool check_node(const ric_graph *g, const ric_node *node)
 {
     double energy[2];
@@ -93,14 +101,16 @@ static bool check_node(const ric_graph *g, const ric_node *node)
             ric_periodic_free(cycle);
         }
         if (image != (choice == RIC_THROUGH))
-            fail_msg("THROUGH is not the branch along which the energy changes at E %.9g", node->energy);
+            fail_msg("THROUGH is not the branch along which the energy changes at E %.9g",
+                     node->energy);
         kept += image;
         broken += !image;
         if (!image && fabs(energy[0] - energy[1]) > 1e-6 * energy[0])
             fail_msg("energies %.12g and %.12g on both sides", energy[0], energy[1]);
     }
     if (kept != 1 || broken != 1)
-        fail_msg("%d branches that keep the symmetry and %d that break it at E %.9g", kept, broken, node->energy);
+        fail_msg("%d branches that keep the symmetry and %d that break it at E %.9g", kept, broken,
+                 node->energy);
     return true;
 }
 
@@ -132,7 +142,8 @@ static ric_graph *explore(int i, double more, ric_study **study)
     ric_graph *g = NULL;
     write_study(i, more, text);
     if (ric_study_parse(text, "left and right", ".", study)) fail_msg("%s", ric_detail());
-    if (ric_graph_create(*study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+    if (ric_graph_create(*study, NULL, &g) || ric_graph_explore(g, NULL))
+        fail_msg("%s", ric_detail());
     return g;
 }
 
@@ -170,7 +181,8 @@ static double gap_in(const ric_model *m, const ric_periodic *cycle, const ric_mo
     return gap;
 }
 
-/* Nothing keeps branches apart that cross; with masses that differ it is proportional to the difference. */
+/* Nothing keeps branches apart that cross; with masses that differ it is proportional to the
+ * difference. */
 static void gaps(void **state)
 {
     (void)state;
@@ -182,16 +194,19 @@ static void gaps(void **state)
         for (int k = 1; k < 3; k++) {
             char text[2048];
             write_study(i, k == 1 ? 1e-5 : 1e-6, text);
-            if (ric_study_parse(text, "left and right", ".", &study[k])) fail_msg("%s", ric_detail());
+            if (ric_study_parse(text, "left and right", ".", &study[k]))
+                fail_msg("%s", ric_detail());
             m[k] = ric_study_model(study[k]);
         }
         for (int k = 0; k < g->n_node; k++) {
             const ric_node *node = g->nodes[k];
-            if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET || !own_image(m[0], node->cycle))
+            if (node->kind != RIC_KIND_BRANCH_POINT || node->test != RIC_TEST_DET ||
+                !own_image(m[0], node->cycle))
                 continue;
             double none = gap_in(m[0], node->cycle, m[0]), first = gap_in(m[0], node->cycle, m[1]),
                    second = gap_in(m[0], node->cycle, m[2]);
-            if (!(none < 1e-13)) fail_msg("%g between two branches that cross at E %.9g", none, node->energy);
+            if (!(none < 1e-13))
+                fail_msg("%g between two branches that cross at E %.9g", none, node->energy);
             if (!(first > 1e-8 && fabs(first / second / 10 - 1) < 0.01))
                 fail_msg("%g and %g at E %.9g", first, second, node->energy);
             checked++;
@@ -222,9 +237,10 @@ static void nearly_left_and_right(void **state)
                          ric_atlas_n_branch(atlas[0]), ric_atlas_n_junction(atlas[0]));
             for (int id = 1; id <= ric_atlas_n_junction(atlas[k]); id++) {
                 ric_junction a = junction_of(atlas[0], id), b = junction_of(atlas[k], id);
-                if (a.kind != b.kind || fabs(a.energy - b.energy) > 1e-9 * a.energy || a.n_branch != b.n_branch)
-                    fail_msg("%g: %s at E %.12g becomes %s at E %.12g with step %g", more[i], a.label, a.energy,
-                             b.label, b.energy, steps[k]);
+                if (a.kind != b.kind || fabs(a.energy - b.energy) > 1e-9 * a.energy ||
+                    a.n_branch != b.n_branch)
+                    fail_msg("%g: %s at E %.12g becomes %s at E %.12g with step %g", more[i],
+                             a.label, a.energy, b.label, b.energy, steps[k]);
             }
         }
         for (int k = 0; k < 3; k++) ric_atlas_free(atlas[k]);
@@ -254,35 +270,41 @@ static double resonance_above(const ric_model *m, int mode)
     return first;
 }
 
-/* S2[01] of the second mode of a beam turns at the first resonance of a mode with a modal normal of 3.5e-5, within 1e-7
- * of its frequency: its energy rises there to 5e13. With longer steps the branch seems to go on through it and through
- * others. */
+/* S2[01] of the second mode of a beam turns at the first resonance of a mode with a modal normal
+ * of 3.5e-5, within 1e-7 of its frequency: its energy rises there to 5e13. With longer steps the
+ * branch seems to go on through it and through others. */
 static void faint_modes(void **state)
 {
     (void)state;
-    static const char text[] = "model:\n  mass: {file: examples/beam-lumped/M.mtx}\n"
-                               "  stiffness: {file: examples/beam-lumped/K.mtx}\n  contacts:\n"
-                               "    - {normal: [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1], clearance: 1, sides: both, "
-                               "law: rigid}\n"
-                               "explore: {start: [2], energy: [0, 100], frequency: [0.2, 20], impacts: 2, multiply: 1, "
-                               "depth: 1}\n";
+    static const char text[] =
+        "model:\n  mass: {file: examples/beam-lumped/M.mtx}\n"
+        "  stiffness: {file: examples/beam-lumped/K.mtx}\n  contacts:\n"
+        "    - {normal: [0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1], clearance: 1, sides: both, "
+        "law: rigid}\n"
+        "explore: {start: [2], energy: [0, 100], frequency: [0.2, 20], impacts: 2, multiply: 1, "
+        "depth: 1}\n";
     static const double steps[] = {0.01, 0.0207, 0.0886, 0.3, 1};
     ric_study *study = NULL;
     if (ric_study_parse(text, "beam", ".", &study)) fail_msg("%s", ric_detail());
     const ric_model *m = ric_study_model(study);
-    double end = resonance_above(m, 1), l = m->omega[1] + 0.1 * (end - m->omega[1]), r = end * (1 - 1e-9),
-           ratio = 0.6180339887498949;
+    double end = resonance_above(m, 1), l = m->omega[1] + 0.1 * (end - m->omega[1]),
+           r = end * (1 - 1e-9), ratio = 0.6180339887498949;
     for (int i = 0; i < 100; i++) {
         double x = r - ratio * (r - l), y = l + ratio * (r - l);
         if (s2_energy(m, x) > s2_energy(m, y)) l = x;
         else r = y;
     }
     double least = s2_energy(m, l) * m->energy_unit;
-    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * (1 + 1e-9)), 2 * PI / (end * (1 - 1e-9))), 1);
-    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * (1 - 1e-9)), 2 * PI / (end * (1 - 2e-9))), 0);
+    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * (1 + 1e-9)),
+                                         2 * PI / (end * (1 - 1e-9))),
+                     1);
+    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * (1 - 1e-9)),
+                                         2 * PI / (end * (1 - 2e-9))),
+                     0);
     assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / (end * 1.1), 2 * PI / end), 2);
     /* one that is not faint */
-    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / m->omega[0] * (1 - 1e-9), 2 * PI / m->omega[0] * (1 + 1e-9)),
+    assert_int_equal(ric_resonance_faint(m, 1, 2 * PI / m->omega[0] * (1 - 1e-9),
+                                         2 * PI / m->omega[0] * (1 + 1e-9)),
                      0);
     for (int k = 0; k < (int)(sizeof steps / sizeof *steps); k++) {
         ric_atlas *atlas = explore_text_with(text, NULL, steps[k]);
@@ -290,9 +312,10 @@ static void faint_modes(void **state)
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
             ric_branch b = branch_of(atlas, id);
             if (b.impacts == 0) continue;
-            if (b.stop != RIC_STOP_WINDOW || fabs(b.frequency_max - end * m->omega_ref) > 1e-7 * b.frequency_max)
-                fail_msg("step %g: the branch goes to omega %.12g, not %.12g", steps[k], b.frequency_max,
-                         end * m->omega_ref);
+            if (b.stop != RIC_STOP_WINDOW ||
+                fabs(b.frequency_max - end * m->omega_ref) > 1e-7 * b.frequency_max)
+                fail_msg("step %g: the branch goes to omega %.12g, not %.12g", steps[k],
+                         b.frequency_max, end * m->omega_ref);
         }
         for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
             ric_junction j = junction_of(atlas, id);
@@ -307,8 +330,8 @@ static void faint_modes(void **state)
     ric_study_free(study);
 }
 
-/* Four faint modes whose resonances lie within one step, and change the sign of each factor of the map four times:
- * every one is a branch point. */
+/* Four faint modes whose resonances lie within one step, and change the sign of each factor of the
+ * map four times: every one is a branch point. */
 static void faint_modes_together(void **state)
 {
     (void)state;
@@ -318,13 +341,21 @@ static void faint_modes_together(void **state)
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
             double k = i != j ? 0 : i == 0 ? 1 : i == 1 ? 4.6 : pow(40 * at[i - 2], 2);
-            sprintf(mass + strlen(mass), "%s%d%s", j ? ", " : "[", i == j, j < 5 ? "" : i < 5 ? "], " : "]");
-            sprintf(stiffness + strlen(stiffness), "%s%.17g%s", j ? ", " : "[", k, j < 5 ? "" : i < 5 ? "], " : "]");
+            sprintf(mass + strlen(mass), "%s%d%s", j ? ", " : "[", i == j,
+                    j < 5   ? ""
+                    : i < 5 ? "], "
+                            : "]");
+            sprintf(stiffness + strlen(stiffness), "%s%.17g%s", j ? ", " : "[", k,
+                    j < 5   ? ""
+                    : i < 5 ? "], "
+                            : "]");
         }
     snprintf(text, sizeof text,
              "model:\n  mass: [%s]\n  stiffness: [%s]\n  contacts:\n"
-             "    - {normal: [1, 0.7, 0.003, 0.003, 0.003, 0.003], clearance: 1, sides: both, law: rigid}\n"
-             "explore: {start: [1], energy: [0, 50], frequency: [0.2, 20], impacts: 2, multiply: 1, depth: 1}\n",
+             "    - {normal: [1, 0.7, 0.003, 0.003, 0.003, 0.003], clearance: 1, sides: both, law: "
+             "rigid}\n"
+             "explore: {start: [1], energy: [0, 50], frequency: [0.2, 20], impacts: 2, multiply: "
+             "1, depth: 1}\n",
              mass, stiffness);
     for (int k = 0; k < (int)(sizeof steps / sizeof *steps); k++) {
         ric_atlas *atlas = explore_text_with(text, NULL, steps[k]);
@@ -341,14 +372,15 @@ static void faint_modes_together(void **state)
     }
 }
 
-/* A5[00101] of this structure arrives at a branch point just before the point from which the step over it begins: no
- * point lies behind the end, and what is stable of a branch is a share of it. */
+/* A5[00101] of this structure arrives at a branch point just before the point from which the step
+ * over it begins: no point lies behind the end, and what is stable of a branch is a share of it. */
 static void an_end_before_the_last_point(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text(
         "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[8.494920630164673, -0.4949206301646726], "
-        "[-0.4949206301646726, 0.4949206301646726]]\n  contacts: [{normal: [-1, 1], clearance: 1}]\n"
+        "[-0.4949206301646726, 0.4949206301646726]]\n  contacts: [{normal: [-1, 1], clearance: "
+        "1}]\n"
         "explore: {energy: [0, 0.4], frequency: [0.2, 1], impacts: 5, multiply: 3, depth: 2}\n");
     int found = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
@@ -357,7 +389,8 @@ static void an_end_before_the_last_point(void **state)
         int width;
         assert_int_equal(ric_atlas_column(atlas, id, "arclength", &width, at), RIC_OK);
         for (int i = 1; i < b.n_point; i++)
-            if (!(at[i] >= at[i - 1])) fail_msg("%s: point %d of %d lies before the last one", b.label, i, b.n_point);
+            if (!(at[i] >= at[i - 1]))
+                fail_msg("%s: point %d of %d lies before the last one", b.label, i, b.n_point);
         if (!(b.stable_fraction >= 0 && b.stable_fraction <= 1))
             fail_msg("%s: %g of it is stable", b.label, b.stable_fraction);
         found += !strcmp(b.label, "A5[00101]");
@@ -372,16 +405,20 @@ static const char near_and_far[] =
     "  stiffness: [[6.556460538945877, 0.8052842587296554, -3.2765633504430096],\n"
     "    [0.8052842587296554, 10.029813326778692, -5.0258280215230435],\n"
     "    [-3.2765633504430096, -5.0258280215230435, 6.861486905051336]]\n"
-    "  contacts: [{normal: [0, 1, 0], clearance: 0.963}, {normal: [1, 0, 0], clearance: 0.000963}]\n"
-    "explore: {start: modes, energy: [0, 1.144e-4], frequency: [0.2001, 8.998], impacts: 4, multiply: 2, depth: 2}\n";
+    "  contacts: [{normal: [0, 1, 0], clearance: 0.963}, {normal: [1, 0, 0], clearance: "
+    "0.000963}]\n"
+    "explore: {start: modes, energy: [0, 1.144e-4], frequency: [0.2001, 8.998], impacts: 4, "
+    "multiply: 2, depth: 2}\n";
 
-/* The most that slopes of orbits differ by which are the same but for rounding, at distance d along t0 from u0; and
- * the least of them that counts as one. */
-static void spread(ric_shooting *c, const double *u0, const double *t0, double d, double *out, double *counts)
+/* The most that slopes of orbits differ by which are the same but for rounding, at distance d along
+ * t0 from u0; and the least of them that counts as one. */
+static void spread(ric_shooting *c, const double *u0, const double *t0, double d, double *out,
+                   double *counts)
 {
     enum { STARTS = 12 };
     const int size = c->n_unknown;
-    double v[size], du[size], t[size], least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {-HUGE_VAL, -HUGE_VAL};
+    double v[size], du[size], t[size], least[2] = {HUGE_VAL, HUGE_VAL},
+                                       most[2] = {-HUGE_VAL, -HUGE_VAL};
     counts[0] = counts[1] = HUGE_VAL;
     for (unsigned way = 1; way <= STARTS; way++) {
         unsigned bits = way * 2654435769u;
@@ -401,8 +438,8 @@ static void spread(ric_shooting *c, const double *u0, const double *t0, double d
     for (int k = 0; k < 2; k++) out[k] = fmax(most[k] - least[k], 0);
 }
 
-/* Beside a branch point orbits that are the same but for rounding have slopes that differ: what is taken for one is
- * more than that. */
+/* Beside a branch point orbits that are the same but for rounding have slopes that differ: what is
+ * taken for one is more than that. */
 static void slopes_beside(void **state)
 {
     (void)state;
@@ -416,7 +453,9 @@ static void slopes_beside(void **state)
         double *u0 = NULL, *t0 = NULL, by[2], counts[2];
         unsigned ignore = 0;
         if (node->kind != RIC_KIND_MULTIPLICATION || node->n_departure < 2) continue;
-        if (ric_switching_depart(g->model, node, node->departures[1].choice, 1, &c, &u0, &t0, &ignore)) continue;
+        if (ric_switching_depart(g->model, node, node->departures[1].choice, 1, &c, &u0, &t0,
+                                 &ignore))
+            continue;
         const double step = sqrt(ric_dot(c->n_unknown, t0, t0));
         for (int i = 0; i < c->n_unknown; i++) t0[i] /= step;
         if (ignore & RIC_SINGULAR_START)
@@ -425,8 +464,8 @@ static void slopes_beside(void **state)
                     spread(c, u0, t0, side * d * c->scale, by, counts);
                     for (int test = 0; test < 2; test++)
                         if (by[test] / 2 > counts[test])
-                            fail_msg("E %.9g: at %g slopes differ by %g, and %g counts as one", node->energy, side * d,
-                                     by[test], counts[test]);
+                            fail_msg("E %.9g: at %g slopes differ by %g, and %g counts as one",
+                                     node->energy, side * d, by[test], counts[test]);
                 }
         ric_shooting_free(c);
         free(u0);

@@ -1,5 +1,6 @@
-/* Cascades of period multiplications: the constant of area-preserving doublings, the article's path in F_1^8, long
- * orbits and their accuracy, the kernel of long chains against the dense one, and all of it with a cubic spring. */
+/* Cascades of period multiplications: the constant of area-preserving doublings, the article's path
+ * in F_1^8, long orbits and their accuracy, the kernel of long chains against the dense one, and
+ * all of it with a cubic spring. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,29 +16,34 @@
 #include "sample.h"
 #include "branch/symmetry.h"
 
-#define DELTA 8.721097200 /* ratio of successive parameter differences of doublings of area-preserving maps */
+/* DELTA: ratio of successive parameter differences of doublings of area-preserving maps */
+#define DELTA 8.721097200
 
-static const char
-    *const article = "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                     "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n";
+static const char *const article =
+    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+    "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n";
 
-/* The cubic spring of section 3.3: both backbones and nothing else, and the same with what leaves them by doubling. */
-static const char cubic[] =
-    "title: t\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: [{normal: [-1, 1], law: power, "
-    "exponent: 3, length: 1, reference: 1}]}\nexplore: {energy: [0, 880], frequency: [0.2, 10], multiply: %d, depth: "
-    "%d}\n";
+/* The cubic spring of section 3.3: both backbones and nothing else, and the same with what leaves
+ * them by doubling. */
+static const char cubic[] = "title: t\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, "
+                            "1]], contacts: [{normal: [-1, 1], law: power, "
+                            "exponent: 3, length: 1, reference: 1}]}\nexplore: {energy: [0, 880], "
+                            "frequency: [0.2, 10], multiply: %d, depth: "
+                            "%d}\n";
 
 /* Only S2- and what leaves it by 3. */
 static const char *const article_with_s6 =
     "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-    "explore: {start: [2], energy: [0, 40], frequency: [1, 10], impacts: 6, depth: 0, cascade: [3]}\n";
+    "explore: {start: [2], energy: [0, 40], frequency: [1, 10], impacts: 6, depth: 0, cascade: "
+    "[3]}\n";
 
 static const char *const guided =
     "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-    "explore: {start: [2], energy: [0, 40], frequency: [0.6, 10], impacts: 12, depth: 0, cascade: [3, 2]}\n";
+    "explore: {start: [2], energy: [0, 40], frequency: [0.6, 10], impacts: 12, depth: 0, cascade: "
+    "[3, 2]}\n";
 
 static int find_branch(const ric_atlas *atlas, const char *label)
 {
@@ -48,12 +54,16 @@ static int find_branch(const ric_atlas *atlas, const char *label)
     return 0;
 }
 
-static ric_cascade *follow(const ric_atlas *atlas, const char *label, int n, const int *multiple, const int *rotation,
-                           bool to_end)
+static ric_cascade *follow(const ric_atlas *atlas, const char *label, int n, const int *multiple,
+                           const int *rotation, bool to_end)
 {
     ric_cascade *cascade = NULL;
-    const ric_cascade_options options = {.n = n, .multiple = multiple, .rotation = rotation, .to_end = to_end};
-    if (ric_cascade_follow(atlas, find_branch(atlas, label), &options, &cascade)) fail_msg("%s", ric_detail());
+    const ric_cascade_options options = {.n = n,
+                                         .multiple = multiple,
+                                         .rotation = rotation,
+                                         .to_end = to_end};
+    if (ric_cascade_follow(atlas, find_branch(atlas, label), &options, &cascade))
+        fail_msg("%s", ric_detail());
     return cascade;
 }
 
@@ -76,11 +86,13 @@ static void doublings_converge(void **state)
         if (s.impacts != 5 << i || s.symmetric) fail_msg("doubling %d: %d impacts", i, s.impacts);
         if (!(s.residual < 1e-13)) fail_msg("doubling %d: residual %g", i, s.residual);
         if (!(s.return_error < 1e-9)) fail_msg("doubling %d: returns to %g", i, s.return_error);
-        if (i >= 2 && fabs(s.ratio - DELTA) > 0.3 / (1 << (i - 2))) fail_msg("doubling %d: ratio %.7f", i, s.ratio);
+        if (i >= 2 && fabs(s.ratio - DELTA) > 0.3 / (1 << (i - 2)))
+            fail_msg("doubling %d: ratio %.7f", i, s.ratio);
     }
     /* from independent data: doubling of A5[00101] */
     assert_true(fabs(step_of(cascade, 0).energy - 28.565381100457987) < 1e-9);
-    if (fabs(step_of(cascade, 6).ratio - DELTA) > 1e-3) fail_msg("ratio %.9f", step_of(cascade, 6).ratio);
+    if (fabs(step_of(cascade, 6).ratio - DELTA) > 1e-3)
+        fail_msg("ratio %.9f", step_of(cascade, 6).ratio);
     ric_cascade_free(cascade);
     ric_atlas_free(atlas);
 }
@@ -108,7 +120,8 @@ static void path_of_the_article(void **state)
 {
     (void)state;
     const int q[] = {3, 2, 4}, p[] = {2, 0, 0};
-    const double energy[] = {3.8487372168924985, 17.8169663303}; /* reference, as is the doubling of S6 */
+    const double energy[] = {3.8487372168924985,
+                             17.8169663303}; /* reference, as is the doubling of S6 */
     ric_atlas *atlas = explore_text(article);
     ric_cascade *cascade = follow(atlas, "S2-[01]", 3, q, p, true);
     assert_int_equal(ric_cascade_length(cascade), 4);
@@ -119,18 +132,20 @@ static void path_of_the_article(void **state)
         assert_int_equal(s.multiple, i < 3 ? q[i] : 1);
         assert_int_equal(s.grazings, i < 3 ? 0 : 2);
         assert_true(s.symmetric == (i < 2));
-        if (i < 2 && fabs(s.energy / energy[i] - 1) > 1e-10) fail_msg("step %d: energy %.14g", i, s.energy);
+        if (i < 2 && fabs(s.energy / energy[i] - 1) > 1e-10)
+            fail_msg("step %d: energy %.14g", i, s.energy);
         assert_true((i == 0) == (s.n_point == 0));
     }
-    /* the last family starts with the displacements of the orbit that it leaves, each four times, and ends at the
-     * frequency of the end */
+    /* the last family starts with the displacements of the orbit that it leaves, each four times,
+     * and ends at the frequency of the end */
     double x[48 * 2], first[48 * 2];
     ric_point point;
     assert_int_equal(ric_cascade_impacts(cascade, 3), 48);
     assert_int_equal(ric_cascade_point(cascade, 3, 0, &point, x), RIC_OK);
     assert_true(fabs(4 * point.frequency / step_of(cascade, 2).frequency - 1) < 1e-10);
     for (int k = 0; k < 48; k++)
-        for (int i = 0; i < 2; i++) assert_true(fabs(x[2 * k + i] - x[2 * ((k + 12) % 48) + i]) < 1e-8);
+        for (int i = 0; i < 2; i++)
+            assert_true(fabs(x[2 * k + i] - x[2 * ((k + 12) % 48) + i]) < 1e-8);
     const int last = step_of(cascade, 3).n_point - 1;
     assert_int_equal(ric_cascade_point(cascade, 3, last, &point, first), RIC_OK);
     assert_true(fabs(point.frequency / step_of(cascade, 3).frequency - 1) < 1e-8);
@@ -147,8 +162,8 @@ static ric_atlas *explore_cubic(int multiply, int depth)
     return explore_text(text);
 }
 
-/* Sum of the multipliers of the orbit of a step, from motions of the simulator beside it: 2 for the flow and the
- * energy, 2 cos(2 pi p / q). */
+/* Sum of the multipliers of the orbit of a step, from motions of the simulator beside it: 2 for the
+ * flow and the energy, 2 cos(2 pi p / q). */
 static void check_multipliers(const ric_model *m, const ric_cascade_step *s)
 {
     enum { SIZE = 4 };
@@ -171,7 +186,8 @@ static void check_multipliers(const ric_model *m, const ric_cascade_step *s)
         }
     double expected = 2 + 2 * cos(2 * acos(-1) * s->rotation[0] / s->multiple);
     if (!(fabs(trace - expected) < 1e-5))
-        fail_msg("%d/%d at energy %.9g: multipliers add up to %.9g", s->rotation[0], s->multiple, s->energy, trace);
+        fail_msg("%d/%d at energy %.9g: multipliers add up to %.9g", s->rotation[0], s->multiple,
+                 s->energy, trace);
 }
 
 static void doublings_of_a_cubic_spring(void **state)
@@ -187,7 +203,8 @@ static void doublings_of_a_cubic_spring(void **state)
             fail_msg("doubling %d: %d impacts", i, s.impacts);
         if (!(s.residual < 1e-12 && s.return_error < 1e-9))
             fail_msg("doubling %d: residual %g, returns to %g", i, s.residual, s.return_error);
-        if (i >= 3 && fabs(s.ratio - DELTA) > 2 * pow(0.2, i - 3)) fail_msg("doubling %d: ratio %.7f", i, s.ratio);
+        if (i >= 3 && fabs(s.ratio - DELTA) > 2 * pow(0.2, i - 3))
+            fail_msg("doubling %d: ratio %.7f", i, s.ratio);
         assert_true(fabs(s.flights[0] * s.frequency / (2 * acos(-1)) - 1) < 1e-13);
         if (i < 4) check_multipliers(ric_atlas_model(atlas), &s);
     }
@@ -195,20 +212,23 @@ static void doublings_of_a_cubic_spring(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Fig. 29: from the out-of-phase mode by 3, 2 and 4. Displacements are taken once in a period of that mode, and those
- * of x2 start at 0. */
+/* Fig. 29: from the out-of-phase mode by 3, 2 and 4. Displacements are taken once in a period of
+ * that mode, and those of x2 start at 0. */
 static void path_at_n_3(void **state)
 {
     (void)state;
     const int q[] = {3, 2, 4}, p[] = {2, 0, 0};
-    const double energy[] = {109.859528466023, 737.247544040769, 719.909796156005};      /* those of docs/gallery.md */
-    const double frequency[] = {1.61672208528233, 0.799503810679707, 0.199896817752509}; /* over the multiplicity */
+    const double energy[] = {109.859528466023, 737.247544040769,
+                             719.909796156005}; /* those of docs/gallery.md */
+    const double frequency[] = {1.61672208528233, 0.799503810679707,
+                                0.199896817752509}; /* over the multiplicity */
     ric_atlas *atlas = explore_cubic(1, 1);
     ric_cascade *cascade = follow(atlas, "S-", 3, q, p, true);
     assert_int_equal(ric_cascade_length(cascade), 4);
     for (int i = 0; i < 3; i++) {
         ric_cascade_step s = step_of(cascade, i);
-        if (fabs(s.energy / energy[i] - 1) > 1e-10 || fabs(s.frequency / q[i] / frequency[i] - 1) > 1e-10)
+        if (fabs(s.energy / energy[i] - 1) > 1e-10 ||
+            fabs(s.frequency / q[i] / frequency[i] - 1) > 1e-10)
             fail_msg("step %d: energy %.14g, frequency %.14g", i, s.energy, s.frequency / q[i]);
         assert_true(s.residual < 1e-13 && s.return_error < 1e-11);
         assert_true(s.symmetric == (i < 2));
@@ -219,17 +239,19 @@ static void path_at_n_3(void **state)
     assert_int_equal(ric_cascade_impacts(cascade, 1), 3);
     assert_int_equal(ric_cascade_impacts(cascade, 3), 24);
     assert_int_equal(ric_cascade_point(cascade, 1, 0, &point, x), RIC_OK);
-    for (int k = 0; k < 3; k++) assert_true(fabs(x[2 * k + 1]) < 1e-9); /* three times round S- from its centre */
+    for (int k = 0; k < 3; k++)
+        assert_true(fabs(x[2 * k + 1]) < 1e-9); /* three times round S- from its centre */
     assert_int_equal(ric_cascade_point(cascade, 3, 0, &point, x), RIC_OK);
     for (int k = 0; k < 24; k++)
         for (int i = 0; i < 2; i++)
-            assert_true(fabs(x[2 * k + i] - x[2 * ((k + 6) % 24) + i]) < 1e-6 * (1 + fabs(x[2 * k + i])));
+            assert_true(fabs(x[2 * k + i] - x[2 * ((k + 6) % 24) + i]) <
+                        1e-6 * (1 + fabs(x[2 * k + i])));
     ric_cascade_free(cascade);
     ric_atlas_free(atlas);
 }
 
-/* The elementary structure is inherited (Fig. 24, 25): F_1^1 is the in-phase path with its bridge, F_2^1 the other
- * backbone, and F_2^2 the closed loop that leaves its doublings. */
+/* The elementary structure is inherited (Fig. 24, 25): F_1^1 is the in-phase path with its bridge,
+ * F_2^1 the other backbone, and F_2^2 the closed loop that leaves its doublings. */
 static void bases_of_a_cubic_spring(void **state)
 {
     (void)state;
@@ -255,12 +277,14 @@ static void bases_of_a_cubic_spring(void **state)
         }
         if (base.j == 2 && base.mode == 2) {
             assert_int_equal(base.n_branch, 2);
-            ric_branch a = branch_of(atlas, base.branches[0]), b = branch_of(atlas, base.branches[1]);
+            ric_branch a = branch_of(atlas, base.branches[0]),
+                       b = branch_of(atlas, base.branches[1]);
             assert_true(a.from && a.to && a.from != a.to && a.from == b.from && a.to == b.to);
             assert_int_equal(junction_of(atlas, a.from).multiple, 2);
             assert_int_equal(junction_of(atlas, a.to).multiple, 2);
         }
-        for (int k = 0; k < base.n_branch; k++) assert_true(ric_bases_elementary(bases, base.branches[k]));
+        for (int k = 0; k < base.n_branch; k++)
+            assert_true(ric_bases_elementary(bases, base.branches[k]));
     }
     assert_int_equal(found, 3);
     ric_bases_free(bases);
@@ -274,13 +298,16 @@ static void requests_are_checked(void **state)
     ric_atlas *atlas = explore_text(article);
     ric_cascade *cascade = NULL;
     ric_cascade_options options = {.n = 1, .multiple = two};
-    assert_int_equal(ric_cascade_follow(atlas, 1, &options, &cascade), RIC_E_RANGE); /* a linear mode */
+    assert_int_equal(ric_cascade_follow(atlas, 1, &options, &cascade),
+                     RIC_E_RANGE); /* a linear mode */
     assert_int_equal(ric_cascade_follow(atlas, 1000, &options, &cascade), RIC_E_RANGE);
     options.multiple = wrong;
-    assert_int_equal(ric_cascade_follow(atlas, find_branch(atlas, "A5[00101]"), &options, &cascade), RIC_E_INPUT);
+    assert_int_equal(ric_cascade_follow(atlas, find_branch(atlas, "A5[00101]"), &options, &cascade),
+                     RIC_E_INPUT);
     /* A3[001] is never stable */
     options.multiple = many;
-    assert_int_equal(ric_cascade_follow(atlas, find_branch(atlas, "A3[001]"), &options, &cascade), RIC_E_RANGE);
+    assert_int_equal(ric_cascade_follow(atlas, find_branch(atlas, "A3[001]"), &options, &cascade),
+                     RIC_E_RANGE);
     assert_non_null(strstr(ric_detail(), "0 of 1"));
     assert_null(cascade);
     ric_atlas_free(atlas);
@@ -304,8 +331,8 @@ static void guided_run(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The plane that the structured factorisation gives is that of the dense singular value decomposition, at a
- * multiplication of every form. */
+/* The plane that the structured factorisation gives is that of the dense singular value
+ * decomposition, at a multiplication of every form. */
 static void kernels_agree(void **state)
 {
     (void)state;
@@ -332,7 +359,8 @@ static void kernels_agree(void **state)
                    *plane = calloc(2 * (size_t)size, sizeof *plane);
             ric_shooting_evaluate(c, u);
             assert_true(ric_shooting_plane(c, plane, &second));
-            if (!(second < 1e-7)) fail_msg("step %d, problem %d: second singular value %g", i, k, second);
+            if (!(second < 1e-7))
+                fail_msg("step %d, problem %d: second singular value %g", i, k, second);
             int rows = ric_shooting_jacobian(c, u, J);
             for (int v = 0; v < 2; v++)
                 for (int r = 0; r < rows; r++) {

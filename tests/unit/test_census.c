@@ -1,5 +1,5 @@
-/* The parts of a census: Taylor polynomials of its rows against differences; boxes around orbits of the hunt, of which
- * none may be thrown away; and all orbits of one energy against that hunt. */
+/* The parts of a census: Taylor polynomials of its rows against differences; boxes around orbits of
+ * the hunt, of which none may be thrown away; and all orbits of one energy against that hunt. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,12 +16,14 @@
 #include "prove/census_scan.h"
 #include "close.h"
 
-static const char elementary[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                                 "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
+static const char elementary[] =
+    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
 /* Full matrices, two contacts, three faces. */
-static const char oblique[] = "model:\n  mass: [[0.9, 0.2], [0.2, 1.3]]\n  stiffness: [[1.7, -0.4], [-0.4, 3.1]]\n"
-                              "  contacts:\n    - {normal: [0.8, -0.5], clearance: 0.9, sides: both, law: rigid}\n"
-                              "    - {normal: [0.3, 0.9], clearance: 1.4, sides: upper, law: rigid}\n";
+static const char oblique[] =
+    "model:\n  mass: [[0.9, 0.2], [0.2, 1.3]]\n  stiffness: [[1.7, -0.4], [-0.4, 3.1]]\n"
+    "  contacts:\n    - {normal: [0.8, -0.5], clearance: 0.9, sides: both, law: rigid}\n"
+    "    - {normal: [0.3, 0.9], clearance: 1.4, sides: upper, law: rigid}\n";
 
 typedef struct {
     ric_study *study;
@@ -52,7 +54,8 @@ static double any(double lo, double hi)
 
 /* --------------------------------------------------------------------- rows */
 
-/* Turns of the table hold those of Arb, of times in it and beyond, and are as narrow but for some roundings. */
+/* Turns of the table hold those of Arb, of times in it and beyond, and are as narrow but for some
+ * roundings. */
 static void turns_are_those_of_arb(void **state)
 {
     (void)state;
@@ -81,12 +84,15 @@ static ric_census_word any_word(const ric_census_pair *p)
     return w;
 }
 
-/* Rows at times moved by z in direction k: the polynomial of the first and second order, up to the third. */
-static void check_row(const ric_census_rows *at, const ric_census_rows *moved, int k, int q, double z)
+/* Rows at times moved by z in direction k: the polynomial of the first and second order, up to the
+ * third. */
+static void check_row(const ric_census_rows *at, const ric_census_rows *moved, int k, int q,
+                      double z)
 {
     const double linear = at->residual.m[q] + z * at->time[k].m[q];
     const double square = linear + z * z / 2 * at->bent[k * (k + 1) / 2 + k].m[q];
-    const double top = at->pair->top, third = at->size[q] * top * top * top * at->pair->size * fabs(z * z * z) / 6;
+    const double top = at->pair->top,
+                 third = at->size[q] * top * top * top * at->pair->size * fabs(z * z * z) / 6;
     assert_true(fabs(moved->residual.m[q] - square) <= third + 1e-11 * at->pair->size);
     assert_true(moved->residual.r[q] < 1e-11 * at->pair->size);
 }
@@ -143,7 +149,8 @@ static void rows_have_the_mixed_derivatives(void **state)
         ric_census_rows_place(&moved, &s.pair, &word, t);
         ric_census_rows_centre(&moved, w);
         for (int q = 0; q < at.n - 1; q++)
-            assert_close((moved.time[l].m[q] - at.time[l].m[q]) / h, at.bent[l * (l + 1) / 2 + j].m[q], 1e-3);
+            assert_close((moved.time[l].m[q] - at.time[l].m[q]) / h,
+                         at.bent[l * (l + 1) / 2 + j].m[q], 1e-3);
     }
     close_structure(&s);
 }
@@ -151,8 +158,8 @@ static void rows_have_the_mixed_derivatives(void **state)
 /* -------------------------------------------------------------------- boxes */
 
 /* The orbit of the hunt in the numbers of a census, begun at impact `shift`. */
-static void orbit_of(const structure *s, const ric_hunt *hunt, int i, int shift, ric_census_word *word, double *t,
-                     double *w)
+static void orbit_of(const structure *s, const ric_hunt *hunt, int i, int shift,
+                     ric_census_word *word, double *t, double *w)
 {
     ric_found found;
     int letters[RIC_HUNT_IMPACTS];
@@ -191,13 +198,16 @@ static int longest(int N, const double *t)
     return at;
 }
 
-/* Boxes with the orbit anywhere in them, of all sizes; states known to anything from 1e-6 to nothing. */
-static void keep_orbit(const structure *s, const ric_census_word *word, const double *t, const double *w)
+/* Boxes with the orbit anywhere in them, of all sizes; states known to anything from 1e-6 to
+ * nothing. */
+static void keep_orbit(const structure *s, const ric_census_word *word, const double *t,
+                       const double *w)
 {
     const ric_census_limits limits = {1e3, {0, 1e3}};
     for (int trial = 0; trial < 40; trial++) {
         ric_census_box b;
-        const double width = pow(10, any(-6, 0)) * 1.5 / s->pair.top, states = pow(10, any(-6, 0.3)) * s->pair.size;
+        const double width = pow(10, any(-6, 0)) * 1.5 / s->pair.top,
+                     states = pow(10, any(-6, 0.3)) * s->pair.size;
         for (int k = 0; k < word->N; k++) {
             b.t[k].lo = fmax(0, t[k] - 1e-9 - any(0, width));
             b.t[k].hi = t[k] + 1e-9 + any(0, width);
@@ -207,22 +217,27 @@ static void keep_orbit(const structure *s, const ric_census_word *word, const do
             b.w[i].hi = fmin(w[i] + 1e-9 + any(0, states), s->pair.size);
         }
         assert_true(ric_census_box_reduce(&b, &s->pair, word, &limits));
-        for (int k = 0; k < word->N; k++) assert_true(b.t[k].lo < t[k] + 1e-8 && b.t[k].hi > t[k] - 1e-8);
+        for (int k = 0; k < word->N; k++)
+            assert_true(b.t[k].lo < t[k] + 1e-8 && b.t[k].hi > t[k] - 1e-8);
         for (int i = 0; i < 4; i++) assert_true(b.w[i].lo < w[i] + 1e-8 && b.w[i].hi > w[i] - 1e-8);
     }
 }
 
-/* Any flights, and states known to anything from 1e-6 to half of |w|: the orbit stays. known: where the state is, and
- * where the first and last flight are then found to some looks at a gap. */
-static void scan_orbit(const structure *s, const ric_census_word *word, const double *t, const double *w, int known[2])
+/* Any flights, and states known to anything from 1e-6 to half of |w|: the orbit stays. known: where
+ * the state is, and where the first and last flight are then found to some looks at a gap. */
+static void scan_orbit(const structure *s, const ric_census_word *word, const double *t,
+                       const double *w, int known[2])
 {
     for (int trial = 0; trial < 100; trial++) {
         ric_census_box b;
-        const double states = pow(10, any(-6, -0.3)) * s->pair.size, most = t[0] + any(0, 20) / s->pair.top;
+        const double states = pow(10, any(-6, -0.3)) * s->pair.size,
+                     most = t[0] + any(0, 20) / s->pair.top;
         for (int k = 0; k < word->N; k++) b.t[k] = (ric_range){0, fmax(most, t[k] + 1e-9)};
-        for (int i = 0; i < 4; i++) b.w[i] = (ric_range){w[i] - any(0, states), w[i] + any(0, states)};
+        for (int i = 0; i < 4; i++)
+            b.w[i] = (ric_range){w[i] - any(0, states), w[i] + any(0, states)};
         assert_true(ric_census_scan(&b, &s->pair, word));
-        for (int k = 0; k < word->N; k++) assert_true(b.t[k].lo < t[k] + 1e-8 && b.t[k].hi > t[k] - 1e-8);
+        for (int k = 0; k < word->N; k++)
+            assert_true(b.t[k].lo < t[k] + 1e-8 && b.t[k].hi > t[k] - 1e-8);
         if (states < 1e-5 * s->pair.size) {
             const ric_range *last = &b.t[word->N - 1];
             known[0]++;
@@ -231,8 +246,10 @@ static void scan_orbit(const structure *s, const ric_census_word *word, const do
     }
 }
 
-/* Nothing comes to the other face at once, nor is a state away from the face of event 0 one behind it. */
-static void scan_lie(const structure *s, const ric_census_word *word, const double *t, const double *w)
+/* Nothing comes to the other face at once, nor is a state away from the face of event 0 one behind
+ * it. */
+static void scan_lie(const structure *s, const ric_census_word *word, const double *t,
+                     const double *w)
 {
     ric_census_box b;
     for (int k = 0; k < word->N; k++) b.t[k] = (ric_range){fmax(0, t[k] - 0.1), t[k] + 0.1};
@@ -291,7 +308,8 @@ static void boxes_keep_their_orbits(void **state)
         close_structure(&s);
     }
     assert_true(orbits >= 20);
-    assert_true(known[0] > 100 && known[1] > 0.8 * known[0]); /* not where a gap all but touches before */
+    assert_true(known[0] > 100 &&
+                known[1] > 0.8 * known[0]); /* not where a gap all but touches before */
 }
 
 /* -------------------------------------------------------------------- census */
@@ -345,8 +363,8 @@ static void orbits_are_those_of_the_hunt(void **state)
     same_as_the_hunt(oblique, 6, 2, 15);
 }
 
-/* Below the touch of both modes there is no impact; a census without a longest period is refused where flights may last
- * for ever, and one that is stopped is not complete. */
+/* Below the touch of both modes there is no impact; a census without a longest period is refused
+ * where flights may last for ever, and one that is stopped is not complete. */
 static void says_what_it_cannot_do(void **state)
 {
     (void)state;
@@ -365,7 +383,11 @@ static void says_what_it_cannot_do(void **state)
     ric_census_account_of(census, &a);
     assert_true(a.stopped && a.undecided > 0 && a.measure > 0.9 && a.measure <= 1);
     ric_census_free(census);
-    o = (ric_census_options){.energy = 0.3, .impacts = 3, .period = {0, 40}, .workers = 2, .seconds = 60};
+    o = (ric_census_options){.energy = 0.3,
+                             .impacts = 3,
+                             .period = {0, 40},
+                             .workers = 2,
+                             .seconds = 60};
     assert_int_equal(ric_census_run(ric_study_model(s.study), &o, &census), RIC_OK);
     ric_census_account_of(census, &a);
     assert_true(a.undecided == 0 && ric_census_n_orbit(census) == 0);
@@ -376,9 +398,12 @@ static void says_what_it_cannot_do(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(turns_are_those_of_arb),          cmocka_unit_test(rows_are_polynomials_up_to_their_bound),
-        cmocka_unit_test(rows_have_the_mixed_derivatives), cmocka_unit_test(boxes_keep_their_orbits),
-        cmocka_unit_test(orbits_are_those_of_the_hunt),    cmocka_unit_test(says_what_it_cannot_do),
+        cmocka_unit_test(turns_are_those_of_arb),
+        cmocka_unit_test(rows_are_polynomials_up_to_their_bound),
+        cmocka_unit_test(rows_have_the_mixed_derivatives),
+        cmocka_unit_test(boxes_keep_their_orbits),
+        cmocka_unit_test(orbits_are_those_of_the_hunt),
+        cmocka_unit_test(says_what_it_cannot_do),
     };
     return cmocka_run_group_tests_name("census", tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* Numbers of a branch as columns, the sample of points that is replayed, and what is measured on an orbit. */
+/* Numbers of a branch as columns, the sample of points that is replayed, and what is measured on an
+ * orbit. */
 #include <complex.h>
 #include <math.h>
 #include <setjmp.h>
@@ -14,13 +15,14 @@
 
 #define TWO_PI 6.283185307179586
 
-static const char text[] = "title: Two masses\n"
-                           "model:\n"
-                           "  mass: [[2, 0], [0, 1]]\n"
-                           "  stiffness: [[9, -1], [-1, 1]]\n"
-                           "  contacts:\n"
-                           "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                           "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, multiply: 1}\n";
+static const char text[] =
+    "title: Two masses\n"
+    "model:\n"
+    "  mass: [[2, 0], [0, 1]]\n"
+    "  stiffness: [[9, -1], [-1, 1]]\n"
+    "  contacts:\n"
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+    "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, multiply: 1}\n";
 
 static int width_of(const ric_atlas *atlas, int branch, const char *name)
 {
@@ -46,17 +48,26 @@ static bool same(double a, double b)
 
 static void check_numbers(const ric_atlas *atlas, int id)
 {
-    static const char *const names[] = {"arclength", "energy", "frequency", "period",   "trace",   "log_trace",
-                                        "rotation",  "stable", "reach",     "approach", "residual"};
+    static const char *const names[] = {"arclength", "energy",    "frequency", "period",
+                                        "trace",     "log_trace", "rotation",  "stable",
+                                        "reach",     "approach",  "residual"};
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
         double *column = column_of(atlas, id, names[k]);
         assert_int_equal(width_of(atlas, id, names[k]), 1);
         for (int i = 0; i < branch_of(atlas, id).n_point; i++) {
             ric_point p;
             assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
-            const double wanted[] =
-                {p.arclength, p.energy, p.frequency, TWO_PI / p.frequency, ric_point_trace(&p), ric_point_log_trace(&p),
-                 p.rotation,  p.stable, p.reach,     p.approach,           p.residual};
+            const double wanted[] = {p.arclength,
+                                     p.energy,
+                                     p.frequency,
+                                     TWO_PI / p.frequency,
+                                     ric_point_trace(&p),
+                                     ric_point_log_trace(&p),
+                                     p.rotation,
+                                     p.stable,
+                                     p.reach,
+                                     p.approach,
+                                     p.residual};
             assert_true(same(column[i], wanted[k]));
             /* moderate traces: the logarithm is that of the trace */
             if (fabs(p.trace) < 100 && p.trace != 0)
@@ -70,7 +81,8 @@ static void check_vectors(const ric_atlas *atlas, int id)
 {
     const ric_branch branch = branch_of(atlas, id);
     int n_state = width_of(atlas, id, "state"), n_flight = width_of(atlas, id, "flights");
-    double *states = column_of(atlas, id, "state"), *flights = column_of(atlas, id, "flights"), state[4], flight[8];
+    double *states = column_of(atlas, id, "state"), *flights = column_of(atlas, id, "flights"),
+           state[4], flight[8];
     assert_int_equal(n_state, 4);
     assert_int_equal(n_flight, branch.letters > 0 ? branch.letters : 1);
     for (int i = 0; i < branch.n_point; i++) {
@@ -105,11 +117,13 @@ static void test_multipliers_at_once_are_those_of_the_orbits(void **unused)
     ric_atlas *atlas = explore_text(text);
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const int n = branch_of(atlas, id).n_point, tail = n / 2;
-        double *one = calloc(4 * (size_t)n, sizeof *one), *three = calloc(4 * (size_t)n, sizeof *three), alone[4];
+        double *one = calloc(4 * (size_t)n, sizeof *one),
+               *three = calloc(4 * (size_t)n, sizeof *three), alone[4];
         assert_non_null(one);
         assert_non_null(three);
         assert_int_equal(ric_atlas_multipliers(atlas, id, 0, n, 1, one), RIC_OK);
-        assert_int_equal(ric_atlas_multipliers(atlas, id, tail, n - tail, 3, three + 4 * tail), RIC_OK);
+        assert_int_equal(ric_atlas_multipliers(atlas, id, tail, n - tail, 3, three + 4 * tail),
+                         RIC_OK);
         for (int i = 0; i < n; i++) {
             ric_orbit **orbits = NULL;
             int found = 0;
@@ -132,8 +146,8 @@ static void test_multipliers_at_once_are_those_of_the_orbits(void **unused)
     ric_atlas_free(atlas);
 }
 
-/* Of two modes they are those of the trace that is stored with the point, to the bit, where it decides the stability.
- */
+/* Of two modes they are those of the trace that is stored with the point, to the bit, where it
+ * decides the stability. */
 static void test_multipliers_of_two_modes_are_in_the_trace(void **unused)
 {
     (void)unused;
@@ -148,7 +162,8 @@ static void test_multipliers_of_two_modes_are_in_the_trace(void **unused)
             ric_point p;
             assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
             const double trace = ric_point_trace(&p);
-            if (ric_branch_linear(ric_atlas_model(atlas), &b) || p.stable == RIC_STABLE_UNDECIDED || isnan(trace))
+            if (ric_branch_linear(ric_atlas_model(atlas), &b) || p.stable == RIC_STABLE_UNDECIDED ||
+                isnan(trace))
                 continue;
             const double complex rho = trace, root = csqrt(rho * rho - 4), sum = (rho + root) / 2,
                                  lambda = cabs(sum) < 1 ? (rho - root) / 2 : sum;
@@ -181,11 +196,13 @@ static void test_a_sample_has_the_ends_and_the_middle(void **unused)
     ric_atlas_free(atlas);
 }
 
-/* The momentum that an impact exchanges is what changes: M (v+ - v-) = impulse b, and half of b.M^-1 b times it is the
- * speed. The masses move farthest somewhere: no sample is beyond the amplitude, one comes close. */
+/* The momentum that an impact exchanges is what changes: M (v+ - v-) = impulse b, and half of
+ * b.M^-1 b times it is the speed. The masses move farthest somewhere: no sample is beyond the
+ * amplitude, one comes close. */
 static void check_orbit(const ric_orbit *orbit)
 {
-    double x[2], v[2], before[2], amplitude[2], largest[2] = {0}, speeds[8], impulses[8], flights[8];
+    double x[2], v[2], before[2], amplitude[2], largest[2] = {0}, speeds[8], impulses[8],
+                                                flights[8];
     int n = 0, word[8], N = ric_orbit_letters(orbit);
     ric_point point;
     ric_orbit_data(orbit, &point, NULL, flights, word);
@@ -219,7 +236,8 @@ static void test_impacts_exchange_the_momentum(void **unused)
         int n = 0;
         const ric_branch branch = branch_of(atlas, id);
         if (branch.impacts == 0) continue;
-        assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, branch.n_point / 2, &n, &orbits), RIC_OK);
+        assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, branch.n_point / 2, &n, &orbits),
+                         RIC_OK);
         assert_ptr_equal(ric_orbit_model(orbits[0]), ric_atlas_model(atlas));
         check_orbit(orbits[0]);
         ric_orbits_free(n, orbits);
@@ -229,8 +247,8 @@ static void test_impacts_exchange_the_momentum(void **unused)
     ric_atlas_free(atlas);
 }
 
-/* Over the contact behind letter k, by Simpson's rule: what the second mass gains, and what the structure's own springs
- * took from it. */
+/* Over the contact behind letter k, by Simpson's rule: what the second mass gains, and what the
+ * structure's own springs took from it. */
 static double gained_by_second(const ric_orbit *orbit, double begin, double contact)
 {
     enum { PARTS = 400 };
@@ -261,7 +279,8 @@ static int check_springs(const ric_orbit *orbit)
     return empty;
 }
 
-/* What a spring exchanges is the integral of its force, at every contact: of the last two, of no length, too. */
+/* What a spring exchanges is the integral of its force, at every contact: of the last two, of no
+ * length, too. */
 static void test_springs_exchange_the_integral_of_their_force(void **unused)
 {
     (void)unused;
@@ -272,7 +291,9 @@ static void test_springs_exchange_the_integral_of_their_force(void **unused)
         "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 12, multiply: 3, depth: 3}");
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch branch = branch_of(atlas, id);
-        for (int i = 0; branch.impacts > 0 && i<branch.n_point; i += branch.n_point> 1 ? branch.n_point - 1 : 1) {
+        for (int i = 0; branch.impacts > 0 && i<branch.n_point; i += branch.n_point> 1
+                            ? branch.n_point - 1
+                            : 1) {
             ric_orbit **orbits = NULL;
             int n = 0;
             assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, i, &n, &orbits), RIC_OK);

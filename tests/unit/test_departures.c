@@ -1,6 +1,6 @@
-/* The departures of every junction add up: as many candidates as subsets of touches, or as the theory has it, counted
- * here from the orbit of the junction alone; and every one that counts as taken or known is a branch of the atlas that
- * is there. */
+/* The departures of every junction add up: as many candidates as subsets of touches, or as the
+ * theory has it, counted here from the orbit of the junction alone; and every one that counts as
+ * taken or known is a branch of the atlas that is there. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -25,8 +25,9 @@ enum { MAX_BITS = 16, MAX_GROUP = 4096, MAX_TEXT = 1024 };
 
 /* -------------------------------------------------------------- candidates */
 
-/* Which impact of `c` the first one of its image is, for every operation that maps the orbit to itself: shifts, then
- * run backwards, mirrored or not. Found by carrying each out, not from the symmetries that the program has noted. */
+/* Which impact of `c` the first one of its image is, for every operation that maps the orbit to
+ * itself: shifts, then run backwards, mirrored or not. Found by carrying each out, not from the
+ * symmetries that the program has noted. */
 typedef struct {
     int shift;
     bool reverse;
@@ -49,18 +50,20 @@ static int group_of(const ric_model *m, const ric_periodic *c, operation *group)
     return n;
 }
 
-/* The number of subsets of the touches of a grazing gone through k times, up to the symmetries of that orbit, without
- * those that are a shorter orbit gone through several times. */
+/* The number of subsets of the touches of a grazing gone through k times, up to the symmetries of
+ * that orbit, without those that are a shorter orbit gone through several times. */
 static int count_subsets(const ric_model *m, const ric_node *node)
 {
     static operation group[MAX_GROUP];
     static bool seen[1 << MAX_BITS];
-    int k = node->multiple, N = node->cycle->N, bits = node->n_touch * k, count = 0, place[MAX_BITS], bit_at[1024];
+    int k = node->multiple, N = node->cycle->N, bits = node->n_touch * k, count = 0,
+        place[MAX_BITS], bit_at[1024];
     ric_periodic *whole = ric_periodic_repeat(node->cycle, k);
     assert_true(bits <= MAX_BITS && whole->N < 1024);
     int n = group_of(m, whole, group);
     for (int i = 0; i < whole->N; i++) bit_at[i] = -1;
-    for (int b = 0; b < bits; b++) bit_at[place[b] = b / node->n_touch * N + node->touch[b % node->n_touch]] = b;
+    for (int b = 0; b < bits; b++)
+        bit_at[place[b] = b / node->n_touch * N + node->touch[b % node->n_touch]] = b;
     memset(seen, 0, sizeof seen);
     for (unsigned set = 0; set < 1u << bits; set++) {
         bool repeated = false;
@@ -68,13 +71,15 @@ static int count_subsets(const ric_model *m, const ric_node *node)
         for (int i = 0; i < n; i++) {
             unsigned image = 0;
             for (int b = 0; b < bits; b++) {
-                int from = place[b], to = group[i].reverse ? group[i].shift - from : from - group[i].shift;
+                int from = place[b],
+                    to = group[i].reverse ? group[i].shift - from : from - group[i].shift;
                 to = (to % whole->N + whole->N) % whole->N;
                 assert_true(bit_at[to] >= 0);
                 if (set & 1u << b) image |= 1u << bit_at[to];
             }
             seen[image] = true;
-            repeated |= image == set && !group[i].reverse && group[i].shift % N == 0 && group[i].shift > 0;
+            repeated |= image == set && !group[i].reverse && group[i].shift % N == 0 &&
+                        group[i].shift > 0;
         }
         count += !repeated;
     }
@@ -82,8 +87,9 @@ static int count_subsets(const ric_model *m, const ric_node *node)
     return count;
 }
 
-/* Section 8: what a multiplication of order r is left by, besides the branch that passes. In a structure that lacks the
- * symmetry x -> -x of the orbit, two families that would be images of each other are two. */
+/* Section 8: what a multiplication of order r is left by, besides the branch that passes. In a
+ * structure that lacks the symmetry x -> -x of the orbit, two families that would be images of each
+ * other are two. */
 static int count_families(const ric_model *m, const ric_node *node)
 {
     const ric_periodic *c = node->cycle;
@@ -92,16 +98,19 @@ static int count_families(const ric_model *m, const ric_node *node)
     if (order == 2) return 1;
     if (order == 3) return 1;
     if (!m->symmetric && c->half && c->pure >= 0 && p % 2 && q % 2 == 0) return 3;
-    return order % 2 && reversible ? 1 : 2; /* of odd order one curve passes; without mirror points its halves are two
-                                             * branches */
+    return order % 2 && reversible ? 1 : 2; /* of odd order one curve passes; without mirror points
+                                               its halves are two branches */
 }
 
 static int count_candidates(const ric_model *m, const ric_node *node)
 {
     switch (node->kind) {
     case RIC_KIND_GRAZING:
-        return node->refusal ? 1 : m->law != RIC_LAW_RIGID ? -1 : count_subsets(m, node); /* pairs of switches */
-    case RIC_KIND_CORNER: return node->refusal ? 0 : -1; /* orders of pairs of impacts are not counted here */
+        return node->refusal             ? 1
+               : m->law != RIC_LAW_RIGID ? -1
+                                         : count_subsets(m, node); /* pairs of switches */
+    case RIC_KIND_CORNER:
+        return node->refusal ? 0 : -1; /* orders of pairs of impacts are not counted here */
     case RIC_KIND_BRANCH_POINT: return 2;
     case RIC_KIND_MULTIPLICATION: return 1 + count_families(m, node);
     case RIC_KIND_START: return 1;
@@ -126,7 +135,8 @@ static int count_ends(const ric_graph *g, int node, unsigned choice)
     return n;
 }
 
-/* Branches that pass a junction as the orbit there, or aside: with q times its period or less of its symmetry. */
+/* Branches that pass a junction as the orbit there, or aside: with q times its period or less of
+ * its symmetry. */
 static int count_passing(const ric_graph *g, int node, bool aside)
 {
     const ric_periodic *c = g->nodes[node]->cycle;
@@ -134,8 +144,9 @@ static int count_passing(const ric_graph *g, int node, bool aside)
     for (int i = 0; i < g->n_edge; i++)
         for (int k = 0; k < g->edges[i].n_inner; k++) {
             if (g->edges[i].inner[k].node != node) continue;
-            ric_periodic *cycle = ric_continuation_cycle(g->edges[i].trace, g->edges[i].trace->points +
-                                                                                sizeof(ric_point) / sizeof(double));
+            ric_periodic *cycle = ric_continuation_cycle(g->edges[i].trace,
+                                                         g->edges[i].trace->points +
+                                                             sizeof(ric_point) / sizeof(double));
             bool less = (c->half && !cycle->half) || (c->flip >= 0 && cycle->flip < 0);
             n += (cycle->N > c->N || less) == aside;
             ric_periodic_free(cycle);
@@ -145,19 +156,23 @@ static int count_passing(const ric_graph *g, int node, bool aside)
 
 static const char *state_text(ric_departure_state state)
 {
-    static const char *const texts[] = {"open", "taken", "known", "inadmissible", "over budget", "refused", "later"};
+    static const char *const texts[] = {"open",        "taken",   "known", "inadmissible",
+                                        "over budget", "refused", "later"};
     return texts[state];
 }
 
 static int failures;
 
-static void report(const ric_graph *g, int i, const char *name, const char *what, unsigned choice, int wanted,
-                   int found)
+static void report(const ric_graph *g, int i, const char *name, const char *what, unsigned choice,
+                   int wanted, int found)
 {
     const ric_node *node = g->nodes[i];
-    fprintf(stderr, "%s: %s at E %.10g, %d impacts, %d touches, multiple %d (%d/%d), depth %d: %s %u: %d, not %d\n",
-            name, ric_kind_text(node->kind), node->energy * g->model->energy_unit, node->cycle->N, node->n_touch,
-            node->multiple, node->rotation[0], node->rotation[1], node->depth, what, choice, found, wanted);
+    fprintf(stderr,
+            "%s: %s at E %.10g, %d impacts, %d touches, multiple %d (%d/%d), depth %d: %s %u: %d, "
+            "not %d\n",
+            name, ric_kind_text(node->kind), node->energy * g->model->energy_unit, node->cycle->N,
+            node->n_touch, node->multiple, node->rotation[0], node->rotation[1], node->depth, what,
+            choice, found, wanted);
     failures++;
 }
 
@@ -181,16 +196,18 @@ static void check_node(const ric_graph *g, int i, const char *name)
             crossed = count_passing(g, i, false);
             continue;
         }
-        if (node->kind == RIC_KIND_START) found = wanted; /* a start is inside its branch and no junction of it */
-        else if (ric_node_passes(node, d->choice)) found = count_passing(g, i, d->choice != RIC_THROUGH);
+        if (node->kind == RIC_KIND_START)
+            found = wanted; /* a start is inside its branch and no junction of it */
+        else if (ric_node_passes(node, d->choice))
+            found = count_passing(g, i, d->choice != RIC_THROUGH);
         else found = count_ends(g, i, d->choice);
         if (found != wanted) report(g, i, name, state_text(d->state), d->choice, wanted, found);
     }
     if (crossing != crossed) report(g, i, name, "branches that cross", 0, crossing, crossed);
 }
 
-/* The rows of the atlas say the same: the sum, and the branches that a junction names are those that name the
- * junction. */
+/* The rows of the atlas say the same: the sum, and the branches that a junction names are those
+ * that name the junction. */
 static void check_rows(const ric_atlas *atlas, const char *name)
 {
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
@@ -213,15 +230,18 @@ static void check_rows(const ric_atlas *atlas, const char *name)
     }
 }
 
-/* The linear mode that grazes at a node is a row of its own where its departure counts as known or taken. */
+/* The linear mode that grazes at a node is a row of its own where its departure counts as known or
+ * taken. */
 static void check_modes(const ric_graph *g, const ric_atlas *atlas, const char *name)
 {
     for (int i = 0; i < g->n_node; i++) {
         const ric_node *node = g->nodes[i];
-        if (node->kind != RIC_KIND_GRAZING || node->n_touch < node->cycle->N || node->multiple > 1 || node->refusal)
+        if (node->kind != RIC_KIND_GRAZING || node->n_touch < node->cycle->N ||
+            node->multiple > 1 || node->refusal)
             continue;
         assert_true(node->mode >= 0 || node->mixture >= 0);
-        for (int k = 0; k < node->n_departure && node->mode >= 0; k++) { /* a mixture is a motion of several modes */
+        for (int k = 0; k < node->n_departure && node->mode >= 0;
+             k++) { /* a mixture is a motion of several modes */
             int rows = 0;
             if (ric_node_impacts(node, node->departures[k].choice)) continue;
             for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
@@ -235,30 +255,36 @@ static void check_modes(const ric_graph *g, const ric_atlas *atlas, const char *
     }
 }
 
-/* What all orbits of a branch between its ends have is said of it, and none of them is a shorter orbit gone through
- * several times. */
+/* What all orbits of a branch between its ends have is said of it, and none of them is a shorter
+ * orbit gone through several times. */
 static void check_orbits(const ric_graph *g, const ric_edge *e, const char *name)
 {
     const ric_continuation *tr = e->trace;
-    bool said[2] = {ric_shooting_halves(tr->chain), tr->chain->start != RIC_MIRROR_NONE}, all[2] = {true, true};
+    bool said[2] = {ric_shooting_halves(tr->chain), tr->chain->start != RIC_MIRROR_NONE},
+         all[2] = {true, true};
     for (int i = 1; i + 1 < tr->n_point; i++) {
         const double *point = tr->points + tr->stride * (size_t)i;
-        ric_periodic *orbit = ric_continuation_cycle(tr, point + sizeof(ric_point) / sizeof(double));
+        ric_periodic *orbit = ric_continuation_cycle(tr,
+                                                     point + sizeof(ric_point) / sizeof(double));
         int copies = ric_periodic_find_symmetries(g->model, orbit, EXACT);
         if (copies > 1)
-            fail_msg("%s: point %d of %d of a branch of %d impacts at E %.10g is an orbit gone through %d times", name,
-                     i, tr->n_point, orbit->N, e->energy[0] * g->model->energy_unit, copies);
+            fail_msg("%s: point %d of %d of a branch of %d impacts at E %.10g is an orbit gone "
+                     "through %d times",
+                     name, i, tr->n_point, orbit->N, e->energy[0] * g->model->energy_unit, copies);
         all[0] &= orbit->half;
         all[1] &= orbit->pure >= 0 || orbit->flip >= 0;
         ric_periodic_free(orbit);
     }
     for (int k = 0; k < 2 && tr->n_point > FEW; k++)
         if (all[k] && !said[k])
-            fail_msg("%s: all orbits of a branch of %d flights from E %.10g are %s, which is not said", name,
-                     tr->chain->n_flight, e->energy[0] * g->model->energy_unit, k ? "reversible" : "symmetric");
+            fail_msg(
+                "%s: all orbits of a branch of %d flights from E %.10g are %s, which is not said",
+                name, tr->chain->n_flight, e->energy[0] * g->model->energy_unit,
+                k ? "reversible" : "symmetric");
 }
 
-/* No two departures of a grazing that lead to different branches are one orbit, however it is read. */
+/* No two departures of a grazing that lead to different branches are one orbit, however it is read.
+ */
 static void check_classes(const ric_graph *g, int i, const char *name)
 {
     const ric_node *node = g->nodes[i];
@@ -268,19 +294,21 @@ static void check_classes(const ric_graph *g, int i, const char *name)
         orbit[k] = ric_grazing_words_cycle(g->model, node, node->departures[k].choice);
     for (int k = 0; k < node->n_departure; k++)
         for (int j = 0; j < k; j++)
-            if (orbit[j] && orbit[k] && there(&node->departures[j]) && there(&node->departures[k]) &&
+            if (orbit[j] && orbit[k] && there(&node->departures[j]) &&
+                there(&node->departures[k]) &&
                 ric_periodic_same(g->model, orbit[j], orbit[k], FIXED))
-                report(g, i, name, "is the departure", node->departures[k].choice, (int)node->departures[k].choice,
-                       (int)node->departures[j].choice);
+                report(g, i, name, "is the departure", node->departures[k].choice,
+                       (int)node->departures[k].choice, (int)node->departures[j].choice);
     for (int k = 0; k < node->n_departure; k++) ric_periodic_free(orbit[k]);
 }
 
-/* Both ends of a branch are one way out of one junction: it has passed an arrival and come back as its own image. */
+/* Both ends of a branch are one way out of one junction: it has passed an arrival and come back as
+ * its own image. */
 static void check_ends(const ric_graph *g, const ric_edge *e, const char *name)
 {
     if (e->from >= 0 && e->from == e->to && e->leave == e->arrive)
-        fail_msg("%s: a branch of %d flights from E %.10g comes back to its start as its own image", name,
-                 e->trace->chain->n_flight, e->energy[0] * g->model->energy_unit);
+        fail_msg("%s: a branch of %d flights from E %.10g comes back to its start as its own image",
+                 name, e->trace->chain->n_flight, e->energy[0] * g->model->energy_unit);
 }
 
 static void check_study(const ric_study *study, const char *name)
@@ -288,7 +316,8 @@ static void check_study(const ric_study *study, const char *name)
     ric_graph *g = NULL;
     ric_atlas *atlas = NULL;
     assert_int_equal(ric_graph_create(study, NULL, &g), RIC_OK);
-    if (ric_graph_explore(g, NULL) || ric_rows_make(g, study, true, &atlas)) fail_msg("%s: %s", name, ric_detail());
+    if (ric_graph_explore(g, NULL) || ric_rows_make(g, study, true, &atlas))
+        fail_msg("%s: %s", name, ric_detail());
     for (int i = 0; i < g->n_node; i++) check_node(g, i, name);
     for (int i = 0; i < g->n_node; i++) check_classes(g, i, name);
     for (int i = 0; i < g->n_edge; i++) {
@@ -302,11 +331,12 @@ static void check_study(const ric_study *study, const char *name)
         const char *text = branch_of(atlas, id).why, *last = strrchr(text, ';');
         if (strstr(text, "to a junction")) sscanf(last ? last + 1 : text, "%d", &n);
         said += n;
-        if (n && !strstr(text, " at E ")) fail_msg("%s: branch %d does not say where: %s", name, id, text);
+        if (n && !strstr(text, " at E "))
+            fail_msg("%s: branch %d does not say where: %s", name, id, text);
     }
     if (ric_atlas_n_unplaced(atlas) != unplaced || said != unplaced)
-        fail_msg("%s: %d events without a junction, the atlas counts %d, its branches %d", name, unplaced,
-                 ric_atlas_n_unplaced(atlas), said);
+        fail_msg("%s: %d events without a junction, the atlas counts %d, its branches %d", name,
+                 unplaced, ric_atlas_n_unplaced(atlas), said);
     check_modes(g, atlas, name);
     check_rows(atlas, name);
     ric_atlas_free(atlas);
@@ -323,7 +353,8 @@ static void check_text(const char *model, const char *options)
     ric_study_free(study);
 }
 
-/* Only that, of a structure whose orbits with simultaneous touches are counted by subsets of a list no more. */
+/* Only that, of a structure whose orbits with simultaneous touches are counted by subsets of a list
+ * no more. */
 static void check_classes_of(const char *text)
 {
     ric_study *study = NULL;
@@ -338,9 +369,10 @@ static void check_classes_of(const char *text)
 
 static void examples(void **state)
 {
-    static const char *const names[] = {"elementary",   "symmetric-path",  "three-masses", "two-walls",
-                                        "corner",       "symmetric-chain", "loose-mass",   "free-pair",
-                                        "beam-midspan", "fractal-base",    "cascade"};
+    static const char *const names[] = {"elementary",   "symmetric-path", "three-masses",
+                                        "two-walls",    "corner",         "symmetric-chain",
+                                        "loose-mass",   "free-pair",      "beam-midspan",
+                                        "fractal-base", "cascade"};
     (void)state;
     failures = 0;
     for (size_t i = 0; i < sizeof names / sizeof *names; i += (size_t)every()) {
@@ -354,15 +386,18 @@ static void examples(void **state)
     assert_int_equal(failures, 0);
 }
 
-static const char two[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                          "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
+static const char two[] =
+    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
 
 static void multiplications(void **state)
 {
     (void)state;
     failures = 0;
     check_text(two, "energy: [0, 200], frequency: [0.2, 10], impacts: 12, multiply: 2, depth: 3");
-    if (long_form()) check_text(two, "energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: 4, depth: 3");
+    if (long_form())
+        check_text(two,
+                   "energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: 4, depth: 3");
     check_text(two, "energy: [0, 100], frequency: [0.3, 10], impacts: 12, multiply: 5, depth: 2");
     assert_int_equal(failures, 0);
 }
@@ -377,7 +412,8 @@ static void three_modes(void **state)
     (void)state;
     failures = 0;
     check_text(three, "energy: [0, 20], frequency: [0.2, 10], impacts: 8, multiply: 2, depth: 2");
-    check_text("model:\n  mass: [[1, 0, 0], [0, 1.3, 0], [0, 0, 0.7]]\n  stiffness: [[6, -2, 0], [-2, 5, -3], [0, -3, "
+    check_text("model:\n  mass: [[1, 0, 0], [0, 1.3, 0], [0, 0, 0.7]]\n  stiffness: [[6, -2, 0], "
+               "[-2, 5, -3], [0, -3, "
                "7]]\n  contacts:\n"
                "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n",
                "energy: [0, 50], frequency: [0.1, 30], impacts: 8, multiply: 4, depth: 3");
@@ -394,52 +430,61 @@ static void one_start(void **state)
             for (int multiply = 1; multiply <= 3; multiply += 2) {
                 char options[128];
                 snprintf(options, sizeof options,
-                         "start: [%d], energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: %d, depth: %d",
+                         "start: [%d], energy: [0, 200], frequency: [0.2, 10], impacts: 8, "
+                         "multiply: %d, depth: %d",
                          mode, multiply, depth);
                 if (multiply == 1 || depth) check_text(two, options);
             }
     assert_int_equal(failures, 0);
 }
 
-/* The touch of a wall that has no opposite side hides that the orbit is its own mirror image: by a rest in flight, or
- * half a period on. */
+/* The touch of a wall that has no opposite side hides that the orbit is its own mirror image: by a
+ * rest in flight, or half a period on. */
 static void hidden_by_wall(void **state)
 {
     (void)state;
     failures = 0;
-    check_text("model:\n  mass: [[0.75, 0, 0], [0, 2, 0], [0, 0, 1.5]]\n"
-               "  stiffness: [[9.75, -3.5, 0], [-3.5, 11.25, -7.75], [0, -7.75, 12.75]]\n  contacts:\n"
-               "    - {normal: [1, 0, 0], clearance: 0.533, sides: lower, law: bilinear, stiffness: 737.8}\n"
-               "    - {normal: [-1, 1, 0], clearance: 0.5335, sides: both, law: rigid}\n",
-               "energy: [0, 43.13], frequency: [0.2736, 11.42], impacts: 6, multiply: 2, depth: 1");
-    check_text("model:\n  mass: [[0.25, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.25]]\n"
-               "  stiffness: [[3, -3, 0, 0], [-3, 3.5, -0.5, 0], [0, -0.5, 2.25, -1.75], [0, 0, -1.75, 1.75]]\n"
-               "  contacts:\n    - {normal: [0, 0, 0, 1], clearance: 1.41, sides: both, law: rigid}\n"
-               "    - {normal: [0, 1, 0, 0], clearance: 1.41, sides: upper, law: bilinear, stiffness: 279.8}\n",
-               "energy: [0, 14.23], frequency: [0.1769, 12.85], impacts: 3, multiply: 2, depth: 1");
+    check_text(
+        "model:\n  mass: [[0.75, 0, 0], [0, 2, 0], [0, 0, 1.5]]\n"
+        "  stiffness: [[9.75, -3.5, 0], [-3.5, 11.25, -7.75], [0, -7.75, 12.75]]\n  contacts:\n"
+        "    - {normal: [1, 0, 0], clearance: 0.533, sides: lower, law: bilinear, stiffness: "
+        "737.8}\n"
+        "    - {normal: [-1, 1, 0], clearance: 0.5335, sides: both, law: rigid}\n",
+        "energy: [0, 43.13], frequency: [0.2736, 11.42], impacts: 6, multiply: 2, depth: 1");
+    check_text(
+        "model:\n  mass: [[0.25, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.25]]\n"
+        "  stiffness: [[3, -3, 0, 0], [-3, 3.5, -0.5, 0], [0, -0.5, 2.25, -1.75], [0, 0, -1.75, "
+        "1.75]]\n"
+        "  contacts:\n    - {normal: [0, 0, 0, 1], clearance: 1.41, sides: both, law: rigid}\n"
+        "    - {normal: [0, 1, 0, 0], clearance: 1.41, sides: upper, law: bilinear, stiffness: "
+        "279.8}\n",
+        "energy: [0, 14.23], frequency: [0.1769, 12.85], impacts: 3, multiply: 2, depth: 1");
     assert_int_equal(failures, 0);
 }
 
-/* Two contacts that close at one instant are listed in an order, which hides that the orbit is the same backwards. */
+/* Two contacts that close at one instant are listed in an order, which hides that the orbit is the
+ * same backwards. */
 static void hidden_by_order(void **state)
 {
     (void)state;
     failures = 0;
-    check_text("model:\n  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n  stiffness: [[2, 0, 0], [0, 3, 0], [0, 0, 2]]\n"
+    check_text("model:\n  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n  stiffness: [[2, 0, 0], [0, 3, "
+               "0], [0, 0, 2]]\n"
                "  contacts:\n    - {normal: [-1, 1, 0], clearance: 12.5, sides: both, law: rigid}\n"
                "    - {normal: [0, -1, 1], clearance: 12.5, sides: upper, law: rigid}\n",
                "energy: [0, 5.9], frequency: [0.28, 5.2], impacts: 5, multiply: 1, depth: 1");
     /* and that two choices of touches are one */
-    check_classes_of("model:\n  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
-                     "  stiffness: [[2, -1, 0], [-1, 2, -1], [0, -1, 2]]\n  contacts:\n"
-                     "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
-                     "    - {normal: [0, -1, 1], clearance: 1, sides: both, law: rigid}\n"
-                     "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 3, multiply: 2, depth: 1}\n");
+    check_classes_of(
+        "model:\n  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+        "  stiffness: [[2, -1, 0], [-1, 2, -1], [0, -1, 2]]\n  contacts:\n"
+        "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
+        "    - {normal: [0, -1, 1], clearance: 1, sides: both, law: rigid}\n"
+        "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 3, multiply: 2, depth: 1}\n");
     assert_int_equal(failures, 0);
 }
 
-/* A6[223223] comes to a doubling of A3[223] in a bend much narrower than the step over a branch point: it ends there,
- * instead of going on as A3[223] gone through twice, or as its own image. */
+/* A6[223223] comes to a doubling of A3[223] in a bend much narrower than the step over a branch
+ * point: it ends there, instead of going on as A3[223] gone through twice, or as its own image. */
 static void sharp_arrival(void **state)
 {
     (void)state;
@@ -454,9 +499,12 @@ static void sharp_arrival(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(examples),       cmocka_unit_test(multiplications),
-                                       cmocka_unit_test(three_modes),    cmocka_unit_test(one_start),
-                                       cmocka_unit_test(hidden_by_wall), cmocka_unit_test(hidden_by_order),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(examples),
+                                       cmocka_unit_test(multiplications),
+                                       cmocka_unit_test(three_modes),
+                                       cmocka_unit_test(one_start),
+                                       cmocka_unit_test(hidden_by_wall),
+                                       cmocka_unit_test(hidden_by_order),
                                        cmocka_unit_test(sharp_arrival)};
     return cmocka_run_group_tests_name("departures", tests, NULL, NULL);
 }

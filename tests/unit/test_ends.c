@@ -1,5 +1,6 @@
-/* First and last orbits of branches, and junctions, where events fall together: what is stored there solves its
- * equations as it stands, lasts no negative time, and touches what it is said to touch. */
+/* First and last orbits of branches, and junctions, where events fall together: what is stored
+ * there solves its equations as it stands, lasts no negative time, and touches what it is said to
+ * touch. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,9 +22,12 @@ static void no_negative_flight(void **state)
     ric_atlas *atlas = explore_text(
         "model:\n  mass: [[2, 0, 0], [0, 1.75, 0], [0, 0, 0.75]]\n"
         "  stiffness: [[7.75, -7.75, 0], [-7.75, 14, -6.25], [0, -6.25, 6.25]]\n  contacts:\n"
-        "    - {normal: [-1, 1, 0], law: bilinear, clearance: 8.33, sides: both, stiffness: 0.02617}\n"
-        "    - {normal: [0, -1, 1], law: bilinear, clearance: 8.338, sides: both, stiffness: 10450}\n"
-        "explore: {energy: [0, 30.98], frequency: [0.4791, 11.41], impacts: 8, multiply: 3, depth: 2}\n");
+        "    - {normal: [-1, 1, 0], law: bilinear, clearance: 8.33, sides: both, stiffness: "
+        "0.02617}\n"
+        "    - {normal: [0, -1, 1], law: bilinear, clearance: 8.338, sides: both, stiffness: "
+        "10450}\n"
+        "explore: {energy: [0, 30.98], frequency: [0.4791, 11.41], impacts: 8, multiply: 3, depth: "
+        "2}\n");
     int none = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -32,7 +36,8 @@ static void no_negative_flight(void **state)
             ric_point p;
             assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, flights), RIC_OK);
             for (int k = 0; k < b.letters; k++) {
-                if (flights[k] < 0) fail_msg("branch %d, point %d: flight %d lasts %g", id, i, k, flights[k]);
+                if (flights[k] < 0)
+                    fail_msg("branch %d, point %d: flight %d lasts %g", id, i, k, flights[k]);
                 none += flights[k] == 0;
             }
             point_passes(atlas, id, i);
@@ -43,66 +48,76 @@ static void no_negative_flight(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Of a stop and a spring of 4e5 times the stiffness a contact ends within a branch: a doubling seen beside that end is
- * solved beyond it, where the contact lasts less than no time, and is no junction. */
+/* Of a stop and a spring of 4e5 times the stiffness a contact ends within a branch: a doubling seen
+ * beside that end is solved beyond it, where the contact lasts less than no time, and is no
+ * junction. */
 static void no_junction_beyond_the_end(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text(
-        "model:\n  mass: [[1.65625, 0.0625, 0.25], [0.0625, 1.671875, 0.21875], [0.25, 0.21875, 1.0625]]\n"
+        "model:\n  mass: [[1.65625, 0.0625, 0.25], [0.0625, 1.671875, 0.21875], [0.25, 0.21875, "
+        "1.0625]]\n"
         "  stiffness:\n    - [1721675.1511423532, -425548.246598685, 1103816.0702049632]\n"
         "    - [-425548.246598685, 1005445.9823798715, 406671.1730327642]\n"
         "    - [1103816.0702049632, 406671.1730327642, 2222584.038614786]\n  contacts:\n"
         "    - {normal: [1, 0, -1], law: rigid, clearance: 0.000709, sides: lower}\n"
-        "    - {normal: [0, 0, 1], law: bilinear, clearance: 7.09e-07, sides: lower, stiffness: 4.354e11}\n"
+        "    - {normal: [0, 0, 1], law: bilinear, clearance: 7.09e-07, sides: lower, stiffness: "
+        "4.354e11}\n"
         "    - {normal: [0, -1, 1], law: rigid, clearance: 0.00129, sides: lower}\n"
-        "explore: {energy: [0, 14.03], frequency: [100, 4500], impacts: 4, multiply: 2, depth: 2}\n");
+        "explore: {energy: [0, 14.03], frequency: [100, 4500], impacts: 4, multiply: 2, depth: "
+        "2}\n");
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         const ric_junction j = junction_of(atlas, id);
         for (int k = 0; k < j.letters; k++)
-            if (j.flights[k] < 0) fail_msg("junction %d %s: flight %d lasts %g", id, j.label, k, j.flights[k]);
+            if (j.flights[k] < 0)
+                fail_msg("junction %d %s: flight %d lasts %g", id, j.label, k, j.flights[k]);
     }
     assert_true(ric_atlas_n_junction(atlas) > 10);
     ric_atlas_free(atlas);
 }
 
-#define EQUAL_MODES(impacts)                                                                                           \
-    "model:\n"                                                                                                         \
-    "  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"                                                                      \
-    "  stiffness: [[3, 0, 0], [0, 2, 0], [0, 0, 2]]\n"                                                                 \
-    "  contacts:\n"                                                                                                    \
-    "    - {normal: [-1, 1, 0], law: rigid, clearance: 1.05, sides: both}\n"                                           \
-    "    - {normal: [1, 0, 0], law: rigid, clearance: 0.00105, sides: both}\n"                                         \
-    "explore: {energy: [0, 3.841], frequency: [0.2828, 5.196], impacts: " impacts ", multiply: 2, depth: 2}\n"
+#define EQUAL_MODES(impacts)                                                                       \
+    "model:\n"                                                                                     \
+    "  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"                                                  \
+    "  stiffness: [[3, 0, 0], [0, 2, 0], [0, 0, 2]]\n"                                             \
+    "  contacts:\n"                                                                                \
+    "    - {normal: [-1, 1, 0], law: rigid, clearance: 1.05, sides: both}\n"                       \
+    "    - {normal: [1, 0, 0], law: rigid, clearance: 0.00105, sides: both}\n"                     \
+    "explore: {energy: [0, 3.841], frequency: [0.2828, 5.196], impacts: " impacts                  \
+    ", multiply: 2, depth: 2}\n"
 
-/* What is solved for beside the end of a branch, or where another stop has come into reach, is an orbit of the
- * equations only: no junction passes a stop. Nor is one moved through it: beside modes of one frequency orbits form
- * families of two parameters, along which Newton's method slides; and the orbit with its touch may have lost a mirror
- * that holds it. */
+/* What is solved for beside the end of a branch, or where another stop has come into reach, is an
+ * orbit of the equations only: no junction passes a stop. Nor is one moved through it: beside modes
+ * of one frequency orbits form families of two parameters, along which Newton's method slides; and
+ * the orbit with its touch may have lost a mirror that holds it. */
 static void no_junction_through_a_stop(void **state)
 {
     (void)state;
     static const char *const studies[] =
         {"model:\n"
          "  mass: [[1.765625, 0.140625], [0.140625, 0.78125]]\n"
-         "  stiffness: [[813157.3252669553, -328358.91588548716], [-328358.91588548716, 551738.2424708569]]\n"
+         "  stiffness: [[813157.3252669553, -328358.91588548716], [-328358.91588548716, "
+         "551738.2424708569]]\n"
          "  contacts:\n"
          "    - {normal: [-1, 1], law: rigid, clearance: 0.608, sides: both}\n"
-         "explore: {energy: [0, 2374000000], frequency: [100.1, 3002], impacts: 4, multiply: 2, depth: 2}\n",
+         "explore: {energy: [0, 2374000000], frequency: [100.1, 3002], impacts: 4, multiply: 2, "
+         "depth: 2}\n",
          "model:\n"
          "  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
          "  stiffness: [[2, 0, 0], [0, 2, 0], [0, 0, 2]]\n"
          "  contacts:\n"
          "    - {normal: [0, 1, 0], law: rigid, clearance: 1.58, sides: lower}\n"
          "    - {normal: [-2, 1, 0], law: rigid, clearance: 0.00158, sides: both}\n"
-         "explore: {energy: [0, 3.595], frequency: [0.2828, 4.243], impacts: 8, multiply: 2, depth: 2}\n",
+         "explore: {energy: [0, 3.595], frequency: [0.2828, 4.243], impacts: 8, multiply: 2, "
+         "depth: 2}\n",
          "model:\n"
          "  mass: [[1.125, -0.03125], [-0.03125, 0.828125]]\n"
          "  stiffness: [[3.0625, -0.3125], [-0.3125, 2.375]]\n"
          "  contacts:\n"
          "    - {normal: [1, -1], law: rigid, clearance: 0.94, sides: both}\n"
          "    - {normal: [1, 0], law: bilinear, clearance: 0.94, sides: lower, stiffness: 159.3}\n"
-         "explore: {energy: [0, 3.799], frequency: [0.3189, 5.224], impacts: 6, multiply: 3, depth: 2}\n",
+         "explore: {energy: [0, 3.799], frequency: [0.3189, 5.224], impacts: 6, multiply: 3, "
+         "depth: 2}\n",
          EQUAL_MODES("4"), EQUAL_MODES("6")};
     const size_t count = sizeof studies / sizeof *studies -
                          (long_form() ? 0 : 1); /* the last one takes most of the time */
@@ -111,44 +126,50 @@ static void no_junction_through_a_stop(void **state)
         for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
             ric_claims claims;
             assert_int_equal(ric_verify_junction(atlas, id, &claims), RIC_OK);
-            if (claims.finding[0]) fail_msg("study %zu, %s: %s", k, junction_of(atlas, id).label, claims.finding);
+            if (claims.finding[0])
+                fail_msg("study %zu, %s: %s", k, junction_of(atlas, id).label, claims.finding);
         }
         assert_true(ric_atlas_n_junction(atlas) > 10);
         ric_atlas_free(atlas);
     }
 }
 
-/* A branch turns sharply where it meets its own image, and the zero of its determinant, read off cubics, lies aside:
- * the place is found by the image, and no extremum is left over beside it, where there is none. */
+/* A branch turns sharply where it meets its own image, and the zero of its determinant, read off
+ * cubics, lies aside: the place is found by the image, and no extremum is left over beside it,
+ * where there is none. */
 static void no_extremum_beside_an_image(void **state)
 {
     (void)state;
     static const struct {
         int impacts, extrema;
         const char *text;
-    } studies[] = {{4, 1,
-                    "model:\n"
-                    "  mass: [[1.8125, -0.28125], [-0.28125, 0.78125]]\n"
-                    "  stiffness: [[2.5, -3.75], [-3.75, 9.0625]]\n"
-                    "  contacts:\n"
-                    "    - {normal: [1, 0], law: rigid, clearance: 18.9, sides: both}\n"
-                    "explore: {energy: [0, 32470], frequency: [0.1488, 10.22], impacts: 4, multiply: 1, depth: 2}\n"},
-                   {2, 2,
-                    "model:\n"
-                    "  mass: [[2, 0], [0, 0.5]]\n"
-                    "  stiffness: [[10, -7.5], [-7.5, 13.25]]\n"
-                    "  contacts:\n"
-                    "    - {normal: [0, 1], law: rigid, clearance: 5.39, sides: lower}\n"
-                    "    - {normal: [1, 0], law: bilinear, clearance: 5.39, sides: both, stiffness: 6436000}\n"
-                    "explore: {energy: [0, 28.82], frequency: [0.3251, 16.12], impacts: 8, multiply: 2, depth: 2}\n"},
-                   {3, 1,
-                    "model:\n"
-                    "  mass: [[1.75, 0], [0, 0.25]]\n"
-                    "  stiffness: [[13.25, -6.5], [-6.5, 8.25]]\n"
-                    "  contacts:\n"
-                    "    - {normal: [0, 1], law: bilinear, clearance: 1.21, sides: both, stiffness: 3.882}\n"
-                    "    - {normal: [-1, 1], law: rigid, clearance: 1.17, sides: both}\n"
-                    "explore: {energy: [0, 26.41], frequency: [0.4107, 18.09], impacts: 6, multiply: 3, depth: 2}\n"}};
+    } studies[] = {
+        {4, 1,
+         "model:\n"
+         "  mass: [[1.8125, -0.28125], [-0.28125, 0.78125]]\n"
+         "  stiffness: [[2.5, -3.75], [-3.75, 9.0625]]\n"
+         "  contacts:\n"
+         "    - {normal: [1, 0], law: rigid, clearance: 18.9, sides: both}\n"
+         "explore: {energy: [0, 32470], frequency: [0.1488, 10.22], impacts: 4, multiply: 1, "
+         "depth: 2}\n"},
+        {2, 2,
+         "model:\n"
+         "  mass: [[2, 0], [0, 0.5]]\n"
+         "  stiffness: [[10, -7.5], [-7.5, 13.25]]\n"
+         "  contacts:\n"
+         "    - {normal: [0, 1], law: rigid, clearance: 5.39, sides: lower}\n"
+         "    - {normal: [1, 0], law: bilinear, clearance: 5.39, sides: both, stiffness: 6436000}\n"
+         "explore: {energy: [0, 28.82], frequency: [0.3251, 16.12], impacts: 8, multiply: 2, "
+         "depth: 2}\n"},
+        {3, 1,
+         "model:\n"
+         "  mass: [[1.75, 0], [0, 0.25]]\n"
+         "  stiffness: [[13.25, -6.5], [-6.5, 8.25]]\n"
+         "  contacts:\n"
+         "    - {normal: [0, 1], law: bilinear, clearance: 1.21, sides: both, stiffness: 3.882}\n"
+         "    - {normal: [-1, 1], law: rigid, clearance: 1.17, sides: both}\n"
+         "explore: {energy: [0, 26.41], frequency: [0.4107, 18.09], impacts: 6, multiply: 3, "
+         "depth: 2}\n"}};
     for (size_t k = 0; k < sizeof studies / sizeof *studies; k++) {
         ric_atlas *atlas = explore_text(studies[k].text);
         int extrema = 0;
@@ -161,13 +182,14 @@ static void no_extremum_beside_an_image(void **state)
     }
 }
 
-/* Three stops at one distance are touched all but together. Without its touches the orbit is another one, by their
- * speeds. */
+/* Three stops at one distance are touched all but together. Without its touches the orbit is
+ * another one, by their speeds. */
 static void solved_without_touches(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text(
-        "model:\n  mass: [[1.921875, 0.15625, 0], [0.15625, 1.84375, -0.015625], [0, -0.015625, 2.09375]]\n"
+        "model:\n  mass: [[1.921875, 0.15625, 0], [0.15625, 1.84375, -0.015625], [0, -0.015625, "
+        "2.09375]]\n"
         "  stiffness: [[11.869173521905694, 6.5648227734708975, 4.726939058216599], "
         "[6.5648227734708975, 7.755431017603145, 0.25899790771594605], "
         "[4.726939058216599, 0.25899790771594605, 8.645726550005708]]\n  contacts:\n"
@@ -188,21 +210,26 @@ static void solved_without_touches(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Orbits that hardly touch a stiff spring are all but linear, and where along them another gap closes is known to
- * nothing: a grazing that is found where nothing touches is none. */
+/* Orbits that hardly touch a stiff spring are all but linear, and where along them another gap
+ * closes is known to nothing: a grazing that is found where nothing touches is none. */
 static void grazings_touch(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text(
-        "model:\n  mass: [[0.703125, -0.015625, -0.15625, -0.078125], [-0.015625, 2.15625, -0.3125, -0.15625], "
+        "model:\n  mass: [[0.703125, -0.015625, -0.15625, -0.078125], [-0.015625, 2.15625, "
+        "-0.3125, -0.15625], "
         "[-0.15625, -0.3125, 1.1875, 0.34375], [-0.078125, -0.15625, 0.34375, 1.6875]]\n"
-        "  stiffness: [[584805.642591077, 137599.2555490194, -747341.3312475919, 186279.5394001622], "
+        "  stiffness: [[584805.642591077, 137599.2555490194, -747341.3312475919, "
+        "186279.5394001622], "
         "[137599.2555490194, 1472907.930688925, -176327.0675785656, -867575.5517284574], "
         "[-747341.3312475919, -176327.0675785656, 1547716.2861876762, -419743.5953306675], "
-        "[186279.5394001622, -867575.5517284574, -419743.5953306675, 1440221.9166729725]]\n  contacts:\n"
+        "[186279.5394001622, -867575.5517284574, -419743.5953306675, 1440221.9166729725]]\n  "
+        "contacts:\n"
         "    - {normal: [1, 0, 0, -1], law: rigid, clearance: 1.58, sides: both}\n"
-        "    - {normal: [0, 1, 0, 0], law: bilinear, clearance: 1.31, sides: both, stiffness: 636300000}\n"
-        "explore: {energy: [0, 4140000], frequency: [100, 4500], impacts: 5, multiply: 2, depth: 1}\n");
+        "    - {normal: [0, 1, 0, 0], law: bilinear, clearance: 1.31, sides: both, stiffness: "
+        "636300000}\n"
+        "explore: {energy: [0, 4140000], frequency: [100, 4500], impacts: 5, multiply: 2, depth: "
+        "1}\n");
     int grazings = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
@@ -214,8 +241,9 @@ static void grazings_touch(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Where a spring begins to close at the very impact on a stop, the flight between the two lasts no time. The gap of the
- * third contact, whose normal is orthogonal, is largest at that impact, by 2 %, and belongs to no other flight. */
+/* Where a spring begins to close at the very impact on a stop, the flight between the two lasts no
+ * time. The gap of the third contact, whose normal is orthogonal, is largest at that impact, by 2
+ * %, and belongs to no other flight. */
 static void gaps_at_an_impact_beside_a_spring(void **state)
 {
     (void)state;
@@ -224,7 +252,8 @@ static void gaps_at_an_impact_beside_a_spring(void **state)
         "    - {normal: [1, 0], law: rigid, clearance: 1.23, sides: lower}\n"
         "    - {normal: [-1, 1], law: bilinear, clearance: 0.896, sides: both, stiffness: 3.953}\n"
         "    - {normal: [0, 1], law: rigid, clearance: 0.666, sides: both}\n"
-        "explore: {energy: [0, 6.803], frequency: [0.348, 12.18], impacts: 5, multiply: 1, depth: 2}\n");
+        "explore: {energy: [0, 6.803], frequency: [0.348, 12.18], impacts: 5, multiply: 1, depth: "
+        "2}\n");
     int found = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b;
@@ -241,9 +270,10 @@ static void gaps_at_an_impact_beside_a_spring(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Three equal modes and two contacts that they pass at half their frequency: orbits of three impacts form families of
- * two parameters there, in which what is solved for without the touch may lie where nothing touches (reach 0.99995).
- * The simulator tells how far the gaps open over a period. */
+/* Three equal modes and two contacts that they pass at half their frequency: orbits of three
+ * impacts form families of two parameters there, in which what is solved for without the touch may
+ * lie where nothing touches (reach 0.99995). The simulator tells how far the gaps open over a
+ * period. */
 static void stored_grazings_touch(void **state)
 {
     (void)state;
@@ -253,7 +283,8 @@ static void stored_grazings_touch(void **state)
         "    - {normal: [0, 0, 1], law: rigid, clearance: 0.00157, sides: both}\n"
         "    - {normal: [1, 0, -1], law: rigid, clearance: 0.00197, sides: upper}\n"
         "    - {normal: [0, -1, 1], law: rigid, clearance: 0.00121, sides: upper}\n"
-        "explore: {energy: [0, 3.894], frequency: [0.2828, 4.243], impacts: 5, multiply: 3, depth: 2}\n");
+        "explore: {energy: [0, 3.894], frequency: [0.2828, 4.243], impacts: 5, multiply: 3, depth: "
+        "2}\n");
     int grazings = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         const ric_junction j = junction_of(atlas, id);
@@ -274,17 +305,19 @@ static void stored_grazings_touch(void **state)
     ric_atlas_free(atlas);
 }
 
-/* A free body with a spring and a stop: with its touch the orbit is known to a millionth only, and was stored where it
- * touches nothing (reach 0.9999989). */
+/* A free body with a spring and a stop: with its touch the orbit is known to a millionth only, and
+ * was stored where it touches nothing (reach 0.9999989). */
 static void grazings_of_free_bodies_touch(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text(
         "model:\n  mass: [[2, 0, 0], [0, 1.75, 0], [0, 0, 0.75]]\n"
         "  stiffness: [[3, -3, 0], [-3, 6.75, -3.75], [0, -3.75, 3.75]]\n  contacts:\n"
-        "    - {normal: [1, -1, 0], law: bilinear, clearance: 6.65, sides: both, stiffness: 28.13}\n"
+        "    - {normal: [1, -1, 0], law: bilinear, clearance: 6.65, sides: both, stiffness: "
+        "28.13}\n"
         "    - {normal: [1, 2, 1], law: rigid, clearance: 6.65, sides: upper}\n"
-        "explore: {energy: [0, 56.83], frequency: [0.312, 8.444], impacts: 8, multiply: 2, depth: 2}\n");
+        "explore: {energy: [0, 56.83], frequency: [0.312, 8.444], impacts: 8, multiply: 2, depth: "
+        "2}\n");
     int grazings = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         const ric_junction j = junction_of(atlas, id);
@@ -303,26 +336,32 @@ static void grazings_of_free_bodies_touch(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Modes of equal frequencies move together in any share: what leaves them and is lost at once is no branch, and is said
- * to be refused. */
+/* Modes of equal frequencies move together in any share: what leaves them and is lost at once is no
+ * branch, and is said to be refused. */
 static void no_branch_without_length(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore_text(
-        "model:\n  mass: [[1, 0, 0, 0, 0], [0, 1, 0, 0, 0], [0, 0, 1, 0, 0], [0, 0, 0, 1, 0], [0, 0, 0, 0, 1]]\n"
-        "  stiffness: [[3, 0, 0, 0, 0], [0, 2, 0, 0, 0], [0, 0, 2, 0, 0], [0, 0, 0, 3, 0], [0, 0, 0, 0, 2]]\n"
-        "  contacts:\n"
-        "    - {normal: [1, 0, 0, 0, -1], law: bilinear, clearance: 1.55, sides: both, stiffness: 0.9931}\n"
-        "    - {normal: [-1, 1, 0, -2, -2], law: bilinear, clearance: 1.55, sides: both, stiffness: 3706}\n"
-        "explore: {energy: [0, 3.419], frequency: [0.2828, 5.196], impacts: 5, multiply: 3, depth: 1}\n");
+    ric_atlas *atlas = explore_text("model:\n  mass: [[1, 0, 0, 0, 0], [0, 1, 0, 0, 0], [0, 0, 1, "
+                                    "0, 0], [0, 0, 0, 1, 0], [0, 0, 0, 0, 1]]\n"
+                                    "  stiffness: [[3, 0, 0, 0, 0], [0, 2, 0, 0, 0], [0, 0, 2, 0, "
+                                    "0], [0, 0, 0, 3, 0], [0, 0, 0, 0, 2]]\n"
+                                    "  contacts:\n"
+                                    "    - {normal: [1, 0, 0, 0, -1], law: bilinear, clearance: "
+                                    "1.55, sides: both, stiffness: 0.9931}\n"
+                                    "    - {normal: [-1, 1, 0, -2, -2], law: bilinear, clearance: "
+                                    "1.55, sides: both, stiffness: 3706}\n"
+                                    "explore: {energy: [0, 3.419], frequency: [0.2828, 5.196], "
+                                    "impacts: 5, multiply: 3, depth: 1}\n");
     int refused = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
         ric_point last;
         assert_int_equal(ric_atlas_point(atlas, id, b.n_point - 1, &last, NULL, NULL), RIC_OK);
-        if (b.stop == RIC_STOP_FAILED && last.arclength < 1e-6) fail_msg("branch %d: %g long", id, last.arclength);
+        if (b.stop == RIC_STOP_FAILED && last.arclength < 1e-6)
+            fail_msg("branch %d: %g long", id, last.arclength);
     }
-    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) refused += junction_of(atlas, id).departures.refused;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++)
+        refused += junction_of(atlas, id).departures.refused;
     assert_true(refused > 0);
     ric_atlas_free(atlas);
 }
@@ -335,35 +374,46 @@ static ric_claims claims_of(const ric_atlas *atlas, int id, int i)
     return out;
 }
 
-/* Stiff springs multiply the rounding of the stored digits, by 1e13 over a period of the first of these: what is stored
- * is right in spite of that, and a margin that is off is seen. */
+/* Stiff springs multiply the rounding of the stored digits, by 1e13 over a period of the first of
+ * these: what is stored is right in spite of that, and a margin that is off is seen. */
 static void margins_through_stiff_springs(void **state)
 {
     (void)state;
     static const char *const studies[] =
-        {"model:\n  mass: [[1.203125, 0.28125, 0.15625], [0.28125, 2.03125, 0.09375], [0.15625, 0.09375, 0.875]]\n"
+        {"model:\n  mass: [[1.203125, 0.28125, 0.15625], [0.28125, 2.03125, 0.09375], [0.15625, "
+         "0.09375, 0.875]]\n"
          "  stiffness: [[1.625, 1.375, 0.25], [1.375, 3.5, 2.5], [0.25, 2.5, 5.25]]\n  contacts:\n"
-         "    - {normal: [0, 1, 0], law: bilinear, clearance: 0.981, sides: both, stiffness: 0.5579}\n"
-         "    - {normal: [-1, 1, 0], law: bilinear, clearance: 0.981, sides: both, stiffness: 472900}\n"
-         "explore: {energy: [0, 4.204], frequency: [0.1388, 7.679], impacts: 6, multiply: 2, depth: 2}\n",
-         "model:\n  mass: [[0.5, 0], [0, 0.5]]\n  stiffness: [[875000, -625000], [-625000, 2312500]]\n  contacts:\n"
-         "    - {normal: [1, -1], law: bilinear, clearance: 0.0013, sides: lower, stiffness: 3941000}\n"
-         "    - {normal: [1, 0], law: bilinear, clearance: 0.000539, sides: both, stiffness: 664500000}\n"
-         "explore: {energy: [0, 2025000], frequency: [226.5, 6770], impacts: 8, multiply: 2, depth: 2}\n"};
+         "    - {normal: [0, 1, 0], law: bilinear, clearance: 0.981, sides: both, stiffness: "
+         "0.5579}\n"
+         "    - {normal: [-1, 1, 0], law: bilinear, clearance: 0.981, sides: both, stiffness: "
+         "472900}\n"
+         "explore: {energy: [0, 4.204], frequency: [0.1388, 7.679], impacts: 6, multiply: 2, "
+         "depth: 2}\n",
+         "model:\n  mass: [[0.5, 0], [0, 0.5]]\n  stiffness: [[875000, -625000], [-625000, "
+         "2312500]]\n  contacts:\n"
+         "    - {normal: [1, -1], law: bilinear, clearance: 0.0013, sides: lower, stiffness: "
+         "3941000}\n"
+         "    - {normal: [1, 0], law: bilinear, clearance: 0.000539, sides: both, stiffness: "
+         "664500000}\n"
+         "explore: {energy: [0, 2025000], frequency: [226.5, 6770], impacts: 8, multiply: 2, "
+         "depth: 2}\n"};
     for (size_t k = 0; k < sizeof studies / sizeof *studies; k++) {
         ric_atlas *atlas = explore_text(studies[k]);
         int points = 0, open = 0;
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
             for (int i = 0; i < branch_of(atlas, id).n_point; i++) {
                 ric_claims claims = claims_of(atlas, id, i);
-                if (claims.numbers == RIC_AGREES_NO) fail_msg("branch %d, point %d: %s", id, i, claims.finding);
+                if (claims.numbers == RIC_AGREES_NO)
+                    fail_msg("branch %d, point %d: %s", id, i, claims.finding);
                 points++;
-                const bool named = strstr(claims.unchecked, "reach") || strstr(claims.unchecked, "approach");
+                const bool named = strstr(claims.unchecked, "reach") ||
+                                   strstr(claims.unchecked, "approach");
                 open += named;
                 ric_branch_record *r = &atlas->branches[id - 1];
                 ric_point *p = (ric_point *)(void *)(r->points + (size_t)i * r->stride), kept = *p;
                 p->approach += 1e-5 * p->approach + 1e-6;
-                if (!isnan(p->approach) && !named && claims_of(atlas, id, i).numbers != RIC_AGREES_NO)
+                if (!isnan(p->approach) && !named &&
+                    claims_of(atlas, id, i).numbers != RIC_AGREES_NO)
                     fail_msg("branch %d, point %d: an approach that is off is not seen", id, i);
                 *p = kept;
             }
@@ -376,8 +426,8 @@ static void margins_through_stiff_springs(void **state)
     }
 }
 
-/* Through stiff springs the replay solves the orbit again. A rigid motion that no contact sees is in the state and not
- * in its equations; and what a slow contact leaves open is its time. */
+/* Through stiff springs the replay solves the orbit again. A rigid motion that no contact sees is
+ * in the state and not in its equations; and what a slow contact leaves open is its time. */
 static void solved_again(void **state)
 {
     (void)state;
@@ -385,13 +435,20 @@ static void solved_again(void **state)
         {"model:\n  mass: [[0.5, 0, 0], [0, 2, 0], [0, 0, 1.25]]\n"
          "  stiffness: [[7.75, -7.75, 0], [-7.75, 8.75, -1], [0, -1, 1]]\n  contacts:\n"
          "    - {normal: [-1, 1, 0], law: rigid, clearance: 9.38, sides: upper}\n"
-         "    - {normal: [1, 0, -1], law: bilinear, clearance: 9.38, sides: lower, stiffness: 3344}\n"
-         "explore: {energy: [0, 27.73], frequency: [0.2185, 13.24], impacts: 4, multiply: 2, depth: 2}\n",
-         "model:\n  mass: [[2.390625, 0.46875, 0.5], [0.46875, 1.625, 0.34375], [0.5, 0.34375, 1.453125]]\n"
-         "  stiffness: [[7.0625, 0.6875, -0.25], [0.6875, 6.625, 1.375], [-0.25, 1.375, 2.5625]]\n  contacts:\n"
-         "    - {normal: [1, -2, -2], law: bilinear, clearance: 0.998, sides: both, stiffness: 20220}\n"
-         "    - {normal: [-1, 1, 0], law: bilinear, clearance: 0.998, sides: lower, stiffness: 1.79}\n"
-         "explore: {energy: [0, 10.09], frequency: [0.2413, 6.408], impacts: 6, multiply: 2, depth: 2}\n"};
+         "    - {normal: [1, 0, -1], law: bilinear, clearance: 9.38, sides: lower, stiffness: "
+         "3344}\n"
+         "explore: {energy: [0, 27.73], frequency: [0.2185, 13.24], impacts: 4, multiply: 2, "
+         "depth: 2}\n",
+         "model:\n  mass: [[2.390625, 0.46875, 0.5], [0.46875, 1.625, 0.34375], [0.5, 0.34375, "
+         "1.453125]]\n"
+         "  stiffness: [[7.0625, 0.6875, -0.25], [0.6875, 6.625, 1.375], [-0.25, 1.375, 2.5625]]\n "
+         " contacts:\n"
+         "    - {normal: [1, -2, -2], law: bilinear, clearance: 0.998, sides: both, stiffness: "
+         "20220}\n"
+         "    - {normal: [-1, 1, 0], law: bilinear, clearance: 0.998, sides: lower, stiffness: "
+         "1.79}\n"
+         "explore: {energy: [0, 10.09], frequency: [0.2413, 6.408], impacts: 6, multiply: 2, "
+         "depth: 2}\n"};
     for (size_t k = 0; k < sizeof studies / sizeof *studies; k++) {
         ric_atlas *atlas = explore_text(studies[k]);
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
@@ -400,9 +457,9 @@ static void solved_again(void **state)
     }
 }
 
-/* Two masses that a link joins which is 1e10 times as stiff as what holds them, as in a mesh of short elements: the
- * energy of their common motion is what is left of terms that cancel, and an atlas was refused for it, or called
- * wrong. */
+/* Two masses that a link joins which is 1e10 times as stiff as what holds them, as in a mesh of
+ * short elements: the energy of their common motion is what is left of terms that cancel, and an
+ * atlas was refused for it, or called wrong. */
 static void stiff_links(void **state)
 {
     (void)state;
@@ -427,8 +484,8 @@ static void stiff_links(void **state)
     ric_atlas_free(atlas);
 }
 
-/* A branch between rests ends in a doubling, beside which the mirror points at impacts of the orbit that doubles all
- * but hold, too: its multipliers are those of its own mirror points. */
+/* A branch between rests ends in a doubling, beside which the mirror points at impacts of the orbit
+ * that doubles all but hold, too: its multipliers are those of its own mirror points. */
 static void ends_between_their_mirrors(void **state)
 {
     (void)state;
@@ -437,7 +494,8 @@ static void ends_between_their_mirrors(void **state)
         "  stiffness: [[4.5, -1, 0], [-1, 5.5, -4.5], [0, -4.5, 8.25]]\n  contacts:\n"
         "    - {normal: [0, -1, 1], law: rigid, clearance: 0.893, sides: lower}\n"
         "    - {normal: [1, 0, -1], law: rigid, clearance: 0.893, sides: both}\n"
-        "explore: {energy: [0, 97.67], frequency: [0.3446, 12.88], impacts: 4, multiply: 2, depth: 2}\n");
+        "explore: {energy: [0, 97.67], frequency: [0.3446, 12.88], impacts: 4, multiply: 2, depth: "
+        "2}\n");
     int doubled = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -453,15 +511,16 @@ static void ends_between_their_mirrors(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Two cascades beside each other: between two stored points Newton's method goes over to the other one, which has not
- * the energy that is asked for. It is not taken for it. */
+/* Two cascades beside each other: between two stored points Newton's method goes over to the other
+ * one, which has not the energy that is asked for. It is not taken for it. */
 static void asked_energies(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text(
         "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
         "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-        "explore: {start: [2], energy: [0, 40], frequency: [0.2, 10], impacts: 48, depth: 0, cascade: [3, 2, 2, 2]}\n");
+        "explore: {start: [2], energy: [0, 40], frequency: [0.2, 10], impacts: 48, depth: 0, "
+        "cascade: [3, 2, 2, 2]}\n");
     int asked = 0, refused = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch b = branch_of(atlas, id);
@@ -492,16 +551,16 @@ static void asked_energies(void **state)
     ric_atlas_free(atlas);
 }
 
-/* A3[03-01] ends where the contact of a spring with an impact on a stop in its middle shrinks to nothing. That impact
- * is slow, and kicks the spring's mass back at 1.4e-8: the orbit at the corner itself would close the spring from
- * behind.
- */
+/* A3[03-01] ends where the contact of a spring with an impact on a stop in its middle shrinks to
+ * nothing. That impact is slow, and kicks the spring's mass back at 1.4e-8: the orbit at the corner
+ * itself would close the spring from behind. */
 static void no_end_meets_a_face_from_behind(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text(
         "model:\n  mass: [[1.328125, -0.015625], [-0.015625, 0.78125]]\n  stiffness:\n"
-        "    - [1.7483494177618957, 0.9179502570146201]\n    - [0.9179502570146201, 2.8552912163936437]\n  contacts:\n"
+        "    - [1.7483494177618957, 0.9179502570146201]\n    - [0.9179502570146201, "
+        "2.8552912163936437]\n  contacts:\n"
         "    - {normal: [1, 0], law: bilinear, clearance: 1.97, sides: both, stiffness: 0.004421}\n"
         "    - {normal: [0, 1], law: rigid, clearance: 1.16, sides: both}\n"
         "explore: {energy: [0, 3.898], frequency: [0.2, 6], impacts: 3, multiply: 1, depth: 2}\n");
@@ -522,24 +581,28 @@ static void no_end_meets_a_face_from_behind(void **state)
     ric_atlas_free(atlas);
 }
 
-/* A2[01] comes to its branch point from the side, where the end read off cubics lay 8e-9 of the energy beside it, on
- * the other branch, and elsewhere for every step. It is the orbit of the junction, as it is with springs. */
+/* A2[01] comes to its branch point from the side, where the end read off cubics lay 8e-9 of the
+ * energy beside it, on the other branch, and elsewhere for every step. It is the orbit of the
+ * junction, as it is with springs. */
 static void an_end_is_its_branch_point(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text(
         "model:\n  mass: [[1.25, 0], [0, 1.25]]\n  stiffness: [[12, -5.25], [-5.25, 11.25]]\n"
         "  contacts: [{normal: [-1, 1], law: rigid, clearance: 13.6, sides: both}]\n"
-        "explore: {energy: [0, 4572], frequency: [0.4512, 11.03], impacts: 2, multiply: 2, depth: 2}\n");
+        "explore: {energy: [0, 4572], frequency: [0.4512, 11.03], impacts: 2, multiply: 2, depth: "
+        "2}\n");
     int found = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch b = branch_of(atlas, id);
-        if (b.symmetric || b.to == 0 || junction_of(atlas, b.to).kind != RIC_KIND_BRANCH_POINT) continue;
+        if (b.symmetric || b.to == 0 || junction_of(atlas, b.to).kind != RIC_KIND_BRANCH_POINT)
+            continue;
         const ric_junction j = junction_of(atlas, b.to);
         ric_point last;
         assert_int_equal(ric_atlas_point(atlas, id, b.n_point - 1, &last, NULL, NULL), RIC_OK);
         if (fabs(last.energy / j.energy - 1) > 1e-13)
-            fail_msg("branch %d ends at E %.17g, its branch point is at %.17g", id, last.energy, j.energy);
+            fail_msg("branch %d ends at E %.17g, its branch point is at %.17g", id, last.energy,
+                     j.energy);
         point_passes(atlas, id, b.n_point - 1);
         found++;
     }
@@ -547,34 +610,42 @@ static void an_end_is_its_branch_point(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The grazing of A4[041-44-1-4] without its touch is met between two springs of 2,000 times the frequencies of the
- * structure. Flown from its mirror point to where it is said to begin, and on for the rest of the period, rounding left
- * it open by 8e-9; a state that is solved for itself closes to the last digits. */
+/* The grazing of A4[041-44-1-4] without its touch is met between two springs of 2,000 times the
+ * frequencies of the structure. Flown from its mirror point to where it is said to begin, and on
+ * for the rest of the period, rounding left it open by 8e-9; a state that is solved for itself
+ * closes to the last digits. */
 static void a_grazing_between_stiff_springs_closes(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore_text(
-        "model:\n  mass: [[2.03125, -0.1875, -0.234375], [-0.1875, 1.515625, 0.09375], [-0.234375, 0.09375, "
-        "1.265625]]\n"
-        "  stiffness: [[6.0625, -2.5625, -0.25], [-2.5625, 3.1875, -0.4375], [-0.25, -0.4375, 6.0625]]\n  contacts:\n"
-        "    - {normal: [-1, 1, 1], law: bilinear, clearance: 1.34, sides: both, stiffness: 5446000}\n"
-        "    - {normal: [1, 0, -1], law: bilinear, clearance: 1.98, sides: both, stiffness: 20.29}\n"
-        "    - {normal: [0, -1, 1], law: bilinear, clearance: 0.508, sides: upper, stiffness: 4605000}\n"
-        "explore: {energy: [0, 1.77], frequency: [0.2102, 6.877], impacts: 4, multiply: 1, depth: 2}\n");
+    ric_atlas *atlas = explore_text("model:\n  mass: [[2.03125, -0.1875, -0.234375], [-0.1875, "
+                                    "1.515625, 0.09375], [-0.234375, 0.09375, "
+                                    "1.265625]]\n"
+                                    "  stiffness: [[6.0625, -2.5625, -0.25], [-2.5625, 3.1875, "
+                                    "-0.4375], [-0.25, -0.4375, 6.0625]]\n  contacts:\n"
+                                    "    - {normal: [-1, 1, 1], law: bilinear, clearance: 1.34, "
+                                    "sides: both, stiffness: 5446000}\n"
+                                    "    - {normal: [1, 0, -1], law: bilinear, clearance: 1.98, "
+                                    "sides: both, stiffness: 20.29}\n"
+                                    "    - {normal: [0, -1, 1], law: bilinear, clearance: 0.508, "
+                                    "sides: upper, stiffness: 4605000}\n"
+                                    "explore: {energy: [0, 1.77], frequency: [0.2102, 6.877], "
+                                    "impacts: 4, multiply: 1, depth: 2}\n");
     int found = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         const ric_junction j = junction_of(atlas, id);
         ric_claims claims;
         assert_int_equal(ric_verify_junction(atlas, id, &claims), RIC_OK);
-        if (claims.numbers == RIC_AGREES_NO) fail_msg("junction %d %s: %s", id, j.label, claims.finding);
+        if (claims.numbers == RIC_AGREES_NO)
+            fail_msg("junction %d %s: %s", id, j.label, claims.finding);
         found += j.kind == RIC_KIND_GRAZING && fabs(j.energy - 1.64794595) < 1e-7;
     }
     assert_true(found > 0);
     ric_atlas_free(atlas);
 }
 
-/* A gap of a thousandth of the motion is passed within one step: at an impact on the stop the spring that ought to be
- * closed lay on the other side, pulled for 39 points, and its branch ended far away. */
+/* A gap of a thousandth of the motion is passed within one step: at an impact on the stop the
+ * spring that ought to be closed lay on the other side, pulled for 39 points, and its branch ended
+ * far away. */
 static void no_spring_is_closed_on_the_other_side(void **state)
 {
     (void)state;
@@ -588,7 +659,8 @@ static void no_spring_is_closed_on_the_other_side(void **state)
     int corners = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch b = branch_of(atlas, id);
-        for (int i = 0; i < b.n_point && b.letters; i += b.n_point > 1 ? b.n_point - 1 : 1) point_passes(atlas, id, i);
+        for (int i = 0; i < b.n_point && b.letters; i += b.n_point > 1 ? b.n_point - 1 : 1)
+            point_passes(atlas, id, i);
         corners += b.stop == RIC_STOP_CORNER;
     }
     assert_int_equal(corners, 1);

@@ -1,5 +1,5 @@
-/* Structures with modes of one frequency, or all but one: under power laws no branch starts at what the springs mix,
- * and that is said; what is stored are orbits. */
+/* Structures with modes of one frequency, or all but one: under power laws no branch starts at what
+ * the springs mix, and that is said; what is stored are orbits. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,10 +17,12 @@ static const char two[] = "mass: [[1, 0], [0, 1]], stiffness: [[2, 0], [0, 2]]";
 static const char four[] = "mass: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], "
                            "stiffness: [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 5, 0], [0, 0, 0, 9]]";
 
-static void says(const char *structure, const char *contacts, const char *reason, int refused, bool others)
+static void says(const char *structure, const char *contacts, const char *reason, int refused,
+                 bool others)
 {
     char text[1024];
-    snprintf(text, sizeof text, "title: equal modes\nmodel: {%s, contacts: [%s]}\n%s", structure, contacts, options);
+    snprintf(text, sizeof text, "title: equal modes\nmodel: {%s, contacts: [%s]}\n%s", structure,
+             contacts, options);
     ric_atlas *atlas = explore_text(text);
     int said = 0;
     for (int j = 1; j <= ric_atlas_n_junction(atlas); j++) {
@@ -59,16 +61,19 @@ static void parts_say_so(void **state)
          "the structure falls into parts", 2, false);
 }
 
-/* Two modes whose frequencies differ by less than the springs change them at the lowest energy of a branch: the motion
- * there is a mixture, and each has its branch from that energy on, not from nothing. */
+/* Two modes whose frequencies differ by less than the springs change them at the lowest energy of a
+ * branch: the motion there is a mixture, and each has its branch from that energy on, not from
+ * nothing. */
 static void near_modes_have_branches(void **state)
 {
     (void)state;
-    const double lowest = 1e-6, apart[] = {1e-8, 1e-7, 4e-7, 1e-6, 3e-6}, aside[] = {0.6, 0.3, -0.9};
+    const double lowest = 1e-6, apart[] = {1e-8, 1e-7, 4e-7, 1e-6, 3e-6},
+                 aside[] = {0.6, 0.3, -0.9};
     for (int i = 0; i < 15; i++) {
         char text[512];
         snprintf(text, sizeof text,
-                 "title: near modes\nmodel: {mass: [[1, 0], [0, 1]], stiffness: [[1, 0], [0, %.17g]], contacts: "
+                 "title: near modes\nmodel: {mass: [[1, 0], [0, 1]], stiffness: [[1, 0], [0, "
+                 "%.17g]], contacts: "
                  "[{normal: [1, %g], law: power, exponent: 3, length: 1, reference: 1}]}\n%s",
                  1 + apart[i % 5], aside[i / 5], options);
         ric_atlas *atlas = explore_text(text);
@@ -82,8 +87,9 @@ static void near_modes_have_branches(void **state)
     }
 }
 
-/* Two frequencies from a rounding to a millionth apart: what is taken for equal is so to what the replay finds in an
- * orbit, and the others are orbits of their own modes, however near those are. */
+/* Two frequencies from a rounding to a millionth apart: what is taken for equal is so to what the
+ * replay finds in an orbit, and the others are orbits of their own modes, however near those are.
+ */
 static void near_modes_are_no_equal_ones(void **state)
 {
     (void)state;
@@ -93,7 +99,8 @@ static void near_modes_are_no_equal_ones(void **state)
     for (int i = 0; i < 30; i++) {
         char text[512];
         snprintf(text, sizeof text,
-                 "title: near modes\nmodel: {mass: [[1, 0], [0, 1]], stiffness: [[1, 0], [0, %.17g]], contacts: "
+                 "title: near modes\nmodel: {mass: [[1, 0], [0, 1]], stiffness: [[1, 0], [0, "
+                 "%.17g]], contacts: "
                  "[{normal: [1, 0.6], law: %s}]}\n"
                  "explore: {energy: [0, 3], frequency: [0.2, 3], depth: 1, impacts: 3}\n",
                  1 + apart[i % 10], law[i / 10]);

@@ -1,5 +1,5 @@
-/* Floquet multipliers: two forms of one orbit, differences of the simulator's motion, determinants, growth near a
- * grazing. */
+/* Floquet multipliers: two forms of one orbit, differences of the simulator's motion, determinants,
+ * growth near a grazing. */
 #include <complex.h>
 #include <math.h>
 #include <setjmp.h>
@@ -27,11 +27,13 @@ static double slowest(const ric_shooting *c)
 {
     double least = HUGE_VAL;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
-        if (c->face[k] >= 0) least = fmin(least, fabs(c->approach[k])); /* ghosts have negative ones */
+        if (c->face[k] >= 0)
+            least = fmin(least, fabs(c->approach[k])); /* ghosts have negative ones */
     return least;
 }
 
-/* Coefficients e_1..e_k of prod (x - rho_i), which a near-double root does not disturb; they must be real. */
+/* Coefficients e_1..e_k of prod (x - rho_i), which a near-double root does not disturb; they must
+ * be real. */
 static void coefficients(const ric_floquet *f, double *e)
 {
     double complex p[MAX_N] = {1};
@@ -46,7 +48,8 @@ static void coefficients(const ric_floquet *f, double *e)
 }
 
 /* The same orbit over the whole or half a period without use of reversibility. */
-static ric_shooting *general_form(const ric_model *m, const ric_periodic *cycle, bool half, double **u)
+static ric_shooting *general_form(const ric_model *m, const ric_periodic *cycle, bool half,
+                                  double **u)
 {
     ric_periodic *copy = ric_periodic_copy(cycle);
     ric_shooting *chain = NULL;
@@ -83,22 +86,26 @@ static void compare(const ric_floquet *a, const ric_floquet *b, const char *wher
     coefficients(a, x);
     coefficients(b, y);
     /* and the orbits' own rounding */
-    double size = fmax(size_of(a), size_of(b)), tolerance = 4 * (a->error + b->error) + 1e-10 * size;
+    double size = fmax(size_of(a), size_of(b)),
+           tolerance = 4 * (a->error + b->error) + 1e-10 * size;
     for (int i = 0; i < a->n_pair; i++, tolerance *= 2 * size)
         if (!(fabs(x[i] - y[i]) <= tolerance))
-            fail_msg("%s: coefficient %d of rho: %.15g and %.15g, error %.3g allowed", where, i + 1, x[i], y[i],
-                     tolerance);
-    if (a->stable != RIC_STABLE_UNDECIDED && b->stable != RIC_STABLE_UNDECIDED && a->stable != b->stable)
-        fail_msg("%s: stable %d and %d, rho %.15g %.15g and %.15g %.15g", where, a->stable, b->stable, a->rho[0],
-                 a->rho[1], b->rho[0], b->rho[1]);
+            fail_msg("%s: coefficient %d of rho: %.15g and %.15g, error %.3g allowed", where, i + 1,
+                     x[i], y[i], tolerance);
+    if (a->stable != RIC_STABLE_UNDECIDED && b->stable != RIC_STABLE_UNDECIDED &&
+        a->stable != b->stable)
+        fail_msg("%s: stable %d and %d, rho %.15g %.15g and %.15g %.15g", where, a->stable,
+                 b->stable, a->rho[0], a->rho[1], b->rho[0], b->rho[1]);
     if (a->n_pair != 1) {
-        assert_true(isnan(a->trace_asinh) && isnan(a->rotation) && isnan(b->trace_asinh) && isnan(b->rotation));
+        assert_true(isnan(a->trace_asinh) && isnan(a->rotation) && isnan(b->trace_asinh) &&
+                    isnan(b->rotation));
         return;
     }
     assert_true(fabs(sinh(a->trace_asinh) * 2 - a->rho[0]) <=
                 1e-12 * (1 + fabs(a->rho[0])) * (1 + fabs(a->trace_asinh)));
     if (fabs(a->rho[0]) < 2 - 2 * a->error && fabs(b->rho[0]) < 2 - 2 * b->error) {
-        double off = fabs(a->rotation - b->rotation), slope = 2 * PI * sqrt(4 - a->rho[0] * a->rho[0]);
+        double off = fabs(a->rotation - b->rotation),
+               slope = 2 * PI * sqrt(4 - a->rho[0] * a->rho[0]);
         if (!(fmin(off, 1 - off) <= 4 * (a->error + b->error) / slope + 1e-12))
             fail_msg("%s: rotation %.12g and %.12g", where, a->rotation, b->rotation);
         assert_true(fabs(2 * cos(2 * PI * a->rotation) - a->rho[0]) <= 4 * a->error + 1e-12);
@@ -115,16 +122,18 @@ static void check_determinants(const ric_shooting *chain, const ric_floquet *f, 
     if (reversible && chain->multiple == 2) { /* prod (rho + 2) = det (4 d'a) */
         full = pow(4, k) * f->det_a * f->det_d;
         off = pow(4, k) * product_error;
-    } else if (k == 1 && (reversible || chain->sigma < 0)) { /* r of the half-period map, rho + 2 = r^2 */
+    } else if (k == 1 &&
+               (reversible || chain->sigma < 0)) { /* r of the half-period map, rho + 2 = r^2 */
         double r = (reversible ? 4 * f->det_a * f->det_d : f->det_a) - 2;
         full = r * r;
         off = 2 * fabs(r) * (reversible ? 4 * product_error : f->error_a);
     } else return;
     for (int i = 0; i < k; i++) product *= f->rho[2 * i] + I * f->rho[2 * i + 1] + 2;
-    double tolerance = 8 * off + 8 * k * f->error * pow(size_of(f) + 2, k - 1) + 1e-12 * cabs(product);
+    double tolerance = 8 * off + 8 * k * f->error * pow(size_of(f) + 2, k - 1) +
+                       1e-12 * cabs(product);
     if (!(fabs(full - creal(product)) <= tolerance))
-        fail_msg("%s: prod (rho + 2) = %.15g, from determinants %.15g, error %.3g allowed", where, creal(product), full,
-                 tolerance);
+        fail_msg("%s: prod (rho + 2) = %.15g, from determinants %.15g, error %.3g allowed", where,
+                 creal(product), full, tolerance);
 }
 
 static void forms_agree(void **state)
@@ -143,8 +152,8 @@ static void forms_agree(void **state)
                 ric_shooting *chain = random_orbit(m, form, 2 + below(MAX_FLIGHT - 1), u);
                 ric_periodic *cycle = chain ? ric_periodic_from_chain(chain, u) : NULL;
                 if (cycle && slowest(chain) > 1e-3 && primitive(m, cycle)) {
-                    snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n,
-                             form, chain->n_flight);
+                    snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights",
+                             (unsigned long long)seed, n, form, chain->n_flight);
                     ric_shooting *general = general_form(m, cycle, false, &v);
                     ric_floquet a = multipliers(chain, u), b = multipliers(general, v);
                     compare(&a, &b, where);
@@ -175,14 +184,18 @@ static void forms_agree(void **state)
 /* --------------------------------------------------- the simulator's motion */
 
 static const char *const studies[] = {
-    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts: [{normal: [-1, 1], clearance: 1}]\n"
+    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts: [{normal: [-1, "
+    "1], clearance: 1}]\n"
     "explore: {energy: [0, 90], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 3}\n",
-    "model:\n  mass: [[2, 0, 0], [0, 1, 0], [0, 0, 1.5]]\n  stiffness: [[9, -1, 0], [-1, 2.3, -1.3], [0, -1.3, 1.3]]\n"
-    "  contacts: [{normal: [-1, 1, 0], clearance: 1}]\nexplore: {energy: [0, 60], frequency: [0.2, 10], impacts: 4, "
+    "model:\n  mass: [[2, 0, 0], [0, 1, 0], [0, 0, 1.5]]\n  stiffness: [[9, -1, 0], [-1, 2.3, "
+    "-1.3], [0, -1.3, 1.3]]\n"
+    "  contacts: [{normal: [-1, 1, 0], clearance: 1}]\nexplore: {energy: [0, 60], frequency: [0.2, "
+    "10], impacts: 4, "
     "multiply: 1, depth: 2}\n",
     "model:\n  mass: [[1, 0, 0, 0], [0, 1.2, 0, 0], [0, 0, 0.8, 0], [0, 0, 0, 1]]\n"
     "  stiffness: [[3, -1, 0, 0], [-1, 2.4, -1.4, 0], [0, -1.4, 2.1, -0.7], [0, 0, -0.7, 0.9]]\n"
-    "  contacts: [{normal: [0, 0, 0, 1], clearance: 1}]\nexplore: {energy: [0, 40], frequency: [0.1, 10], impacts: 4, "
+    "  contacts: [{normal: [0, 0, 0, 1], clearance: 1}]\nexplore: {energy: [0, 40], frequency: "
+    "[0.1, 10], impacts: 4, "
     "multiply: 1, depth: 2}\n",
 };
 
@@ -197,11 +210,13 @@ static void simulate(ric_simulator *sim, int n, double time, double *x, double *
     ric_simulator_state(sim, NULL, x, v);
 }
 
-/* Derivative of the state (x, v) after one period with respect to the state in the middle of the longest flight:
- * differences of fourth order in h. M [2n * 2n]. */
-static void differenced_monodromy(const ric_model *m, const ric_periodic *cycle, double h, double *M)
+/* Derivative of the state (x, v) after one period with respect to the state in the middle of the
+ * longest flight: differences of fourth order in h. M [2n * 2n]. */
+static void differenced_monodromy(const ric_model *m, const ric_periodic *cycle, double h,
+                                  double *M)
 {
-    static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12}, offset[4] = {-2, -1, 1, 2};
+    static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12},
+                        offset[4] = {-2, -1, 1, 2};
     int n = m->n_dof, longest = 0;
     double w[2 * MAX_N], z[2 * MAX_N], y[2 * MAX_N];
     ric_simulator *sim = NULL;
@@ -237,7 +252,8 @@ static void multiply(int n, const double *A, const double *B, double *C)
 static double symplectic_error(const ric_model *m, const double *M)
 {
     int n = m->n_dof;
-    double S[4 * MAX_N * MAX_N] = {0}, T[4 * MAX_N * MAX_N], P[4 * MAX_N * MAX_N], R[4 * MAX_N * MAX_N], worst = 0;
+    double S[4 * MAX_N * MAX_N] = {0}, T[4 * MAX_N * MAX_N], P[4 * MAX_N * MAX_N],
+                         R[4 * MAX_N * MAX_N], worst = 0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
             S[i * 2 * n + n + j] = m->M[i * n + j];
@@ -251,8 +267,10 @@ static double symplectic_error(const ric_model *m, const double *M)
     return worst;
 }
 
-/* Traces of M, M^2, M^3: two trivial multipliers 1, and rho, rho^2 - 2, rho^3 - 3 rho for each pair. */
-static bool check_monodromy(const ric_model *m, const ric_periodic *cycle, const ric_floquet *f, const char *where)
+/* Traces of M, M^2, M^3: two trivial multipliers 1, and rho, rho^2 - 2, rho^3 - 3 rho for each
+ * pair. */
+static bool check_monodromy(const ric_model *m, const ric_periodic *cycle, const ric_floquet *f,
+                            const char *where)
 {
     int n = m->n_dof;
     double M[4 * MAX_N * MAX_N], P[4 * MAX_N * MAX_N], Q[4 * MAX_N * MAX_N], top = 1, off = 0;
@@ -263,7 +281,8 @@ static bool check_monodromy(const ric_model *m, const ric_periodic *cycle, const
         off = fmax(off, fabs(M[i] - Q[i]));
     }
     double error = symplectic_error(m, M);
-    if (error > 1e-5 * top * top) return false; /* an impact was lost or won within the differences */
+    if (error > 1e-5 * top * top)
+        return false; /* an impact was lost or won within the differences */
     memcpy(P, M, sizeof M);
     for (int power = 1; power <= 3; power++) {
         double trace = -2, sum = 0;
@@ -273,8 +292,9 @@ static bool check_monodromy(const ric_model *m, const ric_periodic *cycle, const
             sum += creal(power == 1 ? rho : power == 2 ? rho * rho - 2 : rho * rho * rho - 3 * rho);
         }
         if (!(fabs(trace - sum) <= (1e-5 * top + off) * pow(2 * n * top, power - 1)))
-            fail_msg("%s: trace of M^%d is %.10g + 2 by differences, %.10g + 2 from rho; largest entry %.3g", where,
-                     power, trace, sum, top);
+            fail_msg("%s: trace of M^%d is %.10g + 2 by differences, %.10g + 2 from rho; largest "
+                     "entry %.3g",
+                     where, power, trace, sum, top);
         multiply(2 * n, M, P, Q);
         memcpy(P, Q, sizeof Q);
     }
@@ -326,7 +346,8 @@ static void check_study(const char *text, const char *name, tally *t)
             const ric_point *row = (const ric_point *)at;
             char where[160];
             if (row->approach < 0.1 || row->reach > 0.97) continue;
-            snprintf(where, sizeof where, "%s, n = %d, branch %d, point %d, E %.6g", name, m->n, e, i, row->energy);
+            snprintf(where, sizeof where, "%s, n = %d, branch %d, point %d, E %.6g", name, m->n, e,
+                     i, row->energy);
             check_point(trace, at + sizeof(ric_point) / sizeof(double), where, t);
         }
     }
@@ -340,8 +361,8 @@ static void simulator_agrees(void **state)
     for (int s = 0; s < 3; s++) {
         tally t = {0};
         check_study(studies[s], "rigid", &t);
-        print_message("# study %d: %d orbits, %d stable, %d inner impacts, %d left out\n", s, t.done, t.stable, t.inner,
-                      t.skipped);
+        print_message("# study %d: %d orbits, %d stable, %d inner impacts, %d left out\n", s,
+                      t.done, t.stable, t.inner, t.skipped);
         assert_true(t.done >= 10 && t.stable >= 3 && t.inner >= 3 && t.skipped <= t.done / 4);
     }
 }
@@ -383,8 +404,10 @@ static char *mixed_study(uint64_t seed, int n)
         if (f) fprintf(out, ", law: bilinear, stiffness: %.3f", uniform(0.3, 4));
         fprintf(out, "}\n");
     }
-    fprintf(out, "explore: {energy: [0, 60], frequency: [0.1, 10], impacts: 10, multiply: 2, depth: %d}\n",
-            n == 2 ? 3 : 2);
+    fprintf(
+        out,
+        "explore: {energy: [0, 60], frequency: [0.1, 10], impacts: 10, multiply: 2, depth: %d}\n",
+        n == 2 ? 3 : 2);
     fclose(out);
     return text;
 }
@@ -403,7 +426,8 @@ static void closed_springs_count(void **state)
             check_study(text, name, &t);
             free(text);
         }
-    print_message("# mixed: %d orbits, %d stable, %d inner impacts on stops, %d of them with a closed spring, %d left "
+    print_message("# mixed: %d orbits, %d stable, %d inner impacts on stops, %d of them with a "
+                  "closed spring, %d left "
                   "out\n",
                   t.done, t.stable, t.inner, t.closed, t.skipped);
     assert_true(t.closed >= (few > 1 ? 10 : 60) && t.stable >= 10 && t.skipped <= t.done / 4);
@@ -418,13 +442,14 @@ static int count_bits(unsigned x)
     return bits;
 }
 
-/* From the stored end of a branch inwards: tau2 grows like one over the speed to the power of the touches kept as
- * impacts. */
+/* From the stored end of a branch inwards: tau2 grows like one over the speed to the power of the
+ * touches kept as impacts. */
 static bool check_growth(const ric_continuation *trace, bool far, int power, const char *where)
 {
     ric_shooting *c = ric_shooting_copy(trace->chain);
     int size = c->n_unknown, last = trace->n_point - 1, steps;
-    const double *end = trace->points + (size_t)(far ? last : 0) * trace->stride + sizeof(ric_point) / sizeof(double);
+    const double *end = trace->points + (size_t)(far ? last : 0) * trace->stride +
+                        sizeof(ric_point) / sizeof(double);
     const double *next = trace->points + (size_t)(far ? last - 1 : 1) * trace->stride +
                          sizeof(ric_point) / sizeof(double);
     double t[size], u[size], du[size], before[2] = {0, 0};
@@ -434,20 +459,23 @@ static bool check_growth(const ric_continuation *trace, bool far, int power, con
     ric_continuation_tangent(c, u, t);
     ric_floquet at = multipliers(c, end); /* the very end: speeds at rounding level */
     if (isnan(at.trace_asinh))
-        fail_msg("%s: the trace is NaN at the grazing itself, speed %.3g, form %d-%d", where, slowest(c), c->start,
-                 c->end);
-    if (!(fabs(slowest(c)) < 1e-7)) fail_msg("%s: slowest impact at the grazing %.3g", where, slowest(c));
+        fail_msg("%s: the trace is NaN at the grazing itself, speed %.3g, form %d-%d", where,
+                 slowest(c), c->start, c->end);
+    if (!(fabs(slowest(c)) < 1e-7))
+        fail_msg("%s: slowest impact at the grazing %.3g", where, slowest(c));
     ric_floquet_release(&at);
     for (int k = 3; k <= 7; k++) {
         double s = pow(10, -k);
         for (int i = 0; i < size; i++) u[i] = end[i] + s * t[i];
-        if (!ric_continuation_correct(c, u, end, t, s, du, &steps)) fail_msg("%s: no orbit at distance %.1g", where, s);
+        if (!ric_continuation_correct(c, u, end, t, s, du, &steps))
+            fail_msg("%s: no orbit at distance %.1g", where, s);
         double v = log(slowest(c));
         ric_floquet f = multipliers(c, u);
         double slope = (fabs(f.trace_asinh) - before[1]) / (v - before[0]);
         if (!isfinite(f.trace_asinh)) fail_msg("%s: trace overflows", where);
         if (k > 4 && !(slope > -1.05 * power && slope < -0.95 * power))
-            fail_msg("%s: tau2 grows as v^%.3f, not v^-%d, at distance %.1g", where, slope, power, s);
+            fail_msg("%s: tau2 grows as v^%.3f, not v^-%d, at distance %.1g", where, slope, power,
+                     s);
         if (k > 4) assert_int_equal(f.stable, RIC_STABLE_NO);
         before[0] = v;
         before[1] = fabs(f.trace_asinh);
@@ -470,7 +498,9 @@ static void growth_near_grazing(void **state)
         for (int far = 0; far < 2; far++) {
             int node = far ? edge->to : edge->from;
             unsigned choice = far ? edge->arrive : edge->leave;
-            if (node < 0 || graph->nodes[node]->kind != RIC_KIND_GRAZING || graph->nodes[node]->mode >= 0) continue;
+            if (node < 0 || graph->nodes[node]->kind != RIC_KIND_GRAZING ||
+                graph->nodes[node]->mode >= 0)
+                continue;
             int power = count_bits(choice);
             if (power == 0) continue;
             char where[64];
@@ -479,23 +509,25 @@ static void growth_near_grazing(void **state)
             if (check_growth(edge->trace, far, power, where)) seen[power]++;
         }
     }
-    print_message("# ends with 1, 2, 3, 4 touches: %d %d %d %d\n", seen[1], seen[2], seen[3], seen[4]);
+    print_message("# ends with 1, 2, 3, 4 touches: %d %d %d %d\n", seen[1], seen[2], seen[3],
+                  seen[4]);
     assert_true(seen[1] && seen[2] && seen[3] && seen[4]);
     ric_graph_free(graph);
     ric_study_free(study);
 }
 
-/* A free train of wagons, of which two impacts are loose to both sides: beside a grazing one pair of multipliers has
- * 14 digits more than the other. Two branches that are images of each other, and multipliers from 60-digit arithmetic.
- */
-static const char wagons[] = "title: wagons\nmodel:\n"
-                             "  mass: [[3, 0, 0, 0], [0, 1.2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 0.7]]\n"
-                             "  stiffness: [[4, -4, 0, 0], [-4, 9, -5, 0], [0, -5, 8, -3], [0, 0, -3, 3]]\n"
-                             "  contacts:\n"
-                             "    - {normal: [-1, 1, 0, 0], clearance: 0.004, sides: both, law: rigid}\n"
-                             "    - {normal: [0, 0, -1, 1], clearance: 0.006, sides: upper, law: rigid}\n"
-                             "explore: {start: modes, energy: [0, 30], frequency: [0.3, 8], impacts: 6, multiply: 2,"
-                             " depth: 2}\n";
+/* A free train of wagons, of which two impacts are loose to both sides: beside a grazing one pair
+ * of multipliers has 14 digits more than the other. Two branches that are images of each other, and
+ * multipliers from 60-digit arithmetic. */
+static const char wagons[] =
+    "title: wagons\nmodel:\n"
+    "  mass: [[3, 0, 0, 0], [0, 1.2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 0.7]]\n"
+    "  stiffness: [[4, -4, 0, 0], [-4, 9, -5, 0], [0, -5, 8, -3], [0, 0, -3, 3]]\n"
+    "  contacts:\n"
+    "    - {normal: [-1, 1, 0, 0], clearance: 0.004, sides: both, law: rigid}\n"
+    "    - {normal: [0, 0, -1, 1], clearance: 0.006, sides: upper, law: rigid}\n"
+    "explore: {start: modes, energy: [0, 30], frequency: [0.3, 8], impacts: 6, multiply: 2,"
+    " depth: 2}\n";
 
 static void small_beside_large(void **state)
 {
@@ -515,12 +547,15 @@ static void small_beside_large(void **state)
             ric_orbit **orbits;
             int n;
             double p[8];
-            assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_ENERGY, exact[i][0], &n, &orbits), RIC_OK);
+            assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_ENERGY, exact[i][0], &n, &orbits),
+                             RIC_OK);
             assert_int_equal(n, 1);
             ric_orbit_multipliers(orbits[0], p);
             int large = fabs(p[0]) < fabs(p[4]) ? 4 : 0, small = 4 - large;
-            if (!(fabs(p[large] / exact[i][1] - 1) < 1e-7) || !(fabs(p[small] / exact[i][2] - 1) < 1e-6))
-                fail_msg("branch %d, E %g: multipliers %.15g and %.15g", id, exact[i][0], p[large], p[small]);
+            if (!(fabs(p[large] / exact[i][1] - 1) < 1e-7) ||
+                !(fabs(p[small] / exact[i][2] - 1) < 1e-6))
+                fail_msg("branch %d, E %g: multipliers %.15g and %.15g", id, exact[i][0], p[large],
+                         p[small]);
             ric_orbits_free(n, orbits);
         }
     }
@@ -529,7 +564,8 @@ static void small_beside_large(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The general form has the whole period in one matrix and loses the small pair: it says so, or is right. */
+/* The general form has the whole period in one matrix and loses the small pair: it says so, or is
+ * right. */
 static void lost_or_right(void **state)
 {
     (void)state;
@@ -539,20 +575,24 @@ static void lost_or_right(void **state)
     ric_graph *graph = explored_graph(study);
     for (int e = 0; e < graph->n_edge; e++) {
         const ric_continuation *trace = graph->edges[e].trace;
-        for (int i = 1; trace->chain->start != RIC_MIRROR_NONE && i + 1 < trace->n_point; i += every()) {
-            const double *u = trace->points + (size_t)i * trace->stride + sizeof(ric_point) / sizeof(double);
+        for (int i = 1; trace->chain->start != RIC_MIRROR_NONE && i + 1 < trace->n_point;
+             i += every()) {
+            const double *u = trace->points + (size_t)i * trace->stride +
+                              sizeof(ric_point) / sizeof(double);
             double *v = NULL;
             ric_periodic *cycle = ric_continuation_cycle(trace, u);
             ric_shooting *whole = general_form(graph->model, cycle, false, &v);
             ric_floquet own = multipliers(trace->chain, u), other = multipliers(whole, v);
             for (int k = 0; k < 2; k++) {
                 double best = HUGE_VAL, *r = other.rho + 2 * k, size = 1 + hypot(r[0], r[1]);
-                for (int l = 0; l < 2; l++) best = fmin(best, hypot(r[0] - own.rho[2 * l], r[1] - own.rho[2 * l + 1]));
+                for (int l = 0; l < 2; l++)
+                    best = fmin(best, hypot(r[0] - own.rho[2 * l], r[1] - own.rho[2 * l + 1]));
                 lost += isnan(r[0]);
                 right += best < 1e-3 * size;
                 if (!isnan(r[0]) && isfinite(own.rho[0] + own.rho[2]) && !(best < 1e-3 * size))
-                    fail_msg("edge %d, point %d: rho %.9g + %.3g i by the whole period, %.9g and %.9g by half of it", e,
-                             i, r[0], r[1], own.rho[0], own.rho[2]);
+                    fail_msg("edge %d, point %d: rho %.9g + %.3g i by the whole period, %.9g and "
+                             "%.9g by half of it",
+                             e, i, r[0], r[1], own.rho[0], own.rho[2]);
             }
             ric_floquet_release(&own);
             ric_floquet_release(&other);
@@ -567,7 +607,8 @@ static void lost_or_right(void **state)
     ric_study_free(study);
 }
 
-/* k times around an unstable orbit: the multiplier to the power of k, far beyond the range of a double. */
+/* k times around an unstable orbit: the multiplier to the power of k, far beyond the range of a
+ * double. */
 static void no_overflow(void **state)
 {
     (void)state;
@@ -591,11 +632,14 @@ static void no_overflow(void **state)
                 memcpy(longer->w, cycle->w, 2 * (size_t)m->n * sizeof *cycle->w);
                 ric_shooting *many = general_form(m, longer, false, &w);
                 ric_floquet b = multipliers(many, w);
-                double expected = k * acosh(fabs(a.rho[0]) / 2), relative = a.error / fabs(a.rho[0]) + 1e-9;
+                double expected = k * acosh(fabs(a.rho[0]) / 2),
+                       relative = a.error / fabs(a.rho[0]) + 1e-9;
                 if (!(fabs(fabs(b.trace_asinh) - expected) <= 1e-6 * expected + 4 * k * relative) ||
                     (b.trace_asinh > 0) != (a.rho[0] > 0))
-                    fail_msg("seed %llu: %d times around: log of tau2 %.12g, expected %.12g (sign of tau2 once: %g)",
-                             (unsigned long long)seed, k, b.trace_asinh, expected, copysign(1, a.rho[0]));
+                    fail_msg("seed %llu: %d times around: log of tau2 %.12g, expected %.12g (sign "
+                             "of tau2 once: %g)",
+                             (unsigned long long)seed, k, b.trace_asinh, expected,
+                             copysign(1, a.rho[0]));
                 assert_int_equal(b.stable, RIC_STABLE_NO);
                 done++;
                 ric_floquet_release(&b);

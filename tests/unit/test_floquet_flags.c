@@ -1,5 +1,5 @@
-/* What is stored of the multipliers of a branch: every number of a point belongs to its orbit, and the stability flag
- * says no more than the error of the multipliers allows. */
+/* What is stored of the multipliers of a branch: every number of a point belongs to its orbit, and
+ * the stability flag says no more than the error of the multipliers allows. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,8 +20,8 @@ static bool near(double a, double b, double scale)
     return (isnan(a) && isnan(b)) || fabs(a - b) <= 1e-9 * scale;
 }
 
-/* Everything that is stored of a point belongs to the orbit that is stored, at the ends too, which are read off cubics
- * or replaced by the orbit of a junction; and that orbit is solved. */
+/* Everything that is stored of a point belongs to the orbit that is stored, at the ends too, which
+ * are read off cubics or replaced by the orbit of a junction; and that orbit is solved. */
 static void check_rows(ric_continuation *trace, const char *where)
 {
     double *u = malloc((size_t)trace->chain->n_unknown * sizeof *u);
@@ -30,16 +30,19 @@ static void check_rows(ric_continuation *trace, const char *where)
         ric_station p = {.u = u};
         memcpy(u, row + 1, (size_t)trace->chain->n_unknown * sizeof *u);
         assert_int_equal(ric_continuation_fill(trace, row->arclength, &p), RIC_OK);
-        if (!p.solved) fail_msg("%s, point %d of %d: residual %.3g", where, i, trace->n_point, p.row.residual);
+        if (!p.solved)
+            fail_msg("%s, point %d of %d: residual %.3g", where, i, trace->n_point, p.row.residual);
         if (!near(row->energy, p.row.energy, 1 + row->energy) ||
-            !near(row->frequency, p.row.frequency, row->frequency) || !near(row->reach, p.row.reach, 1) ||
-            !near(row->approach, p.row.approach, 1) ||
-            (fabs(row->trace) < 10 && !near(row->trace, p.row.trace, 1000 * (1 + trace->floquet.error))))
-            fail_msg(
-                "%s, point %d of %d: E %.12g omega %.12g trace %.12g reach %.12g approach %.12g stored, %.12g %.12g "
-                "%.12g %.12g %.12g found",
-                where, i, trace->n_point, row->energy, row->frequency, row->trace, row->reach, row->approach,
-                p.row.energy, p.row.frequency, p.row.trace, p.row.reach, p.row.approach);
+            !near(row->frequency, p.row.frequency, row->frequency) ||
+            !near(row->reach, p.row.reach, 1) || !near(row->approach, p.row.approach, 1) ||
+            (fabs(row->trace) < 10 &&
+             !near(row->trace, p.row.trace, 1000 * (1 + trace->floquet.error))))
+            fail_msg("%s, point %d of %d: E %.12g omega %.12g trace %.12g reach %.12g approach "
+                     "%.12g stored, %.12g %.12g "
+                     "%.12g %.12g %.12g found",
+                     where, i, trace->n_point, row->energy, row->frequency, row->trace, row->reach,
+                     row->approach, p.row.energy, p.row.frequency, p.row.trace, p.row.reach,
+                     p.row.approach);
     }
     free(u);
 }
@@ -47,8 +50,10 @@ static void check_rows(ric_continuation *trace, const char *where)
 static void rows_belong_to_orbits(void **state)
 {
     (void)state;
-    static const char *const files[] = {"examples/two-springs/study.yaml", "examples/stop-and-spring/study.yaml",
-                                        "examples/paper/power-3.yaml", "examples/paper/power-21.yaml"};
+    static const char *const files[] = {"examples/two-springs/study.yaml",
+                                        "examples/stop-and-spring/study.yaml",
+                                        "examples/paper/power-3.yaml",
+                                        "examples/paper/power-21.yaml"};
     int arrivals = 0;
     for (size_t s = 0; s < sizeof files / sizeof *files - !long_form(); s++) {
         ric_study *study = NULL;
@@ -92,31 +97,42 @@ static bool contradicts(ric_shooting *c, const double *u, bool judge)
     return yes && no;
 }
 
-/* A stiff spring that is hardly closed: the branch from its grazing passes the border of stability at once. */
+/* A stiff spring that is hardly closed: the branch from its grazing passes the border of stability
+ * at once. */
 static const char hardly_closed[] =
-    "{'model': {'mass': [[1.515625, 0.0, 0.234375, 0.0], [0.0, 1.265625, 0.015625, -0.078125], [0.234375, "
-    "0.015625, 1.09375, -0.421875], [0.0, -0.078125, -0.421875, 2.03125]], 'stiffness': [[2.875, 2.4375, "
-    "0.875, 0.6875], [2.4375, 7.875, 4.3125, -0.6875], [0.875, 4.3125, 6.5625, -0.375], [0.6875, -0.6875, "
-    "-0.375, 3.125]], 'contacts': [{'normal': [0.0, 0.0, 0.0, 1.0], 'law': 'bilinear', 'clearance': 0.000731, "
-    "'sides': 'both', 'stiffness': 22130.0}, {'normal': [0.0, -2.0, 1.0, 2.0], 'law': 'bilinear', 'clearance': "
-    "0.002, 'sides': 'upper', 'stiffness': 2590000.0}, {'normal': [1.0, 0.0, 0.0, 0.0], 'law': 'bilinear', "
-    "'clearance': 0.00192, 'sides': 'both', 'stiffness': 36.45}]}, 'explore': {'start': 'modes', 'energy': [0, "
+    "{'model': {'mass': [[1.515625, 0.0, 0.234375, 0.0], [0.0, 1.265625, 0.015625, -0.078125], "
+    "[0.234375, "
+    "0.015625, 1.09375, -0.421875], [0.0, -0.078125, -0.421875, 2.03125]], 'stiffness': [[2.875, "
+    "2.4375, "
+    "0.875, 0.6875], [2.4375, 7.875, 4.3125, -0.6875], [0.875, 4.3125, 6.5625, -0.375], [0.6875, "
+    "-0.6875, "
+    "-0.375, 3.125]], 'contacts': [{'normal': [0.0, 0.0, 0.0, 1.0], 'law': 'bilinear', "
+    "'clearance': 0.000731, "
+    "'sides': 'both', 'stiffness': 22130.0}, {'normal': [0.0, -2.0, 1.0, 2.0], 'law': 'bilinear', "
+    "'clearance': "
+    "0.002, 'sides': 'upper', 'stiffness': 2590000.0}, {'normal': [1.0, 0.0, 0.0, 0.0], 'law': "
+    "'bilinear', "
+    "'clearance': 0.00192, 'sides': 'both', 'stiffness': 36.45}]}, 'explore': {'start': 'modes', "
+    "'energy': [0, "
     "12.87], 'frequency': [0.1734, 9.532], 'impacts': 4, 'multiply': 3, 'depth': 1}}";
 
 /* Distance of the nearest pair from the border of stability. */
 static double from_border(const ric_floquet *f)
 {
     double least = HUGE_VAL;
-    for (int i = 0; i < f->n_pair; i++) least = fmin(least, hypot(fabs(f->rho[2 * i]) - 2, f->rho[2 * i + 1]));
+    for (int i = 0; i < f->n_pair; i++)
+        least = fmin(least, hypot(fabs(f->rho[2 * i]) - 2, f->rho[2 * i + 1]));
     return least;
 }
 
-/* The flag and the bound of the multipliers are one: with the touch of a spring all stabilities are passed within what
- * is known of its length: arithmetic of 50 digits finds rho 1.4e-9 from what doubles have beside the border there. */
+/* The flag and the bound of the multipliers are one: with the touch of a spring all stabilities are
+ * passed within what is known of its length: arithmetic of 50 digits finds rho 1.4e-9 from what
+ * doubles have beside the border there. */
 static void flags_keep_to_the_bound(void **state)
 {
     (void)state;
-    static const char *const files[] = {NULL, "examples/two-springs/study.yaml", "examples/stop-and-spring/study.yaml"};
+    static const char *const files[] = {NULL, "examples/two-springs/study.yaml",
+                                        "examples/stop-and-spring/study.yaml"};
     int seen = 0;
     for (size_t s = 0; s < sizeof files / sizeof *files; s++) {
         ric_study *study = NULL;
@@ -133,11 +149,13 @@ static void flags_keep_to_the_bound(void **state)
                 ric_shooting_evaluate(trace->chain, (const double *)(p + 1));
                 ric_floquet f = multipliers(trace->chain, (const double *)(p + 1));
                 double off = from_border(&f);
-                ric_status status = ric_continuation_multipliers(trace->chain, (const double *)(p + 1), &f);
+                ric_status status = ric_continuation_multipliers(trace->chain,
+                                                                 (const double *)(p + 1), &f);
                 assert_int_equal(status, RIC_OK);
                 if (f.stable == RIC_STABLE_UNDECIDED || (s == 0 && off < 1e-9))
-                    fail_msg("study %zu, branch %d, point %d: stable %d, rho %.3g from the border within %.3g", s, e, i,
-                             p->stable, off, f.each[0]);
+                    fail_msg("study %zu, branch %d, point %d: stable %d, rho %.3g from the border "
+                             "within %.3g",
+                             s, e, i, p->stable, off, f.each[0]);
                 ric_floquet_release(&f);
                 seen++;
             }
@@ -149,12 +167,13 @@ static void flags_keep_to_the_bound(void **state)
     assert_true(seen > 100);
 }
 
-/* Towards points where stability is undecided: of two solutions that differ by rounding none may be called stable and
- * the other one not. */
+/* Towards points where stability is undecided: of two solutions that differ by rounding none may be
+ * called stable and the other one not. */
 static void flags_agree(void **state)
 {
     (void)state;
-    static const char *const files[] = {"examples/fractal-base/study.yaml", "examples/three-masses/study.yaml",
+    static const char *const files[] = {"examples/fractal-base/study.yaml",
+                                        "examples/three-masses/study.yaml",
                                         "examples/elementary/study.yaml"};
     int borders = 0, raw = 0;
     for (size_t s = 0; s < sizeof files / sizeof *files; s++) {
@@ -171,7 +190,8 @@ static void flags_agree(void **state)
                                 *q = (const ric_point *)((const double *)p + trace->stride);
                 const double *a = (const double *)(p + 1), *b = (const double *)(q + 1);
                 double u[size], du[size];
-                if ((p->stable == RIC_STABLE_UNDECIDED) == (q->stable == RIC_STABLE_UNDECIDED)) continue;
+                if ((p->stable == RIC_STABLE_UNDECIDED) == (q->stable == RIC_STABLE_UNDECIDED))
+                    continue;
                 borders++;
                 for (double x = 0.3; x > 1e-12; x /= long_form() ? 1.7 : 3.1) {
                     double y = p->stable == RIC_STABLE_UNDECIDED ? x : 1 - x;
@@ -179,20 +199,22 @@ static void flags_agree(void **state)
                     if (!ric_continuation_correct(c, u, NULL, NULL, 0, du, &steps)) break;
                     raw += contradicts(c, u, false);
                     if (contradicts(c, u, true))
-                        fail_msg("%s, branch %d, beside point %d: stable, and not, by rounding", files[s], e, i);
+                        fail_msg("%s, branch %d, beside point %d: stable, and not, by rounding",
+                                 files[s], e, i);
                 }
             }
         }
         ric_graph_free(graph);
         ric_study_free(study);
     }
-    print_message("# %d borders; %d places where rounding decides a bound that knows of no error of the orbit\n",
+    print_message("# %d borders; %d places where rounding decides a bound that knows of no error "
+                  "of the orbit\n",
                   borders, raw);
     assert_true(borders >= 10 && raw > 0);
 }
 
-/* A multiplier goes through infinity where an impact loses its speed, and rounding says where: traces of 1e34 stood
- * there, or any small number. */
+/* A multiplier goes through infinity where an impact loses its speed, and rounding says where:
+ * traces of 1e34 stood there, or any small number. */
 static void traces_at_grazings_are_lost(void **state)
 {
     (void)state;
@@ -208,9 +230,11 @@ static void traces_at_grazings_are_lost(void **state)
             lost += fabs(row->approach) < 1e-13 && isnan(row->trace);
             kept += isfinite(row->trace);
             if (fabs(row->approach) > 1e-6 && !isfinite(row->trace))
-                fail_msg("branch %d, point %d: no trace, and its slowest impact has %.3g", e, i, row->approach);
+                fail_msg("branch %d, point %d: no trace, and its slowest impact has %.3g", e, i,
+                         row->approach);
             if (fabs(row->approach) < 1e-13 && row->trace > 40)
-                fail_msg("branch %d, point %d: trace %.3g at a grazing", e, i, 2 * sinh(row->trace));
+                fail_msg("branch %d, point %d: trace %.3g at a grazing", e, i,
+                         2 * sinh(row->trace));
         }
     }
     assert_true(lost > 20 && kept > 500);
@@ -218,12 +242,13 @@ static void traces_at_grazings_are_lost(void **state)
     ric_study_free(study);
 }
 
-/* Four impacts that become touches together leave five directions of the orbit open to rounding. rho is -3.9 here, and
- * anything between -2 and 2 a rounding beside it. */
-static const char four_touches[] =
-    "{'model': {'mass': [[1.578125, 0.03125], [0.03125, 1.515625]], 'stiffness': [[5.8076475283004845, "
-    "1.546760431817365], [1.546760431817365, 2.058662262965859]], 'contacts': [{'normal': [1, 0], 'law': 'rigid', "
-    "'clearance': 1.91, 'sides': 'both'}]}}";
+/* Four impacts that become touches together leave five directions of the orbit open to rounding.
+ * rho is -3.9 here, and anything between -2 and 2 a rounding beside it. */
+static const char four_touches[] = "{'model': {'mass': [[1.578125, 0.03125], [0.03125, 1.515625]], "
+                                   "'stiffness': [[5.8076475283004845, "
+                                   "1.546760431817365], [1.546760431817365, 2.058662262965859]], "
+                                   "'contacts': [{'normal': [1, 0], 'law': 'rigid', "
+                                   "'clearance': 1.91, 'sides': 'both'}]}}";
 
 static void no_flag_beside_several_touches(void **state)
 {
@@ -231,11 +256,14 @@ static void no_flag_beside_several_touches(void **state)
     static const struct {
         double state[4], flights[4];
     } orbits[] = {
-        {{0x1.0000000000001p+0, -0x1.6539a39bda9f3p+1, -0x1.cc0e677095677p-23, 0x1.624a34119f1fap-21},
+        {{0x1.0000000000001p+0, -0x1.6539a39bda9f3p+1, -0x1.cc0e677095677p-23,
+          0x1.624a34119f1fap-21},
          {0x1.921f9605237d4p+2, 0x1.921f9605237d4p+2, 0x1.921f9818183a1p+1, 0x1.921f9818183a1p+1}},
-        {{0x1.0000000000000p+0, -0x1.6539a39bda9f3p+1, -0x1.cbf4ecbc5b8d2p-23, 0x1.6280c8ab1c364p-21},
+        {{0x1.0000000000000p+0, -0x1.6539a39bda9f3p+1, -0x1.cbf4ecbc5b8d2p-23,
+          0x1.6280c8ab1c364p-21},
          {0x1.921f9604fbfd3p+2, 0x1.921f9604fbfd3p+2, 0x1.921f98185a717p+1, 0x1.921f98185a717p+1}},
-        {{0x1.fffffffffffffp-1, -0x1.6539a39bda9f3p+1, -0x1.cc3f0e3309733p-23, 0x1.626be9f1cc005p-21},
+        {{0x1.fffffffffffffp-1, -0x1.6539a39bda9f3p+1, -0x1.cc3f0e3309733p-23,
+          0x1.626be9f1cc005p-21},
          {0x1.921f96050b551p+2, 0x1.921f96050b551p+2, 0x1.921f981831612p+1, 0x1.921f981831612p+1}},
     };
     ric_study *study = NULL;
@@ -264,22 +292,27 @@ static void no_flag_beside_several_touches(void **state)
     ric_study_free(study);
 }
 
-/* Four masses with a stop and a spring of 4e10, three pairs near the border: the bound of all of them together left a
- * stable part of a branch undecided; each pair by itself, and the independent judge, know it. */
+/* Four masses with a stop and a spring of 4e10, three pairs near the border: the bound of all of
+ * them together left a stable part of a branch undecided; each pair by itself, and the independent
+ * judge, know it. */
 static void each_pair_decides(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text(
         "model:\n  mass: [[1.765625, -0.171875, -0.234375, 0.1875], [-0.171875, 1.1875, 0.3125, "
-        "-0.1875], [-0.234375, 0.3125, 1.65625, -0.078125], [0.1875, -0.1875, -0.078125, 1.65625]]\n"
-        "  stiffness: [[454017.8865822943, -74776.00559623481, 42656.05946630573, 107141.28241822192], "
+        "-0.1875], [-0.234375, 0.3125, 1.65625, -0.078125], [0.1875, -0.1875, -0.078125, "
+        "1.65625]]\n"
+        "  stiffness: [[454017.8865822943, -74776.00559623481, 42656.05946630573, "
+        "107141.28241822192], "
         "[-74776.00559623481, 2591253.069304248, 667719.7738236744, -783112.3026049485], "
         "[42656.05946630573, 667719.7738236744, 1513487.8365518416, 223773.91380033208], "
         "[107141.28241822192, -783112.3026049485, 223773.91380033208, 847617.8843934726]]\n"
-        "  contacts:\n    - {normal: [0, 1, 0, 0], law: bilinear, clearance: 0.00141, sides: lower, "
+        "  contacts:\n    - {normal: [0, 1, 0, 0], law: bilinear, clearance: 0.00141, sides: "
+        "lower, "
         "stiffness: 4.431e10}\n"
         "    - {normal: [1, 0, 0, 0], law: rigid, clearance: 0.00123, sides: lower}\n"
-        "explore: {energy: [0, 8584000], frequency: [99.94, 4501], impacts: 4, multiply: 1, depth: 1}\n");
+        "explore: {energy: [0, 8584000], frequency: [99.94, 4501], impacts: 4, multiply: 1, depth: "
+        "1}\n");
     int decided = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b;
@@ -287,7 +320,8 @@ static void each_pair_decides(void **state)
         for (int i = 2; i < b.n_point; i += 3) {
             ric_claims claims;
             assert_int_equal(ric_verify_claims(atlas, id, i, &claims), RIC_OK);
-            if (claims.stable == RIC_AGREES_NO) fail_msg("branch %d, point %d: %s", id, i, claims.finding);
+            if (claims.stable == RIC_AGREES_NO)
+                fail_msg("branch %d, point %d: %s", id, i, claims.finding);
             decided += claims.stable == RIC_AGREES_YES;
         }
     }

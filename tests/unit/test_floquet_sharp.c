@@ -1,5 +1,5 @@
-/* Pairs of multipliers beside a large one, in a map that is far from normal: known to what is said of them, and to many
- * digits where they are asked for. */
+/* Pairs of multipliers beside a large one, in a map that is far from normal: known to what is said
+ * of them, and to many digits where they are asked for. */
 #include <complex.h>
 #include <inttypes.h>
 #include <math.h>
@@ -22,7 +22,8 @@ static const double LARGE = 0x1p30;
 static void an_eigenvalue_beside_a_large_one(void **state)
 {
     (void)state;
-    const long double H[4] = {6 - LARGE, LARGE - 3, 6 - 2 * LARGE, 2 * LARGE - 3}, one[4] = {1, 0, 0, 1};
+    const long double H[4] = {6 - LARGE, LARGE - 3, 6 - 2 * LARGE, 2 * LARGE - 3},
+                      one[4] = {1, 0, 0, 1};
     for (int product = 0; product < 2; product++) {
         const ric_eigen_factors factors = {2, H, product ? one : NULL, LARGE * 0x1p-64L};
         long double _Complex work[20];
@@ -79,8 +80,10 @@ static void moved_values(int m, const double *B, const double *C, double move, d
     assert_true(ric_eigen(m, A, mu));
 }
 
-/* How far each eigenvalue mu [2m] is from the nearest of moved factors: the root mean square of 40 ways, off [m]. */
-static void typical_moves(int m, const double *B, const double *C, double move, const double *mu, double *off)
+/* How far each eigenvalue mu [2m] is from the nearest of moved factors: the root mean square of 40
+ * ways, off [m]. */
+static void typical_moves(int m, const double *B, const double *C, double move, const double *mu,
+                          double *off)
 {
     enum { WAYS = 40 };
     double other[2 * m];
@@ -90,15 +93,16 @@ static void typical_moves(int m, const double *B, const double *C, double move, 
         for (int i = 0; i < m; i++) {
             double near = HUGE_VAL;
             for (int j = 0; j < m; j++)
-                near = fmin(near, hypot(other[2 * j] - mu[2 * i], other[2 * j + 1] - mu[2 * i + 1]));
+                near = fmin(near,
+                            hypot(other[2 * j] - mu[2 * i], other[2 * j + 1] - mu[2 * i + 1]));
             off[i] += near * near / WAYS;
         }
     }
     for (int i = 0; i < m; i++) off[i] = sqrt(off[i]);
 }
 
-/* A single way of moving the entries may lie across what it moves: that of 3 * 3 by +, - moves nothing. Of
- * 1,500 errors by three ways 8 are less than what is usual. */
+/* A single way of moving the entries may lie across what it moves: that of 3 * 3 by +, - moves
+ * nothing. Of 1,500 errors by three ways 8 are less than what is usual. */
 static void errors_of_a_product(void **state)
 {
     (void)state;
@@ -125,22 +129,34 @@ static void errors_of_a_product(void **state)
     assert_true(less <= count / 50);
 }
 
-/* A stop that is hit at a thousandth of the speed that others have, by five masses: one pair goes with 1 / speed. */
-static const char slow[] =
-    "{'model': {'mass': [[2.484375, 0.3125, -0.109375, 0.203125, -0.03125], [0.3125, 2.234375, 0.234375, -0.0625, "
-    "0.0625], [-0.109375, 0.234375, 2.59375, -0.453125, -0.28125], [0.203125, -0.0625, -0.453125, 2.71875, 0.25], "
-    "[-0.03125, 0.0625, -0.28125, 0.25, 1.375]], 'stiffness': [[4157726.2539241193, 2144845.109369286, "
-    "1903900.3185194172, -1093083.7750816809, 1943592.9121564946], [2144845.109369286, 2929256.9366849638, "
-    "2244686.629136444, -995528.5180858144, 24846.0852736071], [1903900.3185194172, 2244686.629136444, "
-    "6734052.650602731, -1985745.511920632, -341925.0609715717], [-1093083.7750816809, -995528.5180858144, "
-    "-1985745.511920632, 1361720.996976631, -192554.7322440485], [1943592.9121564946, 24846.0852736071, "
-    "-341925.0609715717, -192554.7322440485, 2544091.1235087276]], 'contacts': [{'normal': [0, 0, 0, -1, 1], "
-    "'law': 'rigid', 'clearance': 18, 'sides': 'both'}, {'normal': [1, 0, 0, 0, 0], 'law': 'rigid', 'clearance': "
-    "13.5, 'sides': 'upper'}, {'normal': [0, 0, 1, 0, 0], 'law': 'rigid', 'clearance': 7.98, 'sides': 'both'}]}, "
-    "'explore': {'start': 'modes', 'energy': [0, 4823000], 'frequency': [100, 6000], 'impacts': 1, 'multiply': 1, "
-    "'depth': 0}}";
+/* A stop that is hit at a thousandth of the speed that others have, by five masses: one pair goes
+ * with 1 / speed. */
+static const char slow[] = "{'model': {'mass': [[2.484375, 0.3125, -0.109375, 0.203125, -0.03125], "
+                           "[0.3125, 2.234375, 0.234375, -0.0625, "
+                           "0.0625], [-0.109375, 0.234375, 2.59375, -0.453125, -0.28125], "
+                           "[0.203125, -0.0625, -0.453125, 2.71875, 0.25], "
+                           "[-0.03125, 0.0625, -0.28125, 0.25, 1.375]], 'stiffness': "
+                           "[[4157726.2539241193, 2144845.109369286, "
+                           "1903900.3185194172, -1093083.7750816809, 1943592.9121564946], "
+                           "[2144845.109369286, 2929256.9366849638, "
+                           "2244686.629136444, -995528.5180858144, 24846.0852736071], "
+                           "[1903900.3185194172, 2244686.629136444, "
+                           "6734052.650602731, -1985745.511920632, -341925.0609715717], "
+                           "[-1093083.7750816809, -995528.5180858144, "
+                           "-1985745.511920632, 1361720.996976631, -192554.7322440485], "
+                           "[1943592.9121564946, 24846.0852736071, "
+                           "-341925.0609715717, -192554.7322440485, 2544091.1235087276]], "
+                           "'contacts': [{'normal': [0, 0, 0, -1, 1], "
+                           "'law': 'rigid', 'clearance': 18, 'sides': 'both'}, {'normal': [1, 0, "
+                           "0, 0, 0], 'law': 'rigid', 'clearance': "
+                           "13.5, 'sides': 'upper'}, {'normal': [0, 0, 1, 0, 0], 'law': 'rigid', "
+                           "'clearance': 7.98, 'sides': 'both'}]}, "
+                           "'explore': {'start': 'modes', 'energy': [0, 4823000], 'frequency': "
+                           "[100, 6000], 'impacts': 1, 'multiply': 1, "
+                           "'depth': 0}}";
 
-/* Over the period without use of reversibility: another map, of another size, with other conditions. */
+/* Over the period without use of reversibility: another map, of another size, with other
+ * conditions. */
 static ric_floquet general(const ric_continuation *trace, const double *u, ric_stability *flag)
 {
     ric_periodic *cycle = ric_continuation_cycle(trace, u);
@@ -180,8 +196,8 @@ static void compare(const ric_floquet *a, const ric_floquet *b, const char *wher
         compared++;
         sharp += a->each[i] < 1e-8 * (1 + cabs(r));
         if (!(least <= a->each[i]))
-            fail_msg("%s: rho %.12g %.3g is %.3g from the other form, %.3g and %.3g allowed", where, creal(r), cimag(r),
-                     least + allowed, a->each[i], allowed);
+            fail_msg("%s: rho %.12g %.3g is %.3g from the other form, %.3g and %.3g allowed", where,
+                     creal(r), cimag(r), least + allowed, a->each[i], allowed);
     }
 }
 
@@ -194,7 +210,9 @@ static void two_forms_of_a_slow_impact(void **state)
     for (int e = 0; e < graph->n_edge; e++) {
         const ric_continuation *trace = graph->edges[e].trace;
         for (int i = 0; trace && trace->chain->n_flight && i < trace->n_point; i++) {
-            const double *u = (const double *)((const ric_point *)(trace->points + (size_t)i * trace->stride) + 1);
+            const double *u = (const double *)((const ric_point *)(trace->points +
+                                                                   (size_t)i * trace->stride) +
+                                               1);
             ric_floquet own = multipliers(trace->chain, u);
             ric_stability flag;
             assert_int_equal(ric_continuation_multipliers(trace->chain, u, &own), RIC_OK);
@@ -203,7 +221,8 @@ static void two_forms_of_a_slow_impact(void **state)
             snprintf(where, sizeof where, "branch %d, point %d", e, i);
             compare(&own, &other, where);
             compare(&other, &own, where);
-            if (own.stable != RIC_STABLE_UNDECIDED && flag != RIC_STABLE_UNDECIDED) assert_int_equal(own.stable, flag);
+            if (own.stable != RIC_STABLE_UNDECIDED && flag != RIC_STABLE_UNDECIDED)
+                assert_int_equal(own.stable, flag);
             ric_floquet_release(&own);
             ric_floquet_release(&other);
         }
@@ -214,8 +233,9 @@ static void two_forms_of_a_slow_impact(void **state)
     ric_study_free(study);
 }
 
-/* Where a spring is closed for an instant its multiplier is lost by what rounding may make of the orbit, and is still
- * given from the stored trace: its error is that of what was lost, and not none. */
+/* Where a spring is closed for an instant its multiplier is lost by what rounding may make of the
+ * orbit, and is still given from the stored trace: its error is that of what was lost, and not
+ * none. */
 static void error_of_what_is_lost(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The predicted stability of forced orbits beside that of the exact ones: where the prediction is trusted, it decides
- * nothing that the exact multipliers decide otherwise. */
+/* The predicted stability of forced orbits beside that of the exact ones: where the prediction is
+ * trusted, it decides nothing that the exact multipliers decide otherwise. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,11 +14,13 @@
 enum { MOST = 3, LETTERS = 64 };
 
 #define WINDOW "explore: {energy: [0, 6], frequency: [0.4, 4], impacts: 2, multiply: 1, depth: 1}\n"
-#define TWO_MASS                                                                                                       \
-    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n    - {normal: [-1, "   \
+#define TWO_MASS                                                                                   \
+    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n  " \
+    "  - {normal: [-1, "                                                                           \
     "1], "
-#define THREE_MASS                                                                                                     \
-    "title: t\nmodel:\n  mass: [[1, 0, 0], [0, 1.3, 0], [0, 0, 0.7]]\n  stiffness: [[3, -1, 0], [-1, 3, -1], [0, -1, " \
+#define THREE_MASS                                                                                 \
+    "title: t\nmodel:\n  mass: [[1, 0, 0], [0, 1.3, 0], [0, 0, 0.7]]\n  stiffness: [[3, -1, 0], "  \
+    "[-1, 3, -1], [0, -1, "                                                                        \
     "2]]\n  contacts:\n    - {normal: [0, 0, 1], "
 
 static const char *const studies[] = {
@@ -42,7 +44,8 @@ typedef struct {
     int agree, undecided, exact_undecided;
 } counts;
 
-static void compare(const ric_force *force, const ric_branch *b, const ric_orbit *orbit, double times, counts *c)
+static void compare(const ric_force *force, const ric_branch *b, const ric_orbit *orbit,
+                    double times, counts *c)
 {
     ric_prediction p;
     ric_forced x;
@@ -52,13 +55,15 @@ static void compare(const ric_force *force, const ric_branch *b, const ric_orbit
     const double level = times * p.threshold;
     assert_int_equal(ric_force_predict(force, b->id, orbit, 1, level, &p), RIC_OK);
     if (!p.trusted || p.n_phase < 2) return;
-    if (ric_force_solve(force, orbit, 1, level, p.phases[0], &x, state, flights, multipliers) || *x.fault) return;
+    if (ric_force_solve(force, orbit, 1, level, p.phases[0], &x, state, flights, multipliers) ||
+        *x.fault)
+        return;
     if (p.stable == RIC_STABLE_UNDECIDED) c->undecided++;
     else if (x.stable == RIC_STABLE_UNDECIDED) c->exact_undecided++;
     else if (p.stable == x.stable) c->agree++;
     else
-        fail_msg("%s at E %.6g: predicted %d, the exact orbit has |rho| = %.9g (next order %.3g)", b->label, p.energy,
-                 p.stable, x.largest, p.estimate);
+        fail_msg("%s at E %.6g: predicted %d, the exact orbit has |rho| = %.9g (next order %.3g)",
+                 b->label, p.energy, p.stable, x.largest, p.estimate);
 }
 
 static void test_exact_multipliers(void **unused)
@@ -82,7 +87,8 @@ static void test_exact_multipliers(void **unused)
                 for (int at = 2; at < b.n_point - 2; at += 1 + b.n_point / 12) {
                     ric_orbit **orbits;
                     int count;
-                    assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, at, &count, &orbits), RIC_OK);
+                    assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, at, &count, &orbits),
+                                     RIC_OK);
                     compare(force, &b, orbits[0], 1.3, &all);
                     compare(force, &b, orbits[0], 3, &all);
                     ric_orbits_free(count, orbits);
@@ -92,8 +98,8 @@ static void test_exact_multipliers(void **unused)
         }
         ric_atlas_free(atlas);
     }
-    print_message("%d agree, %d not predicted, %d not decided by the exact multipliers\n", all.agree, all.undecided,
-                  all.exact_undecided);
+    print_message("%d agree, %d not predicted, %d not decided by the exact multipliers\n",
+                  all.agree, all.undecided, all.exact_undecided);
     assert_true(all.agree > 400 && all.agree > 2 * all.undecided);
 }
 

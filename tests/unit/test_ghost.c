@@ -1,5 +1,5 @@
-/* Ghosts: the continuation of branches beyond their grazings, against closed forms of the backbones, the equations
- * themselves and, where they become motions again, the simulator. */
+/* Ghosts: the continuation of branches beyond their grazings, against closed forms of the
+ * backbones, the equations themselves and, where they become motions again, the simulator. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,20 +16,22 @@ enum { MAX_N = 3, MAX_IMPACT = 16 };
 
 /* ------------------------------------------------------------------ helpers */
 
-static const char
-    *const article = "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                     "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: 1, depth: 3}\n";
+static const char *const article =
+    "title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+    "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 8, multiply: 1, depth: 3}\n";
 
 static const char *const one_sided =
-    "title: t\nmodel:\n  mass: [[2, 0, 0], [0, 1, 0], [0, 0, 0.6]]\n  stiffness: [[9, -1, 0], [-1, 3, -1], [0, -1, "
+    "title: t\nmodel:\n  mass: [[2, 0, 0], [0, 1, 0], [0, 0, 0.6]]\n  stiffness: [[9, -1, 0], [-1, "
+    "3, -1], [0, -1, "
     "2]]\n  contacts:\n"
     "    - {normal: [-1, 1, 0], clearance: 2.5, sides: upper, law: rigid}\n"
     "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: 1}\n";
 
 /* The ghost of A4[0011] is a motion again between E 9.04 and 47. */
 static const char *const island =
-    "title: t\nmodel:\n  mass: [[1.46, 0], [0, 0.64]]\n  stiffness: [[6.92, -6.59], [-6.59, 13.81]]\n  contacts:\n"
+    "title: t\nmodel:\n  mass: [[1.46, 0], [0, 0.64]]\n  stiffness: [[6.92, -6.59], [-6.59, "
+    "13.81]]\n  contacts:\n"
     "    - {normal: [0, 1], clearance: 1, sides: both, law: rigid}\n"
     "explore: {energy: [0, 300], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2}\n";
 
@@ -74,7 +76,8 @@ static double backbone_energy(const ric_model *model, const ric_point *p, bool t
     assert_int_equal(ric_model_frequencies(model, omega), RIC_OK);
     assert_int_equal(ric_model_modal_normals(model, c), RIC_OK);
     for (int i = 0; i < n; i++) {
-        double angle = omega[i] * 3.141592653589793238 / p->frequency / (two ? 2 : 1), c2 = c[i] * c[i];
+        double angle = omega[i] * 3.141592653589793238 / p->frequency / (two ? 2 : 1),
+               c2 = c[i] * c[i];
         double tangent = two ? tan(angle) : 1 / tan(angle),
                square = two ? 1 / (cos(angle) * cos(angle)) : 1 / (sin(angle) * sin(angle));
         above += c2 * square;
@@ -95,8 +98,8 @@ static int check_backbone(const ric_atlas *atlas, int id, bool two)
             ric_point p = point_of(ghosts[k], i, NULL, NULL);
             double energy = backbone_energy(ric_atlas_model(atlas), &p, two);
             if (fabs(p.energy / energy - 1) > 1e-10)
-                fail_msg("branch %d, ghost %d, point %d: E %.15g, closed form %.15g at omega %.15g", id, k, i, p.energy,
-                         energy, p.frequency);
+                fail_msg("branch %d, ghost %d, point %d: E %.15g, closed form %.15g at omega %.15g",
+                         id, k, i, p.energy, energy, p.frequency);
         }
     }
     ric_ghosts_free(n, ghosts);
@@ -107,8 +110,10 @@ static void backbones_of_two_impacts_go_on(void **state)
 {
     (void)state;
     ric_atlas *atlas = explore_text(article);
-    assert_int_equal(check_backbone(atlas, find_branch(atlas, "S2+[01]", 0), true), 2); /* grazing at both ends */
-    assert_int_equal(check_backbone(atlas, find_branch(atlas, "S2-[01]", 0), true), 1); /* ends at the window */
+    assert_int_equal(check_backbone(atlas, find_branch(atlas, "S2+[01]", 0), true),
+                     2); /* grazing at both ends */
+    assert_int_equal(check_backbone(atlas, find_branch(atlas, "S2-[01]", 0), true),
+                     1); /* ends at the window */
     ric_atlas_free(atlas);
 }
 
@@ -132,7 +137,8 @@ static void check_start(const ric_atlas *atlas, const ric_branch *b, const ric_g
     double x[2 * MAX_N], y[2 * MAX_N], tau[MAX_IMPACT], sigma[MAX_IMPACT];
     ric_point end, p = point_of(ghost, 0, x, tau);
     int n = ric_model_n_dof(ric_atlas_model(atlas)), sign = data.end == RIC_END_FROM ? -1 : 1;
-    assert_int_equal(ric_atlas_point(atlas, b->id, data.end == RIC_END_FROM ? 0 : b->n_point - 1, &end, y, sigma),
+    assert_int_equal(ric_atlas_point(atlas, b->id, data.end == RIC_END_FROM ? 0 : b->n_point - 1,
+                                     &end, y, sigma),
                      RIC_OK);
     for (int i = 0; i < 2 * n; i++) assert_true(fabs(x[i] - y[i]) < 1e-9 * (1 + fabs(y[i])));
     for (int i = 0; i < b->impacts; i++) assert_true(fabs(tau[i] - sigma[i]) < 1e-9);
@@ -140,12 +146,14 @@ static void check_start(const ric_atlas *atlas, const ric_branch *b, const ric_g
     for (int i = 1; i < data.n_point; i++) {
         ric_point q = point_of(ghost, i, NULL, NULL);
         if (!(sign * (q.arclength - p.arclength) > 0))
-            fail_msg("branch %d, point %d: arclength %g after %g", b->id, i, q.arclength, p.arclength);
+            fail_msg("branch %d, point %d: arclength %g after %g", b->id, i, q.arclength,
+                     p.arclength);
         p = q;
     }
 }
 
-/* Energy, period and gap of the state that leaves the library, from the raw matrices; the residual; the flights. */
+/* Energy, period and gap of the state that leaves the library, from the raw matrices; the residual;
+ * the flights. */
 static void check_point(const ric_atlas *atlas, const ric_branch *b, const ric_ghost *ghost, int i)
 {
     const ric_model *m = ric_atlas_model(atlas);
@@ -160,7 +168,8 @@ static void check_point(const ric_atlas *atlas, const ric_branch *b, const ric_g
         assert_true(tau[k] > 0);
         period += tau[k];
     }
-    if (p.residual > 1e-13) fail_msg("branch %d, point %d: residual %g", b->id, i, (double)p.residual);
+    if (p.residual > 1e-13)
+        fail_msg("branch %d, point %d: residual %g", b->id, i, (double)p.residual);
     assert_true(fabs(gap * ric_model_length(m) / contact.clearance - 1) < 1e-12);
     assert_true(fabs(period * p.frequency / 6.283185307179586477 - 1) < 1e-12);
     assert_true(fabs(ric_model_energy(m, x, x + n) / p.energy - 1) < 1e-12);
@@ -200,7 +209,8 @@ static void ghosts_solve_the_equations_and_are_no_motions(void **state)
                 /* there they have no speed left */
                 bool two_in_one = data.stop == RIC_STOP_CORNER && i == data.n_point - 1;
                 if (ric_point_admissible(&p))
-                    fail_msg("%s, point %d: reach %.12g, approach %g", b.label, i, p.reach, p.approach);
+                    fail_msg("%s, point %d: reach %.12g, approach %g", b.label, i, p.reach,
+                             p.approach);
                 if (!two_in_one && !(p.reach > 1 || p.approach < 0))
                     fail_msg("%s, point %d: margins not negative", b.label, i);
             }
@@ -215,7 +225,8 @@ static void ghosts_solve_the_equations_and_are_no_motions(void **state)
     ric_atlas_free(atlas);
 }
 
-/* A3[001] beyond its grazing on S2: two impacts on one face come together, and no flight time becomes negative. */
+/* A3[001] beyond its grazing on S2: two impacts on one face come together, and no flight time
+ * becomes negative. */
 static void a_ghost_ends_where_two_impacts_come_together(void **state)
 {
     (void)state;
@@ -238,8 +249,8 @@ static void a_ghost_ends_where_two_impacts_come_together(void **state)
 
 /* -------------------------------------------------------------- motions again */
 
-/* The simulator, started at a point where all margins are positive again, comes back to it over the impacts of the
- * word. */
+/* The simulator, started at a point where all margins are positive again, comes back to it over the
+ * impacts of the word. */
 static void check_replay(const ric_atlas *atlas, const ric_branch *b, const ric_ghost *ghost, int i)
 {
     int n = ric_model_n_dof(ric_atlas_model(atlas)), hits = 0;
@@ -254,8 +265,8 @@ static void check_replay(const ric_atlas *atlas, const ric_branch *b, const ric_
         time += tau[k];
         assert_int_equal(ric_simulator_advance(sim, time + 1e-6, &hit, &impact), RIC_OK);
         if (!hit || impact.face != b->word[(k + 1) % b->impacts] || fabs(impact.time - time) > 1e-8)
-            fail_msg("point %d, impact %d: %s on face %d at %.12g, not %.12g", i, k, hit ? "hit" : "none", impact.face,
-                     impact.time, time);
+            fail_msg("point %d, impact %d: %s on face %d at %.12g, not %.12g", i, k,
+                     hit ? "hit" : "none", impact.face, impact.time, time);
         hits++;
     }
     ric_simulator_state(sim, NULL, y, y + n);
@@ -308,7 +319,8 @@ static void ghosts_stay_in_the_window(void **state)
     ric_ghost_data data = data_of(ghosts[0]);
     assert_int_equal(data.end, RIC_END_FROM);
     assert_int_equal(data.stop, RIC_STOP_WINDOW);
-    for (int i = 0; i < data.n_point; i++) assert_true(point_of(ghosts[0], i, NULL, NULL).energy <= 3 * (1 + 1e-12));
+    for (int i = 0; i < data.n_point; i++)
+        assert_true(point_of(ghosts[0], i, NULL, NULL).energy <= 3 * (1 + 1e-12));
     assert_true(fabs(point_of(ghosts[0], data.n_point - 1, NULL, NULL).energy - 3) < 1e-9);
     assert_int_equal(ric_ghost_point(ghosts[0], data.n_point, NULL, NULL, NULL), RIC_E_RANGE);
     ric_ghosts_free(n, ghosts);
@@ -334,7 +346,8 @@ static void linear_modes_have_none(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The same multipliers as the stored points have: beside the end they join, and their product is 1. */
+/* The same multipliers as the stored points have: beside the end they join, and their product is 1.
+ */
 static void multipliers_of_ghosts(void **state)
 {
     (void)state;
@@ -351,10 +364,12 @@ static void multipliers_of_ghosts(void **state)
             bool circle = true;
             for (int j = 0; j < 2; j++) {
                 const double *a = z + 4 * j, *b = a + 2;
-                assert_true(fabs(a[0] * b[0] - a[1] * b[1] - 1) < 1e-9 && fabs(a[0] * b[1] + a[1] * b[0]) < 1e-9);
+                assert_true(fabs(a[0] * b[0] - a[1] * b[1] - 1) < 1e-9 &&
+                            fabs(a[0] * b[1] + a[1] * b[0]) < 1e-9);
                 circle = circle && fabs(hypot(a[0], a[1]) - 1) < 1e-6;
             }
-            if (p.stable != RIC_STABLE_UNDECIDED) assert_int_equal(circle, p.stable == RIC_STABLE_YES);
+            if (p.stable != RIC_STABLE_UNDECIDED)
+                assert_int_equal(circle, p.stable == RIC_STABLE_YES);
             checked++;
         }
         ric_ghosts_free(n, ghosts);
@@ -363,17 +378,19 @@ static void multipliers_of_ghosts(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Fig. 20c of the article: on the k-duplicates of A1[0] the multiplications are partly on the branch (black), partly on
- * its ghosts (red). The rotation number passes every value up to 1/2 once, so that each p/q with q <= 9 is on one of
- * them; on the ghosts it lies on the closed form, between points whose rotation numbers are on either side of it. */
+/* Fig. 20c of the article: on the k-duplicates of A1[0] the multiplications are partly on the
+ * branch (black), partly on its ghosts (red). The rotation number passes every value up to 1/2
+ * once, so that each p/q with q <= 9 is on one of them; on the ghosts it lies on the closed form,
+ * between points whose rotation numbers are on either side of it. */
 static void multiplications_beyond_the_grazing(void **state)
 {
     (void)state;
     enum { MOST = 9 };
-    ric_atlas *atlas = explore_text("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                                    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                                    "explore: {energy: [0, 200], frequency: [0.2, 30], impacts: 2, multiply: 9, depth: "
-                                    "1}\n");
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+        "explore: {energy: [0, 200], frequency: [0.2, 30], impacts: 2, multiply: 9, depth: "
+        "1}\n");
     const ric_branch b = branch_of(atlas, find_branch(atlas, "A1[0]", 0));
     int seen[MOST + 1][MOST + 1] = {{0}}, red = 0, black = 0;
     for (int i = 0; i < b.n_junction; i++) {
@@ -389,7 +406,8 @@ static void multiplications_beyond_the_grazing(void **state)
     limits.multiply = MOST;
     assert_int_equal(ric_ghost_find(atlas, b.id, &limits, &n, &ghosts), RIC_OK);
     for (int k = 0; k < n; k++) {
-        const int count = ric_ghost_n_multiplication(ghosts[k]), last = data_of(ghosts[k]).n_point - 1;
+        const int count = ric_ghost_n_multiplication(ghosts[k]),
+                  last = data_of(ghosts[k]).n_point - 1;
         ric_ghost_multiplication m;
         assert_int_equal(ric_ghost_multiplication_at(ghosts[k], count, &m), RIC_E_RANGE);
         for (int i = 0; i < count; i++) {
@@ -398,14 +416,16 @@ static void multiplications_beyond_the_grazing(void **state)
             const double energy = backbone_energy(ric_atlas_model(atlas), &at, false),
                          gamma = (double)m.rotation[0] / m.rotation[1];
             if (fabs(m.energy / energy - 1) > 1e-10)
-                fail_msg("%d/%d: E %.15g, closed form %.15g", m.rotation[0], m.rotation[1], m.energy, energy);
+                fail_msg("%d/%d: E %.15g, closed form %.15g", m.rotation[0], m.rotation[1],
+                         m.energy, energy);
             assert_false(m.admissible);
-            int between = 0; /* a multiplication is a stored point: between its neighbours, gamma = 1/2 at the edge of
-                              * stability */
+            int between = 0; /* a multiplication is a stored point: between its neighbours, gamma =
+                                1/2 at the edge of stability */
             for (int p = 1; p <= last - 1; p++) {
                 const ric_point before = point_of(ghosts[k], p - 1, NULL, NULL),
                                 after = point_of(ghosts[k], p + 1, NULL, NULL);
-                if ((before.arclength - m.arclength) * (after.arclength - m.arclength) >= 0) continue;
+                if ((before.arclength - m.arclength) * (after.arclength - m.arclength) >= 0)
+                    continue;
                 const double low = isnan(before.rotation) ? 0.5 : before.rotation,
                              high = isnan(after.rotation) ? 0.5 : after.rotation;
                 between += gamma >= fmin(low, high) && gamma <= fmax(low, high);

@@ -1,5 +1,5 @@
-/* Events are located by what one test needs: an orbit looked at without its reach, its multipliers, or its map, has
- * the tests that it has when all of it is known. */
+/* Events are located by what one test needs: an orbit looked at without its reach, its multipliers,
+ * or its map, has the tests that it has when all of it is known. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,18 +15,21 @@
 #include "junction/switching.h"
 
 /* Three masses, a stop and another one that is struck on one side. */
-static const char study_text[] =
-    "model:\n  mass: [[1, 0, 0], [0, 1.2, 0], [0, 0, 0.7]]\n  stiffness: [[3, -1, 0], [-1, 2.5, -1], [0, -1, 2]]\n"
-    "  contacts:\n    - {normal: [0, 1, 0], clearance: 1}\n    - {normal: [1, 0, 0], clearance: 1.3, sides: SIDES}\n"
-    "explore: {impacts: 4, multiply: 2, depth: 1}\n";
+static const char study_text[] = "model:\n  mass: [[1, 0, 0], [0, 1.2, 0], [0, 0, 0.7]]\n  "
+                                 "stiffness: [[3, -1, 0], [-1, 2.5, -1], [0, -1, 2]]\n"
+                                 "  contacts:\n    - {normal: [0, 1, 0], clearance: 1}\n    - "
+                                 "{normal: [1, 0, 0], clearance: 1.3, sides: SIDES}\n"
+                                 "explore: {impacts: 4, multiply: 2, depth: 1}\n";
 
 static const unsigned of_map = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
 
-static void check_pairs(const ric_continuation *tr, const ric_station *full, const ric_station *seen, bool known)
+static void check_pairs(const ric_continuation *tr, const ric_station *full,
+                        const ric_station *seen, bool known)
 {
     if (!known) assert_true(isnan(seen->row.trace) && seen->row.stable == RIC_STABLE_UNDECIDED);
     for (int i = 0; i < 2 * tr->floquet.n_pair; i++)
-        assert_true(known ? !memcmp(&seen->own[i], &full->own[i], sizeof(double)) : isnan(seen->own[i]));
+        assert_true(known ? !memcmp(&seen->own[i], &full->own[i], sizeof(double))
+                          : isnan(seen->own[i]));
 }
 
 static void check_station(ric_continuation *tr, const double *u, int *checked)
@@ -44,13 +47,16 @@ static void check_station(ric_continuation *tr, const double *u, int *checked)
         if (ric_continuation_look(tr, seen, sign, at)) fail_msg("%s", ric_detail());
         for (int i = 0; i < RIC_N_TEST; i++) {
             const bool map = of_map >> i & 1;
-            if ((map && !(at & RIC_LOOK_FACTORS)) || (i == RIC_TEST_REACH && !(at & RIC_LOOK_REACH)))
+            if ((map && !(at & RIC_LOOK_FACTORS)) ||
+                (i == RIC_TEST_REACH && !(at & RIC_LOOK_REACH)))
                 assert_true(isnan(seen->test[i]));
             /* what is below its error has no sign in the one, and the expected one in the other */
             else if (!(map && seen->test[i] == 0) && seen->test[i] != full->test[i])
-                fail_msg("test %d is %.17g, and %.17g at a glance", i, full->test[i], seen->test[i]);
+                fail_msg("test %d is %.17g, and %.17g at a glance", i, full->test[i],
+                         seen->test[i]);
         }
-        assert_true(seen->row.energy == full->row.energy && seen->row.frequency == full->row.frequency);
+        assert_true(seen->row.energy == full->row.energy &&
+                    seen->row.frequency == full->row.frequency);
         check_pairs(tr, full, seen, at & RIC_LOOK_PAIRS);
         assert_true(seen->solved == full->solved);
     }
@@ -65,9 +71,12 @@ static void check_departure(const ric_graph *g, const ric_node *node, unsigned c
     unsigned ignore = 0;
     ric_continuation *tr = NULL;
     if (!ric_switching_depart(g->model, node, choice, 1, &chain, &u0, &t0, &ignore) && chain &&
-        !ric_continuation_create(chain, u0, t0, ignore, &g->limits, &tr) && !ric_continuation_run(tr))
+        !ric_continuation_create(chain, u0, t0, ignore, &g->limits, &tr) &&
+        !ric_continuation_run(tr))
         for (int i = 1; i < tr->n_point; i += 3)
-            check_station(tr, tr->points + (size_t)i * tr->stride + sizeof(ric_point) / sizeof(double), checked);
+            check_station(tr,
+                          tr->points + (size_t)i * tr->stride + sizeof(ric_point) / sizeof(double),
+                          checked);
     ric_continuation_free(tr);
     free(u0);
     free(t0);
@@ -79,9 +88,11 @@ static void check_structure(const char *sides, int *checked)
     ric_study *study = NULL;
     ric_graph *g = NULL;
     const char *place = strstr(study_text, "SIDES");
-    snprintf(text, sizeof text, "%.*s%s%s", (int)(place - study_text), study_text, sides, place + 5);
+    snprintf(text, sizeof text, "%.*s%s%s", (int)(place - study_text), study_text, sides,
+             place + 5);
     if (ric_study_parse(text, "three masses", ".", &study)) fail_msg("%s", ric_detail());
-    if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL)) fail_msg("%s", ric_detail());
+    if (ric_graph_create(study, NULL, &g) || ric_graph_explore(g, NULL))
+        fail_msg("%s", ric_detail());
     for (int k = 0; k < g->n_node; k++)
         for (int i = 0; i < g->nodes[k]->n_departure && i < 2; i++)
             check_departure(g, g->nodes[k], g->nodes[k]->departures[i].choice, checked);
@@ -98,16 +109,18 @@ static void same_tests(void **state)
     if (checked < 100) fail_msg("%d orbits only", checked);
 }
 
-/* A place where something happens is asked for again with other things to look at; Newton's method goes there once. */
+/* A place where something happens is asked for again with other things to look at; Newton's method
+ * goes there once. */
 static void places_are_solved_once(void **state)
 {
     (void)state;
     long evaluations = 0, found = 0;
     ric_study *study = NULL;
-    if (ric_study_parse("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
-                        "  contacts: [{normal: [-1, 1], clearance: 1}]\n"
-                        "explore: {start: [1], energy: [0, 200], impacts: 8, multiply: 6, depth: 1}\n",
-                        "many multiplications", ".", &study))
+    if (ric_study_parse(
+            "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
+            "  contacts: [{normal: [-1, 1], clearance: 1}]\n"
+            "explore: {start: [1], energy: [0, 200], impacts: 8, multiply: 6, depth: 1}\n",
+            "many multiplications", ".", &study))
         fail_msg("%s", ric_detail());
     ric_graph *g = explored_graph(study);
     for (int i = 0; i < g->n_edge; i++) {
@@ -117,11 +130,13 @@ static void places_are_solved_once(void **state)
     ric_graph_free(g);
     ric_study_free(study);
     /* 9.3 each; 10.3 when every place is solved for anew */
-    if (found < 600 || 4 * evaluations > 39 * found) fail_msg("%ld evaluations, %ld points", evaluations, found);
+    if (found < 600 || 4 * evaluations > 39 * found)
+        fail_msg("%ld evaluations, %ld points", evaluations, found);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(same_tests), cmocka_unit_test(places_are_solved_once)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(same_tests),
+                                       cmocka_unit_test(places_are_solved_once)};
     return cmocka_run_group_tests_name("glance", tests, NULL, NULL);
 }

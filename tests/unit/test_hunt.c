@@ -1,5 +1,5 @@
-/* The hunt: its map against the simulator, differences and area, its orbits against closed forms, and both ways against
- * atlases. */
+/* The hunt: its map against the simulator, differences and area, its orbits against closed forms,
+ * and both ways against atlases. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -35,7 +35,8 @@ static bool random_hit(const ric_impact_map *s, ric_hit *hit)
 {
     int f = (int)(uniform(0, 1) * s->n_face);
     if (s->face[f].radius[0] == 0) return false;
-    *hit = (ric_hit){f, s->face[f].middle + uniform(-0.9, 0.9) * s->face[f].radius[0], uniform(-1.4, 1.4), 0};
+    *hit = (ric_hit){f, s->face[f].middle + uniform(-0.9, 0.9) * s->face[f].radius[0],
+                     uniform(-1.4, 1.4), 0};
     double w[4];
     return ric_impact_map_state(s, hit, w) && ric_impact_map_inside(s, w, f);
 }
@@ -43,7 +44,8 @@ static bool random_hit(const ric_impact_map *s, ric_hit *hit)
 static bool follow(const ric_impact_map *s, ric_hit *a, ric_hit *b)
 {
     double w[4], after[4];
-    return ric_impact_map_state(s, a, w) && ric_impact_map_next(s, w, a->face, 50, &a->tau, b, after);
+    return ric_impact_map_state(s, a, w) &&
+           ric_impact_map_next(s, w, a->face, 50, &a->tau, b, after);
 }
 
 static void map_is_the_simulators(const ric_impact_map *s)
@@ -55,7 +57,8 @@ static void map_is_the_simulators(const ric_impact_map *s)
         double x[2], v[2], time;
         ric_impact impact;
         bool hit;
-        if (!random_hit(s, &pair[0]) || !follow(s, &pair[0], &pair[1]) || fabs(pair[1].angle) > 1.5) continue;
+        if (!random_hit(s, &pair[0]) || !follow(s, &pair[0], &pair[1]) || fabs(pair[1].angle) > 1.5)
+            continue;
         ric_impact_map_write(s, &pair[0], x, v);
         assert_close(ric_model_energy(s->model, x, v), s->energy, 1e-12 * s->energy);
         assert_int_equal(ric_simulator_start(sim, x, v), RIC_OK);
@@ -87,18 +90,21 @@ static void map_has_its_slopes(const ric_impact_map *s)
         double D[4];
         if (!random_hit(s, &a) || !follow(s, &a, &b) || fabs(b.angle) > 1.2) continue;
         assert_true(ric_impact_map_slope(s, &a, &b, D));
-        assert_close((D[0] * D[3] - D[1] * D[2]) * across(s, &b) / across(s, &a), 1, 1e-9 * (1 + fabs(D[0] * D[3])));
+        assert_close((D[0] * D[3] - D[1] * D[2]) * across(s, &b) / across(s, &a), 1,
+                     1e-9 * (1 + fabs(D[0] * D[3])));
         for (int k = 0; k < 2; k++) {
             bool good = true;
             for (int side = 0; side < 2; side++) {
                 ric_hit moved = a;
                 *(k ? &moved.angle : &moved.y) += side ? h : -h;
-                good &= follow(s, &moved, &ends[side]) && ends[side].face == b.face && fabs(ends[side].y - b.y) < 1e-2;
+                good &= follow(s, &moved, &ends[side]) && ends[side].face == b.face &&
+                        fabs(ends[side].y - b.y) < 1e-2;
             }
             if (!good) continue;
             double size = 1 + fabs(D[k]) + fabs(D[2 + k]);
             assert_close((ends[1].y - ends[0].y) / (2 * h), D[k], 1e-5 * size * size * size);
-            assert_close((ends[1].angle - ends[0].angle) / (2 * h), D[2 + k], 1e-5 * size * size * size);
+            assert_close((ends[1].angle - ends[0].angle) / (2 * h), D[2 + k],
+                         1e-5 * size * size * size);
             flown++;
         }
     }
@@ -115,7 +121,8 @@ static void test_map(void **state)
         for (int e = 0; e < 3; e++) {
             ric_study *study = parse(texts[i]);
             ric_impact_map *s = NULL;
-            assert_int_equal(ric_impact_map_create(ric_study_model(study), energies[e], &s), RIC_OK);
+            assert_int_equal(ric_impact_map_create(ric_study_model(study), energies[e], &s),
+                             RIC_OK);
             map_is_the_simulators(s);
             map_has_its_slopes(s);
             ric_impact_map_free(s);
@@ -129,21 +136,26 @@ static void test_refusals(void **state)
     static const struct {
         const char *text, *message;
     } cases[] = {
-        {"title: t\nmodel:\n  mass: [[1,0,0],[0,1,0],[0,0,1]]\n  stiffness: [[2,-1,0],[-1,2,-1],[0,-1,2]]\n"
+        {"title: t\nmodel:\n  mass: [[1,0,0],[0,1,0],[0,0,1]]\n  stiffness: "
+         "[[2,-1,0],[-1,2,-1],[0,-1,2]]\n"
          "  contacts:\n"
          "    - {normal: [1, 0, 0], clearance: 1.0, law: rigid}\n",
          "see 3 modes"},
-        {"title: t\nmodel:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts:\n    - {normal: [1], clearance: 1.0, law: "
+        {"title: t\nmodel:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts:\n    - {normal: [1], "
+         "clearance: 1.0, law: "
          "rigid}\n",
          "see 1 modes"},
-        {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  restitution: 0.9\n"
+        {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  "
+         "restitution: 0.9\n"
          "  contacts:\n"
          "    - {normal: [-1, 1], clearance: 1.0, law: rigid}\n",
          "losses"},
-        {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  "
+         "contacts:\n"
          "    - {normal: [-1, 1], clearance: 1.0, law: bilinear, stiffness: 10}\n",
          "rigid"},
-        {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        {"title: t\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  "
+         "contacts:\n"
          "    - {normal: [-1, 1], law: power, exponent: 3, stiffness: 10}\n",
          "rigid"},
     };
@@ -160,7 +172,8 @@ static void test_refusals(void **state)
 
 /* ------------------------------------------------------------------- orbits */
 
-static ric_hunt *hunted(const ric_model *model, double energy, int impacts, double period, ric_hunt_options o)
+static ric_hunt *hunted(const ric_model *model, double energy, int impacts, double period,
+                        ric_hunt_options o)
 {
     ric_hunt *h = NULL;
     o.energy = energy;
@@ -171,7 +184,8 @@ static ric_hunt *hunted(const ric_model *model, double energy, int impacts, doub
 }
 
 /* By motions. */
-static ric_hunt *hunt(const ric_model *model, double energy, int impacts, double period, int rows, int random)
+static ric_hunt *hunt(const ric_model *model, double energy, int impacts, double period, int rows,
+                      int random)
 {
     ric_hunt_options o;
     ric_hunt_options_init(&o);
@@ -216,8 +230,8 @@ static void test_closed_forms(void **state)
     ric_study_free(study);
 }
 
-/* Two searches that have nothing in common come to the same orbits, and all but the most unstable are found by random
- * starts alone. */
+/* Two searches that have nothing in common come to the same orbits, and all but the most unstable
+ * are found by random starts alone. */
 static void test_two_ways(void **state)
 {
     ric_study *study = parse(TWO_MASSES);
@@ -242,7 +256,8 @@ static void test_two_ways(void **state)
 }
 
 /* By guesses of all impact times alone. */
-static ric_hunt *hunt_words(const ric_model *model, double energy, int impacts, double period, int starts)
+static ric_hunt *hunt_words(const ric_model *model, double energy, int impacts, double period,
+                            int starts)
 {
     ric_hunt_options o;
     ric_hunt_options_init(&o);
@@ -260,14 +275,15 @@ static const ric_prey *prey_of(const ric_hunt *h, int N, double period)
     return NULL;
 }
 
-/* Orbits whose words no start in double precision has, since it doubles its error fifty times in a period. Periods and
- * traces are those of Newton's method on all impacts with 60 digits. */
+/* Orbits whose words no start in double precision has, since it doubles its error fifty times in a
+ * period. Periods and traces are those of Newton's method on all impacts with 60 digits. */
 static void test_steep(void **state)
 {
     static const struct {
         int N;
         double period, trace;
-    } known[] = {{4, 17.43786268636519, -4.65357431139e14}, {7, 26.0682845412807, -9.75484272321e16}};
+    } known[] = {{4, 17.43786268636519, -4.65357431139e14},
+                 {7, 26.0682845412807, -9.75484272321e16}};
     ric_study *study = parse(TWO_MASSES);
     ric_hunt *h = hunt_words(ric_study_model(study), 2.5, 7, 10 * PI, 60);
     (void)state;
@@ -280,8 +296,8 @@ static void test_steep(void **state)
     ric_study_free(study);
 }
 
-/* What motions lead to is found by guesses of all times at once, for several structures (and, of the loose mass, one
- * orbit more); and the same again with the same seed. */
+/* What motions lead to is found by guesses of all times at once, for several structures (and, of
+ * the loose mass, one orbit more); and the same again with the same seed. */
 static void test_words(void **state)
 {
     static const char *const texts[] = {TWO_MASSES, TWO_WALLS, LOOSE_MASS};
@@ -298,7 +314,8 @@ static void test_words(void **state)
             assert_true(ric_hunt_find(words, flown->prey[k].N, flown->prey[k].hits, 1e-8) >= 0);
         assert_int_equal(words->n, again->n);
         for (int k = 0; k < words->n; k++) {
-            assert_memory_equal(words->prey[k].hits, again->prey[k].hits, (size_t)words->prey[k].N * sizeof(ric_hit));
+            assert_memory_equal(words->prey[k].hits, again->prey[k].hits,
+                                (size_t)words->prey[k].N * sizeof(ric_hit));
         }
         ric_hunt_free(flown);
         ric_hunt_free(words);
@@ -354,7 +371,8 @@ static void test_answers(void **unused)
         for (int k = 0; k < found.impacts; k++) period += flights[k];
         assert_true(fabs(period / found.period - 1) < 1e-12);
         assert_true(fabs(ric_model_energy(model, state, state + 2) / 5 - 1) < 1e-10);
-        assert_true(fabs(found.multipliers[0] + found.multipliers[2] - found.trace) <= 1e-14 * fabs(found.trace));
+        assert_true(fabs(found.multipliers[0] + found.multipliers[2] - found.trace) <=
+                    1e-14 * fabs(found.trace));
     }
     assert_int_equal(ric_hunt_found(h, ric_hunt_n_found(h), NULL, NULL, NULL, NULL), RIC_E_RANGE);
     ric_hunt_free(h);
@@ -381,8 +399,8 @@ static ric_comparison *compare(ric_hunt *h, const ric_atlas *atlas)
     if (ric_hunt_compare(h, atlas, &c)) fail_msg("%s", ric_detail());
     for (int i = 0; i < h->n; i++)
         if (c->findings[i].state == RIC_FOUND_UNEXPLAINED)
-            fail_msg("E %g: an orbit of %d impacts and period %.12g is not explained: %s", h->options.energy,
-                     h->prey[i].N, h->prey[i].period, c->findings[i].why);
+            fail_msg("E %g: an orbit of %d impacts and period %.12g is not explained: %s",
+                     h->options.energy, h->prey[i].N, h->prey[i].period, c->findings[i].why);
     return c;
 }
 
@@ -391,13 +409,16 @@ static void test_article(void **state)
 {
     static const double energies[] = {0.7, 1.5, 2.5, 5, 12};
     ric_atlas *atlas = explore_text(
-        TWO_MASSES "explore: {energy: [0, 40], frequency: [0.2, 10], impacts: 10, multiply: 4, depth: 0}\n");
+        TWO_MASSES
+        "explore: {energy: [0, 40], frequency: [0.2, 10], impacts: 10, multiply: 4, depth: 0}\n");
     (void)state;
     for (int e = 0; e < 5; e += every_of(4)) {
         ric_hunt *h = hunt(ric_atlas_model(atlas), energies[e], 6, 2 * PI / 0.2, 12, 20000);
         ric_comparison *c = compare(h, atlas);
-        print_message("E %g: %d of %d found again, %d found in all, %d beyond budgets, %d isolated\n", energies[e],
-                      c->n_again, c->n_atlas, h->n, count(h, c, RIC_FOUND_BUDGET), count(h, c, RIC_FOUND_ISOLATED));
+        print_message(
+            "E %g: %d of %d found again, %d found in all, %d beyond budgets, %d isolated\n",
+            energies[e], c->n_again, c->n_atlas, h->n, count(h, c, RIC_FOUND_BUDGET),
+            count(h, c, RIC_FOUND_ISOLATED));
         assert_true(c->n_atlas >= 10);
         assert_true(c->n_again >= 0.95 * c->n_atlas);
         assert_int_equal(c->n_atlas - c->n_again, c->n_missed);
@@ -407,12 +428,13 @@ static void test_article(void **state)
     ric_atlas_free(atlas);
 }
 
-/* An atlas of small depth lacks what lies beyond it, and the reason is named; said to have left everything, it would be
- * at fault. */
+/* An atlas of small depth lacks what lies beyond it, and the reason is named; said to have left
+ * everything, it would be at fault. */
 static void test_fault(void **state)
 {
     ric_atlas *atlas = explore_text(
-        TWO_MASSES "explore: {energy: [0, 40], frequency: [0.2, 10], impacts: 8, multiply: 2, depth: 1}\n");
+        TWO_MASSES
+        "explore: {energy: [0, 40], frequency: [0.2, 10], impacts: 8, multiply: 2, depth: 1}\n");
     ric_hunt *h = hunt(ric_atlas_model(atlas), 1.5, 4, 2 * PI / 0.2, 12, 20000);
     ric_comparison *c = compare(h, atlas);
     (void)state;
@@ -439,15 +461,20 @@ static void test_other_structures(void **state)
         double energy;
         int least;
     } cases[] = {
-        {TWO_WALLS "explore: {energy: [0, 20], frequency: [0.3, 10], impacts: 8, multiply: 4, depth: 0}\n", 3, 7},
-        {LOOSE_MASS "explore: {energy: [0.01, 20], frequency: [0.3, 10], impacts: 6, multiply: 2, depth: 0}\n", 3, 1},
+        {TWO_WALLS
+         "explore: {energy: [0, 20], frequency: [0.3, 10], impacts: 8, multiply: 4, depth: 0}\n",
+         3, 7},
+        {LOOSE_MASS
+         "explore: {energy: [0.01, 20], frequency: [0.3, 10], impacts: 6, multiply: 2, depth: 0}\n",
+         3, 1},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ric_atlas *atlas = explore_text(cases[i].text);
         ric_hunt *h = hunt(ric_atlas_model(atlas), cases[i].energy, 4, 2 * PI / 0.3, 20, 20000);
         ric_comparison *c = compare(h, atlas);
-        print_message("structure %zu: %d of %d found again, %d found in all\n", i + 1, c->n_again, c->n_atlas, h->n);
+        print_message("structure %zu: %d of %d found again, %d found in all\n", i + 1, c->n_again,
+                      c->n_atlas, h->n);
         assert_true(c->n_again >= 0.95 * c->n_atlas && h->n > 0);
         ric_comparison_free(c);
         ric_hunt_free(h);
@@ -458,10 +485,12 @@ static void test_other_structures(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_map),     cmocka_unit_test(test_refusals),         cmocka_unit_test(test_closed_forms),
-        cmocka_unit_test(test_answers), cmocka_unit_test(test_two_ways),         cmocka_unit_test(test_article),
-        cmocka_unit_test(test_fault),   cmocka_unit_test(test_other_structures), cmocka_unit_test(test_steep),
-        cmocka_unit_test(test_words),   cmocka_unit_test(test_stopped),
+        cmocka_unit_test(test_map),          cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_closed_forms), cmocka_unit_test(test_answers),
+        cmocka_unit_test(test_two_ways),     cmocka_unit_test(test_article),
+        cmocka_unit_test(test_fault),        cmocka_unit_test(test_other_structures),
+        cmocka_unit_test(test_steep),        cmocka_unit_test(test_words),
+        cmocka_unit_test(test_stopped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,8 +1,10 @@
-/* Junctions and backbones of random models against closed forms, from M and K by code that shares nothing with the
- * solver.
+/* Junctions and backbones of random models against closed forms, from M and K by code that shares
+ * nothing with the solver.
  *
- * One two-sided contact, clearance d, c_i = phi_i . b, tau = pi / omega the flight of S2[01]. Between its impacts
- *   s(t) / d = sum(c_i^2 sin(omega_i t) / (omega_i cos(omega_i tau/2))) / F,  F = sum(c_i^2 tan(omega_i tau/2) /
+ * One two-sided contact, clearance d, c_i = phi_i . b, tau = pi / omega the flight of S2[01].
+ * Between its impacts
+ *   s(t) / d = sum(c_i^2 sin(omega_i t) / (omega_i cos(omega_i tau/2))) / F,  F = sum(c_i^2
+ *   tan(omega_i tau/2) /
  * omega_i),  |t| < tau/2, and E / d^2 = sum(c_i^2 sec^2(omega_i tau/2)) / (2 F^2). */
 #include <complex.h>
 #include <math.h>
@@ -97,34 +99,37 @@ static int print_matrix(char *out, size_t size, const char *key, int n, const do
     for (int i = 0; i < n; i++) {
         used += snprintf(out + used, size - (size_t)used, "%s[", i ? ", " : "");
         for (int j = 0; j < n; j++)
-            used += snprintf(out + used, size - (size_t)used, "%s%.17g", j ? ", " : "", A[i * n + j]);
+            used += snprintf(out + used, size - (size_t)used, "%s%.17g", j ? ", " : "",
+                             A[i * n + j]);
         used += snprintf(out + used, size - (size_t)used, "]");
     }
     return used + snprintf(out + used, size - (size_t)used, "]\n");
 }
 
-static ric_atlas *explore(const structure *s, const char *sides, double energy, double slowest, double fastest,
-                          int impacts, int depth)
+static ric_atlas *explore(const structure *s, const char *sides, double energy, double slowest,
+                          double fastest, int impacts, int depth)
 {
     static char text[16384];
     size_t size = sizeof text;
     int used = snprintf(text, size, "model:\n");
     used += print_matrix(text + used, size - (size_t)used, "mass", s->n, s->M);
     used += print_matrix(text + used, size - (size_t)used, "stiffness", s->n, s->K);
-    used += snprintf(text + used, size - (size_t)used, "  contacts:\n    - {clearance: %.17g, sides: %s, normal: [",
-                     s->clearance, sides);
+    used += snprintf(text + used, size - (size_t)used,
+                     "  contacts:\n    - {clearance: %.17g, sides: %s, normal: [", s->clearance,
+                     sides);
     for (int i = 0; i < s->n; i++)
         used += snprintf(text + used, size - (size_t)used, "%s%.17g", i ? ", " : "", s->b[i]);
     snprintf(text + used, size - (size_t)used,
-             "]}\nexplore: {energy: [0, %.17g], frequency: [%.17g, %.17g], impacts: %d, multiply: 2, depth: %d}\n",
+             "]}\nexplore: {energy: [0, %.17g], frequency: [%.17g, %.17g], impacts: %d, multiply: "
+             "2, depth: %d}\n",
              energy, slowest, fastest, impacts, depth);
     return explore_text(text);
 }
 
 /* ------------------------------------------------------------- closed forms */
 
-/* Energy of S2[01] at frequency omega; analytic in omega, so that an imaginary step gives its derivative without
- * cancellation. */
+/* Energy of S2[01] at frequency omega; analytic in omega, so that an imaginary step gives its
+ * derivative without cancellation. */
 static double complex s2_energy(const structure *s, double complex omega)
 {
     double complex top = 0, F = 0;
@@ -168,17 +173,19 @@ static double conditioning(closed_form *E, const structure *s, double omega)
     return 1 + size / fabs(sum) + fabs(omega * slope_of(E, s, omega) / creal(E(s, omega)));
 }
 
-static void check_energy(closed_form *E, const structure *s, double omega, double energy, const char *where)
+static void check_energy(closed_form *E, const structure *s, double omega, double energy,
+                         const char *where)
 {
     double closed = creal(E(s, omega)), allowed = 1e-12 * conditioning(E, s, omega);
     if (!(fabs(energy - closed) <= allowed * fabs(closed)))
-        fail_msg("%s: omega %.15g: E %.15g, closed form %.15g, off by %.3g of %.3g allowed", where, omega, energy,
-                 closed, fabs(energy - closed) / closed, allowed);
+        fail_msg("%s: omega %.15g: E %.15g, closed form %.15g, off by %.3g of %.3g allowed", where,
+                 omega, energy, closed, fabs(energy - closed) / closed, allowed);
 }
 
-/* Branch points of S2[01], T = 2 pi / omega, and the derivative over omega. kind 0: impulses of different size, equal
- * flights, sum (c_i^2 / omega_i) cot(omega_i T/4) = 0. Kind 1: equal impulses, different flights: sum K' = 0 of the
- * impulse form must have a free second time, K''(T/2) = 0 or sum c_i^2 omega_i / sin(omega_i T/2) = 0. */
+/* Branch points of S2[01], T = 2 pi / omega, and the derivative over omega. kind 0: impulses of
+ * different size, equal flights, sum (c_i^2 / omega_i) cot(omega_i T/4) = 0. Kind 1: equal
+ * impulses, different flights: sum K' = 0 of the impulse form must have a free second time,
+ * K''(T/2) = 0 or sum c_i^2 omega_i / sin(omega_i T/2) = 0. */
 static double branching(const structure *s, int kind, double omega, double *slope)
 {
     double sum = 0, d = 0;
@@ -196,7 +203,8 @@ static double branching(const structure *s, int kind, double omega, double *slop
     return sum;
 }
 
-/* Gap coordinate of S2[01] between impacts, -tau/2 < t < tau/2, over the clearance; and its derivative. */
+/* Gap coordinate of S2[01] between impacts, -tau/2 < t < tau/2, over the clearance; and its
+ * derivative. */
 static double s2_gap(const structure *s, double omega, double t, double *slope)
 {
     double sum = 0, d = 0, F = 0;
@@ -210,7 +218,8 @@ static double s2_gap(const structure *s, double omega, double t, double *slope)
     return sum / F;
 }
 
-/* Largest |s| at stationary points in flight, 0 if there is none; `touches`: how many in one flight reach 1. */
+/* Largest |s| at stationary points in flight, 0 if there is none; `touches`: how many in one flight
+ * reach 1. */
 static double s2_reach(const structure *s, double omega, int *touches)
 {
     int steps = 2000;
@@ -263,13 +272,14 @@ static void check_linear(const structure *s, const ric_junction *j, const char *
         double E = s->omega[i] * s->omega[i] / (2 * s->c[i] * s->c[i]);
         if (fabs(j->frequency - s->omega[i]) > 1e-9 * s->omega[i]) continue;
         if (!(fabs(j->energy - E) <= 1e-12 * E))
-            fail_msg("%s: linear grazing of mode %d at %.15g, not %.15g", where, i + 1, j->energy, E);
+            fail_msg("%s: linear grazing of mode %d at %.15g, not %.15g", where, i + 1, j->energy,
+                     E);
         count->linear++;
     }
 }
 
-static void check_s2_junction(const structure *s, const ric_branch *b, const ric_junction *j, const char *where,
-                              tally *count)
+static void check_s2_junction(const structure *s, const ric_branch *b, const ric_junction *j,
+                              const char *where, tally *count)
 {
     double omega = j->frequency, slope;
     int touches;
@@ -278,7 +288,8 @@ static void check_s2_junction(const structure *s, const ric_branch *b, const ric
     check_energy(s2_energy, s, omega, j->energy, where);
     if (j->kind == RIC_KIND_EXTREMUM) {
         double h = 1e-5 * omega, E1 = slope_of(s2_energy, s, omega);
-        double E2 = (slope_of(s2_energy, s, omega + h) - slope_of(s2_energy, s, omega - h)) / (2 * h);
+        double E2 = (slope_of(s2_energy, s, omega + h) - slope_of(s2_energy, s, omega - h)) /
+                    (2 * h);
         if (!(fabs(E1 / E2) <= 1e-10 * omega))
             fail_msg("%s: extremum of E at omega %.15g, off by %.3g", where, omega, E1 / E2);
         assert_true(j->a == 3 && j->b == 1);
@@ -290,21 +301,24 @@ static void check_s2_junction(const structure *s, const ric_branch *b, const ric
             off[kind] = fabs(off[kind] / slope);
         }
         if (!(fmin(off[0], off[1]) <= 1e-10 * omega))
-            fail_msg("%s: branch point at omega %.15g, off by %.3g and %.3g", where, omega, off[0], off[1]);
-        if (j->a != 3 || j->b != 2) fail_msg("%s: branch point at omega %.15g: C_%d%d", where, omega, j->a, j->b);
+            fail_msg("%s: branch point at omega %.15g, off by %.3g and %.3g", where, omega, off[0],
+                     off[1]);
+        if (j->a != 3 || j->b != 2)
+            fail_msg("%s: branch point at omega %.15g: C_%d%d", where, omega, j->a, j->b);
         count->branch_points[off[1] < off[0]]++;
     } else if (j->kind == RIC_KIND_GRAZING) {
         double reach = s2_reach(s, omega, &touches);
         if (!(fabs(reach - 1) <= 1e-10))
             fail_msg("%s: grazing at omega %.15g, but the gap opens to %.15g", where, omega, reach);
         if (j->grazings != 2 * touches)
-            fail_msg("%s: grazing at omega %.15g with p = %d, %d touches a flight", where, omega, j->grazings, touches);
+            fail_msg("%s: grazing at omega %.15g with p = %d, %d touches a flight", where, omega,
+                     j->grazings, touches);
         count->grazings++;
     }
 }
 
-/* Zeros of dE/domega (kind -1) or of a branching equation strictly between two frequencies, from the closed forms;
- * poles do not count. */
+/* Zeros of dE/domega (kind -1) or of a branching equation strictly between two frequencies, from
+ * the closed forms; poles do not count. */
 static int count_zeros(const structure *s, int kind, double lo, double hi)
 {
     int steps = 6000, zeros = 0;
@@ -312,15 +326,16 @@ static int count_zeros(const structure *s, int kind, double lo, double hi)
     for (int k = 0; k <= steps; k++) {
         double omega = lo + (hi - lo) * (1e-6 + (1 - 2e-6) * k / steps);
         double value = kind < 0 ? slope_of(s2_energy, s, omega) : branching(s, kind, omega, &slope);
-        for (int i = 0; i < s->n && kind >= 0; i++) value *= sin(s->omega[i] * PI / ((kind ? 1 : 2) * omega));
+        for (int i = 0; i < s->n && kind >= 0; i++)
+            value *= sin(s->omega[i] * PI / ((kind ? 1 : 2) * omega));
         zeros += k > 0 && value * before < 0;
         before = value;
     }
     return zeros;
 }
 
-static void check_s2_branch(const structure *s, const ric_atlas *atlas, const ric_branch *b, const char *where,
-                            tally *count)
+static void check_s2_branch(const structure *s, const ric_atlas *atlas, const ric_branch *b,
+                            const char *where, tally *count)
 {
     int extrema = 0, branch_points = 0, touches;
     for (int i = 0; i < b->n_point; i++) {
@@ -328,15 +343,18 @@ static void check_s2_branch(const structure *s, const ric_atlas *atlas, const ri
         double state[2 * MAX_N], flights[2];
         assert_int_equal(ric_atlas_point(atlas, b->id, i, &p, state, flights), RIC_OK);
         bool linear = false; /* 0/0 in the closed form */
-        for (int k = 0; k < s->n; k++) linear = linear || fabs(p.frequency / s->omega[k] - 1) < 1e-6;
+        for (int k = 0; k < s->n; k++)
+            linear = linear || fabs(p.frequency / s->omega[k] - 1) < 1e-6;
         if (linear) continue;
         check_energy(s2_energy, s, p.frequency, p.energy, where);
         assert_true(fabs(flights[0] - PI / p.frequency) <= 1e-13 * flights[0] &&
                     fabs(flights[1] - flights[0]) <= 1e-13 * flights[0]);
         if (s->n == 2) {
-            double reach = s2_reach(s, p.frequency, &touches), stored = isnan(p.reach) ? 0 : p.reach;
+            double reach = s2_reach(s, p.frequency, &touches),
+                   stored = isnan(p.reach) ? 0 : p.reach;
             if (!(fabs(reach - stored) <= 1e-9))
-                fail_msg("%s: omega %.15g: reach %.12g, closed form %.12g", where, p.frequency, p.reach, reach);
+                fail_msg("%s: omega %.15g: reach %.12g, closed form %.12g", where, p.frequency,
+                         p.reach, reach);
         }
         count->points++;
     }
@@ -356,11 +374,13 @@ static void check_s2_branch(const structure *s, const ric_atlas *atlas, const ri
     }
     /* none is missed: omega grows along a backbone */
     int expected = count_zeros(s, -1, b->frequency_min, b->frequency_max);
-    if (extrema != expected) fail_msg("%s: %d extrema, %d zeros of dE/domega", where, extrema, expected);
+    if (extrema != expected)
+        fail_msg("%s: %d extrema, %d zeros of dE/domega", where, extrema, expected);
     expected = count_zeros(s, 0, b->frequency_min, b->frequency_max) +
                count_zeros(s, 1, b->frequency_min, b->frequency_max);
     if (branch_points != expected)
-        fail_msg("%s: %d branch points, %d zeros of the branching equation", where, branch_points, expected);
+        fail_msg("%s: %d branch points, %d zeros of the branching equation", where, branch_points,
+                 expected);
 }
 
 static void junctions_of_two_masses(void **state)
@@ -375,24 +395,29 @@ static void junctions_of_two_masses(void **state)
             ric_junction j;
             assert_int_equal(ric_atlas_junction(atlas, id, &j), RIC_OK);
             char where[80];
-            snprintf(where, sizeof where, "seed %llu, junction %d %s", (unsigned long long)seed, id, j.label);
-            if (j.impacts == 0 && j.kind == RIC_KIND_GRAZING && j.multiple == 1) check_linear(&s, &j, where, &count);
+            snprintf(where, sizeof where, "seed %llu, junction %d %s", (unsigned long long)seed, id,
+                     j.label);
+            if (j.impacts == 0 && j.kind == RIC_KIND_GRAZING && j.multiple == 1)
+                check_linear(&s, &j, where, &count);
         }
         if (count.linear - linear != 2)
-            fail_msg("seed %llu: %d linear grazings", (unsigned long long)seed, count.linear - linear);
+            fail_msg("seed %llu: %d linear grazings", (unsigned long long)seed,
+                     count.linear - linear);
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
             ric_branch b;
             char where[80];
             assert_int_equal(ric_atlas_branch(atlas, id, &b), RIC_OK);
-            snprintf(where, sizeof where, "seed %llu, branch %d %s", (unsigned long long)seed, id, b.label);
+            snprintf(where, sizeof where, "seed %llu, branch %d %s", (unsigned long long)seed, id,
+                     b.label);
             if (b.stop == RIC_STOP_FAILED) fail_msg("%s: %s", where, b.why);
             if (is_s2(&b)) check_s2_branch(&s, atlas, &b, where, &count);
         }
         ric_atlas_free(atlas);
     }
-    print_message("# %d extrema, %d + %d branch points, %d grazings of S2, %d linear grazings, %d points\n",
-                  count.extrema, count.branch_points[0], count.branch_points[1], count.grazings, count.linear,
-                  count.points);
+    print_message(
+        "# %d extrema, %d + %d branch points, %d grazings of S2, %d linear grazings, %d points\n",
+        count.extrema, count.branch_points[0], count.branch_points[1], count.grazings, count.linear,
+        count.points);
     assert_true(count.extrema >= 20 && count.branch_points[0] >= 5 && count.branch_points[1] >= 1 &&
                 count.grazings >= 5 && count.linear == 40);
 }
@@ -408,8 +433,10 @@ static void backbones(void **state)
             uint64_t seed = 1000u * (uint64_t)n + (uint64_t)trial;
             structure s = random_structure(seed, n);
             double window = 0;
-            for (int i = 0; i < n; i++) window = fmax(window, 2 * s.omega[i] * s.omega[i] / (s.c[i] * s.c[i]));
-            ric_atlas *atlas = explore(&s, "both", window, 0.5 * s.omega[0], 2 * s.omega[n - 1], 2, 1);
+            for (int i = 0; i < n; i++)
+                window = fmax(window, 2 * s.omega[i] * s.omega[i] / (s.c[i] * s.c[i]));
+            ric_atlas *atlas = explore(&s, "both", window, 0.5 * s.omega[0], 2 * s.omega[n - 1], 2,
+                                       1);
             int backbones = 0, linear = count.linear;
             for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
                 ric_junction j;
@@ -422,18 +449,19 @@ static void backbones(void **state)
                 ric_branch b;
                 char where[80];
                 assert_int_equal(ric_atlas_branch(atlas, id, &b), RIC_OK);
-                snprintf(where, sizeof where, "seed %llu, n = %d, branch %d %s", (unsigned long long)seed, n, id,
-                         b.label);
+                snprintf(where, sizeof where, "seed %llu, n = %d, branch %d %s",
+                         (unsigned long long)seed, n, id, b.label);
                 if (b.stop == RIC_STOP_FAILED) fail_msg("%s: %s", where, b.why);
                 if (!is_s2(&b)) continue;
                 check_s2_branch(&s, atlas, &b, where, &count);
                 backbones++;
             }
-            if (backbones < 1) fail_msg("seed %llu, n = %d: no backbone", (unsigned long long)seed, n);
+            if (backbones < 1)
+                fail_msg("seed %llu, n = %d: no backbone", (unsigned long long)seed, n);
             ric_atlas_free(atlas);
         }
-    print_message("# %d points, %d extrema, %d + %d branch points, %d grazings\n", count.points, count.extrema,
-                  count.branch_points[0], count.branch_points[1], count.grazings);
+    print_message("# %d points, %d extrema, %d + %d branch points, %d grazings\n", count.points,
+                  count.extrema, count.branch_points[0], count.branch_points[1], count.grazings);
     assert_true(count.points > 500);
 }
 
@@ -447,7 +475,8 @@ static void one_mass(void **state)
             static const char *const sides[3] = {"both", "upper", "lower"};
             structure s = random_structure(seed, 1);
             double E0 = s.omega[0] * s.omega[0] / (2 * s.c[0] * s.c[0]);
-            ric_atlas *atlas = explore(&s, sides[sided], 50 * E0, 0.1 * s.omega[0], 20 * s.omega[0], 12, 5);
+            ric_atlas *atlas = explore(&s, sides[sided], 50 * E0, 0.1 * s.omega[0], 20 * s.omega[0],
+                                       12, 5);
             if (ric_atlas_n_branch(atlas) != 2)
                 fail_msg("seed %llu, %s: %d branches", (unsigned long long)seed, sides[sided],
                          ric_atlas_n_branch(atlas));
@@ -458,15 +487,16 @@ static void one_mass(void **state)
             if (strncmp(b.label, sided ? "A1" : "S2", 2) || b.impacts != (sided ? 1 : 2))
                 fail_msg("seed %llu, %s: %s", (unsigned long long)seed, sides[sided], b.label);
             if (b.stop != RIC_STOP_WINDOW || b.n_junction)
-                fail_msg("seed %llu, %s: %s stops: %s (%s), passes %d", (unsigned long long)seed, sides[sided], b.label,
-                         ric_stop_text(b.stop), b.why, b.n_junction);
+                fail_msg("seed %llu, %s: %s stops: %s (%s), passes %d", (unsigned long long)seed,
+                         sides[sided], b.label, ric_stop_text(b.stop), b.why, b.n_junction);
             for (int i = 0; i < b.n_point; i++) {
                 ric_point p;
                 double x[2], tau[2];
                 assert_int_equal(ric_atlas_point(atlas, 2, i, &p, x, tau), RIC_OK);
                 assert_int_equal(p.stable, RIC_STABLE_YES);
                 if (fabs(p.frequency / s.omega[0] - 1) > 1e-6)
-                    check_energy(sided ? a1_energy : s2_energy, &s, p.frequency, p.energy, sides[sided]);
+                    check_energy(sided ? a1_energy : s2_energy, &s, p.frequency, p.energy,
+                                 sides[sided]);
             }
             int singles = 0;
             for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
@@ -493,20 +523,23 @@ static void one_sided(void **state)
         int n = 1 + (int)(seed % 6);
         structure s = random_structure(seed, n);
         double window = 0;
-        for (int i = 0; i < n; i++) window = fmax(window, 2 * s.omega[i] * s.omega[i] / (s.c[i] * s.c[i]));
+        for (int i = 0; i < n; i++)
+            window = fmax(window, 2 * s.omega[i] * s.omega[i] / (s.c[i] * s.c[i]));
         ric_atlas *atlas = explore(&s, "upper", window, 0.5 * s.omega[0], 4 * s.omega[n - 1], 1, 1);
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
             ric_branch b;
             char where[80];
             assert_int_equal(ric_atlas_branch(atlas, id, &b), RIC_OK);
-            snprintf(where, sizeof where, "seed %llu, n = %d, branch %d %s", (unsigned long long)seed, n, id, b.label);
+            snprintf(where, sizeof where, "seed %llu, n = %d, branch %d %s",
+                     (unsigned long long)seed, n, id, b.label);
             if (b.stop == RIC_STOP_FAILED) fail_msg("%s: %s", where, b.why);
             for (int i = 0; i < b.n_point && b.impacts == 1; i++) {
                 ric_point p;
                 double state_[2 * MAX_N], tau[2];
                 bool linear = false;
                 assert_int_equal(ric_atlas_point(atlas, id, i, &p, state_, tau), RIC_OK);
-                for (int k = 0; k < n; k++) linear = linear || fabs(remainder(s.omega[k] / p.frequency, 1)) < 1e-6;
+                for (int k = 0; k < n; k++)
+                    linear = linear || fabs(remainder(s.omega[k] / p.frequency, 1)) < 1e-6;
                 if (linear) continue;
                 check_energy(a1_energy, &s, p.frequency, p.energy, where);
                 points++;

@@ -1,9 +1,11 @@
-/* Orbits of explored atlases against the impulse form, a second formulation that shares only the modes, which are
- * computed here.
+/* Orbits of explored atlases against the impulse form, a second formulation that shares only the
+ * modes, which are computed here.
  *
- * An orbit of period T with momenta J_k exchanged along the normals b_k at times t_k is q_i(t) = sum_k J_k c_ki
- * G_i(t - t_k), G_i(s) = cos(omega_i (s - T/2)) / (2 omega_i sin(omega_i T/2)) for 0 <= s < T. With K_fg = sum_i c_fi
- * c_gi G_i:   sum_k J_k K(t_j - t_k) = +-d_j               every impact is on its face
+ * An orbit of period T with momenta J_k exchanged along the normals b_k at times t_k is q_i(t) =
+ * sum_k J_k c_ki
+ * G_i(t - t_k), G_i(s) = cos(omega_i (s - T/2)) / (2 omega_i sin(omega_i T/2)) for 0 <= s < T. With
+ * K_fg = sum_i c_fi c_gi G_i:   sum_k J_k K(t_j - t_k) = +-d_j               every impact is on its
+ *                               face
  *   sum_{k != j} J_k K'(t_j - t_k) = 0           the speed turns round
  * For z(t+T/2) = -z(t) the same over half a period h = T/2 with G_i(s) = sin(omega_i (s - h/2)) /
  * (2 omega_i cos(omega_i h/2)). */
@@ -60,9 +62,10 @@ typedef struct {
     double T, t[MAX_IMPACT], J[MAX_IMPACT], r[MAX_IMPACT];
 } impulses;
 
-/* Times and impulses along an orbit, flown in modal coordinates from the state after impact 0 with the flight times
- * given. */
-static impulses collect(const modes *m, int N, const int *word, const double *state, const double *flights)
+/* Times and impulses along an orbit, flown in modal coordinates from the state after impact 0 with
+ * the flight times given. */
+static impulses collect(const modes *m, int N, const int *word, const double *state,
+                        const double *flights)
 {
     impulses out = {.N = N};
     int n = m->n;
@@ -101,11 +104,11 @@ static impulses collect(const modes *m, int N, const int *word, const double *st
     return out;
 }
 
-/* The two equations of impact j with kernels of period T (sign 1), or of half a period h = T that changes sign
- * (sign -1). *scale, *slope_scale: what a relative error of 1 in the flight times and impulses would make of each
- * sum. */
-static void equations(const modes *m, const impulses *o, int N, double T, int sign, int j, double *gap, double *scale,
-                      double *slope, double *slope_scale)
+/* The two equations of impact j with kernels of period T (sign 1), or of half a period h = T that
+ * changes sign (sign -1). *scale, *slope_scale: what a relative error of 1 in the flight times and
+ * impulses would make of each sum. */
+static void equations(const modes *m, const impulses *o, int N, double T, int sign, int j,
+                      double *gap, double *scale, double *slope, double *slope_scale)
 {
     *gap = *scale = *slope = *slope_scale = 0;
     for (int k = 0; k < N; k++) {
@@ -115,9 +118,10 @@ static void equations(const modes *m, const impulses *o, int N, double T, int si
             turn = sign;
         }
         for (int i = 0; i < m->n; i++) {
-            double w = m->omega[i], x = w * (s - T / 2), denominator = sign > 0 ? sin(w * T / 2) : cos(w * T / 2);
-            double factor = turn * o->J[k] * m->c[o->contact[j] * m->n + i] * m->c[o->contact[k] * m->n + i] /
-                            (2 * denominator);
+            double w = m->omega[i], x = w * (s - T / 2),
+                   denominator = sign > 0 ? sin(w * T / 2) : cos(w * T / 2);
+            double factor = turn * o->J[k] * m->c[o->contact[j] * m->n + i] *
+                            m->c[o->contact[k] * m->n + i] / (2 * denominator);
             double G = sign > 0 ? cos(x) : sin(x), D = sign > 0 ? -sin(x) : cos(x),
                    spread = 1 + w * T * (1 + 1 / fabs(denominator));
             *gap += factor * G / w;
@@ -141,20 +145,21 @@ static void check_orbit(const modes *m, const impulses *o, bool symmetric, const
             equations(m, o, N, T, form ? -1 : 1, j, &gap, &scale, &slope, &slope_scale);
             if (!(scale < 1e9)) return; /* next to a linear grazing: 0/0 */
             if (!(fabs(gap - o->r[j]) <= 1e-11 * (1 + scale)))
-                fail_msg("%s, form %d: impact %d: gap %.15g, not %.15g, condition %.3g", where, form, j, gap, o->r[j],
-                         scale);
+                fail_msg("%s, form %d: impact %d: gap %.15g, not %.15g, condition %.3g", where,
+                         form, j, gap, o->r[j], scale);
             if (!(fabs(slope) <= 1e-11 * (1 + slope_scale)))
-                fail_msg("%s, form %d: impact %d: sum of J K' = %.3g, condition %.3g", where, form, j, slope,
-                         slope_scale);
-            worst = fmax(worst, fmax(fabs(gap - o->r[j]) / (1 + scale), fabs(slope) / (1 + slope_scale)));
+                fail_msg("%s, form %d: impact %d: sum of J K' = %.3g, condition %.3g", where, form,
+                         j, slope, slope_scale);
+            worst = fmax(worst,
+                         fmax(fabs(gap - o->r[j]) / (1 + scale), fabs(slope) / (1 + slope_scale)));
         }
     }
     checked++;
 }
 
 /* Impulses that the simulator reports over one period of a stable orbit. */
-static int check_simulator(const ric_model *model, const impulses *o, const int *word, const double *state,
-                           const char *where)
+static int check_simulator(const ric_model *model, const impulses *o, const int *word,
+                           const double *state, const char *where)
 {
     ric_simulator *sim = NULL;
     int n = ric_model_n_dof(model), seen = 0;
@@ -163,13 +168,15 @@ static int check_simulator(const ric_model *model, const impulses *o, const int 
     assert_int_equal(ric_simulator_create(model, &sim), RIC_OK);
     if (ric_simulator_start(sim, state, state + n)) fail_msg("%s: %s", where, ric_detail());
     while (hit) {
-        if (ric_simulator_advance(sim, o->T * (1 + 1e-9), &hit, &impact)) fail_msg("%s: %s", where, ric_detail());
+        if (ric_simulator_advance(sim, o->T * (1 + 1e-9), &hit, &impact))
+            fail_msg("%s: %s", where, ric_detail());
         if (!hit || impact.approach < 1e-9) continue;
         int k = ++seen % o->N;
         if (impact.face != word[k] || fabs(impact.time - (k ? o->t[k] : o->T)) > 1e-8 * o->T ||
             fabs(fabs(impact.impulse) - fabs(o->J[k])) > 1e-7 * (1 + fabs(o->J[k])))
-            fail_msg("%s: impact %d: face %d at %.12g, impulse %.12g, not face %d at %.12g, %.12g", where, seen,
-                     impact.face, impact.time, impact.impulse, word[k], o->t[k], o->J[k]);
+            fail_msg("%s: impact %d: face %d at %.12g, impulse %.12g, not face %d at %.12g, %.12g",
+                     where, seen, impact.face, impact.time, impact.impulse, word[k], o->t[k],
+                     o->J[k]);
     }
     ric_simulator_free(sim);
     if (seen != o->N) fail_msg("%s: %d impacts in a period, not %d", where, seen, o->N);
@@ -197,7 +204,8 @@ static void check_atlas(const ric_study *study, const char *name, int at_least)
             double state[2 * MAX_N], flights[MAX_IMPACT];
             char where[96];
             assert_int_equal(ric_atlas_point(atlas, id, i, &p, state, flights), RIC_OK);
-            snprintf(where, sizeof where, "%s, branch %d %s, point %d, E %.6g", name, id, b.label, i, p.energy);
+            snprintf(where, sizeof where, "%s, branch %d %s, point %d, E %.6g", name, id, b.label,
+                     i, p.energy);
             impulses o = collect(&m, b.impacts, b.word, state, flights);
             assert_true(fabs(o.T * p.frequency / 6.283185307179586 - 1) <= 1e-13 * b.impacts);
             check_orbit(&m, &o, b.symmetric, where);
@@ -210,7 +218,8 @@ static void check_atlas(const ric_study *study, const char *name, int at_least)
         ric_point p;
         double state[2 * MAX_N], flights[MAX_IMPACT];
         int word[MAX_IMPACT];
-        if (ric_orbit_find(atlas, id, RIC_AT_ENERGY, 0.37 * b.energy_min + 0.63 * b.energy_max, &count, &orbits))
+        if (ric_orbit_find(atlas, id, RIC_AT_ENERGY, 0.37 * b.energy_min + 0.63 * b.energy_max,
+                           &count, &orbits))
             fail_msg("%s: branch %d: %s", name, id, ric_detail());
         for (int k = 0; k < count; k++) {
             char where[96];
@@ -222,8 +231,9 @@ static void check_atlas(const ric_study *study, const char *name, int at_least)
         if (b.energy_max > b.energy_min * (1 + 1e-6)) assert_true(count > 0);
         ric_orbits_free(count, orbits);
     }
-    print_message("# %s: %d branches, %d orbits, %d of them simulated, worst %.2g of the condition\n", name, branches,
-                  checked, simulated, worst);
+    print_message(
+        "# %s: %d branches, %d orbits, %d of them simulated, worst %.2g of the condition\n", name,
+        branches, checked, simulated, worst);
     assert_true(checked >= at_least);
     ric_atlas_free(atlas);
     ric_graph_free(graph);
@@ -257,7 +267,8 @@ static void random_models(void **state)
             mass[i] = uniform(0.6, 2);
             used += snprintf(text + used, size - (size_t)used, "%s[", i ? ", " : "");
             for (int j = 0; j < n; j++)
-                used += snprintf(text + used, size - (size_t)used, "%s%.17g", j ? ", " : "", i == j ? mass[i] : 0.0);
+                used += snprintf(text + used, size - (size_t)used, "%s%.17g", j ? ", " : "",
+                                 i == j ? mass[i] : 0.0);
             used += snprintf(text + used, size - (size_t)used, "]");
         }
         used += snprintf(text + used, size - (size_t)used, "]\n  stiffness: [");
@@ -272,8 +283,9 @@ static void random_models(void **state)
         }
         used += snprintf(text + used, size - (size_t)used, "]\n  contacts:\n");
         for (int f = 0; f < 1 + two; f++) {
-            used += snprintf(text + used, size - (size_t)used, "    - {clearance: %.17g, sides: %s, normal: [",
-                             uniform(0.5, 2), seed % 3 == 0 && f == 0 ? "upper" : "both");
+            used += snprintf(text + used, size - (size_t)used,
+                             "    - {clearance: %.17g, sides: %s, normal: [", uniform(0.5, 2),
+                             seed % 3 == 0 && f == 0 ? "upper" : "both");
             for (int j = 0; j < n; j++)
                 used += snprintf(text + used, size - (size_t)used, "%s%d", j ? ", " : "",
                                  f == 0 ? (j == 1) - (j == 0) : j == n - 1);
@@ -290,6 +302,7 @@ static void random_models(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(two_masses), cmocka_unit_test(random_models)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(two_masses),
+                                       cmocka_unit_test(random_models)};
     return cmocka_run_group_tests_name("impulse", tests, NULL, NULL);
 }

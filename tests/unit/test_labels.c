@@ -17,7 +17,8 @@
 enum { LARGEST = 64, WANTED = 8 };
 
 /* The orbit of a node as often as it is multiplied, in the general form and plain. */
-static ric_shooting *chain_of(const ric_model *m, const ric_periodic *cycle, int multiple, double **u)
+static ric_shooting *chain_of(const ric_model *m, const ric_periodic *cycle, int multiple,
+                              double **u)
 {
     ric_shooting *chain = NULL;
     ric_periodic *whole = ric_periodic_repeat(cycle, multiple);
@@ -42,7 +43,8 @@ static int dense(ric_shooting *chain, const double *u, double **out)
     assert_int_equal(ric_shooting_jacobian(chain, u, G), unknowns);
     for (int k = 0; k < N; k++) T += u[2 * n + k];
     for (int r = 0; r < unknowns; r++) {
-        const double *g = G + (size_t)(r < 2 * n ? N + r : r - 2 * n) * unknowns; /* G: conditions, then closure */
+        const double *g = G + (size_t)(r < 2 * n ? N + r : r - 2 * n) *
+                                  unknowns; /* G: conditions, then closure */
         double *row = J + (size_t)r * size;
         memcpy(row, g, 2 * (size_t)n * sizeof *row);
         for (int k = 2 * n; k < unknowns; k++) {
@@ -81,7 +83,8 @@ static void to_hessenberg(int size, long double *A)
     }
 }
 
-/* The first coefficients of det(A - x I), [WANTED + 1], by the recurrence of Hessenberg matrices (La Budde). */
+/* The first coefficients of det(A - x I), [WANTED + 1], by the recurrence of Hessenberg matrices
+ * (La Budde). */
 static void characteristic(int size, const double *J, long double *out)
 {
     long double *A = calloc((size_t)size * size, sizeof *A);
@@ -92,7 +95,8 @@ static void characteristic(int size, const double *J, long double *out)
     p[0][0] = 1;
     for (int k = 0; k < size; k++) {
         long double product = 1;
-        for (int d = 0; d <= WANTED; d++) p[k + 1][d] = A[k * size + k] * p[k][d] - (d > 0 ? p[k][d - 1] : 0);
+        for (int d = 0; d <= WANTED; d++)
+            p[k + 1][d] = A[k * size + k] * p[k][d] - (d > 0 ? p[k][d - 1] : 0);
         for (int back = 1; back <= k; back++) {
             int i = k - back;
             product *= -A[(i + 1) * size + i];
@@ -104,7 +108,8 @@ static void characteristic(int size, const double *J, long double *out)
     free(p);
 }
 
-/* Logarithms of the moduli of the WANTED least roots, as the Newton polygon of the coefficients has them. */
+/* Logarithms of the moduli of the WANTED least roots, as the Newton polygon of the coefficients has
+ * them. */
 static void least_roots(const long double *p, double *log_root)
 {
     double height[WANTED + 1];
@@ -112,14 +117,15 @@ static void least_roots(const long double *p, double *log_root)
     for (int i = 0; i < WANTED;) {
         int next = i + 1;
         for (int j = i + 1; j <= WANTED; j++)
-            if ((height[j] - height[i]) * (next - i) >= (height[next] - height[i]) * (j - i)) next = j;
+            if ((height[j] - height[i]) * (next - i) >= (height[next] - height[i]) * (j - i))
+                next = j;
         for (int k = i; k < next; k++) log_root[k] = (height[i] - height[next]) / (next - i);
         i = next;
     }
 }
 
-/* As many roots as the label says lie near 0, and the next one at a hundred times their distance. At less than that,
- * but ten times, the dense matrix does not tell: false. */
+/* As many roots as the label says lie near 0, and the next one at a hundred times their distance.
+ * At less than that, but ten times, the dense matrix does not tell: false. */
 static bool check_dense(const ric_model *m, const ric_node *node, int a, int b)
 {
     double *u, *J, root[WANTED];
@@ -129,9 +135,10 @@ static bool check_dense(const ric_model *m, const ric_node *node, int a, int b)
     characteristic(size, J, p);
     least_roots(p, root);
     if (!(root[a] - root[a - 1] > 1) || root[a - 1] > -2)
-        fail_msg("%s at E %.15g, %d events, multiple %d: C_%d%d, but roots of 10^%.1f, %.1f, %.1f, %.1f, %.1f",
-                 ric_kind_text(node->kind), node->energy, node->cycle->N, node->multiple, a, b, root[0], root[1],
-                 root[2], root[3], root[4]);
+        fail_msg("%s at E %.15g, %d events, multiple %d: C_%d%d, but roots of 10^%.1f, %.1f, %.1f, "
+                 "%.1f, %.1f",
+                 ric_kind_text(node->kind), node->energy, node->cycle->N, node->multiple, a, b,
+                 root[0], root[1], root[2], root[3], root[4]);
     free(J);
     free(u);
     ric_shooting_free(chain);
@@ -171,23 +178,29 @@ static void measure_all(const char *text, tally *t)
     ric_study_free(study);
 }
 
-#define TWO_MASSES                                                                                                     \
-    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"                                 \
+#define TWO_MASSES                                                                                 \
+    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"             \
     "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
 
-/* The article's structure: C_31, C_32 on S orbits, C_21, C_22 on A orbits, C_33 at multiplications, C_22 at doublings
- * of A orbits. Orbits of 14 impacts, whose eigenvalue 0 stands clear, but ranks of powers of J do not tell. */
+/* The article's structure: C_31, C_32 on S orbits, C_21, C_22 on A orbits, C_33 at multiplications,
+ * C_22 at doublings of A orbits. Orbits of 14 impacts, whose eigenvalue 0 stands clear, but ranks
+ * of powers of J do not tell. */
 static void two_masses(void **state)
 {
     (void)state;
     tally t = {0};
-    measure_all(TWO_MASSES "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 14, depth: 4}\n", &t);
+    measure_all(TWO_MASSES
+                "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 14, depth: 4}\n",
+                &t);
     printf("# %d labels, %d decided, %d checked\n", t.all, t.decided, t.checked);
     assert_int_equal(t.decided, t.all);
-    assert_true(t.all >= 40 && t.kinds[3][1] > 0 && t.kinds[3][2] > 0 && t.kinds[2][1] > 0 && t.kinds[2][2] > 0 &&
-                t.kinds[3][3] > 0);
+    assert_true(t.all >= 40 && t.kinds[3][1] > 0 && t.kinds[3][2] > 0 && t.kinds[2][1] > 0 &&
+                t.kinds[2][2] > 0 && t.kinds[3][3] > 0);
     memset(&t, 0, sizeof t);
-    measure_all(TWO_MASSES "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 6, depth: 2, multiply: 5}\n", &t);
+    measure_all(
+        TWO_MASSES
+        "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 6, depth: 2, multiply: 5}\n",
+        &t);
     printf("# %d labels, %d decided, %d checked\n", t.all, t.decided, t.checked);
     assert_true(t.kinds[3][3] > 20 && t.kinds[2][2] > 5 && t.decided == t.all);
 }
@@ -226,7 +239,8 @@ static void add_matrix(const char *name, int n)
     double A[n * n];
     random_definite(n, n, 0.4, A);
     add("  %s: [", name);
-    for (int i = 0; i < n * n; i++) add("%s%.17g%s", i % n ? ", " : i ? ", [" : "[", A[i], i % n == n - 1 ? "]" : "");
+    for (int i = 0; i < n * n; i++)
+        add("%s%.17g%s", i % n ? ", " : i ? ", [" : "[", A[i], i % n == n - 1 ? "]" : "");
     add("]\n");
 }
 
@@ -243,7 +257,8 @@ static void random_structures(void **state)
         add("  contacts:\n    - {normal: [");
         for (int i = 0; i < n; i++) add("%s%.3f", i ? ", " : "", uniform(0.2, 1));
         add("], clearance: 1, sides: %s, law: rigid}\n", seed % 3 ? "both" : "upper");
-        add("explore: {start: [1], energy: [0, 30], frequency: [0.05, 20], impacts: 6, depth: 2, multiply: 2}\n");
+        add("explore: {start: [1], energy: [0, 30], frequency: [0.05, 20], impacts: 6, depth: 2, "
+            "multiply: 2}\n");
         measure_all(text, &t);
     }
     printf("# seeds 1 to 12: %d labels, %d decided, %d checked\n", t.all, t.decided, t.checked);
@@ -254,8 +269,9 @@ static void random_structures(void **state)
 /* Some orbit with impacts of a small study. */
 static ric_shooting *sample_chain(int multiple, ric_graph **graph, ric_study **study, double **u)
 {
-    assert_int_equal(ric_study_parse(TWO_MASSES "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, "
-                                                "depth: 1}\n",
+    assert_int_equal(ric_study_parse(TWO_MASSES
+                                     "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, "
+                                     "depth: 1}\n",
                                      "test", ".", study),
                      RIC_OK);
     assert_int_equal(ric_graph_create(*study, NULL, graph), RIC_OK);
@@ -337,7 +353,8 @@ static void cost(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(solves), cmocka_unit_test(cost), cmocka_unit_test(two_masses),
-                                       cmocka_unit_test(springs), cmocka_unit_test(random_structures)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(solves), cmocka_unit_test(cost),
+                                       cmocka_unit_test(two_masses), cmocka_unit_test(springs),
+                                       cmocka_unit_test(random_structures)};
     return cmocka_run_group_tests_name("labels", tests, NULL, NULL);
 }

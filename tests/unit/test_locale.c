@@ -12,7 +12,8 @@ static bool comma_locale(void)
 {
     char command[600];
     if (setlocale(LC_ALL, "de_DE.UTF-8") || setlocale(LC_ALL, "fr_FR.UTF-8")) return true;
-    snprintf(command, sizeof command, "localedef -c -i de_DE -f UTF-8 '%s/de_DE.UTF-8' >/dev/null 2>&1", folder);
+    snprintf(command, sizeof command,
+             "localedef -c -i de_DE -f UTF-8 '%s/de_DE.UTF-8' >/dev/null 2>&1", folder);
     if (system(command) == -1) return false;
     setenv("LOCPATH", folder, 1);
     bool found = setlocale(LC_ALL, "de_DE.UTF-8");
@@ -27,7 +28,8 @@ static void numbers_keep_their_points(void **state)
     static const int word[] = {0, 1};
     char plain[64] = "";
     if (!comma_locale()) {
-        print_message("no locale with decimal commas is there, and localedef makes none (Debian: locales)\n");
+        print_message(
+            "no locale with decimal commas is there, and localedef makes none (Debian: locales)\n");
         skip();
     }
     snprintf(plain, sizeof plain, "%g", 0.5);
@@ -54,15 +56,17 @@ static void keys_of_work(char keys[20000])
 {
     sqlite3 *db = NULL;
     sqlite3_stmt *query = NULL;
-    ric_study *study = study_of("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9.5, -1], [-1, 1]]\n  contacts:\n"
-                                "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                                "explore: {energy: [0, 2.5], impacts: 2, depth: 1}\n");
+    ric_study *study = study_of(
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9.5, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+        "explore: {energy: [0, 2.5], impacts: 2, depth: 1}\n");
     assert_done(ric_explore(study, in_folder("a"), NULL));
     assert_int_equal(sqlite3_open(in_folder("a"), &db), SQLITE_OK);
-    assert_int_equal(sqlite3_prepare_v2(db,
-                                        "SELECT group_concat(key) || (SELECT group_concat(value) FROM meta) FROM "
-                                        "(SELECT key FROM trace ORDER BY key)",
-                                        -1, &query, NULL),
+    assert_int_equal(sqlite3_prepare_v2(
+                         db,
+                         "SELECT group_concat(key) || (SELECT group_concat(value) FROM meta) FROM "
+                         "(SELECT key FROM trace ORDER BY key)",
+                         -1, &query, NULL),
                      SQLITE_OK);
     assert_int_equal(sqlite3_step(query), SQLITE_ROW);
     snprintf(keys, 20000, "%s", (const char *)sqlite3_column_text(query, 0));

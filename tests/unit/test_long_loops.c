@@ -1,8 +1,9 @@
-/* The loops of the bases F_2^k of the article's two masses for large k. Two families of 2k impacts leave the
- * k-duplicate of S2- and end, by rounding, at orbits of the energy of G_0,2k with many impacts of no speed that a
- * double would hold. Which branches leave there is lost, and they are as many as subsets of these impacts. From the
- * other side two words say it: the touches of G_0,2k without two or three neighbours. Here their branches are followed
- * from G_0,2k on, and end where the families do. */
+/* The loops of the bases F_2^k of the article's two masses for large k. Two families of 2k impacts
+ * leave the k-duplicate of S2- and end, by rounding, at orbits of the energy of G_0,2k with many
+ * impacts of no speed that a double would hold. Which branches leave there is lost, and they are as
+ * many as subsets of these impacts. From the other side two words say it: the touches of G_0,2k
+ * without two or three neighbours. Here their branches are followed from G_0,2k on, and end where
+ * the families do. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +19,9 @@
 #include "sample.h"
 
 enum { MOST = 20, IMPACTS = 2 * MOST };
-#define SAME 1e-9 /* of energies and periods: more than what impacts amplify at k = 6, less than what is beside it */
+/* SAME: of energies and periods: more than what impacts amplify at k = 6, less than what is beside
+ * it */
+#define SAME 1e-9
 #define TIME 1e-9 /* of instants of impacts, of a period */
 
 typedef struct {
@@ -32,7 +35,8 @@ static void parse(int k, double top, ric_study **study)
     snprintf(text, sizeof text,
              "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
              "  contacts: [{normal: [-1, 1], clearance: 1, sides: both, law: rigid}]\n"
-             "explore: {start: [2], energy: [0, 3], frequency: [%.17g, %.17g], impacts: %d, multiply: %d, cascade: "
+             "explore: {start: [2], energy: [0, 3], frequency: [%.17g, %.17g], impacts: %d, "
+             "multiply: %d, cascade: "
              "[%d], depth: 0}\n",
              2.15347593643804 / k * 0.9999, top, 2 * k, k, k);
     if (ric_study_parse(text, "test", ".", study)) fail_msg("%s\n%s", ric_detail(), text);
@@ -63,7 +67,8 @@ static void families(int k, ending out[2])
         assert_int_equal(ric_atlas_point(atlas, id, 0, &first, NULL, NULL), RIC_OK);
         assert_int_equal(ric_atlas_point(atlas, id, b.n_point - 1, &last, NULL, NULL), RIC_OK);
         const bool front = first.energy > last.energy;
-        assert_int_equal(ric_atlas_point(atlas, id, front ? 0 : b.n_point - 1, &last, NULL, tau), RIC_OK);
+        assert_int_equal(ric_atlas_point(atlas, id, front ? 0 : b.n_point - 1, &last, NULL, tau),
+                         RIC_OK);
         if (n < 2) {
             out[n] = ending_of(2 * k, tau);
             out[n].energy = last.energy, out[n].period = 2 * M_PI / last.frequency;
@@ -106,12 +111,13 @@ static bool follow(const ric_graph *g, int k, int less, int side, ending *out)
     assert_true(ric_continuation_correct(chain, u, NULL, NULL, 0, t, &steps));
     ric_continuation_tangent(chain, NULL, t);
     for (int i = 0; i < chain->n_unknown; i++) t[i] *= side;
-    const unsigned ignore = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D | 1u << RIC_TEST_REACH |
-                            1u << RIC_TEST_APPROACH;
-    bool good = !ric_continuation_create(chain, u, t, ignore, &g->limits, &tr) && !ric_continuation_run(tr);
+    const unsigned ignore = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D |
+                            1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH;
+    bool good = !ric_continuation_create(chain, u, t, ignore, &g->limits, &tr) &&
+                !ric_continuation_run(tr);
     if (good) {
-        print_message("# k = %d, %d impacts: stops (%s) after %d points\n", k, cycle->N, ric_stop_text(tr->stop),
-                      tr->n_point);
+        print_message("# k = %d, %d impacts: stops (%s) after %d points\n", k, cycle->N,
+                      ric_stop_text(tr->stop), tr->n_point);
         assert_int_equal(tr->stop, RIC_STOP_JUNCTION);
         ric_periodic *end = ric_continuation_cycle(tr, tr->end.u);
         *out = ending_of(end->N, end->tau);
@@ -164,12 +170,14 @@ static void check_loop(int k)
                               fabs(way[i].period / end[j].period - 1) < SAME;
             const double off = apart(&way[i], &end[j]);
             if (!same) continue;
-            print_message("# k = %d: ends differ by %.1e in energy, %.1e in period, %.1e in time\n", k,
-                          way[i].energy / end[j].energy - 1, way[i].period / end[j].period - 1, off);
+            print_message("# k = %d: ends differ by %.1e in energy, %.1e in period, %.1e in time\n",
+                          k, way[i].energy / end[j].energy - 1, way[i].period / end[j].period - 1,
+                          off);
             assert_true(off < TIME);
             met++;
         }
-    if (met != 2) fail_msg("k = %d: %d of 2 branches from G_0,%d come to an end of a family", k, met, 2 * k);
+    if (met != 2)
+        fail_msg("k = %d: %d of 2 branches from G_0,%d come to an end of a family", k, met, 2 * k);
     ric_graph_free(graph);
     ric_study_free(study);
 }

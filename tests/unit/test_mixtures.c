@@ -1,4 +1,5 @@
-/* Modes of one frequency: the mixtures of them that impacts would drive, and the families that leave there. */
+/* Modes of one frequency: the mixtures of them that impacts would drive, and the families that
+ * leave there. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,26 +15,32 @@
 
 static const char ring[] =
     "title: ring of three\nmodel: {mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "
-    "stiffness: [[3, -1, -1], [-1, 3, -1], [-1, -1, 3]], contacts: [{normal: [1, 0, 0], law: rigid, clearance: 1}, "
-    "{normal: [0, 1, 0], law: rigid, clearance: 1}, {normal: [0, 0, 1], law: rigid, clearance: 1}]}\n"
+    "stiffness: [[3, -1, -1], [-1, 3, -1], [-1, -1, 3]], contacts: [{normal: [1, 0, 0], law: "
+    "rigid, clearance: 1}, "
+    "{normal: [0, 1, 0], law: rigid, clearance: 1}, {normal: [0, 0, 1], law: rigid, clearance: "
+    "1}]}\n"
     "explore: {energy: [0, 10], frequency: [0.5, 4], depth: 1, impacts: 6}\n";
 /* Stops across each other, and one that no motion of the first family reaches. */
 static const char cross[] =
     "title: cross\nmodel: {mass: [[1, 0], [0, 1]], stiffness: [[2, 0], [0, 2]], "
-    "contacts: [{normal: [1, 0], law: rigid, clearance: 1}, {normal: [0, 1], law: rigid, clearance: 1.3}, "
+    "contacts: [{normal: [1, 0], law: rigid, clearance: 1}, {normal: [0, 1], law: rigid, "
+    "clearance: 1.3}, "
     "{normal: [1, 1], law: rigid, clearance: 1.9}]}\n"
     "explore: {energy: [0, 10], frequency: [0.5, 6], depth: 1, impacts: 2}\n";
 /* Two structures with modes of one frequency and stops that are not across each other. */
 static const char near[] =
-    "title: near\nmodel: {mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], stiffness: [[2, 0, 0], [0, 2, 0], [0, 0, 2]], "
+    "title: near\nmodel: {mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], stiffness: [[2, 0, 0], [0, 2, "
+    "0], [0, 0, 2]], "
     "contacts: [{normal: [0, -1, 1], law: rigid, clearance: 0.00108, sides: both}, "
     "{normal: [0, 1, 0], law: rigid, clearance: 0.00108, sides: upper}]}\n"
-    "explore: {energy: [0, 4.312], frequency: [0.2828, 4.243], impacts: 8, multiply: 2, depth: 2}\n";
+    "explore: {energy: [0, 4.312], frequency: [0.2828, 4.243], impacts: 8, multiply: 2, depth: "
+    "2}\n";
 static const char apart[] =
     "title: apart\nmodel: {mass: [[1, 0], [0, 1]], stiffness: [[2, 0], [0, 2]], "
     "contacts: [{normal: [1, -2], law: rigid, clearance: 17.2, sides: both}, "
     "{normal: [1, 0], law: rigid, clearance: 12.3, sides: lower}]}\n"
-    "explore: {energy: [0, 3.591], frequency: [0.2828, 4.243], impacts: 4, multiply: 2, depth: 1}\n";
+    "explore: {energy: [0, 3.591], frequency: [0.2828, 4.243], impacts: 4, multiply: 2, depth: "
+    "1}\n";
 
 static ric_study *study_of(const char *text)
 {
@@ -42,8 +49,9 @@ static ric_study *study_of(const char *text)
     return study;
 }
 
-/* One contact: Z along its normal, |Z|^2 = 3/2; two against each other: 2; all three a third of a period apart, the
- * motion that goes round: 3. With the normals' parts at 120 degrees, sum gamma gamma^T = 1. */
+/* One contact: Z along its normal, |Z|^2 = 3/2; two against each other: 2; all three a third of a
+ * period apart, the motion that goes round: 3. With the normals' parts at 120 degrees, sum gamma
+ * gamma^T = 1. */
 static void ring_has_seven(void **state)
 {
     (void)state;
@@ -70,7 +78,8 @@ static void ring_has_seven(void **state)
     ric_study_free(study);
 }
 
-/* A mixture is the same motion at another time and run backwards, and not another one of its energy. */
+/* A mixture is the same motion at another time and run backwards, and not another one of its
+ * energy. */
 static void one_motion_has_many_states(void **state)
 {
     (void)state;
@@ -91,7 +100,8 @@ static void one_motion_has_many_states(void **state)
     ric_study_free(study);
 }
 
-/* Between touches of contacts across each other any time may pass: those are not all tried, and that is said. */
+/* Between touches of contacts across each other any time may pass: those are not all tried, and
+ * that is said. */
 static void what_was_left_out_is_said(void **state)
 {
     (void)state;
@@ -99,14 +109,15 @@ static void what_was_left_out_is_said(void **state)
     int said = 0;
     for (int j = 1; j <= ric_atlas_n_junction(atlas); j++) {
         const ric_junction junction = junction_of(atlas, j);
-        said += junction.departures.refused > 0 && strstr(junction.refusal, "perpendicular normals") != NULL;
+        said += junction.departures.refused > 0 &&
+                strstr(junction.refusal, "perpendicular normals") != NULL;
     }
     assert_int_equal(said, 1);
     ric_atlas_free(atlas);
 }
 
-/* Whether a branch begins at this energy and frequency with so many letters; its orbits pass the simulator, and where
- * its impacts have no speed no trace is made up. */
+/* Whether a branch begins at this energy and frequency with so many letters; its orbits pass the
+ * simulator, and where its impacts have no speed no trace is made up. */
 static void begins(const ric_atlas *atlas, const char *word, double energy, double frequency)
 {
     int found = 0;
@@ -151,8 +162,8 @@ static void families_begin_at_mixtures(void **state)
     ric_atlas_free(atlas);
 }
 
-/* A contact across the motion has a gap of cancelling terms, none of whose maxima can be told from rounding: the search
- * for them took 20 s. */
+/* A contact across the motion has a gap of cancelling terms, none of whose maxima can be told from
+ * rounding: the search for them took 20 s. */
 static void a_gap_without_motion_is_left(void **state)
 {
     (void)state;

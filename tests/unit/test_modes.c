@@ -1,5 +1,6 @@
-/* Modes of random structures with equal and all but equal frequencies and ill-scaled masses and stiffnesses, as the
- * solver and as the simulator have them: orthonormal in M to rounding, whatever lies between the frequencies. */
+/* Modes of random structures with equal and all but equal frequencies and ill-scaled masses and
+ * stiffnesses, as the solver and as the simulator have them: orthonormal in M to rounding, whatever
+ * lies between the frequencies. */
 #include "simulated_models.h"
 
 #include "check/simulator.h"
@@ -7,7 +8,8 @@
 /* M = D A D, A well-conditioned; K = L Q diag(lambda) Q' L' with M = L L' and Q orthogonal. */
 static void make_clustered(int n, double *M, double *K)
 {
-    double A[n * n], L[n * n], Q[n * n], Y[n * n], scale[n], lambda[n], least = pow(10, uniform(-4, 4));
+    double A[n * n], L[n * n], Q[n * n], Y[n * n], scale[n], lambda[n],
+        least = pow(10, uniform(-4, 4));
     random_definite(n, n, 1, A);
     for (int i = 0; i < n; i++) {
         scale[i] = pow(10, uniform(-2, 2));
@@ -50,22 +52,27 @@ static void make_clustered(int n, double *M, double *K)
 }
 
 /* Largest entry of Phi' M Phi - 1, and of K Phi - M Phi Omega^2 relative to its terms. */
-static void check_modes(int n, const double *M, const double *K, const double *Phi, const double *omega)
+static void check_modes(int n, const double *M, const double *K, const double *Phi,
+                        const double *omega)
 {
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
             long double one = i == j ? -1 : 0, left = 0, size = 0;
             for (int k = 0; k < n; k++) {
-                for (int l = 0; l < n; l++) one += (long double)Phi[k * n + i] * M[k * n + l] * Phi[l * n + j];
+                for (int l = 0; l < n; l++)
+                    one += (long double)Phi[k * n + i] * M[k * n + l] * Phi[l * n + j];
                 long double stiff = (long double)K[i * n + k] * Phi[k * n + j],
-                            heavy = (long double)M[i * n + k] * Phi[k * n + j] * omega[j] * omega[j];
+                            heavy = (long double)M[i * n + k] * Phi[k * n + j] * omega[j] *
+                                    omega[j];
                 left += stiff - heavy;
                 size += fabsl(stiff) + fabsl(heavy);
             }
             if (fabsl(one) > 1e-14L * n)
-                fail_msg("modes %d and %d of %d: phi' M phi is off by %.3Lg", i + 1, j + 1, n, fabsl(one));
+                fail_msg("modes %d and %d of %d: phi' M phi is off by %.3Lg", i + 1, j + 1, n,
+                         fabsl(one));
             if (fabsl(left) > 1e-10L * size)
-                fail_msg("mode %d of %d: K phi - omega^2 M phi is %.3Lg of its terms", j + 1, n, fabsl(left) / size);
+                fail_msg("mode %d of %d: K phi - omega^2 M phi is %.3Lg of its terms", j + 1, n,
+                         fabsl(left) / size);
         }
 }
 
@@ -81,11 +88,15 @@ static void clustered(void **state)
             b[i] = uniform(-1, 1) * sqrt(M[i * n + i]);
             size += b[i] * b[i] / M[i * n + i];
         }
-        ric_contact contact = {.normal = b, .clearance = 1, .sides = RIC_SIDES_BOTH, .law = RIC_LAW_RIGID};
+        ric_contact contact = {.normal = b,
+                               .clearance = 1,
+                               .sides = RIC_SIDES_BOTH,
+                               .law = RIC_LAW_RIGID};
         ric_model *model;
         ric_simulator *sim;
         const ric_real *frequency, *c;
-        if (ric_model_create(n, M, K, 1, &contact, 1, &model)) fail_msg("trial %u: %s", trial, ric_detail());
+        if (ric_model_create(n, M, K, 1, &contact, 1, &model))
+            fail_msg("trial %u: %s", trial, ric_detail());
         assert_int_equal(ric_model_modes(model, Phi), RIC_OK);
         assert_int_equal(ric_model_frequencies(model, omega), RIC_OK);
         check_modes(n, M, K, Phi, omega);
@@ -94,8 +105,8 @@ static void clustered(void **state)
         ric_simulator_frame(sim, &frequency, &c);
         for (int i = 0; i < n; i++) simulated += (double)(c[i] * c[i]);
         if (fabs(simulated - cc[n - 1]) > 1e-13 * size)
-            fail_msg("trial %u, %d masses: c.c is %.17g for the solver, %.17g for the simulator", trial, n, cc[n - 1],
-                     simulated);
+            fail_msg("trial %u, %d masses: c.c is %.17g for the solver, %.17g for the simulator",
+                     trial, n, cc[n - 1], simulated);
         ric_simulator_free(sim);
         ric_model_free(model);
     }

@@ -1,6 +1,7 @@
-/* What leaves where multipliers are roots of unity, counted family by family: every rotation number of S2- of the
- * article's two masses for several q, and both pairs of multipliers of a structure with three modes. Periods, mirror
- * points and symmetry of the members are those that the simulator sees, which shares no code with the solver. */
+/* What leaves where multipliers are roots of unity, counted family by family: every rotation number
+ * of S2- of the article's two masses for several q, and both pairs of multipliers of a structure
+ * with three modes. Periods, mirror points and symmetry of the members are those that the simulator
+ * sees, which shares no code with the solver. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,9 +16,11 @@
 #include "sample.h"
 
 #define TWO_PI 6.283185307179586477
-/* RETURNS: of a simulated member after its period, relative: multipliers near a multiplication are small */
+/* RETURNS: of a simulated member after its period, relative: multipliers near a multiplication are
+ * small */
 #define RETURNS 1e-8
-/* NEAR: arclength, relative, from the junction at which a member is looked at: nearer by it is the original */
+/* NEAR: arclength, relative, from the junction at which a member is looked at: nearer by it is the
+ * original */
 #define NEAR 1e-4
 
 enum { MAX_DOF = 3, MAX_IMPACTS = 32, MAX_LEGS = 4, MAX_Q = 16 };
@@ -31,8 +34,8 @@ static int divisor(int a, int b)
 
 typedef struct {
     int n, N;
-    double after[MAX_IMPACTS + 1][2 * MAX_DOF]; /* x, v behind each impact, and behind the first one of the next
-                                                 * period */
+    double after[MAX_IMPACTS + 1][2 * MAX_DOF]; /* x, v behind each impact, and behind the first one
+                                                   of the next period */
     double middle[MAX_IMPACTS][2 * MAX_DOF];    /* in the middle of each flight */
     double size;
 } motion;
@@ -52,7 +55,8 @@ static double largest(int n, const double *a)
 }
 
 /* Runs the simulator twice, from impact to impact and to the middles between. */
-static void simulate(const ric_model *m, int N, const double *state, const double *flights, motion *out)
+static void simulate(const ric_model *m, int N, const double *state, const double *flights,
+                     motion *out)
 {
     ric_simulator *sim = NULL;
     int n = ric_model_n_dof(m);
@@ -91,7 +95,8 @@ static int impact_mirrors(const ric_model *m, const motion *z, double tolerance)
             along += momentum[i] * contact.normal[i];
             square += contact.normal[i] * contact.normal[i];
         }
-        for (int i = 0; i < n; i++) across = fmax(across, fabs(momentum[i] - along / square * contact.normal[i]));
+        for (int i = 0; i < n; i++)
+            across = fmax(across, fabs(momentum[i] - along / square * contact.normal[i]));
         count += across < tolerance * z->size;
     }
     return count;
@@ -112,7 +117,8 @@ static double repeats(const motion *z, int step, double sign)
 
 /* ---------------------------------------------------------------- the families */
 
-/* One way out of a multiplication: the side of a branch that ends there, or one of both of a branch that passes. */
+/* One way out of a multiplication: the side of a branch that ends there, or one of both of a branch
+ * that passes. */
 typedef struct {
     ric_branch branch;
     int first, step; /* the point next to the junction, and which way the others are */
@@ -148,8 +154,10 @@ static void measure(const ric_atlas *atlas, const ric_junction *j, double at, le
     assert_true(out->near >= 0);
 }
 
-/* Legs of the branches that leave a multiplication of branch `original`; *curves: of how many branches they are. */
-static int list_legs(const ric_atlas *atlas, const ric_junction *j, int original, leg *out, int *curves)
+/* Legs of the branches that leave a multiplication of branch `original`; *curves: of how many
+ * branches they are. */
+static int list_legs(const ric_atlas *atlas, const ric_junction *j, int original, leg *out,
+                     int *curves)
 {
     int n = 0;
     *curves = 0;
@@ -159,13 +167,18 @@ static int list_legs(const ric_atlas *atlas, const ric_junction *j, int original
         assert_true(n + 2 <= MAX_LEGS);
         (*curves)++;
         double length = point_of(atlas, b.id, b.n_point - 1).arclength;
-        if (b.from == j->id) measure(atlas, j, 0, (out[n] = (leg){.branch = b, .first = 0, .step = 1}, &out[n])), n++;
+        if (b.from == j->id)
+            measure(atlas, j, 0, (out[n] = (leg){.branch = b, .first = 0, .step = 1}, &out[n])),
+                n++;
         if (b.to == j->id)
-            measure(atlas, j, length, (out[n] = (leg){.branch = b, .first = b.n_point - 1, .step = -1}, &out[n])), n++;
+            measure(atlas, j, length,
+                    (out[n] = (leg){.branch = b, .first = b.n_point - 1, .step = -1}, &out[n])),
+                n++;
         for (int i = 0; i < b.n_junction; i++) {
             int after = 0;
             if (b.junctions[i] != j->id) continue;
-            while (after < b.n_point && point_of(atlas, b.id, after).arclength <= b.junction_at[i]) after++;
+            while (after < b.n_point && point_of(atlas, b.id, after).arclength <= b.junction_at[i])
+                after++;
             for (int side = 1; side >= -1; side -= 2, n++) {
                 out[n] = (leg){.branch = b, .first = side > 0 ? after : after - 1, .step = side};
                 measure(atlas, j, b.junction_at[i], &out[n]);
@@ -175,9 +188,10 @@ static int list_legs(const ric_atlas *atlas, const ric_junction *j, int original
     return n;
 }
 
-/* A member beside the junction is an orbit of exactly q periods with the symmetry and the mirror points that its branch
- * claims; all stored points of the branch agree with the simulator. */
-static void check_members(const ric_atlas *atlas, const ric_junction *j, const leg *l, const char *where)
+/* A member beside the junction is an orbit of exactly q periods with the symmetry and the mirror
+ * points that its branch claims; all stored points of the branch agree with the simulator. */
+static void check_members(const ric_atlas *atlas, const ric_junction *j, const leg *l,
+                          const char *where)
 {
     const ric_model *m = ric_atlas_model(atlas);
     const ric_branch *b = &l->branch;
@@ -191,7 +205,8 @@ static void check_members(const ric_atlas *atlas, const ric_junction *j, const l
     if (fabs(p.frequency / j->frequency - 1) > l->distance)
         fail_msg("%s: frequency %.12g, not near %.12g", where, p.frequency, j->frequency);
     simulate(m, b->impacts, state, flights, &z);
-    if (!(repeats(&z, b->impacts, 1) < RETURNS)) fail_msg("%s: returns to %.3g", where, repeats(&z, b->impacts, 1));
+    if (!(repeats(&z, b->impacts, 1) < RETURNS))
+        fail_msg("%s: returns to %.3g", where, repeats(&z, b->impacts, 1));
     for (int k = step; k < b->impacts; k += step)
         if (!(repeats(&z, k, 1) > 1e-2 * l->distance))
             fail_msg("%s: repeats itself to %.3g after %d impacts", where, repeats(&z, k, 1), k);
@@ -205,19 +220,20 @@ static void check_members(const ric_atlas *atlas, const ric_junction *j, const l
                        : struck == 2 && centre == 2 ? "centre-impact"
                                                     : "";
     if (strcmp(seen, b->mirror))
-        fail_msg("%s: mirror points %s, but %d impacts turn it round and %d flights pass x = 0", where, b->mirror,
-                 struck, centre);
+        fail_msg("%s: mirror points %s, but %d impacts turn it round and %d flights pass x = 0",
+                 where, b->mirror, struck, centre);
     for (int i = 0; i < b->n_point; i++) {
         ric_check check;
         assert_int_equal(ric_verify_point(atlas, b->id, i, &check), RIC_OK);
         if (!check.passed)
-            fail_msg("%s: point %d, flight %.3g, return %.3g", where, i, check.flight_error, check.return_error);
+            fail_msg("%s: point %d, flight %.3g, return %.3g", where, i, check.flight_error,
+                     check.return_error);
     }
     assert_int_equal(n, z.n);
 }
 
-/* At order 3 the energy minimum of the branch may lie between the junction and the first point on one side
- * (section 7). */
+/* At order 3 the energy minimum of the branch may lie between the junction and the first point on
+ * one side (section 7). */
 static bool turns_before(const ric_atlas *atlas, const ric_junction *j, const leg *l)
 {
     const ric_branch *b = &l->branch;
@@ -231,12 +247,13 @@ static bool turns_before(const ric_atlas *atlas, const ric_junction *j, const le
     return false;
 }
 
-/* The rule of docs/theory.md section 8 for a reversible S orbit. Even order: two branches end, which differ in their
- * mirror points and have lost z(t + T/2) = -z(t). Odd order: one branch passes and has all symmetries. Order 3:
- * unstable on both sides and on both sides in energy; above (and at 1/2 of S2-, of
- * order 4), one leg is stable, the other is not, and both lie on one side. Stability is that of all pairs: it tells for
- * two modes only, `plane`. */
-static void check_families(const ric_atlas *atlas, const ric_junction *j, int original, bool plane, const char *where)
+/* The rule of docs/theory.md section 8 for a reversible S orbit. Even order: two branches end,
+ * which differ in their mirror points and have lost z(t + T/2) = -z(t). Odd order: one branch
+ * passes and has all symmetries. Order 3: unstable on both sides and on both sides in energy; above
+ * (and at 1/2 of S2-, of order 4), one leg is stable, the other is not, and both lie on one side.
+ * Stability is that of all pairs: it tells for two modes only, `plane`. */
+static void check_families(const ric_atlas *atlas, const ric_junction *j, int original, bool plane,
+                           const char *where)
 {
     int p = j->rotation[0], q = j->rotation[1], order = p % 2 ? 2 * q : q, curves;
     leg legs[MAX_LEGS];
@@ -257,7 +274,8 @@ static void check_families(const ric_atlas *atlas, const ric_junction *j, int or
         fail_msg("%s: %d stable, %d unstable at order %d", where, stable, unstable, order);
     bool turned = turns_before(atlas, j, &legs[0]) || turns_before(atlas, j, &legs[1]);
     if (!turned && (legs[0].rise * legs[1].rise > 0) != (order > 3))
-        fail_msg("%s: energies off by %.3g and %.3g at order %d", where, legs[0].rise, legs[1].rise, order);
+        fail_msg("%s: energies off by %.3g and %.3g at order %d", where, legs[0].rise, legs[1].rise,
+                 order);
 }
 
 /* ------------------------------------------------------------------ two masses */
@@ -287,27 +305,29 @@ static int find_labelled(const ric_atlas *atlas, const char *label)
     return found;
 }
 
-/* C_ab, measured or not, is what the kind of the junction allows (docs/theory.md section 7). For two masses with one
- * contact; high on the families that leave, points lie so close together that ranks of a fixed threshold gave C_44 to
- * C_1413. */
+/* C_ab, measured or not, is what the kind of the junction allows (docs/theory.md section 7). For
+ * two masses with one contact; high on the families that leave, points lie so close together that
+ * ranks of a fixed threshold gave C_44 to C_1413. */
 static void check_labels(const ric_atlas *atlas)
 {
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
         bool half = false;
-        if (j.kind != RIC_KIND_EXTREMUM && j.kind != RIC_KIND_BRANCH_POINT && j.kind != RIC_KIND_MULTIPLICATION) {
+        if (j.kind != RIC_KIND_EXTREMUM && j.kind != RIC_KIND_BRANCH_POINT &&
+            j.kind != RIC_KIND_MULTIPLICATION) {
             assert_true(j.a == 0 && j.b == 0 && !j.decided && !strchr(j.label, '?'));
             continue;
         }
         for (int k = 0; k < j.n_branch; k++)
-            half |= branch_of(atlas, j.branches[k]).symmetric && branch_of(atlas, j.branches[k]).impacts == j.impacts;
+            half |= branch_of(atlas, j.branches[k]).symmetric &&
+                    branch_of(atlas, j.branches[k]).impacts == j.impacts;
         int b = j.kind == RIC_KIND_EXTREMUM ? 1 : 2, a = half ? 3 : 2;
         if (j.kind == RIC_KIND_MULTIPLICATION) a = b = j.multiple == 2 && !half ? 2 : 3;
         /* A1, and where A2 of constant frequency leaves */
         bool flat = j.decided && !half && j.a == 3 && j.b == b && j.multiple == 1 && j.impacts <= 2;
         if ((j.a != a || j.b != b) && !flat)
-            fail_msg("%s %s at E %.12g, %d impacts, multiple %d", ric_kind_text(j.kind), j.label, j.energy, j.impacts,
-                     j.multiple);
+            fail_msg("%s %s at E %.12g, %d impacts, multiple %d", ric_kind_text(j.kind), j.label,
+                     j.energy, j.impacts, j.multiple);
         assert_true(j.decided != (strchr(j.label, '?') != NULL));
     }
 }
@@ -319,7 +339,8 @@ static void check_backbone(int q)
     snprintf(text, sizeof text,
              "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
              "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-             "explore: {start: [2], energy: [0, 2000], frequency: [0.1, 60], impacts: %d, depth: 2, cascade: [%d]}\n",
+             "explore: {start: [2], energy: [0, 2000], frequency: [0.1, 60], impacts: %d, depth: "
+             "2, cascade: [%d]}\n",
              2 * q, q);
     ric_atlas *atlas = explore_text(text);
     const ric_model *m = ric_atlas_model(atlas);
@@ -330,7 +351,8 @@ static void check_backbone(int q)
         if (j.kind != RIC_KIND_MULTIPLICATION || j.rotation[1] != q) continue;
         snprintf(where, sizeof where, "%d/%d at E %.9g", j.rotation[0], q, j.energy);
         /* the rotation number rises along the branch, so that each p comes once and in its turn */
-        if (j.rotation[0] <= last || divisor(j.rotation[0], q) != 1) fail_msg("%s: after %d/%d", where, last, q);
+        if (j.rotation[0] <= last || divisor(j.rotation[0], q) != 1)
+            fail_msg("%s: after %d/%d", where, last, q);
         last = j.rotation[0];
         count++;
         if (fabs(j.energy / closed_form(m, q * j.frequency) - 1) > 1e-11)
@@ -361,8 +383,8 @@ static void larger_orders(void **state)
 
 /* ---------------------------------------------------------------- three masses */
 
-/* lambda + 1/lambda of half a period of the orbit of a junction, ascending: both real here, and as the two never meet
- * along the branch that is looked at, their order tells which pair is which. */
+/* lambda + 1/lambda of half a period of the orbit of a junction, ascending: both real here, and as
+ * the two never meet along the branch that is looked at, their order tells which pair is which. */
 static void pairs_of(const ric_model *m, const ric_junction *j, double rho[2])
 {
     ric_periodic *orbit = ric_periodic_create(m->n, j->impacts);
@@ -388,10 +410,11 @@ static void pairs_of(const ric_model *m, const ric_junction *j, double rho[2])
     free(u);
 }
 
-/* A member goes round the original in the plane of the pair that is at exp(2 pi i p/q), and of no other: its states
- * after k periods of the original are off by d_k with d_{k+1} + d_{k-1} = 2 cos(2 pi p/q) d_k, up to the square of the
- * distance. */
-static void check_plane(const ric_atlas *atlas, const ric_junction *j, const leg *l, const char *where)
+/* A member goes round the original in the plane of the pair that is at exp(2 pi i p/q), and of no
+ * other: its states after k periods of the original are off by d_k with d_{k+1} + d_{k-1} = 2 cos(2
+ * pi p/q) d_k, up to the square of the distance. */
+static void check_plane(const ric_atlas *atlas, const ric_junction *j, const leg *l,
+                        const char *where)
 {
     double state[2 * MAX_DOF], flights[MAX_IMPACTS], d[MAX_Q][2 * MAX_DOF], size = 0, off = 0;
     int n = ric_model_n_dof(ric_atlas_model(atlas)), q = j->multiple, step = j->impacts;
@@ -407,19 +430,22 @@ static void check_plane(const ric_atlas *atlas, const ric_junction *j, const leg
         for (int i = 0; i < 2 * n; i++)
             off = fmax(off, fabs(d[(k + 1) % q][i] + d[(k + q - 1) % q][i] -
                                  2 * cos(TWO_PI * j->rotation[0] / q) * d[k][i]));
-    if (!(off < 0.05 * size)) fail_msg("%s: not in the plane of its multiplier, %.3g of %.3g", where, off, size);
+    if (!(off < 0.05 * size))
+        fail_msg("%s: not in the plane of its multiplier, %.3g of %.3g", where, off, size);
 }
 
-/* The branch of the third mode: both pairs are on the unit circle from E 3.15 on, and each passes 2/3 and 3/4, one 1/4,
- * 1/3 and 1/2 as well. */
+/* The branch of the third mode: both pairs are on the unit circle from E 3.15 on, and each passes
+ * 2/3 and 3/4, one 1/4, 1/3 and 1/2 as well. */
 static void both_pairs_of_three_modes(void **state)
 {
     (void)state;
-    static const char *const text =
-        "model:\n  mass: [[1, 0, 0], [0, 1.3, 0], [0, 0, 0.7]]\n  stiffness: [[6, -2, 0], [-2, 5, -3], [0, -3, 7]]\n"
-        "  contacts:\n"
-        "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
-        "explore: {start: [3], energy: [0, 50], frequency: [0.5, 30], impacts: 8, multiply: 4, depth: 2}\n";
+    static const char
+        *const text = "model:\n  mass: [[1, 0, 0], [0, 1.3, 0], [0, 0, 0.7]]\n  stiffness: [[6, "
+                      "-2, 0], [-2, 5, -3], [0, -3, 7]]\n"
+                      "  contacts:\n"
+                      "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
+                      "explore: {start: [3], energy: [0, 50], frequency: [0.5, 30], impacts: 8, "
+                      "multiply: 4, depth: 2}\n";
     ric_atlas *atlas = explore_text(text);
     const ric_branch backbone = branch_of(atlas, find_labelled(atlas, "S2(3)[01]"));
     int seen[2][5][5] = {{{0}}};
@@ -433,7 +459,8 @@ static void both_pairs_of_three_modes(void **state)
         snprintf(where, sizeof where, "%d/%d at E %.9g", p, q, j.energy);
         pairs_of(ric_atlas_model(atlas), &j, rho);
         int pair = fabs(rho[1] - target) < fabs(rho[0] - target);
-        if (!(fabs(rho[pair] - target) < 1e-9) || !(fabs(rho[!pair] - target) > 0.1) || !(fabs(rho[!pair]) < 2))
+        if (!(fabs(rho[pair] - target) < 1e-9) || !(fabs(rho[!pair] - target) > 0.1) ||
+            !(fabs(rho[!pair]) < 2))
             fail_msg("%s: pairs %.12g and %.12g", where, rho[0], rho[1]);
         seen[pair][p][q]++;
         check_families(atlas, &j, backbone.id, false, where);
@@ -444,7 +471,8 @@ static void both_pairs_of_three_modes(void **state)
         for (int q = 2; q <= 4; q++)
             for (int p = 1; p < q; p++) {
                 int wanted = divisor(p, q) == 1 && (pair == 1 || p > q - p);
-                if (seen[pair][p][q] != wanted) fail_msg("pair %d passes %d/%d %d times", pair, p, q, seen[pair][p][q]);
+                if (seen[pair][p][q] != wanted)
+                    fail_msg("pair %d passes %d/%d %d times", pair, p, q, seen[pair][p][q]);
             }
     ric_atlas_free(atlas);
 }
@@ -453,7 +481,8 @@ static void both_pairs_of_three_modes(void **state)
 static void labels_far_up(void **state)
 {
     static const char *const options[] = {
-        "energy: [0, 1.0e+5], frequency: [0.2, 10], impacts: 40, multiply: 1, depth: 0, symmetric: true",
+        "energy: [0, 1.0e+5], frequency: [0.2, 10], impacts: 40, multiply: 1, depth: 0, symmetric: "
+        "true",
         "energy: [0, 200], frequency: [0.2, 10], impacts: 24, multiply: 2, depth: 3",
         "energy: [0, 60], frequency: [0.2, 10], impacts: 12, multiply: 4, depth: 2",
     };
@@ -470,13 +499,15 @@ static void labels_far_up(void **state)
     }
 }
 
-/* Two modes at 2 : 3 under springs of the 11th and 21st power, which small motions do not feel: lambda + 1 / lambda is
- * -2 over a whole interval of energies, to rounding, and passes it nowhere there. */
+/* Two modes at 2 : 3 under springs of the 11th and 21st power, which small motions do not feel:
+ * lambda + 1 / lambda is -2 over a whole interval of energies, to rounding, and passes it nowhere
+ * there. */
 static void check_doublings(const char *energy, int expected)
 {
     char text[512];
     snprintf(text, sizeof text,
-             "model:\n  mass: [[2, 0], [0, 2]]\n  stiffness: [[3.25, -1.25], [-1.25, 3.25]]\n  contacts:\n"
+             "model:\n  mass: [[2, 0], [0, 2]]\n  stiffness: [[3.25, -1.25], [-1.25, 3.25]]\n  "
+             "contacts:\n"
              "    - {normal: [1, 0], law: power, exponent: 11, length: 1.28, reference: 0.7869}\n"
              "    - {normal: [0, 1], law: power, exponent: 21, length: 1.28, reference: 3.729}\n"
              "explore: {start: [1], energy: [%s], frequency: [0.2, 4.5], multiply: 2, depth: 1}\n",
@@ -494,7 +525,8 @@ static void check_doublings(const char *energy, int expected)
     ric_atlas_free(atlas);
 }
 
-/* Between both windows of the short form, where rounding begins to show, the branch goes in the smallest of steps. */
+/* Between both windows of the short form, where rounding begins to show, the branch goes in the
+ * smallest of steps. */
 static void no_doubling_in_rounding(void **state)
 {
     (void)state;
@@ -505,8 +537,10 @@ static void no_doubling_in_rounding(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(small_orders), cmocka_unit_test(larger_orders),
-                                       cmocka_unit_test(both_pairs_of_three_modes), cmocka_unit_test(labels_far_up),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(small_orders),
+                                       cmocka_unit_test(larger_orders),
+                                       cmocka_unit_test(both_pairs_of_three_modes),
+                                       cmocka_unit_test(labels_far_up),
                                        cmocka_unit_test(no_doubling_in_rounding)};
     return cmocka_run_group_tests_name("multiplication", tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* Branch points with twice the digits: those of double precision where that suffices, in two forms of the problem, and
- * where it does not the same from everywhere. */
+/* Branch points with twice the digits: those of double precision where that suffices, in two forms
+ * of the problem, and where it does not the same from everywhere. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,10 +16,11 @@
 
 static ric_atlas *explore(double max_step)
 {
-    return explore_text_with("title: fine\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: "
-                             "[{normal: [-1, 1], law: power, exponent: 3, length: 1, reference: 1}]}\n"
-                             "explore: {energy: [0, 1000], frequency: [0.2, 10], multiply: 2, depth: 2}\n",
-                             NULL, max_step);
+    return explore_text_with(
+        "title: fine\nmodel: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]], contacts: "
+        "[{normal: [-1, 1], law: power, exponent: 3, length: 1, reference: 1}]}\n"
+        "explore: {energy: [0, 1000], frequency: [0.2, 10], multiply: 2, depth: 2}\n",
+        NULL, max_step);
 }
 
 /* The branch point nearest to an energy. */
@@ -28,16 +29,19 @@ static ric_junction branch_point(const ric_atlas *atlas, double energy)
     ric_junction best = {.id = 0};
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
-        if (j.kind == RIC_KIND_BRANCH_POINT && (!best.id || fabs(j.energy - energy) < fabs(best.energy - energy)))
+        if (j.kind == RIC_KIND_BRANCH_POINT &&
+            (!best.id || fabs(j.energy - energy) < fabs(best.energy - energy)))
             best = j;
     }
-    if (!best.id || fabs(best.energy / energy - 1) > 1e-9) fail_msg("no branch point at energy %.12g", energy);
+    if (!best.id || fabs(best.energy / energy - 1) > 1e-9)
+        fail_msg("no branch point at energy %.12g", energy);
     return best;
 }
 
-/* The orbit of a junction as an orbit problem with the mirror points given; u [n_unknown] is the caller's to free. */
-static ric_shooting *chain_of(const ric_atlas *atlas, const ric_junction *j, ric_mirror start, ric_mirror end,
-                              int sigma, double **u)
+/* The orbit of a junction as an orbit problem with the mirror points given; u [n_unknown] is the
+ * caller's to free. */
+static ric_shooting *chain_of(const ric_atlas *atlas, const ric_junction *j, ric_mirror start,
+                              ric_mirror end, int sigma, double **u)
 {
     static const int face[] = {-1, -1};
     const ric_model *m = ric_atlas_model(atlas);
@@ -54,8 +58,10 @@ static ric_shooting *chain_of(const ric_atlas *atlas, const ric_junction *j, ric
     return c;
 }
 
-/* From beside the junction on its branch each kind of test is sought: exactly one leads back to it. */
-static void leads_back(const ric_atlas *atlas, const ric_junction *j, ric_mirror start, ric_mirror end, int sigma)
+/* From beside the junction on its branch each kind of test is sought: exactly one leads back to it.
+ */
+static void leads_back(const ric_atlas *atlas, const ric_junction *j, ric_mirror start,
+                       ric_mirror end, int sigma)
 {
     double *u;
     ric_shooting *c = chain_of(atlas, j, start, end, sigma, &u);
@@ -87,7 +93,8 @@ static void agrees_with_double(void **state)
     ric_atlas *atlas = explore(0);
     ric_junction j = branch_point(atlas, 2.76418789722);
     leads_back(atlas, &j, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1);
-    leads_back(atlas, &j, RIC_MIRROR_NONE, RIC_MIRROR_NONE, -1); /* over half a period, whatever its mirror points */
+    leads_back(atlas, &j, RIC_MIRROR_NONE, RIC_MIRROR_NONE,
+               -1); /* over half a period, whatever its mirror points */
     j = branch_point(atlas, 132.408540238);
     leads_back(atlas, &j, RIC_MIRROR_CENTRE, RIC_MIRROR_CENTRE, 1);
     j = branch_point(atlas, 132.112495324);
@@ -95,11 +102,12 @@ static void agrees_with_double(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Behind the multiplication 3/5 the multipliers of both families pass 1 at a rate of 1e-6: double precision knows the
- * place to 1e-9. */
+/* Behind the multiplication 3/5 the multipliers of both families pass 1 at a rate of 1e-6: double
+ * precision knows the place to 1e-9. */
 static void same_from_everywhere(void **state)
 {
-    static const double steps[] = {0.02, 0.2, 1}, near[] = {80.3832957126, 80.3833254924}; /* one of each family */
+    static const double steps[] = {0.02, 0.2, 1},
+                        near[] = {80.3832957126, 80.3833254924}; /* one of each family */
     double at[2][2];
     (void)state;
     for (int i = 0; i < 3; i += every_of(2)) {
@@ -111,22 +119,25 @@ static void same_from_everywhere(void **state)
                 at[k][1] = j.frequency;
             }
             print_message("# step %g: E %.15g, omega %.15g\n", steps[i], j.energy, j.frequency);
-            assert_true(fabs(j.energy / at[k][0] - 1) < 1e-13 && fabs(j.frequency / at[k][1] - 1) < 1e-13);
+            assert_true(fabs(j.energy / at[k][0] - 1) < 1e-13 &&
+                        fabs(j.frequency / at[k][1] - 1) < 1e-13);
         }
         ric_atlas_free(atlas);
     }
 }
 
-/* Two masses and a cubic spring (Peeters et al. 2009). Behind the multiplication 7/10 the sign of tau2 - 2 is lost in
- * rounding up to energy 2000, and changes at 5165: steps as long as that may not be the first to see it. */
+/* Two masses and a cubic spring (Peeters et al. 2009). Behind the multiplication 7/10 the sign of
+ * tau2 - 2 is lost in rounding up to energy 2000, and changes at 5165: steps as long as that may
+ * not be the first to see it. */
 static void seen_when_it_emerges(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore_text_with(
-        "title: late\nmodel: {mass: [[1, 0], [0, 1]], stiffness: [[2, -1], [-1, 2]], contacts: [{normal: [1, 0], law: "
-        "power, exponent: 3, stiffness: 0.5}]}\n"
-        "explore: {start: [2], energy: [443, 5500], frequency: [0.4, 4.7], multiply: 10, depth: 2}\n",
-        NULL, 1);
+    ric_atlas *atlas = explore_text_with("title: late\nmodel: {mass: [[1, 0], [0, 1]], stiffness: "
+                                         "[[2, -1], [-1, 2]], contacts: [{normal: [1, 0], law: "
+                                         "power, exponent: 3, stiffness: 0.5}]}\n"
+                                         "explore: {start: [2], energy: [443, 5500], frequency: "
+                                         "[0.4, 4.7], multiply: 10, depth: 2}\n",
+                                         NULL, 1);
     branch_point(atlas, 5165.35126174);
     branch_point(atlas, 5165.351578659);
     ric_atlas_free(atlas);
@@ -134,7 +145,8 @@ static void seen_when_it_emerges(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_double), cmocka_unit_test(same_from_everywhere),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_double),
+                                       cmocka_unit_test(same_from_everywhere),
                                        cmocka_unit_test(seen_when_it_emerges)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

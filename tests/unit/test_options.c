@@ -1,4 +1,5 @@
-/* The list of options is the only place where defaults and ranges stand: what is made of it must agree with it. */
+/* The list of options is the only place where defaults and ranges stand: what is made of it must
+ * agree with it. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <setjmp.h>
@@ -16,9 +17,9 @@
 #include "ricochet.h"
 #include "study/windows.h"
 
-static const char model[] =
-    "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts: [{normal: [-1, 1], clearance: "
-    "1}]\n";
+static const char model[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  "
+                            "contacts: [{normal: [-1, 1], clearance: "
+                            "1}]\n";
 
 static char *written(void (*write)(FILE *))
 {
@@ -75,7 +76,8 @@ static void every_option_has_a_place_and_words(void **state)
     const ric_option *list = ric_options_list(&n);
     (void)state;
     for (int i = 0; i < n; i++) {
-        const size_t size = ric_option_is_forcing(&list[i]) ? sizeof(ric_forcing) : sizeof(ric_explore_options);
+        const size_t size = ric_option_is_forcing(&list[i]) ? sizeof(ric_forcing)
+                                                            : sizeof(ric_explore_options);
         assert_true(list[i].help[0] != '\0' && list[i].offset < size);
         assert_ptr_equal(ric_option_find(list[i].section, list[i].key), &list[i]);
         assert_true(list[i].min < list[i].max);
@@ -86,7 +88,8 @@ static void every_option_has_a_place_and_words(void **state)
     assert_null(ric_option_find("explore", "no-such-option"));
 }
 
-/* Every number just inside its range is taken and just outside refused, through the study reader. */
+/* Every number just inside its range is taken and just outside refused, through the study reader.
+ */
 static void ranges_are_kept(void **state)
 {
     int n;
@@ -95,23 +98,28 @@ static void ranges_are_kept(void **state)
     for (int i = 0; i < n; i++) {
         if (list[i].type != RIC_OPTION_REAL && list[i].type != RIC_OPTION_INTEGER) continue;
         bool whole = list[i].type == RIC_OPTION_INTEGER;
-        double low = whole ? list[i].min - 1 : list[i].above ? list[i].min : nextafter(list[i].min, -INFINITY);
+        double low = whole           ? list[i].min - 1
+                     : list[i].above ? list[i].min
+                                     : nextafter(list[i].min, -INFINITY);
         double high = whole ? list[i].max + 1 : nextafter(list[i].max, INFINITY);
         double inside = list[i].above ? nextafter(list[i].min, INFINITY) : list[i].min;
         const double values[] = {low, high, inside, list[i].max};
         for (int j = 0; j < 4; j++) {
             char text[600];
             ric_study *study = NULL;
-            snprintf(text, sizeof text, "%s%s%s%s: %.17g\n", model, list[i].section[0] ? "explore:\n" : "",
-                     list[i].section[0] ? "  " : "", list[i].key, values[j]);
-            assert_int_equal(ric_study_parse(text, "range", NULL, &study), j < 2 ? RIC_E_INPUT : RIC_OK);
+            snprintf(text, sizeof text, "%s%s%s%s: %.17g\n", model,
+                     list[i].section[0] ? "explore:\n" : "", list[i].section[0] ? "  " : "",
+                     list[i].key, values[j]);
+            assert_int_equal(ric_study_parse(text, "range", NULL, &study),
+                             j < 2 ? RIC_E_INPUT : RIC_OK);
             if (j < 2) assert_non_null(strstr(ric_detail(), list[i].key));
             ric_study_free(study);
         }
     }
 }
 
-/* docs/study.md ends with the tables that the list makes. UPDATE=1 in the environment writes them anew. */
+/* docs/study.md ends with the tables that the list makes. UPDATE=1 in the environment writes them
+ * anew. */
 static void document_is_up_to_date(void **state)
 {
     char *wanted = written(ric_options_document);
@@ -140,7 +148,8 @@ static void numbers_are_read_strictly(void **state)
                                        "+2.5e+2", "007", "1d3", "-2.5D-03", "1.D0"};
     static const char *const bad[] = {"",    "-",     ".",   "e5",  "1e",   "0x10", "1 2",   " 1",
                                       "1,5", "1_000", "--1", "1e+", "true", "1d",   "1d3e1", "d3"};
-    static const char *const not_finite[] = {"nan", ".nan", ".NaN", "inf", "-.inf", "+Infinity", "1e999", "-1e999"};
+    static const char *const not_finite[] = {"nan",   ".nan",      ".NaN",  "inf",
+                                             "-.inf", "+Infinity", "1e999", "-1e999"};
     double value;
     long whole;
     (void)state;
@@ -163,8 +172,15 @@ static void numbers_are_read_strictly(void **state)
 
 static void numbers_are_written_bit_for_bit(void **state)
 {
-    const double values[] =
-        {0, -0.0, 1, 0.1, 1.0 / 3, 5e-324, 1.7976931348623157e308, -2.2250738585072014e-308, 123456789.123456789};
+    const double values[] = {0,
+                             -0.0,
+                             1,
+                             0.1,
+                             1.0 / 3,
+                             5e-324,
+                             1.7976931348623157e308,
+                             -2.2250738585072014e-308,
+                             123456789.123456789};
     (void)state;
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
         char *text = NULL;

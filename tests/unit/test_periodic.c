@@ -1,5 +1,5 @@
-/* Closed orbits: from a chain and back in every form, the group that acts on them, symmetries, canonical form, dropped
- * touches. */
+/* Closed orbits: from a chain and back in every form, the group that acts on them, symmetries,
+ * canonical form, dropped touches. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,8 +19,8 @@ enum { MAX_N = 6, MAX_CONTACT = 3, MAX_FLIGHT = 5, MAX_SIZE = 2 * MAX_N + MAX_FL
 /* ------------------------------------------------------------------ helpers */
 
 /* What runs over random orbits of every form. */
-typedef void check_orbit(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
-                         const char *where);
+typedef void check_orbit(const ric_model *m, ric_shooting *chain, const double *u,
+                         ric_periodic *cycle, const char *where);
 
 static void over_random_orbits(check_orbit *check)
 {
@@ -36,8 +36,8 @@ static void over_random_orbits(check_orbit *check)
                 ric_periodic *cycle = chain ? ric_periodic_from_chain(chain, u) : NULL;
                 if (cycle && primitive(m, cycle)) {
                     found[form]++;
-                    snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n,
-                             form, chain->n_flight);
+                    snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights",
+                             (unsigned long long)seed, n, form, chain->n_flight);
                     check(m, chain, u, cycle, where);
                 }
                 ric_periodic_free(cycle);
@@ -48,7 +48,8 @@ static void over_random_orbits(check_orbit *check)
         if (found[form] < 8) fail_msg("form %d: only %d orbits found", form, found[form]);
 }
 
-static void check_distance(const ric_periodic *a, const ric_periodic *b, const char *where, const char *what)
+static void check_distance(const ric_periodic *a, const ric_periodic *b, const char *where,
+                           const char *what)
 {
     double distance = a && b ? ric_periodic_distance(a, b) : HUGE_VAL;
     if (!(distance <= 1e-11)) fail_msg("%s: %s: distance %.3g", where, what, distance);
@@ -58,12 +59,13 @@ static void check_distance(const ric_periodic *a, const ric_periodic *b, const c
 
 static bool same_form(const ric_shooting *a, const ric_shooting *b)
 {
-    bool as_it_is = a->start == b->start && a->end == b->end, exchanged = a->start == b->end && a->end == b->start;
+    bool as_it_is = a->start == b->start && a->end == b->end,
+         exchanged = a->start == b->end && a->end == b->start;
     return (as_it_is || exchanged) && a->sigma == b->sigma && a->multiple == b->multiple;
 }
 
-static void check_round_trip(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
-                             const char *where)
+static void check_round_trip(const ric_model *m, ric_shooting *chain, const double *u,
+                             ric_periodic *cycle, const char *where)
 {
     ric_shooting *back = NULL;
     double *v = NULL;
@@ -73,9 +75,11 @@ static void check_round_trip(const ric_model *m, ric_shooting *chain, const doub
     ric_shooting_fly(back, v);
     if (!same_form(chain, back))
         fail_msg("%s: comes back as %d-%d sigma %d", where, back->start, back->end, back->sigma);
-    if (!(back->residual <= 1e-12)) fail_msg("%s: residual %.3g after the round trip", where, back->residual);
+    if (!(back->residual <= 1e-12))
+        fail_msg("%s: residual %.3g after the round trip", where, back->residual);
     double T = ric_shooting_time(chain, u), E = ric_shooting_energy(chain);
-    assert_true(fabs(ric_shooting_time(back, v) - T) <= 1e-12 * T && fabs(ric_periodic_period(cycle) - T) <= 1e-12 * T);
+    assert_true(fabs(ric_shooting_time(back, v) - T) <= 1e-12 * T &&
+                fabs(ric_periodic_period(cycle) - T) <= 1e-12 * T);
     assert_true(fabs(ric_shooting_energy(back) - E) <= 1e-12 * (1 + E) &&
                 fabs(ric_periodic_energy(m, cycle) - E) <= 1e-12 * (1 + E));
     ric_periodic *again = ric_periodic_from_chain(back, v);
@@ -85,8 +89,8 @@ static void check_round_trip(const ric_model *m, ric_shooting *chain, const doub
     ric_periodic *image = ric_periodic_transform(m, again, shift, reverse, mirror);
     check_distance(cycle, image, where, "matched image");
     if (image->half != cycle->half || image->pure != cycle->pure || image->flip != cycle->flip)
-        fail_msg("%s: symmetries %d %d %d become %d %d %d", where, cycle->half, cycle->pure, cycle->flip, image->half,
-                 image->pure, image->flip);
+        fail_msg("%s: symmetries %d %d %d become %d %d %d", where, cycle->half, cycle->pure,
+                 cycle->flip, image->half, image->pure, image->flip);
     /* impacts per period: those of the chain, each as often as the form repeats it */
     for (int k = 0; k <= chain->n_flight; k++) {
         if (chain->face[k] < 0) continue;
@@ -108,8 +112,8 @@ static void round_trip(void **state)
 }
 
 /* The states of a cycle close up: the flight after the last impact leads back to the first. */
-static void check_states(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
-                         const char *where)
+static void check_states(const ric_model *m, ric_shooting *chain, const double *u,
+                         ric_periodic *cycle, const char *where)
 {
     (void)chain;
     (void)u;
@@ -123,7 +127,8 @@ static void check_states(const ric_model *m, ric_shooting *chain, const double *
         const ric_face *f = &m->face[cycle->face[k]];
         double s = 0;
         for (int i = 0; i < m->n; i++) s += f->g[i] * W[2 * m->n * k + i];
-        if (!(fabs(s - f->gap) <= 1e-11 * 20)) fail_msg("%s: impact %d is off its face by %.3g", where, k, s - f->gap);
+        if (!(fabs(s - f->gap) <= 1e-11 * 20))
+            fail_msg("%s: impact %d is off its face by %.3g", where, k, s - f->gap);
         ric_periodic_free(moved);
     }
     ric_periodic *around = ric_periodic_transform(m, cycle, cycle->N, false, false);
@@ -140,25 +145,32 @@ static void states_close_up(void **state)
 /* ------------------------------------------------------------------- group */
 
 /* (s, r, m) takes impact i from s + (-1)^r i. Composition, and what becomes of the symmetries. */
-static void check_group(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
-                        const char *where)
+static void check_group(const ric_model *m, ric_shooting *chain, const double *u,
+                        ric_periodic *cycle, const char *where)
 {
     (void)chain;
     (void)u;
     int N = cycle->N;
     for (int trial = 0; trial < 24; trial += every()) {
-        int s1 = below(N), s2 = below(N), r1 = trial & 1, r2 = trial >> 1 & 1, m1 = trial >> 2 & 1, m2 = below(2);
+        int s1 = below(N), s2 = below(N), r1 = trial & 1, r2 = trial >> 1 & 1, m1 = trial >> 2 & 1,
+            m2 = below(2);
         ric_periodic *first = ric_periodic_transform(m, cycle, s1, r1, m1),
                      *both = ric_periodic_transform(m, first, s2, r2, m2);
-        ric_periodic *at_once = ric_periodic_transform(m, cycle, s1 + (r1 ? -s2 : s2), r1 != r2, m1 != m2);
+        ric_periodic *at_once = ric_periodic_transform(m, cycle, s1 + (r1 ? -s2 : s2), r1 != r2,
+                                                       m1 != m2);
         ric_periodic *undone = ric_periodic_transform(m, first, r1 ? s1 : -s1, r1, m1);
         check_distance(both, at_once, where, "two operations and their product");
         check_distance(cycle, undone, where, "an operation undone");
-        if (both->pure != at_once->pure || both->flip != at_once->flip || both->half != at_once->half ||
-            undone->pure != cycle->pure || undone->flip != cycle->flip || undone->half != cycle->half)
-            fail_msg("%s: the symmetries do not follow (%d %d %d)(%d %d %d)", where, s1, r1, m1, s2, r2, m2);
+        if (both->pure != at_once->pure || both->flip != at_once->flip ||
+            both->half != at_once->half || undone->pure != cycle->pure ||
+            undone->flip != cycle->flip || undone->half != cycle->half)
+            fail_msg("%s: the symmetries do not follow (%d %d %d)(%d %d %d)", where, s1, r1, m1, s2,
+                     r2, m2);
         for (int kind = 0; kind < 3; kind++) { /* they are symmetries of the image */
-            int place = kind == 0 ? first->pure : kind == 1 ? first->flip : first->half ? N / 2 : -1;
+            int place = kind == 0     ? first->pure
+                        : kind == 1   ? first->flip
+                        : first->half ? N / 2
+                                      : -1;
             if (place < 0) continue;
             ric_periodic *image = ric_periodic_transform(m, first, place, kind<2, kind> 0);
             check_distance(first, image, where,
@@ -194,8 +206,8 @@ static ric_periodic *repeat(const ric_periodic *c, int q)
     return out;
 }
 
-static void check_symmetries(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
-                             const char *where)
+static void check_symmetries(const ric_model *m, ric_shooting *chain, const double *u,
+                             ric_periodic *cycle, const char *where)
 {
     (void)u;
     ric_periodic *found = ric_periodic_copy(cycle);
@@ -206,10 +218,11 @@ static void check_symmetries(const ric_model *m, ric_shooting *chain, const doub
                 (cycle->flip >= 0 && found->flip < 0);
     assert_int_equal(q, 1);
     if (lost)
-        fail_msg("%s: symmetries %d %d %d, found %d %d %d", where, cycle->half, cycle->pure, cycle->flip, found->half,
-                 found->pure, found->flip);
+        fail_msg("%s: symmetries %d %d %d, found %d %d %d", where, cycle->half, cycle->pure,
+                 cycle->flip, found->half, found->pure, found->flip);
     if (chain->start != RIC_MIRROR_NONE)
-        assert_true((cycle->pure < 0 || cycle->pure == found->pure) && (cycle->flip < 0 || cycle->flip == found->flip));
+        assert_true((cycle->pure < 0 || cycle->pure == found->pure) &&
+                    (cycle->flip < 0 || cycle->flip == found->flip));
     /* a repeated orbit is recognised and cut back */
     for (int k = 2; k <= 3; k++) {
         ric_periodic *longer = repeat(cycle, k);
@@ -218,7 +231,8 @@ static void check_symmetries(const ric_model *m, ric_shooting *chain, const doub
         ric_periodic *shorter = ric_periodic_shorten(longer, k);
         check_distance(cycle, shorter, where, "repeated and cut");
         ric_periodic_find_symmetries(m, shorter, 1e-10);
-        assert_true(shorter->half == found->half && shorter->pure == found->pure && shorter->flip == found->flip);
+        assert_true(shorter->half == found->half && shorter->pure == found->pure &&
+                    shorter->flip == found->flip);
         ric_periodic_free(shorter);
         ric_periodic_free(longer);
     }
@@ -237,8 +251,8 @@ static void symmetries_are_found(void **state)
 
 /* --------------------------------------------------------- canonical form */
 
-static void check_canonical(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
-                            const char *where)
+static void check_canonical(const ric_model *m, ric_shooting *chain, const double *u,
+                            ric_periodic *cycle, const char *where)
 {
     (void)chain;
     (void)u;
@@ -254,11 +268,13 @@ static void check_canonical(const ric_model *m, ric_shooting *chain, const doubl
             ric_periodic *image = ric_periodic_transform(m, cycle, s, op & 1, op & 2),
                          *again = ric_periodic_canonical(m, image);
             check_distance(canonical, again, where, "canonical form of an image");
-            if (canonical->half != again->half || canonical->pure != again->pure || canonical->flip != again->flip)
+            if (canonical->half != again->half || canonical->pure != again->pure ||
+                canonical->flip != again->flip)
                 fail_msg("%s: canonical forms with other symmetries", where);
             if (!ric_periodic_match(m, cycle, image, 1e-10, &shift, &reverse, &mirror))
                 fail_msg("%s: an image is not recognised", where);
-            if (!ric_periodic_alike(m, cycle, image)) fail_msg("%s: an image has another word", where);
+            if (!ric_periodic_alike(m, cycle, image))
+                fail_msg("%s: an image has another word", where);
             /* with one letter exchanged: words are alike if their canonical forms are one */
             int other[4 * MAX_FLIGHT + 2];
             image->face[s] = (image->face[s] + 1) % m->n_face;
@@ -266,7 +282,8 @@ static void check_canonical(const ric_model *m, ric_shooting *chain, const doubl
             bool equal = !memcmp(word, other, (size_t)cycle->N * sizeof *word);
             if (ric_periodic_alike(m, cycle, image) != equal)
                 fail_msg("%s: words that are %s", where,
-                         equal ? "images of each other are told apart" : "none are taken for images");
+                         equal ? "images of each other are told apart"
+                               : "none are taken for images");
             ric_periodic_free(image);
             ric_periodic_free(again);
         }
@@ -284,14 +301,16 @@ static void canonical_is_invariant(void **state)
 static bool same_bits(const ric_periodic *a, const ric_periodic *b)
 {
     const size_t N = (size_t)a->N;
-    return a->N == b->N && a->closed == b->closed && a->half == b->half && a->pure == b->pure && a->flip == b->flip &&
-           !memcmp(a->face, b->face, N * sizeof *a->face) && !memcmp(a->tau, b->tau, N * sizeof *a->tau) &&
+    return a->N == b->N && a->closed == b->closed && a->half == b->half && a->pure == b->pure &&
+           a->flip == b->flip && !memcmp(a->face, b->face, N * sizeof *a->face) &&
+           !memcmp(a->tau, b->tau, N * sizeof *a->tau) &&
            !memcmp(a->w, b->w, 2 * (size_t)a->n * sizeof *a->w);
 }
 
-/* The canonical form and the nearest image from all images, made one by one: what is only read off the cycle is the
- * same to the last bit. */
-static void check_reading(const ric_model *m, ric_periodic *cycle, const ric_periodic *to, const char *where)
+/* The canonical form and the nearest image from all images, made one by one: what is only read off
+ * the cycle is the same to the last bit. */
+static void check_reading(const ric_model *m, ric_periodic *cycle, const ric_periodic *to,
+                          const char *where)
 {
     ric_periodic *least = ric_periodic_copy(cycle), *nearest = NULL;
     double distance = 1e-3;
@@ -310,17 +329,19 @@ static void check_reading(const ric_model *m, ric_periodic *cycle, const ric_per
                 nearest = image;
             } else ric_periodic_free(image);
         }
-    ric_periodic *canonical = ric_periodic_canonical(m, cycle), *found = ric_periodic_nearest(m, to, cycle, 1e-3);
+    ric_periodic *canonical = ric_periodic_canonical(m, cycle),
+                 *found = ric_periodic_nearest(m, to, cycle, 1e-3);
     if (!same_bits(least, canonical)) fail_msg("%s: not the canonical form of all images", where);
-    if (!found != !nearest || (found && !same_bits(found, nearest))) fail_msg("%s: not the nearest image", where);
+    if (!found != !nearest || (found && !same_bits(found, nearest)))
+        fail_msg("%s: not the nearest image", where);
     ric_periodic_free(least);
     ric_periodic_free(nearest);
     ric_periodic_free(canonical);
     ric_periodic_free(found);
 }
 
-static void check_images(const ric_model *m, ric_shooting *chain, const double *u, ric_periodic *cycle,
-                         const char *where)
+static void check_images(const ric_model *m, ric_shooting *chain, const double *u,
+                         ric_periodic *cycle, const char *where)
 {
     (void)chain;
     (void)u;
@@ -343,8 +364,10 @@ static void images_are_read(void **state)
 
 /* -------------------------------------------------------------------- keep */
 
-/* Drops touches of zero speed: the same motion with fewer impacts, and the symmetries that the choice leaves. */
-static void check_keep(const ric_model *m, const ric_periodic *cycle, const int *touch, int n_touch, const char *where)
+/* Drops touches of zero speed: the same motion with fewer impacts, and the symmetries that the
+ * choice leaves. */
+static void check_keep(const ric_model *m, const ric_periodic *cycle, const int *touch, int n_touch,
+                       const char *where)
 {
     for (unsigned choice = 0; choice < 1u << n_touch; choice++) {
         bool keep[64];
@@ -367,12 +390,14 @@ static void check_keep(const ric_model *m, const ric_periodic *cycle, const int 
             if (keep[i]) assert_int_equal(out->face[j++], cycle->face[i]);
         assert_int_equal(ric_periodic_to_chain(m, out, &chain, &u), RIC_OK);
         ric_shooting_fly(chain, u);
-        if (!(chain->residual <= 1e-9)) fail_msg("%s, choice %u: residual %.3g", where, choice, chain->residual);
+        if (!(chain->residual <= 1e-9))
+            fail_msg("%s, choice %u: residual %.3g", where, choice, chain->residual);
         ric_periodic *found = ric_periodic_copy(out);
         int q = ric_periodic_find_symmetries(m, found, 1e-7);
-        if (q == 1 && (found->half != out->half || found->pure != out->pure || found->flip != out->flip))
-            fail_msg("%s, choice %u: symmetries %d %d %d, found %d %d %d", where, choice, out->half, out->pure,
-                     out->flip, found->half, found->pure, found->flip);
+        if (q == 1 &&
+            (found->half != out->half || found->pure != out->pure || found->flip != out->flip))
+            fail_msg("%s, choice %u: symmetries %d %d %d, found %d %d %d", where, choice, out->half,
+                     out->pure, out->flip, found->half, found->pure, found->flip);
         ric_periodic_free(found);
         ric_periodic_free(out);
         ric_shooting_free(chain);
@@ -415,15 +440,18 @@ static void touches_are_dropped(void **state)
     ric_study_free(study);
 }
 
-/* Images under x -> -x exist where every face that is met has an opposite, and where every spring has one that is
- * closed all the while. */
+/* Images under x -> -x exist where every face that is met has an opposite, and where every spring
+ * has one that is closed all the while. */
 static void images_that_exist(void **state)
 {
     (void)state;
     double M[] = {0.645, 0, 0, 1.305}, K[] = {5.93, -4.0809, -4.0809, 5.4961}, b[] = {0, 1, -1, 1};
-    ric_contact contacts[2] =
-        {{.normal = b, .clearance = 1.235, .sides = RIC_SIDES_UPPER},
-         {.normal = b + 2, .clearance = 1.582, .sides = RIC_SIDES_LOWER, .law = RIC_LAW_BILINEAR, .stiffness = 300}};
+    ric_contact contacts[2] = {{.normal = b, .clearance = 1.235, .sides = RIC_SIDES_UPPER},
+                               {.normal = b + 2,
+                                .clearance = 1.582,
+                                .sides = RIC_SIDES_LOWER,
+                                .law = RIC_LAW_BILINEAR,
+                                .stiffness = 300}};
     for (int sides = 0; sides < 2; sides++) {
         ric_model *m = NULL;
         for (int f = 0; sides && f < 2; f++) contacts[f].sides = RIC_SIDES_BOTH;

@@ -1,5 +1,5 @@
-/* Structures with power-law contacts: published numbers, the symmetric path, duplicates, and orbits confirmed by
- * CVODE. */
+/* Structures with power-law contacts: published numbers, the symmetric path, duplicates, and orbits
+ * confirmed by CVODE. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,10 +16,12 @@
 #include "sample.h"
 
 /* The two masses of the article, eq. 51, and those of Peeters et al. 2009. */
-static const char article[] = "{mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]],"
-                              " contacts: [{normal: [-1, 1], law: power, exponent: %d, length: 1, reference: 1}]}";
-static const char peeters[] = "{mass: [[1, 0], [0, 1]], stiffness: [[2, -1], [-1, 2]],"
-                              " contacts: [{normal: [1, 0], law: power, exponent: %d, stiffness: 0.5}]}";
+static const char article[] =
+    "{mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]],"
+    " contacts: [{normal: [-1, 1], law: power, exponent: %d, length: 1, reference: 1}]}";
+static const char peeters[] =
+    "{mass: [[1, 0], [0, 1]], stiffness: [[2, -1], [-1, 2]],"
+    " contacts: [{normal: [1, 0], law: power, exponent: %d, stiffness: 0.5}]}";
 
 static ric_atlas *explore(const char *model, int exponent, const char *options, double max_step)
 {
@@ -43,7 +45,8 @@ static double frequency_at(const ric_atlas *atlas, int branch, double energy)
     int n;
     ric_orbit **orbits;
     ric_point point;
-    if (ric_orbit_find(atlas, branch, RIC_AT_ENERGY, energy, &n, &orbits)) fail_msg("%s", ric_detail());
+    if (ric_orbit_find(atlas, branch, RIC_AT_ENERGY, energy, &n, &orbits))
+        fail_msg("%s", ric_detail());
     assert_int_equal(n, 1);
     ric_orbit_data(orbits[0], &point, NULL, NULL, NULL);
     assert_true(agrees(point.energy, energy, 1e-13));
@@ -58,11 +61,13 @@ static void published_frequencies(void **state)
         int mode;
         double energy, frequency;
     } rows[] = {
-        {article, 1, 0.1, 0.9702075828},  {article, 1, 1, 1.1344581549},     {article, 1, 10, 1.3645473094},
-        {article, 1, 100, 1.5174431415},  {article, 2, 0.1, 2.158130071},    {article, 2, 1, 2.2045300075},
-        {article, 2, 10, 2.8125826533},   {article, 2, 100, 4.7422508771},   {peeters, 1, 0.1, 1.0089740489232},
-        {peeters, 1, 1, 1.0659067704481}, {peeters, 1, 10, 1.2069054736664}, {peeters, 2, 0.1, 1.733868548993},
-        {peeters, 2, 1, 1.7515011762514}, {peeters, 2, 10, 2.0295858271784},
+        {article, 1, 0.1, 0.9702075828},    {article, 1, 1, 1.1344581549},
+        {article, 1, 10, 1.3645473094},     {article, 1, 100, 1.5174431415},
+        {article, 2, 0.1, 2.158130071},     {article, 2, 1, 2.2045300075},
+        {article, 2, 10, 2.8125826533},     {article, 2, 100, 4.7422508771},
+        {peeters, 1, 0.1, 1.0089740489232}, {peeters, 1, 1, 1.0659067704481},
+        {peeters, 1, 10, 1.2069054736664},  {peeters, 2, 0.1, 1.733868548993},
+        {peeters, 2, 1, 1.7515011762514},   {peeters, 2, 10, 2.0295858271784},
     };
     (void)state;
     const char *options = "energy: [0, 105], frequency: [0.2, 10], multiply: 1, depth: 1";
@@ -73,8 +78,8 @@ static void published_frequencies(void **state)
         assert_int_equal(b.mode, rows[i].mode);
         double frequency = frequency_at(atlas, b.id, rows[i].energy);
         if (!agrees(frequency, rows[i].frequency, 1e-9))
-            fail_msg("mode %d at energy %g: %.12g, published %.12g", rows[i].mode, rows[i].energy, frequency,
-                     rows[i].frequency);
+            fail_msg("mode %d at energy %g: %.12g, published %.12g", rows[i].mode, rows[i].energy,
+                     frequency, rows[i].frequency);
     }
     ric_atlas_free(atlases[0]);
     ric_atlas_free(atlases[1]);
@@ -83,7 +88,8 @@ static void published_frequencies(void **state)
 /* --------------------------------------------------------------- symmetric path */
 
 /* Place of the first junction of a kind on a branch from place `from` on, -1: none. */
-static int next_of(const ric_atlas *atlas, const ric_branch *b, int from, ric_kind kind, int multiple)
+static int next_of(const ric_atlas *atlas, const ric_branch *b, int from, ric_kind kind,
+                   int multiple)
 {
     for (int i = from; i < b->n_junction; i++) {
         ric_junction j = junction_of(atlas, b->junctions[i]);
@@ -110,8 +116,8 @@ static ric_branch goes_all_the_way(const ric_atlas *atlas, int exponent)
     return b;
 }
 
-/* The same for the steps of tools/steps.py, over a factor 100; the short form takes two of the twenty, and the least
- * and the greatest exponent. */
+/* The same for the steps of tools/steps.py, over a factor 100; the short form takes two of the
+ * twenty, and the least and the greatest exponent. */
 static void symmetric_path(void **state)
 {
     static const int exponents[] = {3, 7, 21};
@@ -120,9 +126,10 @@ static void symmetric_path(void **state)
         ric_atlas *smallest = NULL;
         ric_branch path;
         for (int step = 0; step < 20; step += every_of(19)) {
-            ric_atlas *atlas = explore(article, exponents[e],
-                                       "start: [1], energy: [0, 1000], frequency: [0.2, 10], multiply: 1, depth: 1",
-                                       0.01 * pow(100, step / 19.0));
+            ric_atlas *atlas = explore(
+                article, exponents[e],
+                "start: [1], energy: [0, 1000], frequency: [0.2, 10], multiply: 1, depth: 1",
+                0.01 * pow(100, step / 19.0));
             ric_branch b = goes_all_the_way(atlas, exponents[e]);
             if (!smallest) {
                 smallest = atlas;
@@ -131,11 +138,16 @@ static void symmetric_path(void **state)
             }
             assert_int_equal(b.n_junction, path.n_junction);
             for (int i = 0; i < b.n_junction; i++) {
-                ric_junction j = junction_of(atlas, b.junctions[i]), k = junction_of(smallest, path.junctions[i]);
-                bool same = j.kind == k.kind && j.multiple == k.multiple && j.a == k.a && j.b == k.b;
-                if (!same || !agrees(j.energy, k.energy, 1e-9) || !agrees(j.frequency, k.frequency, 1e-9))
-                    fail_msg("n = %d: %s at E %.14g omega %.14g, with the smallest step %s at E %.14g omega %.14g",
-                             exponents[e], j.label, j.energy, j.frequency, k.label, k.energy, k.frequency);
+                ric_junction j = junction_of(atlas, b.junctions[i]),
+                             k = junction_of(smallest, path.junctions[i]);
+                bool same = j.kind == k.kind && j.multiple == k.multiple && j.a == k.a &&
+                            j.b == k.b;
+                if (!same || !agrees(j.energy, k.energy, 1e-9) ||
+                    !agrees(j.frequency, k.frequency, 1e-9))
+                    fail_msg("n = %d: %s at E %.14g omega %.14g, with the smallest step %s at E "
+                             "%.14g omega %.14g",
+                             exponents[e], j.label, j.energy, j.frequency, k.label, k.energy,
+                             k.frequency);
             }
             ric_atlas_free(atlas);
         }
@@ -143,13 +155,14 @@ static void symmetric_path(void **state)
     }
 }
 
-/* x -> -x takes motions of these structures to motions; the marks in their cycles are no faces (found by the address
- * sanitizer). */
+/* x -> -x takes motions of these structures to motions; the marks in their cycles are no faces
+ * (found by the address sanitizer). */
 static void marks_are_no_faces(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article, 3, "start: [1], energy: [0, 1], frequency: [0.2, 10], multiply: 1, depth: 1",
-                               0);
+    ric_atlas *atlas =
+        explore(article, 3,
+                "start: [1], energy: [0, 1], frequency: [0.2, 10], multiply: 1, depth: 1", 0);
     ric_periodic *cycle = ric_periodic_create(2, 2);
     assert_non_null(cycle);
     cycle->face[0] = cycle->face[1] = -1;
@@ -161,7 +174,8 @@ static void marks_are_no_faces(void **state)
 /* Both modes with a cubic spring, and what leaves them: several tests read it. */
 static int explore_cubic(void **state)
 {
-    *state = explore(article, 3, "energy: [0, 1000], frequency: [0.2, 10], multiply: 2, depth: 2", 0);
+    *state = explore(article, 3, "energy: [0, 1000], frequency: [0.2, 10], multiply: 2, depth: 2",
+                     0);
     return 0;
 }
 
@@ -171,8 +185,9 @@ static int free_cubic(void **state)
     return 0;
 }
 
-/* The period of an orbit without impacts is one flight, whose time fraction is fixed: extrema and doublings have a = 3
- * whether it is S or A, and those whose ranks are lost in rounding say the same. */
+/* The period of an orbit without impacts is one flight, whose time fraction is fixed: extrema and
+ * doublings have a = 3 whether it is S or A, and those whose ranks are lost in rounding say the
+ * same. */
 static void extrema_have_three(void **state)
 {
     const ric_atlas *atlas = *state;
@@ -190,25 +205,29 @@ static void extrema_have_three(void **state)
     assert_true(measured[0] > 0 && measured[1] > 0);
 }
 
-/* Deep in a cascade ranks may come out smaller than the kind of a junction allows, C_11 for the extremum at energy
- * 719.975: that is rounding, and not decided. With a large step, too, both doublings at 215.9 and 221.2 are found,
- * between which a multiplier stays just below -1, the doubling at 719.9098, and no extremum at 719.919, where two
- * families come close. Steps of 0.27, 0.08 and 0.03 find the same 86 junctions. The short form ends at energy 740,
- * where the first branches of the cascade do not come back yet. */
+/* Deep in a cascade ranks may come out smaller than the kind of a junction allows, C_11 for the
+ * extremum at energy 719.975: that is rounding, and not decided. With a large step, too, both
+ * doublings at 215.9 and 221.2 are found, between which a multiplier stays just below -1, the
+ * doubling at 719.9098, and no extremum at 719.919, where two families come close. Steps of 0.27,
+ * 0.08 and 0.03 find the same 86 junctions. The short form ends at energy 740, where the first
+ * branches of the cascade do not come back yet. */
 static void no_fewer_than_the_kind_has(void **state)
 {
     (void)state;
     char options[128];
     snprintf(options, sizeof options,
-             "start: [2], energy: [0, %d], frequency: [0.18, 6], multiply: 4, depth: 0, cascade: [3, 2, 4]",
+             "start: [2], energy: [0, %d], frequency: [0.18, 6], multiply: 4, depth: 0, cascade: "
+             "[3, 2, 4]",
              long_form() ? 880 : 740);
     ric_atlas *atlas = explore(article, 3, options, 0.27);
     int met = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
-        if (j.kind != RIC_KIND_EXTREMUM && j.kind != RIC_KIND_BRANCH_POINT && j.kind != RIC_KIND_MULTIPLICATION)
+        if (j.kind != RIC_KIND_EXTREMUM && j.kind != RIC_KIND_BRANCH_POINT &&
+            j.kind != RIC_KIND_MULTIPLICATION)
             continue;
-        if (j.a < 2 || j.b < (j.kind == RIC_KIND_EXTREMUM ? 1 : 2)) fail_msg("%s at E %.12g", j.label, j.energy);
+        if (j.a < 2 || j.b < (j.kind == RIC_KIND_EXTREMUM ? 1 : 2))
+            fail_msg("%s at E %.12g", j.label, j.energy);
         met += agrees(j.energy, 719.974716905, 1e-9) +
                10 * (agrees(j.energy, 215.896607776, 1e-9) || agrees(j.energy, 221.16272669, 1e-9));
         assert_false(agrees(j.energy, 719.91926876, 1e-9));
@@ -218,13 +237,14 @@ static void no_fewer_than_the_kind_has(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The eight-duplicate of the segment between the extremum near omega 1.609 and the branch point near 1.584 carries
- * exactly the multiplications p/8, p = 1..7. */
+/* The eight-duplicate of the segment between the extremum near omega 1.609 and the branch point
+ * near 1.584 carries exactly the multiplications p/8, p = 1..7. */
 static void eight_duplicate(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article, 3, "start: [1], energy: [0, 1000], frequency: [0.1, 10], multiply: 8, depth: 1",
-                               0);
+    ric_atlas *atlas =
+        explore(article, 3,
+                "start: [1], energy: [0, 1000], frequency: [0.1, 10], multiply: 8, depth: 1", 0);
     ric_branch b = branch_of(atlas, 1);
     int found[8] = {0}, total = 0, inside = 0, ends = 0;
     for (int i = 0; i < b.n_junction; i++) {
@@ -248,9 +268,11 @@ static void eight_duplicate(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Amplitudes of sin(omega t) and sin(3 omega t) in x1 of an orbit with z(t+T/2) = -z(t) that starts at a centre,
- * integrated by CVODE, which has to find it in the opposite state after half a period. */
-static void harmonics(const ric_atlas *atlas, const double *state, double period, double *first, double *third)
+/* Amplitudes of sin(omega t) and sin(3 omega t) in x1 of an orbit with z(t+T/2) = -z(t) that starts
+ * at a centre, integrated by CVODE, which has to find it in the opposite state after half a period.
+ */
+static void harmonics(const ric_atlas *atlas, const double *state, double period, double *first,
+                      double *third)
 {
     enum { SAMPLES = 48 };
     const ric_model *m = ric_atlas_model(atlas);
@@ -262,27 +284,33 @@ static void harmonics(const ric_atlas *atlas, const double *state, double period
     for (int i = 0; i < SAMPLES; i++) {
         *first += 2.0 / SAMPLES * z[0] * sin(i * M_PI / SAMPLES);
         *third += 2.0 / SAMPLES * z[0] * sin(i * 3 * M_PI / SAMPLES);
-        cvode_fly(m, 2, ric_model_mass(m), ric_model_stiffness(m), 1, &contact, period / 2 / SAMPLES, z, z + 2);
+        cvode_fly(m, 2, ric_model_mass(m), ric_model_stiffness(m), 1, &contact,
+                  period / 2 / SAMPLES, z, z + 2);
     }
     for (int k = 0; k < 4; k++) {
         size = fmax(size, fabs(state[k]));
         off = fmax(off, fabs(z[k] + state[k]));
     }
-    if (!(off < 1e-8 * size)) fail_msg("CVODE returns with %g after half a period of %g", off / size, period);
+    if (!(off < 1e-8 * size))
+        fail_msg("CVODE returns with %g after half a period of %g", off / size, period);
 }
 
-/* The loop of the 3:1 resonance (Peeters et al. 2009), which is one branch, S+. On the backbone x1 has little of the
- * third harmonic. From an extremum of the energy on the branch leaves it, with the first harmonic falling to 0: there
- * it is the other mode gone through three times, and touches its 3-duplicate. It comes back with the first harmonic in
- * the opposite phase, over two more extrema, and is the backbone again: that of x1 being drawn along by x2 as x1^3 ~
- * sin(omega t), whose third harmonic is 1/5 of the first. */
+/* The loop of the 3:1 resonance (Peeters et al. 2009), which is one branch, S+. On the backbone x1
+ * has little of the third harmonic. From an extremum of the energy on the branch leaves it, with
+ * the first harmonic falling to 0: there it is the other mode gone through three times, and touches
+ * its 3-duplicate. It comes back with the first harmonic in the opposite phase, over two more
+ * extrema, and is the backbone again: that of x1 being drawn along by x2 as x1^3 ~ sin(omega t),
+ * whose third harmonic is 1/5 of the first. */
 static void tongue(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(peeters, 3, "energy: [0, 10000], frequency: [0.2, 20], multiply: 3, depth: 1", 0);
+    ric_atlas *atlas = explore(peeters, 3,
+                               "energy: [0, 10000], frequency: [0.2, 20], multiply: 3, depth: 1",
+                               0);
     ric_branch in = branch_of(atlas, 1), out = branch_of(atlas, 2);
     /* of the extrema, in order */
-    static const double energies[] = {4680.546292756, 285.1589908027, 2105.466020769, 1786.385084028};
+    static const double energies[] = {4680.546292756, 285.1589908027, 2105.466020769,
+                                      1786.385084028};
     double at[4] = {0}, touch = -1, first = 0, third = 0;
     int extrema = 0, taken_over = 0;
     for (int i = 0; i < in.n_junction; i++) {
@@ -292,7 +320,8 @@ static void tongue(void **state)
         if (shared) {
             assert_true(touch < 0 && j.kind == RIC_KIND_MULTIPLICATION && j.multiple == 3);
             assert_true(agrees(3 * j.frequency, frequency_at(atlas, out.id, j.energy), 1e-9));
-            assert_true(agrees(j.energy, 285.1593439288, 1e-9) && agrees(j.frequency, 1.407414986264, 1e-9));
+            assert_true(agrees(j.energy, 285.1593439288, 1e-9) &&
+                        agrees(j.frequency, 1.407414986264, 1e-9));
             harmonics(atlas, j.state, 6.283185307179586 / j.frequency, &first, &third);
             assert_true(fabs(first) < 1e-8 * fabs(third));
             touch = in.junction_at[i];
@@ -302,7 +331,8 @@ static void tongue(void **state)
         at[extrema++] = in.junction_at[i];
     }
     assert_int_equal(extrema, 4);
-    assert_true(at[0] < touch && touch < at[2] && fabs(at[1] - touch) < 0.1); /* one extremum lies next to the touch */
+    assert_true(at[0] < touch && touch < at[2] &&
+                fabs(at[1] - touch) < 0.1); /* one extremum lies next to the touch */
     bool mostly_third = false;
     for (int i = 0; i < in.n_point; i += i < in.n_point - 8 ? 8 : 1) {
         double z[4], period;
@@ -313,12 +343,15 @@ static void tongue(void **state)
         assert_true((first * third < 0) == (p.arclength < touch));
         if ((fabs(third) > fabs(first)) == mostly_third) continue;
         mostly_third = !mostly_third;
-        /* on the way out shortly before the greatest energy, on the way back between the last two extrema */
-        assert_true(++taken_over == 1 ? p.arclength < at[0] && p.energy > 2500
-                                      : taken_over == 2 && p.arclength > at[2] && p.arclength <= at[3]);
+        /* on the way out shortly before the greatest energy, on the way back between the last two
+         * extrema */
+        assert_true(++taken_over == 1
+                        ? p.arclength < at[0] && p.energy > 2500
+                        : taken_over == 2 && p.arclength > at[2] && p.arclength <= at[3]);
     }
     assert_int_equal(taken_over, 2);
-    print_message("# at E %.6g the third harmonic is %.3f of the first\n", in.energy_max, third / first);
+    print_message("# at E %.6g the third harmonic is %.3f of the first\n", in.energy_max,
+                  third / first);
     assert_true(agrees(third / first, 0.2, 0.1));
     assert_int_equal(in.stop, RIC_STOP_WINDOW);
     assert_true(agrees(in.energy_max, 10000, 1e-9));
@@ -332,7 +365,8 @@ static double largest_multiplier(const ric_atlas *atlas, int branch, int point)
     int n;
     ric_orbit **orbits;
     double multipliers[8], most = 1;
-    if (ric_orbit_find(atlas, branch, RIC_AT_POINT, point, &n, &orbits)) fail_msg("%s", ric_detail());
+    if (ric_orbit_find(atlas, branch, RIC_AT_POINT, point, &n, &orbits))
+        fail_msg("%s", ric_detail());
     assert_int_equal(n, 1);
     assert_int_equal(ric_orbit_multipliers(orbits[0], multipliers), RIC_OK);
     for (int i = 0; i < 2 * (ric_model_n_dof(ric_atlas_model(atlas)) - 1); i++)
@@ -348,7 +382,8 @@ static void orbits_return(void **state)
     (void)state;
     for (int e = 0; e < 3; e += every_of(2)) {
         ric_atlas *atlas = explore(article, exponents[e],
-                                   "energy: [0, 40], frequency: [0.2, 10], multiply: 2, depth: 2", 0);
+                                   "energy: [0, 40], frequency: [0.2, 10], multiply: 2, depth: 2",
+                                   0);
         const ric_model *m = ric_atlas_model(atlas);
         ric_contact contact;
         int tried = 0;
@@ -361,7 +396,8 @@ static void orbits_return(void **state)
                 point_passes(atlas, id, i);
                 assert_int_equal(ric_atlas_point(atlas, id, i, &p, x, &flight), RIC_OK);
                 memcpy(y, x, sizeof y);
-                double own = cvode_fly(m, 2, ric_model_mass(m), ric_model_stiffness(m), 1, &contact, flight, y, y + 2);
+                double own = cvode_fly(m, 2, ric_model_mass(m), ric_model_stiffness(m), 1, &contact,
+                                       flight, y, y + 2);
                 for (int k = 0; k < 4; k++) {
                     off = fmax(off, fabs(y[k] - x[k]));
                     size = fmax(size, fabs(x[k]));
@@ -369,7 +405,8 @@ static void orbits_return(void **state)
                 E = ric_model_energy(m, y, y + 2);
                 double allowed = 1e-9 * fmax(1, 1e-7 * largest_multiplier(atlas, id, i)) + 10 * own;
                 if (!(off <= allowed * size && own < 1e-6 && agrees(E, p.energy, 1e-9 + 10 * own)))
-                    fail_msg("n = %d: branch %d, point %d: CVODE returns with %g, sure of %g, energy %.13g for %.13g",
+                    fail_msg("n = %d: branch %d, point %d: CVODE returns with %g, sure of %g, "
+                             "energy %.13g for %.13g",
                              exponents[e], id, i, off / size, own, E, p.energy);
             }
         }
@@ -378,26 +415,29 @@ static void orbits_return(void **state)
     }
 }
 
-/* Method 11: a power law tends to the rigid stop as log(m) / m. The time in which the spring stops the mass is that to
- * the turning point s^(m+1) = E (m+1) / k2, so the error of the frequency times (m+1) / log(E (m+1) / k2) tends to a
- * constant. */
+/* Method 11: a power law tends to the rigid stop as log(m) / m. The time in which the spring stops
+ * the mass is that to the turning point s^(m+1) = E (m+1) / k2, so the error of the frequency times
+ * (m+1) / log(E (m+1) / k2) tends to a constant. */
 static void tends_to_the_stop(void **state)
 {
     static const int exponents[] = {21, 51, 99};
-    static const char stop[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
-                               "  contacts: [{normal: [-1, 1], clearance: 1, law: rigid}]\n"
-                               "explore: {start: [1], energy: [0, 12], frequency: [0.2, 10], impacts: 2, multiply: 1, "
-                               "depth: 1}\n";
+    static const char stop[] =
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
+        "  contacts: [{normal: [-1, 1], clearance: 1, law: rigid}]\n"
+        "explore: {start: [1], energy: [0, 12], frequency: [0.2, 10], impacts: 2, multiply: 1, "
+        "depth: 1}\n";
     (void)state;
     ric_atlas *rigid = explore_text(stop);
     double limit = 0, constant[3];
     for (int id = 1; id <= ric_atlas_n_branch(rigid); id++)
-        if (branch_of(rigid, id).symmetric && branch_of(rigid, id).impacts == 2) limit = frequency_at(rigid, id, 10);
+        if (branch_of(rigid, id).symmetric && branch_of(rigid, id).impacts == 2)
+            limit = frequency_at(rigid, id, 10);
     assert_true(agrees(limit, 1.571293037, 1e-9));
     for (int i = 0; i < 3; i++) {
         int m = exponents[i];
-        ric_atlas *atlas = explore(article, m,
-                                   "start: [1], energy: [0, 12], frequency: [0.2, 10], multiply: 1, depth: 1", 0);
+        ric_atlas *atlas =
+            explore(article, m,
+                    "start: [1], energy: [0, 12], frequency: [0.2, 10], multiply: 1, depth: 1", 0);
         constant[i] = (limit - frequency_at(atlas, 1, 10)) * (m + 1) / log(10 * (m + 1));
         print_message("# m = %d: %.6f\n", m, constant[i]);
         ric_atlas_free(atlas);
@@ -407,13 +447,14 @@ static void tends_to_the_stop(void **state)
     assert_true(agrees(constant[2], constant[1], 0.03));
 }
 
-/* The bridge of section 3.3 at n = 21: orbits with z(t+T/2) = -z(t) and without mirror points, whose phase is free, on
- * one branch from one branch point of the symmetric path to another. */
+/* The bridge of section 3.3 at n = 21: orbits with z(t+T/2) = -z(t) and without mirror points,
+ * whose phase is free, on one branch from one branch point of the symmetric path to another. */
 static void bridge(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article, 21, "start: [1], energy: [0, 200], frequency: [0.9, 10], multiply: 1, depth: 2",
-                               0);
+    ric_atlas *atlas =
+        explore(article, 21,
+                "start: [1], energy: [0, 200], frequency: [0.9, 10], multiply: 1, depth: 2", 0);
     int bridges = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -422,7 +463,8 @@ static void bridge(void **state)
         bridges++;
         assert_true(b.from && b.to);
         double low = junction_of(atlas, b.from).energy, high = junction_of(atlas, b.to).energy;
-        assert_true(agrees(fmin(low, high), 27.8224604684721, 1e-9) && agrees(fmax(low, high), 70.1256339201796, 1e-9));
+        assert_true(agrees(fmin(low, high), 27.8224604684721, 1e-9) &&
+                    agrees(fmax(low, high), 70.1256339201796, 1e-9));
         points_return(atlas, id, 0, 7);
     }
     assert_int_equal(bridges, 1);
@@ -435,9 +477,9 @@ static bool counted(void *user)
     return false;
 }
 
-/* At a branch point the unknowns are known to rounding over a pivot that is rounding, too: what is moved by that is
- * another orbit, whose flights through any energy take seconds, and it says nothing of the multipliers. The work is
- * counted by the questions whether to stop. */
+/* At a branch point the unknowns are known to rounding over a pivot that is rounding, too: what is
+ * moved by that is another orbit, whose flights through any energy take seconds, and it says
+ * nothing of the multipliers. The work is counted by the questions whether to stop. */
 static void ends_cost_no_more(void **state)
 {
     const ric_atlas *atlas = *state;
@@ -453,16 +495,17 @@ static void ends_cost_no_more(void **state)
     assert_true(ends >= 4 && asked < 100 * ends);
 }
 
-/* The second asymmetric branch of Fig. 26, from one branch point of the first to another. Near energy 26.83 neighbours
- * grow to 1600 times their distance between the middle and the end of a period, and to 12 times over all of it: by the
- * matrix of the period alone no step converges. */
+/* The second asymmetric branch of Fig. 26, from one branch point of the first to another. Near
+ * energy 26.83 neighbours grow to 1600 times their distance between the middle and the end of a
+ * period, and to 12 times over all of it: by the matrix of the period alone no step converges. */
 static void grows_on_the_way(void **state)
 {
     (void)state;
     for (int run = 0; run < 2; run += every_of(2)) {
-        ric_atlas *atlas = explore(article, 21,
-                                   "start: [1], energy: [0, 100], frequency: [0.9, 10], multiply: 1, depth: 3",
-                                   run ? 0.05 : 0);
+        ric_atlas *atlas =
+            explore(article, 21,
+                    "start: [1], energy: [0, 100], frequency: [0.9, 10], multiply: 1, depth: 3",
+                    run ? 0.05 : 0);
         int found = 0;
         for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
             ric_branch b = branch_of(atlas, id);
@@ -471,7 +514,8 @@ static void grows_on_the_way(void **state)
             found++;
             assert_true(b.from && b.to);
             double low = junction_of(atlas, b.from).energy, high = junction_of(atlas, b.to).energy;
-            assert_true(agrees(fmin(low, high), 5.20922215932, 1e-9) && agrees(fmax(low, high), 30.2390126342, 1e-9));
+            assert_true(agrees(fmin(low, high), 5.20922215932, 1e-9) &&
+                        agrees(fmax(low, high), 30.2390126342, 1e-9));
             points_return(atlas, id, 0, 7 * every_of(2));
         }
         assert_int_equal(found, 1);
@@ -479,8 +523,8 @@ static void grows_on_the_way(void **state)
     }
 }
 
-/* Multiplicities are measured, and not those of the kind: but for the turning and the tripling, 1e-5 apart in
- * energy. */
+/* Multiplicities are measured, and not those of the kind: but for the turning and the tripling,
+ * 1e-5 apart in energy. */
 static void labels_are_measured(void **state)
 {
     const ric_atlas *atlas = *state;
@@ -498,12 +542,14 @@ static void labels_are_measured(void **state)
     assert_true(points > 10);
 }
 
-/* Branches without mirror points start and end where these are gained, at any phase of the orbit: none runs on along
- * its mirror image. The cubic spring has bridges of orbits with and without z(t+T/2) = -z(t). */
+/* Branches without mirror points start and end where these are gained, at any phase of the orbit:
+ * none runs on along its mirror image. The cubic spring has bridges of orbits with and without
+ * z(t+T/2) = -z(t). */
 static void arrivals_without_mirrors(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article, 3, "energy: [0, 700], frequency: [0.3, 10], multiply: 3, depth: 4", 0);
+    ric_atlas *atlas = explore(article, 3,
+                               "energy: [0, 700], frequency: [0.3, 10], multiply: 3, depth: 4", 0);
     int found[2] = {0}, closed = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -525,12 +571,13 @@ static void arrivals_without_mirrors(void **state)
     ric_atlas_free(atlas);
 }
 
-/* A branch that begins at a multiplication which it passes ends there after one way round, and belongs to that
- * junction. */
+/* A branch that begins at a multiplication which it passes ends there after one way round, and
+ * belongs to that junction. */
 static void closes_where_it_passes(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore(article, 21, "energy: [0, 1], frequency: [0.2, 10], multiply: 3, depth: 2", 0);
+    ric_atlas *atlas = explore(article, 21,
+                               "energy: [0, 1], frequency: [0.2, 10], multiply: 3, depth: 2", 0);
     int closed = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -548,13 +595,15 @@ static void closes_where_it_passes(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Contacts of power 99 take a hundredth of the shortest period, and neighbours grow by 1e7 on the way. The branch
- * without mirror points between two branch points is there once, no branch fails, and the middle of each returns. */
+/* Contacts of power 99 take a hundredth of the shortest period, and neighbours grow by 1e7 on the
+ * way. The branch without mirror points between two branch points is there once, no branch fails,
+ * and the middle of each returns. */
 static void power_99(void **state)
 {
     (void)state;
     if (!long_form()) skip();
-    ric_atlas *atlas = explore(article, 99, "energy: [0, 6], frequency: [0.2, 10], multiply: 2, depth: 3", 0);
+    ric_atlas *atlas = explore(article, 99,
+                               "energy: [0, 6], frequency: [0.2, 10], multiply: 2, depth: 3", 0);
     int met = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -568,14 +617,15 @@ static void power_99(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Exponent 99 at energy 83: neighbours of the doubled orbits part so fast that Newton's method on the start alone
- * converges only within some 1e-6 of them. Without inner nodes the third branch of the whole window has residuals of
- * 3e-10 and its fourth, which is the second of the narrow one, is not found. `from`: energies of the junctions that the
- * branches begin at. */
+/* Exponent 99 at energy 83: neighbours of the doubled orbits part so fast that Newton's method on
+ * the start alone converges only within some 1e-6 of them. Without inner nodes the third branch of
+ * the whole window has residuals of 3e-10 and its fourth, which is the second of the narrow one, is
+ * not found. `from`: energies of the junctions that the branches begin at. */
 static void check_inner_nodes(const char *window, int n_branch, const double *from)
 {
     char options[128];
-    snprintf(options, sizeof options, "energy: [%s], frequency: [0.8, 1.7], multiply: 2, depth: 2", window);
+    snprintf(options, sizeof options, "energy: [%s], frequency: [0.8, 1.7], multiply: 2, depth: 2",
+             window);
     ric_atlas *atlas = explore(article, 99, options, 0);
     assert_int_equal(ric_atlas_n_branch(atlas), n_branch);
     for (int id = 1; id <= n_branch; id++) {
@@ -594,33 +644,37 @@ static void check_inner_nodes(const char *window, int n_branch, const double *fr
 
 static void inner_nodes(void **state)
 {
-    static const double whole[] = {0, 83.7172337166, 83.7172337166, 82.8669787131}, narrow[] = {0, 82.8669787131};
+    static const double whole[] = {0, 83.7172337166, 83.7172337166, 82.8669787131},
+                        narrow[] = {0, 82.8669787131};
     (void)state;
     check_inner_nodes("82.84, 82.9", 2, narrow);
     if (long_form()) check_inner_nodes("82, 85", 4, whole); /* a quarter of a minute */
 }
 
-/* A backbone without junctions at its ends is found in its midst: it is followed to one end, and from there over all of
- * it. The other side is not followed for itself, which would cost two steps for every point. */
+/* A backbone without junctions at its ends is found in its midst: it is followed to one end, and
+ * from there over all of it. The other side is not followed for itself, which would cost two steps
+ * for every point. */
 static void backbones_are_followed_from_one_end(void **state)
 {
     (void)state;
     ric_study *study = NULL;
-    const char *text = "model: {mass: [[1, 0], [0, 1]], stiffness: [[2, -1], [-1, 2]],"
-                       " contacts: [{normal: [1, 0], law: power, exponent: 3, stiffness: 0.5}]}\n"
-                       "explore: {energy: [1e-6, 100], frequency: [0.2, 9], multiply: 1, depth: 1}\n";
+    const char
+        *text = "model: {mass: [[1, 0], [0, 1]], stiffness: [[2, -1], [-1, 2]],"
+                " contacts: [{normal: [1, 0], law: power, exponent: 3, stiffness: 0.5}]}\n"
+                "explore: {energy: [1e-6, 100], frequency: [0.2, 9], multiply: 1, depth: 1}\n";
     assert_int_equal(ric_study_parse(text, "test", ".", &study), RIC_OK);
     ric_graph *graph = explored_graph(study);
     int points = 0;
     assert_int_equal(graph->n_edge, 2);
     for (int i = 0; i < graph->n_edge; i++) points += graph->edges[i].trace->n_point;
-    if (!(points > 100 && graph->fresh < 1.7 * points)) fail_msg("%d steps for %d points", (int)graph->fresh, points);
+    if (!(points > 100 && graph->fresh < 1.7 * points))
+        fail_msg("%d steps for %d points", (int)graph->fresh, points);
     ric_graph_free(graph);
     ric_study_free(study);
 }
 
-/* A backbone that is found below a region of the plane comes to it on the way back from its lower end: what multiplies
- * in the region is looked for there, too. */
+/* A backbone that is found below a region of the plane comes to it on the way back from its lower
+ * end: what multiplies in the region is looked for there, too. */
 static void backbones_come_to_regions(void **state)
 {
     (void)state;

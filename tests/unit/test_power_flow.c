@@ -1,4 +1,5 @@
-/* The smooth flow of law power: against CVODE, invariants, neighbours by differences and in two ways. */
+/* The smooth flow of law power: against CVODE, invariants, neighbours by differences and in two
+ * ways. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
@@ -29,7 +30,8 @@ typedef struct {
 
 static void create(structure *s)
 {
-    if (ric_model_create(s->n, s->M, s->K, s->n_contact, s->contacts, 1, &s->model)) fail_msg("%s", ric_detail());
+    if (ric_model_create(s->n, s->M, s->K, s->n_contact, s->contacts, 1, &s->model))
+        fail_msg("%s", ric_detail());
     assert_int_equal(s->model->n, s->n);
     s->work = calloc(ric_power_flow_work(s->model, 2 * s->n), sizeof *s->work);
     assert_non_null(s->work);
@@ -42,7 +44,8 @@ static void release(structure *s)
 }
 
 /* Exponents as given, cycled through by the contacts. */
-static void random_structure(uint64_t seed, int n, int n_contact, const int *exponents, bool floating, structure *s)
+static void random_structure(uint64_t seed, int n, int n_contact, const int *exponents,
+                             bool floating, structure *s)
 {
     seed_now = seed;
     memset(s, 0, sizeof *s);
@@ -52,7 +55,9 @@ static void random_structure(uint64_t seed, int n, int n_contact, const int *exp
     random_definite(n, floating ? n - 1 : n, floating ? 0 : 0.3, s->K);
     for (int f = 0; f < n_contact; f++) {
         for (int i = 0; i < n; i++) s->normal[f * n + i] = uniform(-1, 1);
-        s->contacts[f] = (ric_contact){.normal = s->normal + f * n, .law = RIC_LAW_POWER, .exponent = exponents[f]};
+        s->contacts[f] = (ric_contact){.normal = s->normal + f * n,
+                                       .law = RIC_LAW_POWER,
+                                       .exponent = exponents[f]};
         if (f % 2) s->contacts[f].stiffness = uniform(0.3, 3);
         else {
             s->contacts[f].length = uniform(0.5, 2);
@@ -95,7 +100,11 @@ static double largest(int count, const double *x)
     return top;
 }
 
-static const int exponents[][CONTACTS] = {{3, 5, 7}, {7, 3, 21}, {21, 9, 3}, {99, 3, 51}, {11, 33, 65}};
+static const int exponents[][CONTACTS] = {{3, 5, 7},
+                                          {7, 3, 21},
+                                          {21, 9, 3},
+                                          {99, 3, 51},
+                                          {11, 33, 65}};
 enum { N_SET = sizeof exponents / sizeof exponents[0] };
 
 /* ------------------------------------------------------------------- CVODE */
@@ -116,9 +125,10 @@ static void follows_cvode(void **state)
         assert_true(ric_power_flow_fly(s.model, time * s.model->omega_ref, w, 0, NULL, s.work));
         ric_model_to_state(s.model, w, y, z);
         for (int j = 0; j < n; j++)
-            if (!(fabs(x[j] - y[j]) <= (1e-11 + 10 * error) * size && fabs(v[j] - z[j]) <= (1e-11 + 10 * error) * size))
-                fail_msg("structure %d: x[%d] %.15g %.15g, v %.15g %.15g; CVODE is sure of %g", i, j, x[j], y[j], v[j],
-                         z[j], error);
+            if (!(fabs(x[j] - y[j]) <= (1e-11 + 10 * error) * size &&
+                  fabs(v[j] - z[j]) <= (1e-11 + 10 * error) * size))
+                fail_msg("structure %d: x[%d] %.15g %.15g, v %.15g %.15g; CVODE is sure of %g", i,
+                         j, x[j], y[j], v[j], z[j], error);
         assert_true(error < 1e-7);
         release(&s);
     }
@@ -139,12 +149,14 @@ static void conserves(void **state)
         random_state(&s, i % 2 ? 0.5 : 3, w);
         memcpy(w0, w, sizeof w);
         ric_model_to_state(s.model, w, x, v);
-        double E = ric_model_energy(s.model, x, v), here = ric_flight_energy(s.model, 0, w) * s.model->energy_unit;
+        double E = ric_model_energy(s.model, x, v),
+               here = ric_flight_energy(s.model, 0, w) * s.model->energy_unit;
         assert_true(fabs(E - here) <= 1e-13 * E || ric_model_n_mode(s.model) < n);
         assert_true(ric_power_flow_fly(s.model, 10, w, 0, NULL, s.work));
         ric_model_to_state(s.model, w, x, v);
         if (!(fabs(ric_model_energy(s.model, x, v) - E) <= 2e-13 * E))
-            fail_msg("structure %d: energy %.17g became %.17g", i, E, ric_model_energy(s.model, x, v));
+            fail_msg("structure %d: energy %.17g became %.17g", i, E,
+                     ric_model_energy(s.model, x, v));
         double X[4 * n * n];
         memset(X, 0, sizeof X);
         for (int j = 0; j < 2 * n; j++) X[j * 2 * n + j] = 1;
@@ -207,8 +219,8 @@ static void neighbours_are_derivatives(void **state)
                 }
             for (int r = 0; r < ld; r++)
                 if (!(fabs(sum[r] - X[r * ld + j]) <= 1e-7 * size))
-                    fail_msg("structure %d: entry %d, %d is %.15g, by differences %.15g", i, r, j, X[r * ld + j],
-                             sum[r]);
+                    fail_msg("structure %d: entry %d, %d is %.15g, by differences %.15g", i, r, j,
+                             X[r * ld + j], sum[r]);
         }
         release(&s);
     }
@@ -239,9 +251,13 @@ static void neighbours_are_symplectic(void **state)
         }
         for (int j = 0; j < ld; j++)
             for (int k = 0; k < ld; k++) {
-                double sum = 0, J = j < n && k == j + n ? 1 / kappa[j] : k < n && j == k + n ? -1 / kappa[k] : 0;
+                double sum = 0, J = j < n && k == j + n   ? 1 / kappa[j]
+                                    : k < n && j == k + n ? -1 / kappa[k]
+                                                          : 0;
                 for (int l = 0; l < n; l++)
-                    sum += (X[l * ld + j] * X[(n + l) * ld + k] - X[(n + l) * ld + j] * X[l * ld + k]) / kappa[l];
+                    sum += (X[l * ld + j] * X[(n + l) * ld + k] -
+                            X[(n + l) * ld + j] * X[l * ld + k]) /
+                           kappa[l];
                 if (!(fabs(sum - J) <= 1e-13 * size * size))
                     fail_msg("structure %d: J[%d][%d] = %g, size %g", i, j, k, sum - J, size);
             }
@@ -249,37 +265,41 @@ static void neighbours_are_symplectic(void **state)
     }
 }
 
-/* A flight and the same in pieces take other steps and round in other ways: they differ by no more than a flight is
- * said to lose. What the matrix of the whole says alone, from its start, is left behind by more than a factor of two in
- * some. */
+/* A flight and the same in pieces take other steps and round in other ways: they differ by no more
+ * than a flight is said to lose. What the matrix of the whole says alone, from its start, is left
+ * behind by more than a factor of two in some. */
 static void tells_what_it_loses(void **state)
 {
     double beyond = 0;
     (void)state;
     for (int i = 0; i < 200; i++) {
         structure s;
-        random_structure((uint64_t)(300 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], false, &s);
+        random_structure((uint64_t)(300 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET],
+                         false, &s);
         int n = s.n, ld = 2 * n, pieces = 2 + i % 7;
         double w[ld], x[ld], rate[ld], M[ld * ld], lost, tau = uniform(1, i % 5 ? 8 : 40), off = 0;
         random_state(&s, i % 3 ? 3 : 8, w);
         memcpy(x, w, sizeof x);
         double size = largest(ld, w);
         assert_true(ric_power_flow_map(s.model, tau, w, M, &lost, s.work));
-        for (int k = 0; k < pieces; k++) assert_true(ric_power_flow_fly(s.model, tau / pieces, x, 0, NULL, s.work));
+        for (int k = 0; k < pieces; k++)
+            assert_true(ric_power_flow_fly(s.model, tau / pieces, x, 0, NULL, s.work));
         for (int j = 0; j < ld; j++) off = fmax(off, fabs(x[j] - w[j]));
         ric_flight_rate(s.model, 0, w, rate);
         double digit = largest(ld, rate) * tau, most = largest(ld * ld, M) * size;
         if (!(off <= DBL_EPSILON * (4 * lost + digit)))
             fail_msg("structure %d: %g off after %d pieces, said to lose %g", i, off, pieces,
                      DBL_EPSILON * (4 * lost + digit));
-        beyond = fmax(beyond, off / (DBL_EPSILON * (4 * most * fmax(1, digit / (2 * size)) + digit)));
+        beyond = fmax(beyond,
+                      off / (DBL_EPSILON * (4 * most * fmax(1, digit / (2 * size)) + digit)));
         release(&s);
     }
     if (!(beyond > 2)) fail_msg("no flight lost more than its matrix tells: %g", beyond);
 }
 
-/* Against the flow in quadruple precision: a flight in double is off by no more than it says, and where it says much,
- * the one in more digits is left with the last digit of a double and what those digits lose. */
+/* Against the flow in quadruple precision: a flight in double is off by no more than it says, and
+ * where it says much, the one in more digits is left with the last digit of a double and what those
+ * digits lose. */
 static void more_digits_lose_less(void **state)
 {
     int again = 0;
@@ -287,9 +307,11 @@ static void more_digits_lose_less(void **state)
     (void)state;
     for (int i = 0; i < 60; i += every_of(4)) {
         structure s;
-        random_structure((uint64_t)(900 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], false, &s);
+        random_structure((uint64_t)(900 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET],
+                         false, &s);
         int ld = 2 * s.n;
-        double w[ld], x[ld], y[ld], M[ld * ld], lost[2], tau = uniform(1, i % 5 ? 8 : 40), off[2] = {0};
+        double w[ld], x[ld], y[ld], M[ld * ld], lost[2], tau = uniform(1, i % 5 ? 8 : 40),
+                                                         off[2] = {0};
         random_state(&s, i % 3 ? 3 : 8, w);
         memcpy(x, w, sizeof x);
         memcpy(y, w, sizeof y);
@@ -305,14 +327,17 @@ static void more_digits_lose_less(void **state)
             off[1] = fmax(off[1], fabs(y[j] - w[j]));
         }
         if (!(off[0] <= DBL_EPSILON * 4 * lost[0]))
-            fail_msg("structure %d: %g off in double, said to lose %g", i, off[0], DBL_EPSILON * 4 * lost[0]);
+            fail_msg("structure %d: %g off in double, said to lose %g", i, off[0],
+                     DBL_EPSILON * 4 * lost[0]);
         if (lost[1] != lost[0]) {
             double digits = (double)(LDBL_EPSILON / DBL_EPSILON);
             again++;
             gained = fmax(gained, off[0] / off[1]);
-            if (!(off[1] <= DBL_EPSILON * (largest(ld, w) + 4 * digits * lost[0])) || !(lost[1] >= 0.99 * own))
-                fail_msg("structure %d: %g off with more digits, %g in double, said to lose %g and %g, own %g", i,
-                         off[1], off[0], lost[1], lost[0], own);
+            if (!(off[1] <= DBL_EPSILON * (largest(ld, w) + 4 * digits * lost[0])) ||
+                !(lost[1] >= 0.99 * own))
+                fail_msg("structure %d: %g off with more digits, %g in double, said to lose %g and "
+                         "%g, own %g",
+                         i, off[1], off[0], lost[1], lost[0], own);
         }
         release(&s);
     }
@@ -329,24 +354,29 @@ static void twice_the_digits(void **state)
         const ric_twice x = ric_twice_ordered(a, uniform(-0.5, 0.5) * fabs(a) * DBL_EPSILON);
         const ric_twice y = ric_twice_ordered(b, uniform(-0.5, 0.5) * fabs(b) * DBL_EPSILON);
         const int count = 1 + i % 99;
-        const real p = (real)x.hi + x.lo, q = (real)y.hi + y.lo, larger = fabs(a) > fabs(b) ? fabs(a) : fabs(b);
-        const ric_twice sum = ric_twice_add(x, y), product = ric_twice_multiply(x, y), part = ric_twice_over(a, count);
+        const real p = (real)x.hi + x.lo, q = (real)y.hi + y.lo,
+                   larger = fabs(a) > fabs(b) ? fabs(a) : fabs(b);
+        const ric_twice sum = ric_twice_add(x, y), product = ric_twice_multiply(x, y),
+                        part = ric_twice_over(a, count);
         const ric_twice scaled = ric_twice_scale(b, x);
-        const real off[] = {((real)sum.hi + sum.lo - (p + q)) / larger, ((real)product.hi + product.lo) / (p * q) - 1,
+        const real off[] = {((real)sum.hi + sum.lo - (p + q)) / larger,
+                            ((real)product.hi + product.lo) / (p * q) - 1,
                             ((real)part.hi + part.lo) / ((real)a / count) - 1,
                             ((real)scaled.hi + scaled.lo) / (p * b) - 1};
         for (int k = 0; k < 4; k++) assert_true(fabs((double)off[k]) < RIC_TWICE_EPSILON);
     }
 }
 
-/* Flights with twice the digits against quadruple precision: what a flight in double loses, they lose of their own. */
+/* Flights with twice the digits against quadruple precision: what a flight in double loses, they
+ * lose of their own. */
 static void twice_the_digits_in_flight(void **state)
 {
     (void)state;
     if (!QUAD_FLOW_HAS_113_BITS) skip();
     for (int i = 0; i < 30; i += every_of(4)) {
         structure s;
-        random_structure((uint64_t)(500 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET], false, &s);
+        random_structure((uint64_t)(500 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET],
+                         false, &s);
         const int ld = 2 * s.n;
         double w[ld], x[ld], M[ld * ld], lost, tau = uniform(1, 8);
         real truth[ld];

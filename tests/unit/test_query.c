@@ -1,5 +1,5 @@
-/* Duplicates, segments and fractal bases: counted on the article's two masses, against its statements and against
- * numbers computed elsewhere. */
+/* Duplicates, segments and fractal bases: counted on the article's two masses, against its
+ * statements and against numbers computed elsewhere. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -73,8 +73,8 @@ static int divisor(int a, int b)
 
 /* --------------------------------------------------------------- duplicates */
 
-/* Section 3.2.1 of the article: k - 1 multiplications on every k-duplicate of S2-[01] and of S2+[01], one for each
- * j/k. */
+/* Section 3.2.1 of the article: k - 1 multiplications on every k-duplicate of S2-[01] and of
+ * S2+[01], one for each j/k. */
 static void backbones_have_one_less(void **state)
 {
     static const char *const labels[] = {"S2-[01]", "S2+[01]"};
@@ -107,7 +107,8 @@ static void backbones_have_one_less(void **state)
     ric_atlas_free(atlas);
 }
 
-/* On A1[0] the first multiplication is on the 4-duplicate: before it they are on the inadmissible part (Fig. 20c). */
+/* On A1[0] the first multiplication is on the 4-duplicate: before it they are on the inadmissible
+ * part (Fig. 20c). */
 static void tongue_starts_at_four(void **state)
 {
     ric_atlas *atlas = wide();
@@ -123,14 +124,17 @@ static void tongue_starts_at_four(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Computed independently to 1e-9 or better: rotation number p/q on S2-[01], frequency of the original, energy. */
+/* Computed independently to 1e-9 or better: rotation number p/q on S2-[01], frequency of the
+ * original, energy. */
 static const struct {
     int q, p;
     double omega, energy;
 } resonances[] = {
-    {2, 1, 3.6000626807, 2.2556893214}, {3, 1, 3.0317165407, 1.8899969588}, {3, 2, 5.0587142884, 3.8487372169},
-    {4, 1, 2.894565003, 1.8433727529},  {4, 3, 6.6353971937, 6.3037444738}, {5, 1, 2.8396610567, 1.8319290484},
-    {5, 2, 3.1989568372, 1.9736577763}, {5, 3, 4.3012701794, 2.9297465999}, {5, 4, 8.2418979499, 9.5171204595},
+    {2, 1, 3.6000626807, 2.2556893214}, {3, 1, 3.0317165407, 1.8899969588},
+    {3, 2, 5.0587142884, 3.8487372169}, {4, 1, 2.894565003, 1.8433727529},
+    {4, 3, 6.6353971937, 6.3037444738}, {5, 1, 2.8396610567, 1.8319290484},
+    {5, 2, 3.1989568372, 1.9736577763}, {5, 3, 4.3012701794, 2.9297465999},
+    {5, 4, 8.2418979499, 9.5171204595},
 };
 
 static void resonances_are_where_they_should_be(void **state)
@@ -139,7 +143,8 @@ static void resonances_are_where_they_should_be(void **state)
     const int id = labelled(atlas, "S2-[01]").id;
     (void)state;
     for (size_t i = 0; i < sizeof resonances / sizeof *resonances; i++)
-        for (int times = 1; times * resonances[i].q <= MOST; times++) { /* also on the duplicates that inherit it */
+        for (int times = 1; times * resonances[i].q <= MOST;
+             times++) { /* also on the duplicates that inherit it */
             const int k = times * resonances[i].q;
             ric_duplicate_point *points;
             int n = points_of(atlas, id, k, &points), found = 0;
@@ -155,8 +160,8 @@ static void resonances_are_where_they_should_be(void **state)
     ric_atlas_free(atlas);
 }
 
-/* G_{N,p} becomes G_{kN,kp}: the row names the junction that the atlas has there, reached from the mode and from what
- * leaves it alike. */
+/* G_{N,p} becomes G_{kN,kp}: the row names the junction that the atlas has there, reached from the
+ * mode and from what leaves it alike. */
 static void grazings_are_multiplied(void **state)
 {
     ric_atlas *atlas = wide();
@@ -186,8 +191,11 @@ static void labels_are_those_of_the_article(void **state)
         int k;
         const char *wanted;
     } cases[] = {
-        {"S2-[01]", 1, "S2-[01]"},         {"S2-[01]", 3, "S2^{3-}[01]"},         {"S0+", 2, "S0^{2+}"},
-        {"A4[0011]", 12, "A4^{12}[0011]"}, {"S2(3)[0.12]", 2, "S2^{2(3)}[0.12]"},
+        {"S2-[01]", 1, "S2-[01]"},
+        {"S2-[01]", 3, "S2^{3-}[01]"},
+        {"S0+", 2, "S0^{2+}"},
+        {"A4[0011]", 12, "A4^{12}[0011]"},
+        {"S2(3)[0.12]", 2, "S2^{2(3)}[0.12]"},
     };
     char text[32];
     (void)state;
@@ -195,7 +203,8 @@ static void labels_are_those_of_the_article(void **state)
         const ric_branch branch = {.label = cases[i].label};
         assert_int_equal(ric_duplicate_label(&branch, cases[i].k, sizeof text, text), RIC_OK);
         assert_string_equal(text, cases[i].wanted);
-        assert_int_equal(ric_duplicate_label(&branch, cases[i].k, strlen(cases[i].wanted), text), RIC_E_RANGE);
+        assert_int_equal(ric_duplicate_label(&branch, cases[i].k, strlen(cases[i].wanted), text),
+                         RIC_E_RANGE);
     }
 }
 
@@ -223,7 +232,8 @@ static void segments_make_up_the_branch(void **state)
             points += segments[i].points;
         }
         assert_true(points <= branch.n_point - 2);
-        assert_true(energy[0] <= branch.energy_min * (1 + 1e-9) && energy[1] >= branch.energy_max * (1 - 1e-9));
+        assert_true(energy[0] <= branch.energy_min * (1 + 1e-9) &&
+                    energy[1] >= branch.energy_max * (1 - 1e-9));
         assert_relative(frequency[0], branch.frequency_min, 1e-6);
         assert_relative(frequency[1], branch.frequency_max, 1e-6);
         free(segments);
@@ -231,7 +241,8 @@ static void segments_make_up_the_branch(void **state)
     ric_atlas_free(atlas);
 }
 
-/* "S6[010101] turns stable at C3_32 until the next critical point" (section 3.1): here the minimum beside C1_33. */
+/* "S6[010101] turns stable at C3_32 until the next critical point" (section 3.1): here the minimum
+ * beside C1_33. */
 static void stability_changes_between_segments(void **state)
 {
     ric_atlas *atlas = deep();
@@ -243,7 +254,8 @@ static void stability_changes_between_segments(void **state)
     assert_int_equal(ric_branch_segments(atlas, branch.id, &n, segments), RIC_OK);
     for (int i = 0; i < n; i++) {
         /* of the two points */
-        const bool inside = segments[i].frequency[0] > 1.67392 && segments[i].frequency[1] < 1.686217;
+        const bool inside = segments[i].frequency[0] > 1.67392 &&
+                            segments[i].frequency[1] < 1.686217;
         assert_true(segments[i].stable_fraction == (inside ? 1 : 0));
         stable += inside;
     }
@@ -280,11 +292,13 @@ static void every_branch_has_a_base(void **state)
     (void)state;
     assert_int_equal(ric_bases_find(atlas, 0, &bases), RIC_OK);
     assert_int_equal(ric_bases_largest(bases), 4); /* doublings of doublings */
-    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) assert_int_not_equal(base_of(bases, id).j, 0);
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+        assert_int_not_equal(base_of(bases, id).j, 0);
     for (int i = 0; i < ric_bases_n(bases); i++) {
         assert_int_equal(ric_bases_get(bases, i, &base), RIC_OK);
         for (int k = 0; k < base.n_duplicate; k++) /* A^k{F^j} lies in F^jk */
-            assert_int_equal(base_of(bases, base.duplicates[2 * k]).j * base.duplicates[2 * k + 1], base.j);
+            assert_int_equal(base_of(bases, base.duplicates[2 * k]).j * base.duplicates[2 * k + 1],
+                             base.j);
     }
     assert_int_equal(ric_bases_get(bases, ric_bases_n(bases), &base), RIC_E_RANGE);
     ric_bases_free(bases);
@@ -293,17 +307,18 @@ static void every_branch_has_a_base(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Section 3.2.2: the elementary structure is F_1^1, F_2^1 and F_2^2. S6, S4 and what else leaves G1_2,4 is in the
- * first, the backbone S2- alone in the second, the closed loop of Fig. 17 in the third; doublings on the loop are in
- * F_2^4, those on S6 in F_1^2. */
+/* Section 3.2.2: the elementary structure is F_1^1, F_2^1 and F_2^2. S6, S4 and what else leaves
+ * G1_2,4 is in the first, the backbone S2- alone in the second, the closed loop of Fig. 17 in the
+ * third; doublings on the loop are in F_2^4, those on S6 in F_1^2. */
 static void elementary_structure(void **state)
 {
     static const struct {
         const char *label;
         int mode, j;
     } members[] = {
-        {"S0+", 1, 1}, {"S2+[01]", 1, 1}, {"S6[010101]", 1, 1}, {"S4[0011]", 1, 1}, {"A4[0001]", 1, 1},
-        {"S0-", 2, 1}, {"S2-[01]", 2, 1}, {"A1[0]", 2, 2},      {NULL, 0, 0},
+        {"S0+", 1, 1},      {"S2+[01]", 1, 1},  {"S6[010101]", 1, 1},
+        {"S4[0011]", 1, 1}, {"A4[0001]", 1, 1}, {"S0-", 2, 1},
+        {"S2-[01]", 2, 1},  {"A1[0]", 2, 2},    {NULL, 0, 0},
     };
     ric_atlas *atlas = deep();
     ric_bases *bases;
@@ -330,11 +345,12 @@ static void elementary_structure(void **state)
     ric_atlas_free(atlas);
 }
 
-/* S6[010101] meets S2^{3-} at C1_33 and is in F_1^1; what leaves S2^{3-} at 1/3 is in F_2^3. A path that passed the
- * backbone would join them, and F_2^3 leaves out what is in F_1^1. */
+/* S6[010101] meets S2^{3-} at C1_33 and is in F_1^1; what leaves S2^{3-} at 1/3 is in F_2^3. A path
+ * that passed the backbone would join them, and F_2^3 leaves out what is in F_1^1. */
 static void bases_of_triplings(void **state)
 {
-    ric_atlas *atlas = explore("energy: [0, 100], frequency: [0.6, 10], impacts: 6, multiply: 3, depth: 2");
+    ric_atlas *atlas = explore(
+        "energy: [0, 100], frequency: [0.6, 10], impacts: 6, multiply: 3, depth: 2");
     const ric_branch backbone = labelled(atlas, "S2-[01]"), chatter = labelled(atlas, "S6[010101]");
     ric_bases *bases;
     int chatters = 0, loops = 0;
@@ -361,7 +377,8 @@ static void bases_of_triplings(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Duplicates of a grazing do not count as the mode's own: one backbone a mode, which starts where the mode ends. */
+/* Duplicates of a grazing do not count as the mode's own: one backbone a mode, which starts where
+ * the mode ends. */
 static void one_backbone_a_mode(void **state)
 {
     ric_atlas *atlas = deep();
@@ -379,7 +396,8 @@ static void one_backbone_a_mode(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The word of a duplicated grazing is that of the orbit, touches left out, however often it is gone through. */
+/* The word of a duplicated grazing is that of the orbit, touches left out, however often it is gone
+ * through. */
 static void duplicated_grazings_have_the_word_once(void **state)
 {
     ric_atlas *atlas = deep();
@@ -390,7 +408,8 @@ static void duplicated_grazings_have_the_word_once(void **state)
         double period = 0;
         if (junction.kind != RIC_KIND_GRAZING || junction.multiple == 1) continue;
         n++;
-        for (int i = 0; i < (junction.impacts ? junction.impacts : 1); i++) period += junction.flights[i];
+        for (int i = 0; i < (junction.impacts ? junction.impacts : 1); i++)
+            period += junction.flights[i];
         assert_relative(junction.frequency * junction.multiple * period, 2 * acos(-1), 1e-12);
     }
     assert_true(n > 5);

@@ -1,5 +1,5 @@
-/* The root finder: zeros with all digits, how often the function is asked for, and what a function without a clean zero
- * makes of it. */
+/* The root finder: zeros with all digits, how often the function is asked for, and what a function
+ * without a clean zero makes of it. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -75,8 +75,12 @@ static double jump(double x)
 }
 
 static const example examples[] = {
-    {line, line_slope, 0, 1, 0.7},   {cosine, cosine_slope, 0, 1, 0.7390851332151607}, {flat, flat_slope, 0, 3, 1},
-    {arc, arc_slope, -40, 30, 0.01}, {steep, steep_slope, 0, 1, 0.023104906018664842}, {jump, NULL, 0, 1, 0.3},
+    {line, line_slope, 0, 1, 0.7},
+    {cosine, cosine_slope, 0, 1, 0.7390851332151607},
+    {flat, flat_slope, 0, 3, 1},
+    {arc, arc_slope, -40, 30, 0.01},
+    {steep, steep_slope, 0, 1, 0.023104906018664842},
+    {jump, NULL, 0, 1, 0.3},
 };
 enum { N = sizeof examples / sizeof *examples };
 
@@ -146,7 +150,8 @@ static void a_quotient_of_lines_takes_three_values(void **state)
         for (; ric_root_next(&r); asked[quotient]++) r.f = beside_a_pole(r.x);
         assert_true(fabs(r.x - 0.3) < 1e-12);
     }
-    if (asked[1] > 6 || asked[1] >= asked[0]) fail_msg("%d values, and %d by quotients", asked[0], asked[1]);
+    if (asked[1] > 6 || asked[1] >= asked[0])
+        fail_msg("%d values, and %d by quotients", asked[0], asked[1]);
 }
 
 /* A value that is rounding is a zero: it is not looked into. */
@@ -200,7 +205,8 @@ static void zeros_have_all_digits_by_slopes(void **state)
                 assert_true(r.x >= e->a && r.x <= e->b);
                 assert_in_range(++asked, 1, 60);
             }
-            /* steps towards the root of order three shrink by a third only: they end where they are short */
+            /* steps towards the root of order three shrink by a third only: they end where they are
+             * short */
             double known = e->f == flat ? 1e-7 : 4e-15;
             assert_true(fabs(r.x - e->zero) <= known * (1 + fabs(e->zero)));
         }

@@ -1,5 +1,6 @@
-/* The rotation of multipliers at the ends of the unit circle, whatever the sign of the zero that says so: the format
- * promises [0, 1). No orbit meets these bits at will, so that the functions within are asked. */
+/* The rotation of multipliers at the ends of the unit circle, whatever the sign of the zero that
+ * says so: the format promises [0, 1). No orbit meets these bits at will, so that the functions
+ * within are asked. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,10 +15,12 @@ static const double ZERO[] = {0.0, -0.0}, TWIST[] = {-1, -0.0, 0.0, 1};
 /* The same turn on a circle of one. */
 static void check(double got, double expected)
 {
-    if (!(got >= 0 && got < 1) || got != expected) fail_msg("rotation %.17g instead of %.17g", got, expected);
+    if (!(got >= 0 && got < 1) || got != expected)
+        fail_msg("rotation %.17g instead of %.17g", got, expected);
 }
 
-/* rho of a reversible chain's own map is 2 + 4 bc = 4 ad - 2; of a quarter chain the square of the map counts. */
+/* rho of a reversible chain's own map is 2 + 4 bc = 4 ad - 2; of a quarter chain the square of the
+ * map counts. */
 static void of_reversible_chains(void **state)
 {
     (void)state;
@@ -38,7 +41,8 @@ static void of_reversible_chains(void **state)
         }
 }
 
-/* The trace itself, with a half of it that is a zero of either sign where the multipliers are +-i. */
+/* The trace itself, with a half of it that is a zero of either sign where the multipliers are +-i.
+ */
 static void of_general_chains(void **state)
 {
     (void)state;

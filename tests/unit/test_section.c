@@ -15,23 +15,27 @@
 #include "studies.h"
 #include "close.h"
 
-#define SPRING                                                                                                         \
-    "title: spring\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"                               \
-    "  contacts:\n    - {normal: [-1, 1], clearance: 1.0, sides: both, law: bilinear, stiffness: 40}\n"
-#define STOP_AND_SPRING                                                                                                \
-    "title: both\nmodel:\n  mass: [[1, 0], [0, 1.3]]\n  stiffness: [[3, -1], [-1, 2.2]]\n  contacts:\n"                \
-    "    - {normal: [1, 0], clearance: 1.0, sides: upper, law: rigid}\n"                                               \
+#define SPRING                                                                                     \
+    "title: spring\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"           \
+    "  contacts:\n    - {normal: [-1, 1], clearance: 1.0, sides: both, law: bilinear, stiffness: " \
+    "40}\n"
+#define STOP_AND_SPRING                                                                            \
+    "title: both\nmodel:\n  mass: [[1, 0], [0, 1.3]]\n  stiffness: [[3, -1], [-1, 2.2]]\n  "       \
+    "contacts:\n"                                                                                  \
+    "    - {normal: [1, 0], clearance: 1.0, sides: upper, law: rigid}\n"                           \
     "    - {normal: [0, 1], clearance: 0.8, sides: both, law: bilinear, stiffness: 15}\n"
-#define CUBIC                                                                                                          \
-    "title: cubic\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"                                \
+#define CUBIC                                                                                      \
+    "title: cubic\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"            \
     "  contacts:\n    - {normal: [-1, 1], law: power, exponent: 3, stiffness: 1.5}\n"
-/* Two walls that know nothing of each other: two periodic motions beside each other, and no exponent. */
-#define DECOUPLED                                                                                                      \
-    "title: decoupled\nmodel:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[1, 0], [0, 2.3]]\n  contacts:\n"               \
-    "    - {normal: [1, 0], clearance: 1.0, sides: both, law: rigid}\n"                                                \
+/* Two walls that know nothing of each other: two periodic motions beside each other, and no
+ * exponent. */
+#define DECOUPLED                                                                                  \
+    "title: decoupled\nmodel:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[1, 0], [0, 2.3]]\n  "      \
+    "contacts:\n"                                                                                  \
+    "    - {normal: [1, 0], clearance: 1.0, sides: both, law: rigid}\n"                            \
     "    - {normal: [0, 1], clearance: 0.9, sides: both, law: rigid}\n"
-#define ONE_MASS                                                                                                       \
-    "title: one\nmodel:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts:\n"                                             \
+#define ONE_MASS                                                                                   \
+    "title: one\nmodel:\n  mass: [[1]]\n  stiffness: [[1]]\n  contacts:\n"                         \
     "    - {normal: [1], clearance: 1.0, sides: both, law: rigid}\n"
 
 static ric_study *parse(const char *text)
@@ -54,7 +58,8 @@ static ric_section_options options_of(double energy, int starts, long impacts)
 static ric_section *followed(const ric_model *model, const ric_section_options *options)
 {
     ric_section *section = NULL;
-    if (ric_section_create(model, options, &section) || ric_section_run(section)) fail_msg("%s", ric_detail());
+    if (ric_section_create(model, options, &section) || ric_section_run(section))
+        fail_msg("%s", ric_detail());
     return section;
 }
 
@@ -83,8 +88,10 @@ static void energy_stays(void **state)
             assert_int_equal(ric_section_impact(section, 0, k, NULL, NULL, x, v), RIC_OK);
             worst = fmax(worst, fabs(ric_model_energy(model, x, v) / 5 - 1));
         }
-        if (!(worst < 1e-12)) fail_msg("%s: the energy is off by %.3g", ric_study_title(study), worst);
-        assert_true(track_of(section, 0).energy_error <= worst && track_of(section, 0).energy_error > 0);
+        if (!(worst < 1e-12))
+            fail_msg("%s: the energy is off by %.3g", ric_study_title(study), worst);
+        assert_true(track_of(section, 0).energy_error <= worst &&
+                    track_of(section, 0).energy_error > 0);
         ric_section_free(section);
         ric_study_free(study);
     }
@@ -92,9 +99,10 @@ static void energy_stays(void **state)
 
 /* --------------------------------------------------------------- simulator */
 
-/* From impact k the simulator comes to impact k + 1. Closings of a spring from which the motion starts, and openings,
- * are no places on the section. */
-static void next_is_the_simulators(const ric_section *section, ric_simulator *sim, int n, int start, long k)
+/* From impact k the simulator comes to impact k + 1. Closings of a spring from which the motion
+ * starts, and openings, are no places on the section. */
+static void next_is_the_simulators(const ric_section *section, ric_simulator *sim, int n, int start,
+                                   long k)
 {
     double x[n], v[n], x1[n], v1[n], t0, t1;
     int f0, f1;
@@ -104,21 +112,24 @@ static void next_is_the_simulators(const ric_section *section, ric_simulator *si
     assert_int_equal(ric_section_impact(section, start, k + 1, &t1, &f1, x1, v1), RIC_OK);
     if (ric_simulator_start(sim, x, v)) fail_msg("%s", ric_detail());
     do {
-        if (ric_simulator_advance(sim, 1.5 * (t1 - t0) + 1, &hit, &impact)) fail_msg("%s", ric_detail());
+        if (ric_simulator_advance(sim, 1.5 * (t1 - t0) + 1, &hit, &impact))
+            fail_msg("%s", ric_detail());
     } while (hit && (impact.opens || (impact.time < 1e-12 && impact.impulse == 0)));
-    if (!hit || impact.face != f1) fail_msg("start %d, impact %ld: face %d, not %d", start, k, f1, impact.face);
+    if (!hit || impact.face != f1)
+        fail_msg("start %d, impact %ld: face %d, not %d", start, k, f1, impact.face);
     ric_simulator_state(sim, NULL, x, v);
     double slow = fmax(1e-3, impact.approach);
     if (!(fabs(impact.time - (t1 - t0)) < 1e-12 * (1 + t1) + 1e-13 / slow))
-        fail_msg("start %d, impact %ld: time %.17g, not %.17g; approach %g", start, k, t1 - t0, impact.time,
-                 impact.approach);
+        fail_msg("start %d, impact %ld: time %.17g, not %.17g; approach %g", start, k, t1 - t0,
+                 impact.time, impact.approach);
     for (int i = 0; i < n; i++) {
         assert_close(x1[i], x[i], 1e-11 / slow);
         assert_close(v1[i], v[i], 1e-11 / slow);
     }
 }
 
-static void motions_are_the_simulators(const ric_model *model, double energy, int starts, long impacts)
+static void motions_are_the_simulators(const ric_model *model, double energy, int starts,
+                                       long impacts)
 {
     ric_section_options options = options_of(energy, starts, impacts);
     ric_section *section = followed(model, &options);
@@ -136,7 +147,8 @@ static void motions_are_the_simulators(const ric_model *model, double energy, in
 static void every_impact_is_the_simulators(void **state)
 {
     (void)state;
-    static const char *const texts[] = {TWO_MASSES, LOOSE_MASS, TWO_WALLS, SPRING, STOP_AND_SPRING, DECOUPLED};
+    static const char *const texts[] = {TWO_MASSES, LOOSE_MASS,      TWO_WALLS,
+                                        SPRING,     STOP_AND_SPRING, DECOUPLED};
     static const double energies[] = {0.75, 1.4, 6, 150};
     for (int i = 0; i < 6; i++)
         for (int e = 1; e < 4; e++) {
@@ -181,9 +193,10 @@ typedef struct {
     int returned, elliptic, hyperbolic;
 } count;
 
-/* ln of the growth from T to 2 T, against the multiplier; the way round against the rotation of the multipliers. */
-static void measures_are_the_multipliers(const ric_model *model, ric_section_options options, const ric_point *point,
-                                         long N, count *c)
+/* ln of the growth from T to 2 T, against the multiplier; the way round against the rotation of the
+ * multipliers. */
+static void measures_are_the_multipliers(const ric_model *model, ric_section_options options,
+                                         const ric_point *point, long N, count *c)
 {
     double T = 6.283185307179586 / point->frequency;
     ric_section_track track[2];
@@ -199,8 +212,8 @@ static void measures_are_the_multipliers(const ric_model *model, ric_section_opt
         double gamma = point->rotation, turns = (double)N * track[0].rotation, bound = 2.0 / 200;
         assert_false(isnan(turns));
         if (fabs(remainder(turns - gamma, 1)) > bound && fabs(remainder(turns + gamma, 1)) > bound)
-            fail_msg("%g turns of neighbours in a period of %ld impacts, not %g; exponent %g +- %g", turns, N, gamma,
-                     track[0].lyapunov, track[0].lyapunov_error);
+            fail_msg("%g turns of neighbours in a period of %ld impacts, not %g; exponent %g +- %g",
+                     turns, N, gamma, track[0].lyapunov, track[0].lyapunov_error);
         c->elliptic++;
     } else if (point->stable == RIC_STABLE_NO && trace > 10 && trace < 300) {
         double grown = track[1].lyapunov * track[1].time - track[0].lyapunov * track[0].time,
@@ -228,9 +241,11 @@ static void branch_returns(const ric_atlas *atlas, const ric_branch *branch, cou
         ric_section_impact(section, 0, 0, NULL, NULL, first, first + n);
         long N = impact_at(section, T, x, v);
         if (N < 0) fail_msg("%s, point %d: no impact after the period", branch->label, i);
-        for (int j = 0; j < n; j++) size = fmax(size, fmax(fabs(x[j] - first[j]), fabs(v[j] - first[n + j])));
+        for (int j = 0; j < n; j++)
+            size = fmax(size, fmax(fabs(x[j] - first[j]), fabs(v[j] - first[n + j])));
         if (size > 1e-10 * fmax(1, exp(fabs(point.trace))))
-            fail_msg("%s, point %d: back after %ld impacts, but %.3g off", branch->label, i, N, size);
+            fail_msg("%s, point %d: back after %ld impacts, but %.3g off", branch->label, i, N,
+                     size);
         c->returned++;
         ric_section_free(section);
         measures_are_the_multipliers(model, options, &point, N, c);
@@ -245,7 +260,8 @@ static count orbits_return(const char *study, const char *explore)
     ric_atlas *atlas = explore_text(text);
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch branch = branch_of(atlas, id);
-        if (branch.impacts > 0 || ric_model_n_face(ric_atlas_model(atlas)) == 0) branch_returns(atlas, &branch, &c);
+        if (branch.impacts > 0 || ric_model_n_face(ric_atlas_model(atlas)) == 0)
+            branch_returns(atlas, &branch, &c);
     }
     ric_atlas_free(atlas);
     return c;
@@ -268,7 +284,8 @@ static void stored_orbits_return(void **state)
 
 /* --------------------------------------------------------------- exponents */
 
-/* The deviation of a motion without exponent grows like t: the exponent is at most (ln t + a constant) / t. */
+/* The deviation of a motion without exponent grows like t: the exponent is at most (ln t + a
+ * constant) / t. */
 static void no_exponent(const char *text, double energy)
 {
     ric_study *study = parse(text);
@@ -315,7 +332,8 @@ static void errors_cover(void **state)
         chaotic += b.lyapunov > 10 * b.lyapunov_error;
         assert_true(isnan(b.rotation) == (b.lyapunov > 2 * b.lyapunov_error));
         if (isnan(a.rotation) || isnan(b.rotation)) continue;
-        assert_true(fabs(remainder(a.rotation - b.rotation, 1)) < a.rotation_error + b.rotation_error);
+        assert_true(fabs(remainder(a.rotation - b.rotation, 1)) <
+                    a.rotation_error + b.rotation_error);
     }
     assert_true(chaotic >= 3 && chaotic <= 9);
     ric_section_free(brief);
@@ -349,7 +367,8 @@ static void starts_fill_the_section(void **state)
         }
         double square = b[0] * b[0] + b[1] * b[1];
         assert_true(square < 1);
-        held[(int)(square * RINGS)][(int)((atan2(b[1], b[0]) / (2 * PI) + 0.5) * SECTORS) % SECTORS]++;
+        held[(int)(square * RINGS)]
+            [(int)((atan2(b[1], b[0]) / (2 * PI) + 0.5) * SECTORS) % SECTORS]++;
     }
     for (int r = 0; r < RINGS; r++)
         for (int s = 0; s < SECTORS; s++) assert_in_range(held[r][s], 15, 35);
@@ -448,9 +467,11 @@ static void nonsense_is_refused(void **state)
     options.given = beyond;
     refused(TWO_MASSES, &options, "beyond a stop");
     options = options_of(5, 1, 10);
-    refused("model: {mass: [[1]], stiffness: [[1]], restitution: 0.9, contacts: [{normal: [1], clearance: 1}]}",
+    refused("model: {mass: [[1]], stiffness: [[1]], restitution: 0.9, contacts: [{normal: [1], "
+            "clearance: 1}]}",
             &options, "restitution");
-    refused("model: {mass: [[1, 0], [0, 1]], stiffness: [[0, 0], [0, 0]], contacts: [{normal: [1, 0], clearance: 1}, "
+    refused("model: {mass: [[1, 0], [0, 1]], stiffness: [[0, 0], [0, 0]], contacts: [{normal: [1, "
+            "0], clearance: 1}, "
             "{normal: [0, 1], clearance: 1}]}",
             &options, "2 modes are free");
 }

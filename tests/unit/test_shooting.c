@@ -1,5 +1,5 @@
-/* The orbit problem: its Jacobian against differences, its structured solve against a dense one, its cost, its
- * residual. */
+/* The orbit problem: its Jacobian against differences, its structured solve against a dense one,
+ * its cost, its residual. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,7 +37,8 @@ static double largest(int n, const double *x)
     return top;
 }
 
-/* What runs over random chains of every form: n = 1..6, one to three contacts, with and without a zero frequency. */
+/* What runs over random chains of every form: n = 1..6, one to three contacts, with and without a
+ * zero frequency. */
 typedef void check_chain(ric_shooting *chain, const double *u, const char *where);
 
 static void over_random_chains(check_chain *check)
@@ -48,10 +49,11 @@ static void over_random_chains(check_chain *check)
             for (int trial = 0; trial < 6; trial += every()) {
                 uint64_t seed = 10000u * (uint64_t)n + 100u * (uint64_t)form + (uint64_t)trial;
                 char where[80];
-                ric_model *m = random_structure_of(seed, n, 1 + trial % MAX_CONTACT, n > 1 && trial % 4 == 3, false);
+                ric_model *m = random_structure_of(seed, n, 1 + trial % MAX_CONTACT,
+                                                   n > 1 && trial % 4 == 3, false);
                 ric_shooting *chain = random_chain(m, form, 1 + below(MAX_FLIGHT), u);
-                snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights", (unsigned long long)seed, n,
-                         form, chain->n_flight);
+                snprintf(where, sizeof where, "seed %llu, n = %d, form %d, %d flights",
+                         (unsigned long long)seed, n, form, chain->n_flight);
                 check(chain, u, where);
                 ric_shooting_free(chain);
                 ric_model_free(m);
@@ -63,7 +65,8 @@ static void over_random_chains(check_chain *check)
 /* Central differences of fourth order: error (h omega)^4, rounding eps / h. */
 static void check_jacobian(ric_shooting *chain, const double *u, const char *where)
 {
-    static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12}, offset[4] = {-2, -1, 1, 2};
+    static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12},
+                        offset[4] = {-2, -1, 1, 2};
     double J[MAX_SIZE * MAX_SIZE], moved[MAX_SIZE], r[4][MAX_SIZE];
     double fastest = chain->model->omega[chain->n - 1], h = 1e-3 / fmax(fastest, 1);
     int unknowns = chain->n_unknown, rows = ric_shooting_jacobian(chain, u, J);
@@ -78,8 +81,9 @@ static void check_jacobian(ric_shooting *chain, const double *u, const char *whe
             double difference = 0;
             for (int k = 0; k < 4; k++) difference += weight[k] * r[k][i] / h;
             if (!(fabs(difference - J[i * unknowns + j]) <= 1e-9 * (1 + top)))
-                fail_msg("%s: row %d, column %d: %.12g against %.12g by differences (largest entry %.3g)", where, i, j,
-                         J[i * unknowns + j], difference, top);
+                fail_msg("%s: row %d, column %d: %.12g against %.12g by differences (largest entry "
+                         "%.3g)",
+                         where, i, j, J[i * unknowns + j], difference, top);
         }
     }
 }
@@ -92,9 +96,9 @@ static void jacobian_by_differences(void **state)
 
 /* --------------------------------------------------- structured and dense LQ */
 
-/* The equations that the structured solve sees: closure rows taken perpendicular to h = w_N + sigma w_0
- * (without the positions of zero modes), to which the closure is perpendicular for any u. A [rows * unknowns], r
- * [rows]. */
+/* The equations that the structured solve sees: closure rows taken perpendicular to h = w_N + sigma
+ * w_0 (without the positions of zero modes), to which the closure is perpendicular for any u. A
+ * [rows * unknowns], r [rows]. */
 static int dense_equations(ric_shooting *chain, const double *u, double *A, double *r)
 {
     double J[MAX_SIZE * MAX_SIZE], all[MAX_SIZE], h[2 * MAX_N], E[4 * MAX_N * MAX_N];
@@ -139,18 +143,20 @@ static int ill_conditioned, compared;
 
 static void check_step(ric_shooting *chain, const double *u, const char *where)
 {
-    double A[MAX_SIZE * MAX_SIZE], copy[MAX_SIZE * MAX_SIZE], b[MAX_SIZE] = {0}, r[MAX_SIZE], sv[MAX_SIZE],
-                                                              V[MAX_SIZE * MAX_SIZE];
+    double A[MAX_SIZE * MAX_SIZE], copy[MAX_SIZE * MAX_SIZE], b[MAX_SIZE] = {0}, r[MAX_SIZE],
+                                                              sv[MAX_SIZE], V[MAX_SIZE * MAX_SIZE];
     double newton[MAX_SIZE], kernel[MAX_SIZE], both[MAX_SIZE], super[MAX_SIZE], one[1];
     int unknowns = chain->n_unknown, rows = dense_equations(chain, u, A, r);
     assert_int_equal(rows, unknowns - 1);
     lapack_int rank;
     for (int i = 0; i < rows; i++) b[i] = -r[i];
     memcpy(copy, A, (size_t)(rows * unknowns) * sizeof *A);
-    assert_int_equal(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, unknowns, 1, copy, unknowns, b, 1, sv, 1e-14, &rank), 0);
+    assert_int_equal(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, rows, unknowns, 1, copy, unknowns, b, 1, sv,
+                                    1e-14, &rank),
+                     0);
     memcpy(copy, A, (size_t)(rows * unknowns) * sizeof *A);
-    assert_int_equal(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, unknowns, copy, unknowns, sv, one, 1, V, unknowns,
-                                    super),
+    assert_int_equal(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'A', rows, unknowns, copy, unknowns, sv,
+                                    one, 1, V, unknowns, super),
                      0);
     double condition = sv[0] / sv[rows - 1], tolerance = 1e-10 * fmax(1, condition / 1e4);
     const double *z = V + rows * unknowns;
@@ -171,13 +177,15 @@ static void check_step(ric_shooting *chain, const double *u, const char *where)
         norm += kernel[i] * kernel[i];
     }
     if (!(distance(unknowns, newton, b, 1) <= tolerance * sqrt(size)))
-        fail_msg("%s: step off by %.3g of %.3g, condition %.3g", where, distance(unknowns, newton, b, 1), sqrt(size),
-                 condition);
-    if (!(distance(unknowns, kernel, z, inner < 0 ? -1 : 1) <= tolerance) || fabs(norm - 1) > 1e-13 * unknowns)
+        fail_msg("%s: step off by %.3g of %.3g, condition %.3g", where,
+                 distance(unknowns, newton, b, 1), sqrt(size), condition);
+    if (!(distance(unknowns, kernel, z, inner < 0 ? -1 : 1) <= tolerance) ||
+        fabs(norm - 1) > 1e-13 * unknowns)
         fail_msg("%s: kernel off by %.3g, norm %.17g, condition %.3g", where,
                  distance(unknowns, kernel, z, inner < 0 ? -1 : 1), sqrt(norm), condition);
     for (int i = 0; i < unknowns; i++) newton[i] += 0.7 * kernel[i];
-    assert_true(distance(unknowns, both, newton, 1) <= 1e-13 * (1 + sqrt(size)) * fmax(1, condition));
+    assert_true(distance(unknowns, both, newton, 1) <=
+                1e-13 * (1 + sqrt(size)) * fmax(1, condition));
 }
 
 static void step_against_dense(void **state)
@@ -185,7 +193,8 @@ static void step_against_dense(void **state)
     (void)state;
     ill_conditioned = compared = 0;
     over_random_chains(check_step);
-    print_message("# %d chains compared, %d with a condition beyond 1e8\n", compared, ill_conditioned);
+    print_message("# %d chains compared, %d with a condition beyond 1e8\n", compared,
+                  ill_conditioned);
     assert_true(ill_conditioned * 10 < compared);
 }
 
@@ -198,7 +207,8 @@ static double bordered_sign(ric_shooting *chain, const double *u)
     ric_shooting_evaluate(chain, u);
     ric_shooting_step(chain, false, 1, A + rows * unknowns);
     LAPACKE_dgetrf(LAPACK_ROW_MAJOR, unknowns, unknowns, A, unknowns, pivot);
-    for (int i = 0; i < unknowns; i++) sign *= (A[i * unknowns + i] < 0 ? -1 : 1) * (pivot[i] == i + 1 ? 1 : -1);
+    for (int i = 0; i < unknowns; i++)
+        sign *= (A[i * unknowns + i] < 0 ? -1 : 1) * (pivot[i] == i + 1 ? 1 : -1);
     return sign;
 }
 
@@ -211,7 +221,9 @@ static void check_determinant(ric_shooting *chain, const double *u, const char *
             v[j] = j < chain->n_start ? uniform(-1, 1) : u[j] + uniform(-0.3, 0.6);
         double sign = bordered_sign(chain, v) * (chain->end_det < 0 ? -1 : 1);
         if (first == 0) first = sign;
-        if (sign != first) fail_msg("%s: the sign of the bordered determinant does not follow (sample %d)", where, i);
+        if (sign != first)
+            fail_msg("%s: the sign of the bordered determinant does not follow (sample %d)", where,
+                     i);
     }
 }
 
@@ -236,8 +248,8 @@ static void check_scalars(ric_shooting *chain, const double *u, const char *wher
         energy[side] = ric_shooting_energy(chain);
     }
     ric_shooting_fly(chain, u);
-    double slope = ric_shooting_energy_slope(chain, du); /* E is a quadratic form of the start block: central
-                                                          * differences are exact */
+    double slope = ric_shooting_energy_slope(chain, du); /* E is a quadratic form of the start
+                                                            block: central differences are exact */
     if (fabs(slope - (energy[1] - energy[0]) / (2 * h)) > 1e-10 * (1 + fabs(energy[0])))
         fail_msg("%s: dE %.12g against %.12g", where, slope, (energy[1] - energy[0]) / (2 * h));
     for (int i = 0; i < n; i++) {
@@ -257,7 +269,8 @@ static void check_scalars(ric_shooting *chain, const double *u, const char *wher
     }
     double time = 0;
     for (int i = chain->n_start; i < unknowns; i++) time += u[i];
-    assert_true(fabs(chain->multiple * time - ric_shooting_time(chain, u)) <= 1e-14 * 4 * time * chain->n_flight);
+    assert_true(fabs(chain->multiple * time - ric_shooting_time(chain, u)) <=
+                1e-14 * 4 * time * chain->n_flight);
 }
 
 static void scalars(void **state)
@@ -298,7 +311,8 @@ static double time_iteration(const ric_model *m, int form, int n_flight)
     return best;
 }
 
-/* What a flight and an impact are carried and reduced in has the same size however many there are of them. */
+/* What a flight and an impact are carried and reduced in has the same size however many there are
+ * of them. */
 static void work_is_linear(void **state)
 {
     (void)state;
@@ -327,7 +341,8 @@ static void cost_is_linear(void **state)
     for (int n = 2; n <= MAX_N; n += 4)
         for (int form = 0; form < 4; form += 3) {
             ric_model *m = random_structure_of(7, n, 2, false, false);
-            double exponent = log(time_iteration(m, form, 1024) / time_iteration(m, form, 64)) / log(16);
+            double exponent = log(time_iteration(m, form, 1024) / time_iteration(m, form, 64)) /
+                              log(16);
             print_message("# n = %d, form %d: cost grows as N^%.2f\n", n, form, exponent);
             assert_true(exponent > 0.7 && exponent < 1.3);
             ric_model_free(m);
@@ -336,7 +351,8 @@ static void cost_is_linear(void **state)
 
 /* ----------------------------------------------------------------- residual */
 
-/* Largest residual of a fresh flight from the start block, relative to 1 + |w|: gaps and end conditions. */
+/* Largest residual of a fresh flight from the start block, relative to 1 + |w|: gaps and end
+ * conditions. */
 static double residual_at(ric_shooting *chain, const double *u)
 {
     double *r = calloc((size_t)chain->n_unknown + 1, sizeof *r), size = 0;
@@ -377,17 +393,18 @@ static void residual_of_points(void **state)
     ric_study_free(study);
 }
 
-/* The same chain with every flight as a matrix: springs of no stiffness change nothing but the path through the
- * code. */
+/* The same chain with every flight as a matrix: springs of no stiffness change nothing but the path
+ * through the code. */
 static void check_dense(ric_shooting *chain, const double *u, const char *where)
 {
     ric_model soft = *chain->model;
-    double springs[MAX_CONTACT] = {0}, step[MAX_SIZE], dense_step[MAX_SIZE], kernel[MAX_SIZE], dense_kernel[MAX_SIZE];
+    double springs[MAX_CONTACT] = {0}, step[MAX_SIZE], dense_step[MAX_SIZE], kernel[MAX_SIZE],
+           dense_kernel[MAX_SIZE];
     soft.law = RIC_LAW_POWER;
     soft.spring = springs;
     ric_shooting *dense = NULL;
-    assert_int_equal(ric_shooting_create(&soft, chain->start, chain->end, chain->sigma, chain->n_flight, chain->face,
-                                         &dense),
+    assert_int_equal(ric_shooting_create(&soft, chain->start, chain->end, chain->sigma,
+                                         chain->n_flight, chain->face, &dense),
                      RIC_OK);
     ric_shooting_evaluate(chain, u);
     ric_shooting_evaluate(dense, u);
@@ -396,7 +413,8 @@ static void check_dense(ric_shooting *chain, const double *u, const char *where)
     ric_shooting_step(chain, false, 1, kernel);
     ric_shooting_step(dense, false, 1, dense_kernel);
     double size = 1 + largest(chain->n_unknown, step), rounding = 1e-12 / fmin(1, chain->smallest);
-    if (!(distance(chain->n_unknown, step, dense_step, 1) <= rounding * size)) fail_msg("%s: steps differ", where);
+    if (!(distance(chain->n_unknown, step, dense_step, 1) <= rounding * size))
+        fail_msg("%s: steps differ", where);
     if (!(fmin(distance(chain->n_unknown, kernel, dense_kernel, 1),
                distance(chain->n_unknown, kernel, dense_kernel, -1)) <= rounding))
         fail_msg("%s: kernels differ", where);
@@ -410,8 +428,9 @@ static void matrices_of_flights(void **state)
     over_random_chains(check_dense);
 }
 
-/* Newton from a disturbed orbit, in either form, ends at rounding level. S2[01] in closed form: centre to impact over a
- * quarter, a velocity and one flight; the same orbit in the general form over the half and the whole period. */
+/* Newton from a disturbed orbit, in either form, ends at rounding level. S2[01] in closed form:
+ * centre to impact over a quarter, a velocity and one flight; the same orbit in the general form
+ * over the half and the whole period. */
 static void residual_of_corrected(void **state)
 {
     (void)state;
@@ -419,19 +438,22 @@ static void residual_of_corrected(void **state)
     for (uint64_t seed = 1; seed <= 60; seed += (uint64_t)every()) {
         int n = 1 + (int)(seed % MAX_N);
         ric_model *m = random_structure_of(seed, n, 1, false, false);
-        double tau = uniform(0.2, 0.9) * 1.5707963267948966 / m->omega[n - 1], sum = 0, u[MAX_SIZE], v[MAX_SIZE],
-               du[MAX_SIZE];
-        /* p_i = J c_i / (2 cos(omega_i tau)) at the centre: the impact takes it to its image; s = sum c_i p_i tan /
-         * omega = gap */
+        double tau = uniform(0.2, 0.9) * 1.5707963267948966 / m->omega[n - 1], sum = 0, u[MAX_SIZE],
+               v[MAX_SIZE], du[MAX_SIZE];
+        /* p_i = J c_i / (2 cos(omega_i tau)) at the centre: the impact takes it to its image; s =
+         * sum c_i p_i tan / omega = gap */
         int faces[3] = {-1, 0, -1}, iterations;
         for (int i = 0; i < n; i++) sum += m->c[i] * m->c[i] * tan(m->omega[i] * tau) / m->omega[i];
         for (int i = 0; i < n; i++) u[i] = m->face[0].gap / sum * m->c[i] / cos(m->omega[i] * tau);
         u[n] = tau;
         ric_shooting *chain = NULL;
-        assert_int_equal(ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces, &chain), RIC_OK);
+        assert_int_equal(ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces,
+                                             &chain),
+                         RIC_OK);
         ric_shooting_evaluate(chain, u);
         if (!(chain->residual <= 1e-13))
-            fail_msg("seed %llu: closed form has residual %.3g", (unsigned long long)seed, chain->residual);
+            fail_msg("seed %llu: closed form has residual %.3g", (unsigned long long)seed,
+                     chain->residual);
         for (int i = 0; i <= n; i++) v[i] = u[i] * (1 + uniform(-1e-5, 1e-5));
         assert_true(ric_continuation_correct(chain, v, NULL, NULL, 0, du, &iterations));
         if (!(chain->residual <= ric_continuation_tolerance(chain)))
@@ -441,7 +463,8 @@ static void residual_of_corrected(void **state)
             int flights = sigma < 0 ? 1 : 2, word[3] = {0, 1, 0};
             double start[MAX_SIZE];
             ric_shooting *whole = NULL;
-            assert_int_equal(ric_shooting_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sigma, flights, word, &whole),
+            assert_int_equal(ric_shooting_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, sigma,
+                                                 flights, word, &whole),
                              RIC_OK);
             for (int i = 0; i < n; i++) {
                 start[i] = chain->w[2 * n + i];
@@ -452,7 +475,8 @@ static void residual_of_corrected(void **state)
             assert_true(ric_continuation_correct(whole, start, NULL, NULL, 0, du, &iterations));
             if (!(whole->residual <= ric_continuation_tolerance(whole)) ||
                 !(residual_at(whole, start) <= 2 * ric_continuation_tolerance(whole)))
-                fail_msg("seed %llu, sigma %d: residual %.3g", (unsigned long long)seed, sigma, whole->residual);
+                fail_msg("seed %llu, sigma %d: residual %.3g", (unsigned long long)seed, sigma,
+                         whole->residual);
             ric_shooting_free(whole);
         }
         ric_shooting_free(chain);

@@ -1,5 +1,5 @@
-/* Inner nodes of flights under a power law: the structured solve against the dense equations, and against the flight in
- * one piece. */
+/* Inner nodes of flights under a power law: the structured solve against the dense equations, and
+ * against the flight in one piece. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,9 +21,12 @@ typedef struct {
     ric_mirror start, end;
     int sigma;
 } form;
-static const form forms[] = {{RIC_MIRROR_NONE, RIC_MIRROR_NONE, 1},   {RIC_MIRROR_NONE, RIC_MIRROR_NONE, -1},
-                             {RIC_MIRROR_REST, RIC_MIRROR_REST, 1},   {RIC_MIRROR_CENTRE, RIC_MIRROR_CENTRE, 1},
-                             {RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1}, {RIC_MIRROR_REST, RIC_MIRROR_CENTRE, 1}};
+static const form forms[] = {{RIC_MIRROR_NONE, RIC_MIRROR_NONE, 1},
+                             {RIC_MIRROR_NONE, RIC_MIRROR_NONE, -1},
+                             {RIC_MIRROR_REST, RIC_MIRROR_REST, 1},
+                             {RIC_MIRROR_CENTRE, RIC_MIRROR_CENTRE, 1},
+                             {RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1},
+                             {RIC_MIRROR_REST, RIC_MIRROR_CENTRE, 1}};
 enum { N_FORM = sizeof forms / sizeof *forms };
 static const int no_face[] = {-1, -1};
 
@@ -82,10 +85,12 @@ static void over_random_chains(check_chain *check)
 
 static void check_jacobian(ric_shooting *c, const double *u, const char *where)
 {
-    static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12}, offset[4] = {-2, -1, 1, 2};
+    static const double weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12},
+                        offset[4] = {-2, -1, 1, 2};
     double J[SIZE * SIZE], moved[SIZE], r[4][SIZE], top = 0, h = 1e-4;
     /* the phase is free, not an equation */
-    int unknowns = c->n_unknown, rows = ric_shooting_jacobian(c, u, J), first = c->start == RIC_MIRROR_NONE;
+    int unknowns = c->n_unknown, rows = ric_shooting_jacobian(c, u, J),
+        first = c->start == RIC_MIRROR_NONE;
     assert_int_equal(rows, c->start == RIC_MIRROR_NONE ? unknowns : unknowns - 1);
     for (int i = 0; i < rows * unknowns; i++) top = fmax(top, fabs(J[i]));
     for (int j = 0; j < unknowns; j++) {
@@ -98,8 +103,8 @@ static void check_jacobian(ric_shooting *c, const double *u, const char *where)
             double slope = 0;
             for (int k = 0; k < 4; k++) slope += weight[k] * r[k][i] / h;
             if (!(fabs(slope - J[i * unknowns + j]) <= 1e-7 * (1 + top)))
-                fail_msg("%s: row %d, column %d: %.12g against %.12g by differences", where, i, j, J[i * unknowns + j],
-                         slope);
+                fail_msg("%s: row %d, column %d: %.12g against %.12g by differences", where, i, j,
+                         J[i * unknowns + j], slope);
         }
     }
 }
@@ -112,12 +117,13 @@ static void jacobian_by_differences(void **state)
 
 /* --------------------------------------------------- structured and dense */
 
-/* The equations as the structured solve sees them: closure rows perpendicular to the secant gradient of the energy.
- * Returns their number. */
+/* The equations as the structured solve sees them: closure rows perpendicular to the secant
+ * gradient of the energy. Returns their number. */
 static int dense_equations(ric_shooting *c, const double *u, double *A, double *r)
 {
     double J[SIZE * SIZE], all[SIZE], from[2 * MOST], h[2 * MOST], E[4 * MOST * MOST];
-    int unknowns = c->n_unknown, n2 = 2 * c->n, rows = ric_shooting_jacobian(c, u, J), before = rows - n2;
+    int unknowns = c->n_unknown, n2 = 2 * c->n, rows = ric_shooting_jacobian(c, u, J),
+        before = rows - n2;
     ric_shooting_residuals(c, u, all);
     memcpy(A, J, (size_t)(rows * unknowns) * sizeof *A);
     memcpy(r, all, (size_t)rows * sizeof *r);
@@ -139,7 +145,8 @@ static int dense_equations(ric_shooting *c, const double *u, double *A, double *
 /* The step solves the equations and is perpendicular to the kernel: there is one such. */
 static void check_step(ric_shooting *c, const double *u, const char *where)
 {
-    double A[SIZE * SIZE], r[SIZE], newton[SIZE], kernel[SIZE], both[SIZE], plane[2 * SIZE], second, top = 0;
+    double A[SIZE * SIZE], r[SIZE], newton[SIZE], kernel[SIZE], both[SIZE], plane[2 * SIZE], second,
+        top = 0;
     int unknowns = c->n_unknown, rows = dense_equations(c, u, A, r);
     assert_int_equal(rows, unknowns - 1);
     ric_shooting_evaluate(c, u);
@@ -156,7 +163,8 @@ static void check_step(ric_shooting *c, const double *u, const char *where)
     }
     assert_true(fabs(ric_dot(unknowns, kernel, kernel) - 1) < 1e-12);
     assert_true(fabs(ric_dot(unknowns, kernel, newton)) <= 1e-12 * (1 + size));
-    for (int i = 0; i < unknowns; i++) assert_true(fabs(both[i] - newton[i] - 0.7 * kernel[i]) <= 1e-12 * (1 + size));
+    for (int i = 0; i < unknowns; i++)
+        assert_true(fabs(both[i] - newton[i] - 0.7 * kernel[i]) <= 1e-12 * (1 + size));
     assert_true(ric_shooting_plane(c, plane, &second));
     assert_true(fabs(fabs(ric_dot(unknowns, plane + unknowns, kernel)) - 1) < 1e-10);
 }
@@ -167,22 +175,27 @@ static void step_against_dense(void **state)
     over_random_chains(check_step);
 }
 
-/* end_det may have any sign that is the same wherever the chain is evaluated: that of det [A; kernel], or the other. */
+/* end_det may have any sign that is the same wherever the chain is evaluated: that of det [A;
+ * kernel], or the other. */
 static void check_determinant(ric_shooting *c, const double *u, const char *where)
 {
     double A[SIZE * SIZE], r[SIZE], v[SIZE], first = 0;
     int unknowns = c->n_unknown;
     lapack_int pivot[SIZE];
     for (int k = 0; k < 20; k++) {
-        for (int i = 0; i < unknowns; i++) v[i] = u[i] + (i == c->n_start ? uniform(-0.3, 0.6) : uniform(-0.4, 0.4));
+        for (int i = 0; i < unknowns; i++)
+            v[i] = u[i] + (i == c->n_start ? uniform(-0.3, 0.6) : uniform(-0.4, 0.4));
         int rows = dense_equations(c, v, A, r);
         ric_shooting_evaluate(c, v);
         ric_shooting_step(c, false, 1, A + rows * unknowns);
         LAPACKE_dgetrf(LAPACK_ROW_MAJOR, unknowns, unknowns, A, unknowns, pivot);
         double sign = c->end_det < 0 ? -1 : 1;
-        for (int i = 0; i < unknowns; i++) sign *= (A[i * unknowns + i] < 0 ? -1 : 1) * (pivot[i] == i + 1 ? 1 : -1);
+        for (int i = 0; i < unknowns; i++)
+            sign *= (A[i * unknowns + i] < 0 ? -1 : 1) * (pivot[i] == i + 1 ? 1 : -1);
         if (first == 0) first = sign;
-        if (sign != first) fail_msg("%s: the sign of the bordered determinant does not follow (sample %d)", where, k);
+        if (sign != first)
+            fail_msg("%s: the sign of the bordered determinant does not follow (sample %d)", where,
+                     k);
     }
 }
 
@@ -218,8 +231,8 @@ static void check_one_piece(ric_shooting *c, const double *u, const char *where)
     if (!(ric_shooting_nodes_gap(copy, v) <= 1e-14 * one->scale * growth) ||
         !(distance(n2, copy->w + n2, one->w + n2) <= 1e-13 * one->scale * growth) ||
         !(distance(n2 * n2, copy->map, one->map) <= 1e-12 * growth * growth))
-        fail_msg("%s: not the flight in one piece: %g, %g", where, distance(n2, copy->w + n2, one->w + n2),
-                 distance(n2 * n2, copy->map, one->map));
+        fail_msg("%s: not the flight in one piece: %g, %g", where,
+                 distance(n2, copy->w + n2, one->w + n2), distance(n2 * n2, copy->map, one->map));
     /* the kernel has the same start, longer by what it is at the nodes */
     ric_shooting_step(one, false, 1, alone);
     ric_shooting_step(copy, false, 1, kernel);

@@ -1,27 +1,31 @@
-/* The simulator against closed forms, invariants, brute force and its own reversal. What it is compared with is
- * computed here or from ric_model_modes, which it does not use. */
+/* The simulator against closed forms, invariants, brute force and its own reversal. What it is
+ * compared with is computed here or from ric_model_modes, which it does not use. */
 #include "sample.h"
 #include "simulated_models.h"
 
 /* ------------------------------------------------------------- closed forms */
 
-/* x = cos between two stops, and against one: tau = 2 asin(1/A) / omega, or the period less 2 acos(1/A) / omega. */
+/* x = cos between two stops, and against one: tau = 2 asin(1/A) / omega, or the period less 2
+ * acos(1/A) / omega. */
 static void one_mass(void **state)
 {
     (void)state;
     for (int sides = 0; sides < 2; sides++)
         for (int i = 0; i <= 40; i++) {
-            double m = 0.7, k = 3.1, omega = sqrt(k / m), v0 = pow(10, -3 + i * 0.2), A = hypot(1, v0 / omega);
+            double m = 0.7, k = 3.1, omega = sqrt(k / m), v0 = pow(10, -3 + i * 0.2),
+                   A = hypot(1, v0 / omega);
             ric_model *model = make_one(m, k, sides ? RIC_SIDES_UPPER : RIC_SIDES_BOTH, 1);
             ric_simulator *sim = simulator(model);
-            double x = 1, v = -v0, tau = sides ? 2 * (PI - atan(v0 / omega)) / omega : 2 * asin(1 / A) / omega;
+            double x = 1, v = -v0,
+                   tau = sides ? 2 * (PI - atan(v0 / omega)) / omega : 2 * asin(1 / A) / omega;
             ric_impact impact;
             start(sim, &x, &v);
             for (int k_impact = 1; k_impact <= 100; k_impact++) {
                 assert_true(advance(sim, 1e9, &impact));
                 check_close(impact.time, k_impact * tau, 1e-11, "time of impact");
-                double rounding = 1e-12 + 1e-13 * k / (m * v0 * v0); /* the energy's, of which a slow mass on the stop
-                                                                      * has little in motion */
+                double rounding = 1e-12 +
+                                  1e-13 * k / (m * v0 * v0); /* the energy's, of which a slow mass
+                                                                on the stop has little in motion */
                 check_close(impact.approach, v0, rounding, "approach");
                 check_close(impact.impulse, 2 * v0 * m, rounding, "impulse");
                 assert_int_equal(impact.face, sides ? 0 : k_impact % 2);
@@ -83,7 +87,8 @@ static void touch(void **state)
             for (int k = 0; k < 7; k++) {
                 double q[MAX_N] = {0}, p[MAX_N] = {0}, x[MAX_N], v[MAX_N], A = 1 / fabs(m.c[i]),
                        T = 2 * PI / m.omega[i];
-                if (A > 5) continue; /* the modes are not known well enough for such a state to touch */
+                if (A > 5)
+                    continue; /* the modes are not known well enough for such a state to touch */
                 q[i] = A * cos(k * 0.9);
                 p[i] = A * m.omega[i] * sin(k * 0.9);
                 to_space(&m, q, x);
@@ -106,7 +111,8 @@ static void touch(void **state)
     }
 }
 
-/* A loose mass in a gap flies straight; a floating pair strikes its inner stop, its centre of mass moves on. */
+/* A loose mass in a gap flies straight; a floating pair strikes its inner stop, its centre of mass
+ * moves on. */
 static void free_modes(void **state)
 {
     (void)state;
@@ -124,7 +130,8 @@ static void free_modes(void **state)
     ric_simulator_free(sim);
     ric_model_free(model);
 
-    double M[] = {1, 0, 0, 3}, K[] = {2, -2, -2, 2}, normal[] = {-1, 1}, x2[] = {5, 5}, v2[] = {1, 4}, t, x3[2], v3[2];
+    double M[] = {1, 0, 0, 3}, K[] = {2, -2, -2, 2}, normal[] = {-1, 1}, x2[] = {5, 5},
+           v2[] = {1, 4}, t, x3[2], v3[2];
     ric_contact contact = {.normal = normal, .clearance = 1};
     model = make(2, M, K, 1, &contact, 1);
     sim = simulator(model);
@@ -160,7 +167,8 @@ static void energy(void **state)
     }
 }
 
-/* One flight, velocities turned round: the impact is undone at once, then the flight is flown back. */
+/* One flight, velocities turned round: the impact is undone at once, then the flight is flown back.
+ */
 static void reversal(void **state)
 {
     (void)state;
@@ -223,8 +231,9 @@ static void restitution(void **state)
             before = ric_model_energy(model, x, u);
             ric_simulator_state(sim, NULL, x, u);
             after = ric_model_energy(model, x, u);
-            assert_true(fabs(before - after - (1 - eps * eps) * impact.approach * impact.approach / (2 * cc[n - 1])) <=
-                        1e-12 * before);
+            assert_true(fabs(before - after -
+                             (1 - eps * eps) * impact.approach * impact.approach /
+                                 (2 * cc[n - 1])) <= 1e-12 * before);
         }
         ric_simulator_free(sim);
         ric_model_free(model);
@@ -234,7 +243,8 @@ static void restitution(void **state)
 /* ------------------------------------------------------------- brute force */
 
 /* First impact by steps far below the shortest period, then bisection. */
-static double brute_force(const modal *m, const double *q, const double *p, double step, double end, int *contact)
+static double brute_force(const modal *m, const double *q, const double *p, double step, double end,
+                          int *contact)
 {
     double before[MAX_CONTACT], after[MAX_CONTACT];
     for (int f = 0; f < m->n_contact; f++) before[f] = modal_gap(m, f, step * 1e-3, q, p);
@@ -242,7 +252,8 @@ static double brute_force(const modal *m, const double *q, const double *p, doub
         for (int f = 0; f < m->n_contact; f++) {
             after[f] = modal_gap(m, f, t, q, p);
             bool up = m->sides[f] != RIC_SIDES_LOWER && after[f] > m->d[f] && before[f] <= m->d[f];
-            bool down = m->sides[f] != RIC_SIDES_UPPER && after[f] < -m->d[f] && before[f] >= -m->d[f];
+            bool down = m->sides[f] != RIC_SIDES_UPPER && after[f] < -m->d[f] &&
+                        before[f] >= -m->d[f];
             before[f] = after[f];
             if (!up && !down) continue;
             double lo = t - step, hi = t;
@@ -280,7 +291,8 @@ static void compare_brute_force(const ric_model *model, int flights, double step
         /* the steps may miss a slow impact, never the simulator */
         if (impact.time - t0 < expected - step && impact.approach < 0.05) continue;
         assert_int_equal(hit_contact, contact);
-        assert_true(fabs(impact.time - t0 - expected) <= 1e-11 * fmax(1, expected) / fmin(1, impact.approach));
+        assert_true(fabs(impact.time - t0 - expected) <=
+                    1e-11 * fmax(1, expected) / fmin(1, impact.approach));
     }
     assert_true(n > 0);
     ric_simulator_free(sim);
@@ -319,8 +331,8 @@ static void tangle(void **state)
     }
 }
 
-/* Slow flights close to the stops, where sampling is easily fooled: no sample may lie beyond a stop before the impact
- * found, and the reach is the largest of the samples to their own accuracy. */
+/* Slow flights close to the stops, where sampling is easily fooled: no sample may lie beyond a stop
+ * before the impact found, and the reach is the largest of the samples to their own accuracy. */
 static void guarantee(void **state)
 {
     (void)state;
@@ -340,7 +352,8 @@ static void guarantee(void **state)
         to_modal(&m, v, p);
         for (int f = 0; f < m.n_contact; f++) {
             for (int k = 0; k < n; k++)
-                second += fabs(m.c[f * n + k]) * m.omega[k] * hypot(m.omega[k] * q[k], p[k]) / m.d[f];
+                second += fabs(m.c[f * n + k]) * m.omega[k] * hypot(m.omega[k] * q[k], p[k]) /
+                          m.d[f];
             for (int k = 0; k < SAMPLES; k++) {
                 double s = modal_gap(&m, f, end * k / SAMPLES, q, p) / m.d[f];
                 assert_true(s <= 1 + 1e-12);
@@ -348,13 +361,15 @@ static void guarantee(void **state)
                 double before = modal_gap(&m, f, end * (k - 1) / SAMPLES, q, p) / m.d[f];
                 double after = modal_gap(&m, f, end * (k + 1) / SAMPLES, q, p) / m.d[f];
                 double size = m.sides[f] == RIC_SIDES_UPPER ? s : fabs(s);
-                if (k && k < SAMPLES - 1 && (s - before) * (after - s) <= 0 && (s - before) * s >= 0)
+                if (k && k < SAMPLES - 1 && (s - before) * (after - s) <= 0 &&
+                    (s - before) * s >= 0)
                     most = fmax(most, size);
             }
         }
         double h = end / SAMPLES, reach = ric_simulator_reach(sim);
         assert_true(reach >= most - 1e-12);
-        if (!hit && most > 0.5) assert_true(reach <= fmax(1, most + second * h * h) + 1e-9 || reach <= 1);
+        if (!hit && most > 0.5)
+            assert_true(reach <= fmax(1, most + second * h * h) + 1e-9 || reach <= 1);
         ric_simulator_free(sim);
         ric_model_free(model);
     }
@@ -386,8 +401,8 @@ static void sampled(void **state)
 
 /* ---------------------------------------------------------- special events */
 
-/* A light mass in front of a heavy one that presses it against its stop: it returns after 2u/a, and piles up its
- * impacts if eps < 1. */
+/* A light mass in front of a heavy one that presses it against its stop: it returns after 2u/a, and
+ * piles up its impacts if eps < 1. */
 static ric_model *make_pressed(double restitution)
 {
     double M[] = {1000, 0, 0, 1}, K[] = {2, -1, -1, 1}, normal[] = {0, 1};
@@ -426,7 +441,8 @@ static void chatter(void **state)
         bool hit = true;
         int impacts = 0;
         start(sim, x, v);
-        while (impacts < 2000 && hit && !(status = ric_simulator_advance(sim, 100, &hit, &impact))) impacts += hit;
+        while (impacts < 2000 && hit && !(status = ric_simulator_advance(sim, 100, &hit, &impact)))
+            impacts += hit;
         assert_int_equal(status, RIC_E_NUMERIC);
         assert_non_null(strstr(ric_detail(), eps > 0 ? "chatter" : "lasting contact"));
         assert_true(impacts >= 1 && impacts < 400);
@@ -468,9 +484,10 @@ static void plastic(void **state)
 static void together(void **state)
 {
     (void)state;
-    double M[] = {1, 0, 0, 1}, K[] = {0, 0, 0, 0}, normal[] = {1, 0, 1, 1}, across[] = {1, 0, 0, 1}, x[] = {0, 0},
-           v[] = {1, 0};
-    ric_contact joined[] = {{.normal = normal, .clearance = 1}, {.normal = normal + 2, .clearance = 1}};
+    double M[] = {1, 0, 0, 1}, K[] = {0, 0, 0, 0}, normal[] = {1, 0, 1, 1}, across[] = {1, 0, 0, 1},
+           x[] = {0, 0}, v[] = {1, 0};
+    ric_contact joined[] = {{.normal = normal, .clearance = 1},
+                            {.normal = normal + 2, .clearance = 1}};
     ric_model *model = make(2, M, K, 2, joined, 1);
     ric_simulator *sim = simulator(model);
     bool hit = true;
@@ -483,10 +500,12 @@ static void together(void **state)
     ric_simulator_free(sim);
     ric_model_free(model);
 
-    ric_contact apart[] = {{.normal = across, .clearance = 1}, {.normal = across + 2, .clearance = 1}};
+    ric_contact apart[] = {{.normal = across, .clearance = 1},
+                           {.normal = across + 2, .clearance = 1}};
     ric_impact impact;
     v[1] = -1;
-    model = make(2, M, K, 2, apart, 1); /* a corner of a room: both impacts happen, in either order */
+    model = make(2, M, K, 2, apart,
+                 1); /* a corner of a room: both impacts happen, in either order */
     sim = simulator(model);
     start(sim, x, v);
     int faces = 0;
@@ -506,14 +525,17 @@ static void together(void **state)
 static void kink(void **state)
 {
     (void)state;
-    double M[] = {1, 0, 0, 1}, K[] = {0, 0, 0, 0}, normal[] = {1, 0, 1, 0.5}, x[] = {0, 0}, v[] = {1, 0};
-    ric_contact contacts[] = {{.normal = normal, .clearance = 1}, {.normal = normal + 2, .clearance = 1.25}};
+    double M[] = {1, 0, 0, 1}, K[] = {0, 0, 0, 0}, normal[] = {1, 0, 1, 0.5}, x[] = {0, 0},
+           v[] = {1, 0};
+    ric_contact contacts[] = {{.normal = normal, .clearance = 1},
+                              {.normal = normal + 2, .clearance = 1.25}};
     ric_model *model = make(2, M, K, 2, contacts, 1);
     ric_simulator *sim = simulator(model);
     start(sim, x, v);
     assert_true(advance(sim, 1.5, NULL));
     assert_true(ric_simulator_reach(sim) == 0.8);
-    x[0] = -0.9; /* a start that is a largest value, and one that has just left its face and is none */
+    x[0] =
+        -0.9; /* a start that is a largest value, and one that has just left its face and is none */
     v[0] = 0.5;
     start(sim, x, v);
     assert_false(advance(sim, 1, NULL));
@@ -550,12 +572,15 @@ static void wrong_calls(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_mass),    cmocka_unit_test(backbone),       cmocka_unit_test(touch),
-        cmocka_unit_test(free_modes),  cmocka_unit_test(energy),         cmocka_unit_test(reversal),
-        cmocka_unit_test(restitution), cmocka_unit_test(chain_of_fifty), cmocka_unit_test(tangle),
-        cmocka_unit_test(guarantee),   cmocka_unit_test(sampled),        cmocka_unit_test(quick_return),
-        cmocka_unit_test(chatter),     cmocka_unit_test(plastic),        cmocka_unit_test(together),
-        cmocka_unit_test(kink),        cmocka_unit_test(wrong_calls),
+        cmocka_unit_test(one_mass),    cmocka_unit_test(backbone),
+        cmocka_unit_test(touch),       cmocka_unit_test(free_modes),
+        cmocka_unit_test(energy),      cmocka_unit_test(reversal),
+        cmocka_unit_test(restitution), cmocka_unit_test(chain_of_fifty),
+        cmocka_unit_test(tangle),      cmocka_unit_test(guarantee),
+        cmocka_unit_test(sampled),     cmocka_unit_test(quick_return),
+        cmocka_unit_test(chatter),     cmocka_unit_test(plastic),
+        cmocka_unit_test(together),    cmocka_unit_test(kink),
+        cmocka_unit_test(wrong_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* The dense orbit problem: singular vectors against the Jacobian, steps in its range, second derivatives against
- * differences of the residuals, and the row that says nothing new. */
+/* The dense orbit problem: singular vectors against the Jacobian, steps in its range, second
+ * derivatives against differences of the residuals, and the row that says nothing new. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +23,8 @@ static void over_random_chains(check_chain *check)
     for (int form = 0; form < N_FORM; form++)
         for (int trial = 0; trial < 8; trial += every()) {
             int n = 1 + trial % MAX_N, n_flight = 1 + trial % MAX_FLIGHT, face[MAX_FLIGHT + 1];
-            ric_model *m = random_structure_of(77000u + 100u * (uint64_t)form + (uint64_t)trial, n, 2, false, false);
+            ric_model *m = random_structure_of(77000u + 100u * (uint64_t)form + (uint64_t)trial, n,
+                                               2, false, false);
             ric_singular q;
             random_word(m, form, n_flight, face);
             ric_shooting *chain = random_chain_over(m, form, n_flight, face, 1, u);
@@ -68,8 +69,8 @@ static void singular_vectors(void **state)
     over_random_chains(check_vectors);
 }
 
-/* In the general form one equation follows from the others at an orbit, and only there: the closure is perpendicular to
- * the mean gradient. */
+/* In the general form one equation follows from the others at an orbit, and only there: the closure
+ * is perpendicular to the mean gradient. */
 static void check_redundant(ric_singular *q, ric_shooting *chain, const double *u)
 {
     int rows = q->equations;
@@ -113,7 +114,8 @@ static void steps_stay_in_the_range(void **state)
     over_random_chains(check_step);
 }
 
-/* left . d^2 r / (du along du right) from second differences of the residuals, error h^2 and rounding / h^2. */
+/* left . d^2 r / (du along du right) from second differences of the residuals, error h^2 and
+ * rounding / h^2. */
 static void check_bend(ric_singular *q, ric_shooting *chain, const double *u)
 {
     int n = q->unknowns, rows = q->equations;
@@ -147,7 +149,8 @@ static void kernels_are_told_by_a_gap(void **state)
     (void)state;
     double values[5] = {100, 1, 1e-3, 1e-9, 1e-9};
     ric_singular q = {.unknowns = 6, .equations = 5, .values = values};
-    assert_true(ric_singular_opens(&q, 3) && !ric_singular_opens(&q, 2) && !ric_singular_opens(&q, 4));
+    assert_true(ric_singular_opens(&q, 3) && !ric_singular_opens(&q, 2) &&
+                !ric_singular_opens(&q, 4));
     assert_int_equal(ric_singular_rank(&q, 1e-8), 3);
     values[2] = 1e-7; /* above the next by too little */
     assert_false(ric_singular_opens(&q, 3));
@@ -169,9 +172,12 @@ static void directions_have_one_sign(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(singular_vectors),          cmocka_unit_test(one_equation_says_nothing_new),
-        cmocka_unit_test(steps_stay_in_the_range),   cmocka_unit_test(second_derivatives),
-        cmocka_unit_test(kernels_are_told_by_a_gap), cmocka_unit_test(directions_have_one_sign),
+        cmocka_unit_test(singular_vectors),
+        cmocka_unit_test(one_equation_says_nothing_new),
+        cmocka_unit_test(steps_stay_in_the_range),
+        cmocka_unit_test(second_derivatives),
+        cmocka_unit_test(kernels_are_told_by_a_gap),
+        cmocka_unit_test(directions_have_one_sign),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

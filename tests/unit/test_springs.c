@@ -1,6 +1,6 @@
-/* Orbits with contacts of law bilinear: the orbit problem against differences and a dense solve, its regular passage
- * through a grazing, values published elsewhere, the limit of stiff springs, words, and atlases of random structures
- * replayed by the simulator. */
+/* Orbits with contacts of law bilinear: the orbit problem against differences and a dense solve,
+ * its regular passage through a grazing, values published elsewhere, the limit of stiff springs,
+ * words, and atlases of random structures replayed by the simulator. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -39,8 +39,8 @@ static ric_model *structure(uint64_t seed, int n, int n_contact, double stiffest
 
 /* ------------------------------------------------------------ orbit problem */
 
-/* Chains over contacts that close and open, one inside another, from rest to rest, from the centre to rest, and from a
- * closing round; some closed flights last no time, or a negative one. */
+/* Chains over contacts that close and open, one inside another, from rest to rest, from the centre
+ * to rest, and from a closing round; some closed flights last no time, or a negative one. */
 static void jacobians(void **state)
 {
     (void)state;
@@ -61,13 +61,14 @@ static void jacobians(void **state)
             ric_model *m = structure(seed, 2 + (int)seed % 2, 2, 2);
             ric_shooting *c = NULL;
             double u[MAX], J[MAX * MAX], plus[MAX], minus[MAX], h = 1e-5;
-            assert_int_equal(ric_shooting_create(m, cases[k].start, cases[k].end, 1, cases[k].n_flight, cases[k].face,
-                                                 &c),
+            assert_int_equal(ric_shooting_create(m, cases[k].start, cases[k].end, 1,
+                                                 cases[k].n_flight, cases[k].face, &c),
                              RIC_OK);
             ric_shooting_close(c, cases[k].closed);
             for (int i = 0; i < c->n_start; i++) u[i] = uniform(-2, 2);
             for (int i = c->n_start; i < c->n_unknown; i++)
-                u[i] = ric_shooting_between(c, i - c->n_start) ? uniform(-0.2, 0.4) * below(2) : uniform(0.1, 1);
+                u[i] = ric_shooting_between(c, i - c->n_start) ? uniform(-0.2, 0.4) * below(2)
+                                                               : uniform(0.1, 1);
             int rows = ric_shooting_jacobian(c, u, J);
             double top = 1;
             for (int i = 0; i < rows * c->n_unknown; i++) top = fmax(top, fabs(J[i]));
@@ -90,7 +91,8 @@ static void jacobians(void **state)
         }
 }
 
-/* Newton steps of the structured solve lead to solutions, whose dense Jacobian has one kernel vector: the same. */
+/* Newton steps of the structured solve lead to solutions, whose dense Jacobian has one kernel
+ * vector: the same. */
 static void kernels(void **state)
 {
     (void)state;
@@ -101,7 +103,8 @@ static void kernels(void **state)
         ric_shooting *c = NULL;
         double u[MAX], du[MAX], t[MAX], J[MAX * MAX];
         int iterations;
-        assert_int_equal(ric_shooting_create(m, RIC_MIRROR_REST, RIC_MIRROR_CENTRE, 1, 5, face, &c), RIC_OK);
+        assert_int_equal(ric_shooting_create(m, RIC_MIRROR_REST, RIC_MIRROR_CENTRE, 1, 5, face, &c),
+                         RIC_OK);
         for (int i = 0; i < c->n_start; i++) u[i] = uniform(-2, 2);
         for (int i = c->n_start; i < c->n_unknown; i++) u[i] = uniform(0.1, 1);
         if (ric_continuation_correct(c, u, NULL, NULL, 0, du, &iterations) && c->smallest > 1e-3) {
@@ -109,7 +112,8 @@ static void kernels(void **state)
             int rows = ric_shooting_jacobian(c, u, J);
             for (int i = 0; i < rows; i++) {
                 double product = ric_dot(c->n_unknown, J + i * c->n_unknown, t),
-                       size = sqrt(ric_dot(c->n_unknown, J + i * c->n_unknown, J + i * c->n_unknown));
+                       size = sqrt(
+                           ric_dot(c->n_unknown, J + i * c->n_unknown, J + i * c->n_unknown));
                 assert_true(fabs(product) <= 1e-9 * (1 + size));
             }
             found++;
@@ -127,7 +131,8 @@ static ric_atlas *two_masses(double ks, const char *explore)
     char text[600];
     snprintf(text, sizeof text,
              "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-             "    - {normal: [-1, 1], clearance: 1, sides: both, law: bilinear, stiffness: %.17g}\nexplore: {%s}\n",
+             "    - {normal: [-1, 1], clearance: 1, sides: both, law: bilinear, stiffness: "
+             "%.17g}\nexplore: {%s}\n",
              ks, explore);
     return explore_text(text);
 }
@@ -135,8 +140,8 @@ static ric_atlas *two_masses(double ks, const char *explore)
 static double omega_at_10(double ks)
 {
     double omega = NAN;
-    ric_atlas *atlas = two_masses(
-        ks, "start: [1], energy: [0, 12], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: 1, at_energy: [10]");
+    ric_atlas *atlas = two_masses(ks, "start: [1], energy: [0, 12], frequency: [0.2, 10], impacts: "
+                                      "2, multiply: 1, depth: 1, at_energy: [10]");
     for (int i = 1; i <= ric_atlas_n_junction(atlas); i++) {
         ric_junction j = junction_of(atlas, i);
         if (j.kind == RIC_KIND_USER && j.impacts == 2) omega = j.frequency;
@@ -145,8 +150,9 @@ static double omega_at_10(double ks)
     return omega;
 }
 
-/* S2+ at E = 10: omega = 1.565493796 for ks = 1e4, 1.571293037 for rigid stops, and the difference falls as ks^(-1/2).
- * From its grazing the family first passes an extremum and a branch point at a distance of 1/ks. */
+/* S2+ at E = 10: omega = 1.565493796 for ks = 1e4, 1.571293037 for rigid stops, and the difference
+ * falls as ks^(-1/2). From its grazing the family first passes an extremum and a branch point at a
+ * distance of 1/ks. */
 static void stiff_limit(void **state)
 {
     (void)state;
@@ -175,19 +181,22 @@ static void replayed(const ric_atlas *atlas, const char *what)
             ric_check check;
             assert_int_equal(ric_verify_point(atlas, b, i, &check), RIC_OK);
             if (!check.passed)
-                fail_msg("%s: branch %d %s point %d: flight %g return %g energy %g faces %d", what, b,
-                         branch_of(atlas, b).label, i, check.flight_error, check.return_error, check.energy_error,
-                         check.faces_agree);
+                fail_msg("%s: branch %d %s point %d: flight %g return %g energy %g faces %d", what,
+                         b, branch_of(atlas, b).label, i, check.flight_error, check.return_error,
+                         check.energy_error, check.faces_agree);
         }
 }
 
-/* The symmetric path: S2+ passes its grazing G_2,4 with all four touches kept, and nothing else leaves there. The
- * linear modes graze where they do with rigid stops. */
+/* The symmetric path: S2+ passes its grazing G_2,4 with all four touches kept, and nothing else
+ * leaves there. The linear modes graze where they do with rigid stops. */
 static void grazings(void **state)
 {
     (void)state;
-    ric_atlas *atlas = two_masses(1e4, "energy: [0, 120], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2");
-    const ric_branch *s2 = &branch_named(atlas, "S2+[01]")->row, *s6 = &branch_named(atlas, "S6[010101]")->row;
+    ric_atlas *atlas =
+        two_masses(1e4,
+                   "energy: [0, 120], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2");
+    const ric_branch *s2 = &branch_named(atlas, "S2+[01]")->row,
+                     *s6 = &branch_named(atlas, "S6[010101]")->row;
     ric_junction first = junction_of(atlas, s2->from), last = junction_of(atlas, s2->to);
     assert_true(fabs(first.energy - 0.601588369489) < 1e-11);
     assert_int_equal(last.kind, RIC_KIND_GRAZING);
@@ -203,15 +212,15 @@ static void grazings(void **state)
     ric_atlas_free(atlas);
 }
 
-/* At stiffnesses near to rigid stops the same orbits are there, from their grazings to the border of the window, and
- * the simulator finds them. */
+/* At stiffnesses near to rigid stops the same orbits are there, from their grazings to the border
+ * of the window, and the simulator finds them. */
 static void stiff(void **state)
 {
     (void)state;
     for (int k = 5; k <= 7; k++) {
-        ric_atlas *atlas =
-            two_masses(pow(10, k),
-                       "energy: [0, 1000], frequency: [0.2, 10], impacts: 12, multiply: 1, depth: 2, symmetric: true");
+        ric_atlas *atlas = two_masses(pow(10, k),
+                                      "energy: [0, 1000], frequency: [0.2, 10], impacts: 12, "
+                                      "multiply: 1, depth: 2, symmetric: true");
         assert_int_equal(branch_named(atlas, "S2-[01]")->row.stop, RIC_STOP_WINDOW);
         branch_named(atlas, "S6[010101]");
         for (int b = 1; b <= ric_atlas_n_branch(atlas); b++)
@@ -222,31 +231,36 @@ static void stiff(void **state)
     }
 }
 
-/* Many short contacts in a row, slow ones among them, and ends at branch points: every stored orbit is one, to
- * rounding. No multiplicity is larger than the kind of a point allows, however near the grazing of a spring. */
+/* Many short contacts in a row, slow ones among them, and ends at branch points: every stored orbit
+ * is one, to rounding. No multiplicity is larger than the kind of a point allows, however near the
+ * grazing of a spring. */
 static void every_point(void **state)
 {
     (void)state;
-    ric_atlas *atlas = two_masses(1e4, "energy: [0, 200], frequency: [0.2, 10], impacts: 12, multiply: 3, depth: 3");
+    ric_atlas *atlas =
+        two_masses(1e4,
+                   "energy: [0, 200], frequency: [0.2, 10], impacts: 12, multiply: 3, depth: 3");
     assert_true(ric_atlas_n_branch(atlas) > 50);
     replayed(atlas, "wide");
-    for (int b = 1; b <= ric_atlas_n_branch(atlas); b++) /* A8 and A12 to doublings on sharp turns, A3 beside an orbit
-                                                          * with more symmetry */
+    for (int b = 1; b <= ric_atlas_n_branch(atlas);
+         b++) /* A8 and A12 to doublings on sharp turns, A3 beside an orbit with more symmetry */
         if (branch_of(atlas, b).stop == RIC_STOP_FAILED)
             fail_msg("branch %d %s: %s", b, branch_of(atlas, b).label, branch_of(atlas, b).why);
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j = junction_of(atlas, id);
-        if (j.kind != RIC_KIND_GRAZING && (j.a > 3 || j.b > 3)) fail_msg("%s at energy %.9g", j.label, j.energy);
+        if (j.kind != RIC_KIND_GRAZING && (j.a > 3 || j.b > 3))
+            fail_msg("%s at energy %.9g", j.label, j.energy);
     }
     ric_atlas_free(atlas);
 }
 
-/* dE/ds vanishes at a grazing: near it the energy is quadratic in the time of contact, on S2+ as E - E_g ~ tau^2. */
+/* dE/ds vanishes at a grazing: near it the energy is quadratic in the time of contact, on S2+ as E
+ * - E_g ~ tau^2. */
 static void quadratic(void **state)
 {
     (void)state;
-    ric_atlas
-        *atlas = two_masses(100, "start: [1], energy: [0, 2], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: 1");
+    ric_atlas *atlas = two_masses(
+        100, "start: [1], energy: [0, 2], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: 1");
     const ric_branch *s2 = &branch_named(atlas, "S2+[01]")->row;
     ric_point zero, one;
     double flights[4];
@@ -295,8 +309,8 @@ static void words(void **state)
     ric_model_free(m);
 }
 
-/* Random structures with one or two contacts, soft and stiff, one of them rigid at times: every stored orbit is found
- * by the simulator. */
+/* Random structures with one or two contacts, soft and stiff, one of them rigid at times: every
+ * stored orbit is found by the simulator. */
 static void random_atlases(void **state)
 {
     (void)state;
@@ -305,34 +319,42 @@ static void random_atlases(void **state)
     for (unsigned seed = 1; seed <= 24; seed += (unsigned)few) {
         char text[900], what[32];
         seed_now = 77 + seed;
-        double m1 = uniform(0.5, 3), m2 = uniform(0.5, 3), m3 = uniform(0.5, 3), k1 = uniform(0.5, 9),
-               k2 = uniform(0.3, 3), k3 = uniform(0.3, 3);
+        double m1 = uniform(0.5, 3), m2 = uniform(0.5, 3), m3 = uniform(0.5, 3),
+               k1 = uniform(0.5, 9), k2 = uniform(0.3, 3), k3 = uniform(0.3, 3);
         double ks = pow(10, uniform(0.5, 4)), kt = pow(10, uniform(0.5, 3));
         const char *second = seed % 3 == 0 ? ", law: rigid" : ", law: bilinear, stiffness: ";
-        int used = seed % 2 ? snprintf(text, sizeof text,
-                                       "model:\n  mass: [[%.15g, 0], [0, %.15g]]\n"
-                                       "  stiffness: [[%.15g, %.15g], [%.15g, %.15g]]\n  contacts:\n"
-                                       "    - {normal: [-1, 1], clearance: 1, sides: %s, law: bilinear, stiffness: "
-                                       "%.15g}\n",
-                                       m1, m2, k1 + k2, -k2, -k2, k2 + k3, seed % 4 == 1 ? "both" : "upper", ks)
-                            : snprintf(text, sizeof text,
-                                       "model:\n  mass: [[%.15g, 0, 0], [0, %.15g, 0], [0, 0, %.15g]]\n"
-                                       "  stiffness: [[%.15g, %.15g, 0], [%.15g, %.15g, %.15g], [0, %.15g, %.15g]]\n"
-                                       "  contacts:\n"
-                                       "    - {normal: [1, 0, 0], clearance: 1, sides: both, law: bilinear, stiffness: "
-                                       "%.15g}\n"
-                                       "    - {normal: [0, 0, 1], clearance: 1.3, sides: both%s",
-                                       m1, m2, m3, k1 + k2, -k2, -k2, k2 + k3, -k3, -k3, k3 + 1, ks, second);
-        if (seed % 2 == 0 && seed % 3) used += snprintf(text + used, sizeof text - (size_t)used, "%.15g", kt);
+        int used =
+            seed % 2
+                ? snprintf(
+                      text, sizeof text,
+                      "model:\n  mass: [[%.15g, 0], [0, %.15g]]\n"
+                      "  stiffness: [[%.15g, %.15g], [%.15g, %.15g]]\n  contacts:\n"
+                      "    - {normal: [-1, 1], clearance: 1, sides: %s, law: bilinear, stiffness: "
+                      "%.15g}\n",
+                      m1, m2, k1 + k2, -k2, -k2, k2 + k3, seed % 4 == 1 ? "both" : "upper", ks)
+                : snprintf(
+                      text, sizeof text,
+                      "model:\n  mass: [[%.15g, 0, 0], [0, %.15g, 0], [0, 0, %.15g]]\n"
+                      "  stiffness: [[%.15g, %.15g, 0], [%.15g, %.15g, %.15g], [0, %.15g, %.15g]]\n"
+                      "  contacts:\n"
+                      "    - {normal: [1, 0, 0], clearance: 1, sides: both, law: bilinear, "
+                      "stiffness: "
+                      "%.15g}\n"
+                      "    - {normal: [0, 0, 1], clearance: 1.3, sides: both%s",
+                      m1, m2, m3, k1 + k2, -k2, -k2, k2 + k3, -k3, -k3, k3 + 1, ks, second);
+        if (seed % 2 == 0 && seed % 3)
+            used += snprintf(text + used, sizeof text - (size_t)used, "%.15g", kt);
         if (seed % 2 == 0) used += snprintf(text + used, sizeof text - (size_t)used, "}\n");
         snprintf(text + used, sizeof text - (size_t)used,
-                 "explore: {energy: [0, %.15g], frequency: [0.1, 10], impacts: 6, multiply: 1, depth: 2}\n",
+                 "explore: {energy: [0, %.15g], frequency: [0.1, 10], impacts: 6, multiply: 1, "
+                 "depth: 2}\n",
                  8 * (k1 + k2));
         snprintf(what, sizeof what, "seed %u", seed);
         ric_atlas *atlas = explore_text(text);
         branches += ric_atlas_n_branch(atlas);
         for (int b = 1; b <= ric_atlas_n_branch(atlas); b++)
-            interleaved += strchr(branch_of(atlas, b).label, '-') && branch_of(atlas, b).letters > 4;
+            interleaved += strchr(branch_of(atlas, b).label, '-') &&
+                           branch_of(atlas, b).letters > 4;
         replayed(atlas, what);
         ric_atlas_free(atlas);
     }

@@ -1,6 +1,6 @@
-/* Runs that are stopped again and again, in the midst of whatever they do: each comes a step further, what it leaves is
- * an atlas with no less than there was before, and the last one ends with the bits of a run that nobody has
- * disturbed. */
+/* Runs that are stopped again and again, in the midst of whatever they do: each comes a step
+ * further, what it leaves is an atlas with no less than there was before, and the last one ends
+ * with the bits of a run that nobody has disturbed. */
 #include "stored_atlases.h"
 
 #include "junction/switching.h"
@@ -9,8 +9,8 @@
 #include "base/halt.h"
 #include "sample.h"
 
-/* Asked by the kernels about every millisecond of work: from the `after`-th question on which something new has been
- * kept, the answer is yes. */
+/* Asked by the kernels about every millisecond of work: from the `after`-th question on which
+ * something new has been kept, the answer is yes. */
 typedef struct {
     int asked, after;
 } impatience;
@@ -55,7 +55,8 @@ static int run_in_pieces(const ric_study *study, const char *path, int workers, 
         assert_int_equal(ric_atlas_finished(atlas), status == RIC_OK);
         *unmeasured += count_unmeasured(atlas) > 0;
         if (status && ric_atlas_n_branch(atlas) < most)
-            fail_msg("%d branches after %d stops, where there have been %d", ric_atlas_n_branch(atlas), stops, most);
+            fail_msg("%d branches after %d stops, where there have been %d",
+                     ric_atlas_n_branch(atlas), stops, most);
         most = ric_atlas_n_branch(atlas);
         ric_atlas_free(atlas);
         if (stops > 3000) fail_msg("stopped %d times, and no end", stops);
@@ -77,8 +78,8 @@ static void stop_and_compare(const char *text, int least)
         int stops = run_in_pieces(study, pieces, workers, &unmeasured);
         ric_atlas *atlas = read_back(pieces);
         assert_true(same_atlas(atlas, undisturbed));
-        print_message("%d branches: %d stops, %d of them with labels left\n", ric_atlas_n_branch(atlas), stops,
-                      unmeasured);
+        print_message("%d branches: %d stops, %d of them with labels left\n",
+                      ric_atlas_n_branch(atlas), stops, unmeasured);
         if (workers == 1) assert_true(stops >= least);
         ric_atlas_free(atlas);
         unlink(pieces);
@@ -89,39 +90,48 @@ static void stop_and_compare(const char *text, int least)
     ric_study_free(study);
 }
 
-#define PAIR "title: A pair\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+#define PAIR                                                                                       \
+    "title: A pair\nmodel:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  "         \
+    "contacts:\n"
 
 static void stops_and_branches(void **state)
 {
     (void)state;
-    stop_and_compare(PAIR "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
-                          "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 6, multiply: 2, depth: 2}\n",
-                     20);
+    stop_and_compare(
+        PAIR
+        "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
+        "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 6, multiply: 2, depth: 2}\n",
+        20);
 }
 
 static void springs(void **state)
 {
     (void)state;
-    stop_and_compare(PAIR "    - {normal: [-1, 1], clearance: 1, law: bilinear, stiffness: 20}\n"
-                          "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, multiply: 2, depth: 1}\n",
-                     5);
+    stop_and_compare(
+        PAIR
+        "    - {normal: [-1, 1], clearance: 1, law: bilinear, stiffness: 20}\n"
+        "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4, multiply: 2, depth: 1}\n",
+        5);
 }
 
 /* Single branches take longer than a run is given. */
 static void power_law(void **state)
 {
     (void)state;
-    stop_and_compare(PAIR "    - {normal: [-1, 1], law: power, exponent: 9, length: 1, reference: 1}\n"
-                          "explore: {energy: [0, 20], frequency: [0.2, 10], multiply: 2, depth: 1}\n",
+    stop_and_compare(PAIR
+                     "    - {normal: [-1, 1], law: power, exponent: 9, length: 1, reference: 1}\n"
+                     "explore: {energy: [0, 20], frequency: [0.2, 10], multiply: 2, depth: 1}\n",
                      50);
 }
 
-/* A branch of which there is no more than its first points has room for all that follow when it goes on. */
+/* A branch of which there is no more than its first points has room for all that follow when it
+ * goes on. */
 static void after_the_first_points(void **state)
 {
     (void)state;
-    ric_study *study = study_of(PAIR "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
-                                     "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 2, depth: 0}\n");
+    ric_study *study = study_of(
+        PAIR "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
+             "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 2, depth: 0}\n");
     ric_graph *g = explored_graph(study);
     ric_shooting *chain = NULL;
     double *u0 = NULL, *t0 = NULL;
@@ -144,7 +154,8 @@ static void after_the_first_points(void **state)
         size_t size;
         int parts;
         assert_int_equal(ric_continuation_pause(whole, 0, &blob, &size), RIC_OK);
-        assert_int_equal(ric_continuation_resume(g->model, &g->limits, blob, size, &parts, &piece), RIC_OK);
+        assert_int_equal(ric_continuation_resume(g->model, &g->limits, blob, size, &parts, &piece),
+                         RIC_OK);
         assert_int_equal(ric_continuation_run(piece), RIC_OK);
         assert_true(piece->n_point > 20 && piece->n_point <= piece->point_capacity);
         ric_continuation_free(piece);
@@ -158,7 +169,8 @@ static void after_the_first_points(void **state)
     ric_study_free(study);
 }
 
-/* By chance, every second time: a step that takes several questions comes to its end now and then. */
+/* By chance, every second time: a step that takes several questions comes to its end now and then.
+ */
 static bool now_and_then(void *user)
 {
     unsigned *bits = user;
@@ -166,8 +178,8 @@ static bool now_and_then(void *user)
     return *bits >> 31 == 0;
 }
 
-/* After each step: the next question, which is put after a million multiplications, comes somewhere in the step ahead.
- */
+/* After each step: the next question, which is put after a million multiplications, comes somewhere
+ * in the step ahead. */
 static void ahead(void *user)
 {
     unsigned *bits = user;
@@ -175,13 +187,14 @@ static void ahead(void *user)
     ric_halt(1e6 - 2e4 * (*bits >> 8) / (1 << 24));
 }
 
-/* Wherever in a step a stop comes, also while the flag of a point beside the border of stability is measured, which is
- * most of the work there: the branch goes on with the same points. */
+/* Wherever in a step a stop comes, also while the flag of a point beside the border of stability is
+ * measured, which is most of the work there: the branch goes on with the same points. */
 static void in_the_midst_of_a_step(void **state)
 {
     (void)state;
-    ric_study *study = study_of(PAIR "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
-                                     "explore: {energy: [0, 1000], frequency: [0.2, 10], impacts: 6, depth: 0}\n");
+    ric_study *study = study_of(
+        PAIR "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
+             "explore: {energy: [0, 1000], frequency: [0.2, 10], impacts: 6, depth: 0}\n");
     ric_graph *g = explored_graph(study);
     unsigned bits = 1;
     int stops = 0, branches = 0;
@@ -196,8 +209,12 @@ static void in_the_midst_of_a_step(void **state)
                 ric_shooting *chain = NULL;
                 double *u0 = NULL, *t0 = NULL;
                 unsigned ignore = 0;
-                if (!ric_switching_depart(g->model, g->nodes[i], d->choice, 1, &chain, &u0, &t0, &ignore) && chain)
-                    assert_int_equal(ric_continuation_create(chain, u0, t0, ignore, &g->limits, &tr[piece]), RIC_OK);
+                if (!ric_switching_depart(g->model, g->nodes[i], d->choice, 1, &chain, &u0, &t0,
+                                          &ignore) &&
+                    chain)
+                    assert_int_equal(ric_continuation_create(chain, u0, t0, ignore, &g->limits,
+                                                             &tr[piece]),
+                                     RIC_OK);
                 ric_status status = RIC_E_INTERRUPTED;
                 while (tr[piece] && status == RIC_E_INTERRUPTED) {
                     if (piece) ric_halt_ask(now_and_then, &bits);
@@ -230,14 +247,17 @@ static bool yes(void *user)
     return true;
 }
 
-/* A stop that comes when the solver of a junction has not flown once: it comes to an end, and nothing is found. */
+/* A stop that comes when the solver of a junction has not flown once: it comes to an end, and
+ * nothing is found. */
 static void before_the_first_flight(void **state)
 {
     (void)state;
-    static const int tests[] = {RIC_TEST_REACH, RIC_TEST_DET,    RIC_TEST_SLOPE,    RIC_TEST_A,     RIC_TEST_B,
-                                RIC_TEST_D,     RIC_TEST_PERIOD, RIC_TEST_APPROACH, RIC_TEST_FLIGHT};
-    ric_study *study = study_of(PAIR "    - {normal: [-1, 1], law: power, exponent: 3, length: 1, reference: 1}\n"
-                                     "explore: {energy: [0, 2], frequency: [0.2, 10], multiply: 1, depth: 0}\n");
+    static const int tests[] = {RIC_TEST_REACH,  RIC_TEST_DET,      RIC_TEST_SLOPE,
+                                RIC_TEST_A,      RIC_TEST_B,        RIC_TEST_D,
+                                RIC_TEST_PERIOD, RIC_TEST_APPROACH, RIC_TEST_FLIGHT};
+    ric_study *study = study_of(
+        PAIR "    - {normal: [-1, 1], law: power, exponent: 3, length: 1, reference: 1}\n"
+             "explore: {energy: [0, 2], frequency: [0.2, 10], multiply: 1, depth: 0}\n");
     ric_graph *g = explored_graph(study);
     assert_true(g->n_node > 0);
     alarm(20); /* it has gone round for ever */

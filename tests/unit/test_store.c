@@ -7,18 +7,19 @@
 #include "sample.h"
 
 /* The same model, its numbers written in another way, with other budgets. */
-static const char budget_text[] = "title: A pair, further\n"
-                                  "model:\n"
-                                  "  mass: [[2.0, 0e0], [0, 1.00]]\n"
-                                  "  stiffness:\n"
-                                  "    - [9, -1]\n"
-                                  "    - [-1, 1]\n"
-                                  "  contacts:\n"
-                                  "    - {normal: [-1, 1], clearance: 10e-1, sides: both, law: rigid}\n"
-                                  "explore:\n"
-                                  "  energy: [0, 300]\n"
-                                  "  frequency: [0.2, 10]\n"
-                                  "  impacts: 30\n";
+static const char budget_text[] =
+    "title: A pair, further\n"
+    "model:\n"
+    "  mass: [[2.0, 0e0], [0, 1.00]]\n"
+    "  stiffness:\n"
+    "    - [9, -1]\n"
+    "    - [-1, 1]\n"
+    "  contacts:\n"
+    "    - {normal: [-1, 1], clearance: 10e-1, sides: both, law: rigid}\n"
+    "explore:\n"
+    "  energy: [0, 300]\n"
+    "  frequency: [0.2, 10]\n"
+    "  impacts: 30\n";
 
 static const char other_text[] = "model:\n"
                                  "  mass: [[2, 0], [0, 1]]\n"
@@ -54,7 +55,8 @@ static void atlases_come_back_bit_for_bit(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 20; seed += (uint64_t)every()) {
-        ric_atlas *made = random_atlas(pair_text, seed, 1 + (int)seed % 7, 1 + (int)seed % 5), *read = NULL;
+        ric_atlas *made = random_atlas(pair_text, seed, 1 + (int)seed % 7, 1 + (int)seed % 5),
+                  *read = NULL;
         make_file(in_folder("a"), made);
         assert_done(ric_atlas_read(in_folder("a"), &read));
         if (!same_atlas(made, read)) fail_msg("seed %d: the atlas has changed", (int)seed);
@@ -68,12 +70,15 @@ static void faces_beyond_36_are_kept(void **state)
 {
     (void)state;
     char text[8192];
-    int n = snprintf(text, sizeof text,
-                     "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n");
+    int n = snprintf(
+        text, sizeof text,
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n");
     for (int i = 0; i < 20; i++)
         n += snprintf(text + n, sizeof text - (size_t)n,
-                      "    - {normal: [-1, %d], clearance: %d, sides: both, law: rigid}\n", i + 1, i + 3);
-    snprintf(text + n, sizeof text - (size_t)n, "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4}\n");
+                      "    - {normal: [-1, %d], clearance: %d, sides: both, law: rigid}\n", i + 1,
+                      i + 3);
+    snprintf(text + n, sizeof text - (size_t)n,
+             "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 4}\n");
     ric_atlas *made = random_atlas(text, 5, 6, 6), *read = NULL;
     make_file(in_folder("a"), made);
     assert_done(ric_atlas_read(in_folder("a"), &read));
@@ -100,7 +105,8 @@ static void rows_can_be_asked_for(void **state)
         assert_done(ric_atlas_point(atlas, 3, i, &point, values, flights));
         assert_memory_equal(&point, at, sizeof point);
         assert_memory_equal(values, at + 8, sizeof values);
-        assert_memory_equal(flights, at + 12, sizeof *flights * (size_t)(branch.impacts ? branch.impacts : 1));
+        assert_memory_equal(flights, at + 12,
+                            sizeof *flights * (size_t)(branch.impacts ? branch.impacts : 1));
         assert_done(ric_atlas_point(atlas, 3, i, NULL, NULL, NULL));
     }
     assert_int_equal(ric_atlas_branch(atlas, 0, &branch), RIC_E_RANGE);
@@ -132,17 +138,21 @@ static void trace_column_is_the_trace(void **state)
     make_file(in_folder("a"), made);
     assert_int_equal(sqlite3_open(in_folder("a"), &db), SQLITE_OK);
     assert_int_equal(
-        sqlite3_prepare_v2(db, "SELECT trace, log_trace, trace_asinh FROM point WHERE branch = 1 ORDER BY point", -1,
-                           &query, NULL),
+        sqlite3_prepare_v2(
+            db, "SELECT trace, log_trace, trace_asinh FROM point WHERE branch = 1 ORDER BY point",
+            -1, &query, NULL),
         SQLITE_OK);
     for (int i = 0; i < 8; i++) {
         assert_int_equal(sqlite3_step(query), SQLITE_ROW);
         double trace = sqlite3_column_double(query, 0), logarithm = sqlite3_column_double(query, 1);
         assert_int_equal(sqlite3_column_type(query, 0), i < 6 ? SQLITE_FLOAT : SQLITE_NULL);
-        assert_int_equal(sqlite3_column_type(query, 1), i < 7 && i > 0 ? SQLITE_FLOAT : SQLITE_NULL);
+        assert_int_equal(sqlite3_column_type(query, 1),
+                         i < 7 && i > 0 ? SQLITE_FLOAT : SQLITE_NULL);
         if (i < 6)
-            assert_true(fabs(trace - traces[i]) <= 1e-12 * fabs(traces[i]) * (1 + fabs(log(fabs(traces[i]) + 1))));
-        if (i > 0 && i < 6) assert_true(fabs(logarithm - log(fabs(traces[i]))) <= 1e-13 * (1 + fabs(logarithm)));
+            assert_true(fabs(trace - traces[i]) <=
+                        1e-12 * fabs(traces[i]) * (1 + fabs(log(fabs(traces[i]) + 1))));
+        if (i > 0 && i < 6)
+            assert_true(fabs(logarithm - log(fabs(traces[i]))) <= 1e-13 * (1 + fabs(logarithm)));
         if (i == 6) assert_true(logarithm == 5000);
     }
     sqlite3_finalize(query);
@@ -213,7 +223,8 @@ static void work_of_another_solver_is_dropped(void **state)
 static void other_budgets_continue_the_file(void **state)
 {
     (void)state;
-    ric_atlas *first = random_atlas(pair_text, 1, 2, 2), *second = random_atlas(budget_text, 2, 5, 4), *read = NULL;
+    ric_atlas *first = random_atlas(pair_text, 1, 2, 2),
+              *second = random_atlas(budget_text, 2, 5, 4), *read = NULL;
     ric_store *store = NULL;
     void *blob = NULL;
     size_t size;
@@ -222,7 +233,8 @@ static void other_budgets_continue_the_file(void **state)
     assert_done(ric_store_trace_get(store, "S2-[01]", &blob, &size));
     assert_int_equal(size, 14);
     free(blob);
-    assert_done(ric_atlas_read(in_folder("a"), &read)); /* what was there stays until the new tables are there */
+    assert_done(ric_atlas_read(in_folder("a"),
+                               &read)); /* what was there stays until the new tables are there */
     assert_true(same_atlas(first, read));
     ric_atlas_free(read);
     assert_done(ric_store_write(store, second));
@@ -250,14 +262,18 @@ static void models_are_compared_by_their_numbers(void **state)
 {
     (void)state;
     const char *stored = "model:\n  mass:\n    - [2, 1e3]\n  law: rigid\n";
-    assert_int_equal(ric_store_compare_models("a", stored, "model: \n  mass:\n    - [2.0, 1000]\n  law: rigid"),
-                     RIC_OK);
     assert_int_equal(ric_store_compare_models("a", stored,
-                                              "model:\n  mass:\n    - [2, 1000.0000000000001]\n  law: rigid\n"),
+                                              "model: \n  mass:\n    - [2.0, 1000]\n  law: rigid"),
+                     RIC_OK);
+    assert_int_equal(
+        ric_store_compare_models("a", stored,
+                                 "model:\n  mass:\n    - [2, 1000.0000000000001]\n  law: rigid\n"),
+        RIC_E_CONFLICT);
+    assert_int_equal(ric_store_compare_models("a", stored,
+                                              "model:\n  mass:\n    - [2, 1e3]\n  law: power\n"),
                      RIC_E_CONFLICT);
-    assert_int_equal(ric_store_compare_models("a", stored, "model:\n  mass:\n    - [2, 1e3]\n  law: power\n"),
+    assert_int_equal(ric_store_compare_models("a", stored, "model:\n  mass:\n    - [2, 1e3]\n"),
                      RIC_E_CONFLICT);
-    assert_int_equal(ric_store_compare_models("a", stored, "model:\n  mass:\n    - [2, 1e3]\n"), RIC_E_CONFLICT);
     assert_int_equal(ric_store_compare_models("a", "model: [1]", "model: [1, 2]"), RIC_E_CONFLICT);
     char *model = ric_store_model_text(
         "title: \"model:\"\nmodel:\n  mass: 1\n\n# note\n  law: rigid\nexplore:\n  model: 3\n");
@@ -273,7 +289,8 @@ static void foreign_files_are_refused(void **state)
     write_file(in_folder("zeros"), zeros, sizeof zeros);
     write_file(in_folder("empty"), "", 0);
     assert_sql(in_folder("foreign"), "CREATE TABLE branch (id); PRAGMA user_version = 1");
-    assert_sql(in_folder("wal ?#%41.db"), "PRAGMA journal_mode = WAL; CREATE TABLE t (x); PRAGMA user_version = 1");
+    assert_sql(in_folder("wal ?#%41.db"),
+               "PRAGMA journal_mode = WAL; CREATE TABLE t (x); PRAGMA user_version = 1");
     static const char *const names[] = {"text", "zeros", "foreign", "wal ?#%41.db"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         assert_refused(in_folder(names[i]), pair_text, RIC_E_FORMAT, "not an atlas");
@@ -423,45 +440,73 @@ static void forged_numbers_are_named(void **state)
 {
     (void)state;
 #define FIRST " WHERE branch = 2 AND point = 3"
-#define PUT(column, bytes) "UPDATE point SET " column " = CAST(x'" bytes "' || substr(" column ", 9) AS BLOB)" FIRST
+#define PUT(column, bytes)                                                                         \
+    "UPDATE point SET " column " = CAST(x'" bytes "' || substr(" column ", 9) AS BLOB)" FIRST
     static const char *const changes[][2] = {
-        {"UPDATE point SET energy = 9e999" FIRST, "table point, row 2, 3, energy: inf is not between"},
+        {"UPDATE point SET energy = 9e999" FIRST,
+         "table point, row 2, 3, energy: inf is not between"},
         {"UPDATE point SET energy = NULL" FIRST, "table point, row 2, 3, energy: not a number"},
-        {"UPDATE point SET energy = -1.0" FIRST, "table point, row 2, 3, energy: -1 is not between"},
-        {"UPDATE point SET energy = energy + 1.0" FIRST, "table point, row 2, 3, state: its energy is"},
+        {"UPDATE point SET energy = -1.0" FIRST,
+         "table point, row 2, 3, energy: -1 is not between"},
+        {"UPDATE point SET energy = energy + 1.0" FIRST,
+         "table point, row 2, 3, state: its energy is"},
         {"UPDATE point SET energy = 3" FIRST, "table point, row 2, 3, energy: not a number"},
-        {"UPDATE point SET frequency = 0.0" FIRST, "table point, row 2, 3, frequency: 0 is not between"},
-        {"UPDATE point SET frequency = 1e300" FIRST, "table point, row 2, 3, frequency: 1e+300 is not between"},
-        {"UPDATE point SET frequency = frequency * 1.1" FIRST, "table point, row 2, 3, flights: together"},
-        {"UPDATE point SET arclength = 1e-9" FIRST, "table point, row 2, 3, arclength: 1e-09 after"},
-        {"UPDATE point SET rotation = 7.5" FIRST, "table point, row 2, 3, rotation: 7.5 is not between"},
+        {"UPDATE point SET frequency = 0.0" FIRST,
+         "table point, row 2, 3, frequency: 0 is not between"},
+        {"UPDATE point SET frequency = 1e300" FIRST,
+         "table point, row 2, 3, frequency: 1e+300 is not between"},
+        {"UPDATE point SET frequency = frequency * 1.1" FIRST,
+         "table point, row 2, 3, flights: together"},
+        {"UPDATE point SET arclength = 1e-9" FIRST,
+         "table point, row 2, 3, arclength: 1e-09 after"},
+        {"UPDATE point SET rotation = 7.5" FIRST,
+         "table point, row 2, 3, rotation: 7.5 is not between"},
         {"UPDATE point SET residual = 1e300" FIRST, "table point, row 2, 3, residual: "},
         {"UPDATE point SET approach = -9e999" FIRST, "table point, row 2, 3, approach: "},
-        {PUT("state", "000000000000f87f"), "table point, row 2, 3, state: a number in it is not finite"},
-        {PUT("state", "9c7500883ce4377e"), "table point, row 2, 3, state: a number in it is not finite, or beyond"},
-        {PUT("flights", "000000000000f07f"), "table point, row 2, 3, flights: a number in it is not finite"},
-        {PUT("flights", "000000000000f0bf"), "table point, row 2, 3, flights: -1 s is less than no time"},
-        {"UPDATE branch SET stable_fraction = 1.5 WHERE id = 3", "table branch, row 3, stable_fraction: 1.5"},
-        {"UPDATE branch SET energy_min = 1e99 WHERE id = 3", "table branch, row 3, energy_min: more than"},
-        {"UPDATE branch SET impacts = 9223372036854775807 WHERE id = 3", "table branch, row 3, impacts: not a whole"},
+        {PUT("state", "000000000000f87f"),
+         "table point, row 2, 3, state: a number in it is not finite"},
+        {PUT("state", "9c7500883ce4377e"),
+         "table point, row 2, 3, state: a number in it is not finite, or beyond"},
+        {PUT("flights", "000000000000f07f"),
+         "table point, row 2, 3, flights: a number in it is not finite"},
+        {PUT("flights", "000000000000f0bf"),
+         "table point, row 2, 3, flights: -1 s is less than no time"},
+        {"UPDATE branch SET stable_fraction = 1.5 WHERE id = 3",
+         "table branch, row 3, stable_fraction: 1.5"},
+        {"UPDATE branch SET energy_min = 1e99 WHERE id = 3",
+         "table branch, row 3, energy_min: more than"},
+        {"UPDATE branch SET impacts = 9223372036854775807 WHERE id = 3",
+         "table branch, row 3, impacts: not a whole"},
         {"UPDATE branch SET mode = 0 WHERE id = 1", "table branch, row 1, mode: 0 where"},
-        {"UPDATE branch SET word = word || 'x' WHERE id = 3", "table branch, row 3, word: no word of faces"},
-        {"UPDATE branch SET label = CAST(x'41ff' AS TEXT) WHERE id = 3", "table branch, row 3, label: not a text"},
-        {"UPDATE branch SET label = CAST(x'410042' AS TEXT) WHERE id = 3", "table branch, row 3, label: not a text"},
+        {"UPDATE branch SET word = word || 'x' WHERE id = 3",
+         "table branch, row 3, word: no word of faces"},
+        {"UPDATE branch SET label = CAST(x'41ff' AS TEXT) WHERE id = 3",
+         "table branch, row 3, label: not a text"},
+        {"UPDATE branch SET label = CAST(x'410042' AS TEXT) WHERE id = 3",
+         "table branch, row 3, label: not a text"},
         {"DELETE FROM junction_branch", "does not list branch"},
-        {"INSERT OR IGNORE INTO junction_branch SELECT junction.id, branch.id FROM junction, branch",
+        {"INSERT OR IGNORE INTO junction_branch SELECT junction.id, branch.id FROM junction, "
+         "branch",
          "neither ends here nor passes"},
-        {"UPDATE junction SET multiple = 2000000000 WHERE id = 2", "table junction, row 2, multiple: not a whole"},
-        {"UPDATE junction SET grazings = 2000000000 WHERE id = 2", "table junction, row 2, grazings: not a whole"},
+        {"UPDATE junction SET multiple = 2000000000 WHERE id = 2",
+         "table junction, row 2, multiple: not a whole"},
+        {"UPDATE junction SET grazings = 2000000000 WHERE id = 2",
+         "table junction, row 2, grazings: not a whole"},
         {"UPDATE junction SET rotation_p = 3, rotation_q = 2 WHERE id = 2",
          "table junction, row 2, rotation_p: 3 of 2"},
-        {"UPDATE junction SET frequency = NULL WHERE id = 2", "table junction, row 2, frequency: not a number"},
-        {"UPDATE junction SET kind = 'x' WHERE id = 2", "table junction, row 2, kind: none of the words"},
+        {"UPDATE junction SET frequency = NULL WHERE id = 2",
+         "table junction, row 2, frequency: not a number"},
+        {"UPDATE junction SET kind = 'x' WHERE id = 2",
+         "table junction, row 2, kind: none of the words"},
         {"UPDATE branch_junction SET arclength = 9e999", "arclength: inf is not between"},
-        {"UPDATE meta SET value = '9999999999999' WHERE key = 'blind'", "table meta, row blind: not a count"},
-        {"UPDATE meta SET value = 'x' WHERE key = 'finished'", "table meta, row finished: neither 0 nor 1"},
-        {"UPDATE meta SET value = 'model:' WHERE key = 'model'", "table meta, row model: not the model"},
-        {"UPDATE meta SET value = x'31' WHERE key = 'finished'", "table meta: a value is not a text"},
+        {"UPDATE meta SET value = '9999999999999' WHERE key = 'blind'",
+         "table meta, row blind: not a count"},
+        {"UPDATE meta SET value = 'x' WHERE key = 'finished'",
+         "table meta, row finished: neither 0 nor 1"},
+        {"UPDATE meta SET value = 'model:' WHERE key = 'model'",
+         "table meta, row model: not the model"},
+        {"UPDATE meta SET value = x'31' WHERE key = 'finished'",
+         "table meta: a value is not a text"},
     };
     ric_atlas *made = atlas_with_a_touchless_branch();
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
@@ -473,7 +518,8 @@ static void forged_numbers_are_named(void **state)
         assert_done(ric_store_sqlite_open(in_folder("a"), SQLITE_OPEN_READWRITE, 0, &file));
         assert_done(ric_store_put_digest(file));
         sqlite3_close(file.db);
-        if (ric_atlas_read(in_folder("a"), &read) != RIC_E_FORMAT || !strstr(ric_detail(), changes[i][1]))
+        if (ric_atlas_read(in_folder("a"), &read) != RIC_E_FORMAT ||
+            !strstr(ric_detail(), changes[i][1]))
             fail_msg("%s: %s", changes[i][0], read ? "read" : ric_detail());
         assert_unreadable(in_folder("a"), RIC_E_FORMAT, "restore it from a copy");
     }
@@ -481,7 +527,8 @@ static void forged_numbers_are_named(void **state)
 }
 
 /* The damaged bytes either are found out or do not matter, for the reader and for a run. */
-static void assert_harmless(const content *damaged, const ric_atlas *made, const char *what, long at)
+static void assert_harmless(const content *damaged, const ric_atlas *made, const char *what,
+                            long at)
 {
     ric_atlas *read = NULL;
     ric_store *store = NULL;
@@ -490,7 +537,8 @@ static void assert_harmless(const content *damaged, const ric_atlas *made, const
     const char *path = in_folder("damaged");
     write_file(path, damaged->bytes, damaged->n);
     ric_status status = ric_atlas_read(path, &read);
-    if (!status && !same_atlas(made, read)) fail_msg("%s at %ld: read without an error, and not the same", what, at);
+    if (!status && !same_atlas(made, read))
+        fail_msg("%s at %ld: read without an error, and not the same", what, at);
     ric_atlas_free(read);
     status = ric_store_open(path, made->study, &store);
     if (status && damaged->n) {
@@ -530,7 +578,9 @@ static void flipped_bits_are_harmless(void **state)
     content whole = content_of(in_folder("a"));
     seed_now = 20240607;
     for (int i = 0; i < 3000; i += every_of(4)) {
-        size_t at = i < 100 ? (size_t)i : i < 1000 ? (size_t)below(4096) : (size_t)below((int)whole.n);
+        size_t at = i < 100    ? (size_t)i
+                    : i < 1000 ? (size_t)below(4096)
+                               : (size_t)below((int)whole.n);
         unsigned char before = whole.bytes[at];
         whole.bytes[at] ^= (unsigned char)(i % 3 ? 1 << below(8) : 1 + below(255));
         assert_harmless(&whole, made, "flip", (long)at);
@@ -563,15 +613,16 @@ static void bytes_come_back(void **state)
         pass_three(&b, back);
         assert_int_equal(b.lost, cut < size);
         for (size_t i = 0; i < 3; i++)
-            assert_memory_equal(&back[i], i < cut / sizeof *back ? &values[i] : &(double){0}, sizeof *back);
+            assert_memory_equal(&back[i], i < cut / sizeof *back ? &values[i] : &(double){0},
+                                sizeof *back);
     }
     free(bytes);
 }
 
 /* ----------------------------------------------------------- documentation */
 
-/* Every table and column of the file is in docs/atlas-format.md, as `table` in a heading and `column` in the first
- * cells below it. */
+/* Every table and column of the file is in docs/atlas-format.md, as `table` in a heading and
+ * `column` in the first cells below it. */
 static void every_column_is_documented(void **state)
 {
     (void)state;
@@ -585,11 +636,11 @@ static void every_column_is_documented(void **state)
     if (!text.bytes) skip();
     text.bytes[text.n] = '\0';
     assert_int_equal(sqlite3_open(in_folder("a"), &db), SQLITE_OK);
-    assert_int_equal(
-        sqlite3_prepare_v2(
-            db, "SELECT m.name, c.name FROM sqlite_master AS m, pragma_table_info(m.name) AS c WHERE m.type = 'table'",
-            -1, &query, NULL),
-        SQLITE_OK);
+    assert_int_equal(sqlite3_prepare_v2(db,
+                                        "SELECT m.name, c.name FROM sqlite_master AS m, "
+                                        "pragma_table_info(m.name) AS c WHERE m.type = 'table'",
+                                        -1, &query, NULL),
+                     SQLITE_OK);
     while (sqlite3_step(query) == SQLITE_ROW) {
         snprintf(heading, sizeof heading, "\n## `%s`", (const char *)sqlite3_column_text(query, 0));
         snprintf(cell, sizeof cell, "| `%s` |", (const char *)sqlite3_column_text(query, 1));
@@ -597,19 +648,21 @@ static void every_column_is_documented(void **state)
         if (!section) fail_msg("docs/atlas-format.md has no section%s", heading);
         section += strlen(heading);
         char *end = strstr(section, "\n## "), *found = strstr(section, cell);
-        if (!found || (end && found > end)) fail_msg("docs/atlas-format.md: no row %s under%s", cell, heading);
+        if (!found || (end && found > end))
+            fail_msg("docs/atlas-format.md: no row %s under%s", cell, heading);
     }
     sqlite3_finalize(query);
     sqlite3_close(db);
     free(text.bytes);
 }
 
-/* The tables of docs/atlas-format.md are those that the list of columns makes: table after table from the head of the
- * first row to an empty line. UPDATE=1 in the environment writes them anew. */
+/* The tables of docs/atlas-format.md are those that the list of columns makes: table after table
+ * from the head of the first row to an empty line. UPDATE=1 in the environment writes them anew. */
 static void document_is_up_to_date(void **state)
 {
-    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction, &ric_table_point,
-                                              &ric_table_junction, &ric_table_junction_branch};
+    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction,
+                                              &ric_table_point, &ric_table_junction,
+                                              &ric_table_junction_branch};
     content page = content_of("docs/atlas-format.md"); /* tests run in the root of the source */
     (void)state;
     assert_non_null(page.bytes);
@@ -622,17 +675,19 @@ static void document_is_up_to_date(void **state)
         ric_column_document(tables[i], out);
         fclose(out);
         snprintf(heading, sizeof heading, "\n## `%s`\n", tables[i]->name);
-        char *section = strstr((char *)page.bytes, heading), *from = section ? strstr(section, "\n| column |") : NULL,
+        char *section = strstr((char *)page.bytes, heading),
+             *from = section ? strstr(section, "\n| column |") : NULL,
              *to = from ? strstr(from, "\n\n") : NULL;
         assert_non_null(to);
         if (getenv("UPDATE")) {
-            assert_true(asprintf(&whole, "%.*s%s%s", (int)(from + 1 - (char *)page.bytes), (char *)page.bytes, wanted,
-                                 to + 1) > 0);
+            assert_true(asprintf(&whole, "%.*s%s%s", (int)(from + 1 - (char *)page.bytes),
+                                 (char *)page.bytes, wanted, to + 1) > 0);
             free(page.bytes);
             page = (content){(unsigned char *)whole, strlen(whole)};
             write_file("docs/atlas-format.md", page.bytes, page.n);
         } else if ((size_t)(to - from) != size || strncmp(from + 1, wanted, size))
-            fail_msg("docs/atlas-format.md: the table of `%s` is not that of src/atlas/columns.c; UPDATE=1 writes it",
+            fail_msg("docs/atlas-format.md: the table of `%s` is not that of src/atlas/columns.c; "
+                     "UPDATE=1 writes it",
                      tables[i]->name);
         free(wanted);
     }

@@ -1,4 +1,5 @@
-/* The atlas file between runs and readers: locks, kills, places that cannot be written, full disks. */
+/* The atlas file between runs and readers: locks, kills, places that cannot be written, full disks.
+ */
 #include "stored_atlases.h"
 #include "sample.h"
 
@@ -19,7 +20,8 @@ static void a_second_run_is_told(void **state)
     pid_t child = fork();
     if (child == 0) { /* holds the atlas until it is killed, or until the parent is gone */
         close(hold[1]);
-        byte = (char)(ric_store_open(in_folder("a"), study, &store) || ric_store_trace_put(store, "k", "v", 1));
+        byte = (char)(ric_store_open(in_folder("a"), study, &store) ||
+                      ric_store_trace_put(store, "k", "v", 1));
         if (write(ready[1], &byte, 1) == 1 && read(hold[0], &byte, 1) == 0) _exit(0);
         _exit(1);
     }
@@ -43,7 +45,8 @@ static void a_second_run_is_told(void **state)
     ric_study_free(study);
 }
 
-/* A run that never ends: atlas k has k % 5 + 1 branches; every commit is reported once it has returned. */
+/* A run that never ends: atlas k has k % 5 + 1 branches; every commit is reported once it has
+ * returned. */
 static void write_for_ever(int report, ric_atlas *const *atlases)
 {
     ric_store *store = NULL;
@@ -51,8 +54,9 @@ static void write_for_ever(int report, ric_atlas *const *atlases)
     if (ric_store_open(in_folder("a"), atlases[0]->study, &store)) _exit(1);
     for (int i = 0;; i++) {
         snprintf(key, sizeof key, "%d", i);
-        if (ric_store_trace_put(store, key, atlases[0]->branches[0].points, 20000) || ric_store_commit(store) ||
-            write(report, &i, sizeof i) != sizeof i || (i % 3 == 0 && ric_store_write(store, atlases[i % 5])))
+        if (ric_store_trace_put(store, key, atlases[0]->branches[0].points, 20000) ||
+            ric_store_commit(store) || write(report, &i, sizeof i) != sizeof i ||
+            (i % 3 == 0 && ric_store_write(store, atlases[i % 5])))
             _exit(1);
     }
 }
@@ -74,7 +78,8 @@ static void a_kill_loses_nothing_committed(void **state)
         pid_t child = fork();
         if (child == 0) write_for_ever(report[1], atlases);
         close(report[1]);
-        if (read(report[0], &last, sizeof last) != sizeof last) fail_msg("the child has stopped by itself");
+        if (read(report[0], &last, sizeof last) != sizeof last)
+            fail_msg("the child has stopped by itself");
         usleep((useconds_t)(rand() % 30000));
         kill(child, SIGKILL);
         waitpid(child, &status, 0);
@@ -137,7 +142,8 @@ static void readers_and_a_run_get_on(void **state)
     ric_atlas_free(atlases[1]);
 }
 
-/* Work that waits for its commit is kept in memory, also when it is larger than the cache of SQLite. */
+/* Work that waits for its commit is kept in memory, also when it is larger than the cache of
+ * SQLite. */
 static void uncommitted_work_blocks_no_reader(void **state)
 {
     (void)state;
@@ -184,8 +190,10 @@ static int read_but_not_write(const ric_atlas *made)
 static int refuse_read_only_file(const ric_atlas *made)
 {
     ric_store *store = NULL;
-    return ric_store_open(in_folder("a"), made->study, &store) == RIC_E_IO && strstr(ric_detail(), "permissions") ? 0
-                                                                                                                  : 1;
+    return ric_store_open(in_folder("a"), made->study, &store) == RIC_E_IO &&
+                   strstr(ric_detail(), "permissions")
+               ? 0
+               : 1;
 }
 
 static void read_only_places_can_be_read(void **state)
@@ -215,7 +223,8 @@ static int meet_full_disk(const ric_atlas *made)
         if (setrlimit(RLIMIT_FSIZE, &tight)) return 1;
         return ric_store_open(in_folder("new"), made->study, &store) == RIC_E_IO ? 0 : 2;
     }
-    if (setrlimit(RLIMIT_FSIZE, &loose) || ric_store_open(in_folder("a"), made->study, &store)) return 3;
+    if (setrlimit(RLIMIT_FSIZE, &loose) || ric_store_open(in_folder("a"), made->study, &store))
+        return 3;
     status = ric_store_trace_put(store, "big", made->branches[0].points, 400000);
     if (!status) status = ric_store_commit(store);
     if (status != RIC_E_IO) return 4;
@@ -226,7 +235,8 @@ static int meet_full_disk(const ric_atlas *made)
 static void a_full_disk_is_reported(void **state)
 {
     (void)state;
-    ric_atlas *made = random_atlas(pair_text, 1, 2, 2), *small = random_atlas(pair_text, 1, 1, 1), *read = NULL;
+    ric_atlas *made = random_atlas(pair_text, 1, 2, 2), *small = random_atlas(pair_text, 1, 1, 1),
+              *read = NULL;
     free(made->branches[0].points);
     made->branches[0].row.n_point = 4000;
     fill_points(&made->branches[0], ric_atlas_model(made));

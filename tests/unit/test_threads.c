@@ -1,5 +1,6 @@
-/* What the header says of threads: one atlas, which is only read, serves several at once, and each has the answers and
- * the messages that it would have alone. Under `make race` a write would be seen. */
+/* What the header says of threads: one atlas, which is only read, serves several at once, and each
+ * has the answers and the messages that it would have alone. Under `make race` a write would be
+ * seen. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,13 +32,15 @@ static void ask_branch(reader *r, int id)
     ric_claims claims;
     ric_orbit **orbits = NULL;
     int n = 0, *sample = NULL;
-    r->failed |= ric_atlas_branch(r->atlas, id, &b) != RIC_OK || !(sample = calloc((size_t)b.n_point, sizeof *sample));
+    r->failed |= ric_atlas_branch(r->atlas, id, &b) != RIC_OK ||
+                 !(sample = calloc((size_t)b.n_point, sizeof *sample));
     if (r->failed) return;
     double *energy = calloc((size_t)b.n_point, sizeof *energy);
     r->failed |= !energy || ric_atlas_column(r->atlas, id, "energy", &n, energy) != RIC_OK;
     for (int i = 0; !r->failed && i < b.n_point; i++) r->sum[0] += energy[i];
     const int middle = b.n_point / 2;
-    r->failed |= ric_verify_point(r->atlas, id, middle, &check) || ric_verify_claims(r->atlas, id, middle, &claims);
+    r->failed |= ric_verify_point(r->atlas, id, middle, &check) ||
+                 ric_verify_claims(r->atlas, id, middle, &claims);
     r->sum[1] += check.flight_error;
     r->sum[2] += (double)strlen(claims.finding);
     r->failed |= ric_orbit_find(r->atlas, id, RIC_AT_POINT, middle, &n, &orbits) != RIC_OK;
@@ -54,7 +57,8 @@ static void *ask(void *user)
     for (int id = 1; id <= ric_atlas_n_junction(r->atlas) && !r->failed; id++) {
         ric_claims claims;
         ric_junction j;
-        r->failed |= ric_atlas_junction(r->atlas, id, &j) || ric_verify_junction(r->atlas, id, &claims);
+        r->failed |= ric_atlas_junction(r->atlas, id, &j) ||
+                     ric_verify_junction(r->atlas, id, &claims);
         r->sum[4] += j.energy;
         r->sum[5] += (double)claims.numbers;
     }
@@ -70,10 +74,11 @@ static void *ask(void *user)
 static void one_atlas_serves_many(void **state)
 {
     (void)state;
-    static const char text[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                               "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                               "    - {normal: [1, 0], clearance: 2, sides: upper, law: bilinear, stiffness: 3}\n"
-                               "explore: {start: modes, energy: [0, 30], frequency: [0.2, 10], impacts: 4, depth: 2}\n";
+    static const char text[] =
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+        "    - {normal: [1, 0], clearance: 2, sides: upper, law: bilinear, stiffness: 3}\n"
+        "explore: {start: modes, energy: [0, 30], frequency: [0.2, 10], impacts: 4, depth: 2}\n";
     ric_study *study = NULL;
     ric_atlas *atlas = NULL;
     const ric_run_options run = {.workers = 1};

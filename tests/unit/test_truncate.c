@@ -1,5 +1,5 @@
-/* Structures with their lowest modes only: against the same structure written down in modal coordinates, where leaving
- * out the rest is leaving out rows. */
+/* Structures with their lowest modes only: against the same structure written down in modal
+ * coordinates, where leaving out the rest is leaving out rows. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,7 +37,8 @@ static ric_model *random_model(double stiffness)
     return m;
 }
 
-/* Of the modes that are kept nothing changes, of the others contacts see nothing, not even rounding. */
+/* Of the modes that are kept nothing changes, of the others contacts see nothing, not even
+ * rounding. */
 static void the_rest_is_not_seen(void **state)
 {
     (void)state;
@@ -48,7 +49,8 @@ static void the_rest_is_not_seen(void **state)
         assert_int_equal(ric_model_truncate(full, kept, &some), RIC_OK);
         assert_int_equal(ric_model_n_mode(some), kept);
         assert_memory_equal(full->Phi, some->Phi, N * N * sizeof *full->Phi); /* found once */
-        assert_memory_equal(full->frequency_low, some->frequency_low, N * sizeof *full->frequency_low);
+        assert_memory_equal(full->frequency_low, some->frequency_low,
+                            N * sizeof *full->frequency_low);
         double c[2][2 * N], frequency[2][N], compliance[2][N];
         ric_model_modal_normals(full, c[0]);
         ric_model_modal_normals(some, c[1]);
@@ -56,7 +58,8 @@ static void the_rest_is_not_seen(void **state)
         ric_model_frequencies(some, frequency[1]);
         for (int i = 0; i < N; i++) {
             assert_true(frequency[0][i] == frequency[1][i]);
-            for (int f = 0; f < 2; f++) assert_true(fabs(c[1][f * N + i] - (i < kept ? c[0][f * N + i] : 0)) < 1e-11);
+            for (int f = 0; f < 2; f++)
+                assert_true(fabs(c[1][f * N + i] - (i < kept ? c[0][f * N + i] : 0)) < 1e-11);
         }
         for (int f = 0; f < 2; f++) {
             ric_contact a, b;
@@ -68,15 +71,16 @@ static void the_rest_is_not_seen(void **state)
             ric_model_contact(some, f, &b);
             for (int i = kept; i < N; i++) rest += pow(c[0][f * N + i] / frequency[0][i], 2);
             assert_true(a.clearance == b.clearance && a.law == b.law);
-            if (a.law == RIC_LAW_BILINEAR) assert_true(fabs(b.stiffness * (1 / a.stiffness + rest) - 1) < 1e-12);
+            if (a.law == RIC_LAW_BILINEAR)
+                assert_true(fabs(b.stiffness * (1 / a.stiffness + rest) - 1) < 1e-12);
         }
         ric_model_free(full);
         ric_model_free(some);
     }
 }
 
-/* A force at the contact moves it as in the structure with all modes: the modes that are kept, and the spring that has
- * become softer. */
+/* A force at the contact moves it as in the structure with all modes: the modes that are kept, and
+ * the spring that has become softer. */
 static void the_static_compliance_is_kept(void **state)
 {
     (void)state;
@@ -99,14 +103,15 @@ static void the_static_compliance_is_kept(void **state)
     }
 }
 
-/* A chain of four masses with a stop, and its two lowest modes: as they are left by the key and as a study of two modal
- * coordinates the atlas is one. */
+/* A chain of four masses with a stop, and its two lowest modes: as they are left by the key and as
+ * a study of two modal coordinates the atlas is one. */
 static void the_atlas_is_that_of_modal_coordinates(void **state)
 {
     (void)state;
-    static const char chain[] = "model:\n  mass: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
-                                "  stiffness: [[2, -1, 0, 0], [-1, 2, -1, 0], [0, -1, 2, -1], [0, 0, -1, 1]]\n"
-                                "  contacts: [{normal: [0, 0, 0, 1], clearance: 1}]\n";
+    static const char chain[] =
+        "model:\n  mass: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+        "  stiffness: [[2, -1, 0, 0], [-1, 2, -1, 0], [0, -1, 2, -1], [0, 0, -1, 1]]\n"
+        "  contacts: [{normal: [0, 0, 0, 1], clearance: 1}]\n";
     static const char explore[] =
         "explore: {energy: [0, 40], frequency: [0.05, 8], impacts: 6, multiply: 2, depth: 2}\n";
     char text[2048];
@@ -129,8 +134,10 @@ static void the_atlas_is_that_of_modal_coordinates(void **state)
         n++;
         for (int other = 1; other <= ric_atlas_n_branch(kept) && !found; other++) {
             const ric_branch a = branch_of(kept, other);
-            found = a.letters == b.letters && !memcmp(a.word, b.word, (size_t)a.letters * sizeof *a.word) &&
-                    fabs(a.energy_min / b.energy_min - 1) < 1e-8 && fabs(a.energy_max / b.energy_max - 1) < 1e-8 &&
+            found = a.letters == b.letters &&
+                    !memcmp(a.word, b.word, (size_t)a.letters * sizeof *a.word) &&
+                    fabs(a.energy_min / b.energy_min - 1) < 1e-8 &&
+                    fabs(a.energy_max / b.energy_max - 1) < 1e-8 &&
                     fabs(a.frequency_min / b.frequency_min - 1) < 1e-8 &&
                     fabs(a.frequency_max / b.frequency_max - 1) < 1e-8;
             if (found) point_passes(kept, other, a.n_point / 2);

@@ -1,5 +1,5 @@
-/* Contacts that are images of one another under a permutation of the coordinates with signs that takes mass and
- * stiffness to themselves. */
+/* Contacts that are images of one another under a permutation of the coordinates with signs that
+ * takes mass and stiffness to themselves. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,7 +16,8 @@ static bool twins(const char *mass, const char *stiffness, const char *contacts,
 {
     char text[1000];
     ric_study *study;
-    snprintf(text, sizeof text, "model:\n  mass: %s\n  stiffness: %s\n  contacts:\n%s", mass, stiffness, contacts);
+    snprintf(text, sizeof text, "model:\n  mass: %s\n  stiffness: %s\n  contacts:\n%s", mass,
+             stiffness, contacts);
     assert_int_equal(ric_study_parse(text, "test", ".", &study), RIC_OK);
     const bool are = ric_twins_are(ric_study_model(study), a, b);
     assert_true(are == ric_twins_are(ric_study_model(study), b, a));
@@ -24,7 +25,8 @@ static bool twins(const char *mass, const char *stiffness, const char *contacts,
     return are;
 }
 
-static const char unit[] = "[[1, 0, 0], [0, 1, 0], [0, 0, 1]]", row[] = "[[2, -1, 0], [-1, 2, -1], [0, -1, 2]]";
+static const char unit[] = "[[1, 0, 0], [0, 1, 0], [0, 0, 1]]",
+                  row[] = "[[2, -1, 0], [-1, 2, -1], [0, -1, 2]]";
 static const char pair[] = "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
                            "    - {normal: [0, -1, 1], clearance: 1, sides: both, law: rigid}\n";
 
@@ -49,18 +51,20 @@ static void signs_are_found(void **state)
 static void normals_and_clearances_count(void **state)
 {
     (void)state;
-    assert_false(twins(unit, row,
-                       "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
-                       "    - {normal: [0, -1, 1], clearance: 1.0000000000000002, sides: both, law: rigid}\n",
-                       0, 1));
+    assert_false(twins(
+        unit, row,
+        "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
+        "    - {normal: [0, -1, 1], clearance: 1.0000000000000002, sides: both, law: rigid}\n",
+        0, 1));
     assert_false(twins(unit, row,
                        "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
                        "    - {normal: [0, -1, 1.5], clearance: 1, sides: both, law: rigid}\n",
                        0, 1));
-    assert_false(twins(unit, row,
-                       "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
-                       "    - {normal: [0, -1, 1], clearance: 1, sides: both, law: bilinear, stiffness: 3}\n",
-                       0, 1));
+    assert_false(twins(
+        unit, row,
+        "    - {normal: [-1, 1, 0], clearance: 1, sides: both, law: rigid}\n"
+        "    - {normal: [0, -1, 1], clearance: 1, sides: both, law: bilinear, stiffness: 3}\n",
+        0, 1));
 }
 
 int main(void)

@@ -1,4 +1,5 @@
-/* Energies and frequencies that a study asks for: every passage of every branch is a junction, and nothing else is. */
+/* Energies and frequencies that a study asks for: every passage of every branch is a junction, and
+ * nothing else is. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <setjmp.h>
@@ -34,12 +35,14 @@ static ric_atlas *explore(const char *options, double max_step, ric_store *store
 }
 
 /* Junctions of kind user on a branch within a relative distance of an energy or a frequency. */
-static int count_near(const ric_atlas *atlas, const ric_branch *b, bool frequency, double value, double off)
+static int count_near(const ric_atlas *atlas, const ric_branch *b, bool frequency, double value,
+                      double off)
 {
     int count = 0;
     for (int k = 0; k < b->n_junction; k++) {
         ric_junction j = junction_of(atlas, b->junctions[k]);
-        count += j.kind == RIC_KIND_USER && fabs((frequency ? j.frequency : j.energy) / value - 1) < off;
+        count += j.kind == RIC_KIND_USER &&
+                 fabs((frequency ? j.frequency : j.energy) / value - 1) < off;
     }
     return count;
 }
@@ -57,7 +60,8 @@ static int find_branch(const ric_atlas *atlas, const char *label)
     return 0;
 }
 
-/* How often the stored points of a branch go from one side of a value to the other; those on it are junctions' own. */
+/* How often the stored points of a branch go from one side of a value to the other; those on it are
+ * junctions' own. */
 static int count_passages(const ric_atlas *atlas, int branch, bool frequency, double value)
 {
     int count = 0;
@@ -88,7 +92,8 @@ static void every_passage_is_a_junction(void **state)
             int found = isnan(value) ? 0 : count_users(atlas, &b, k / 5, value),
                 passed = isnan(value) ? 0 : count_passages(atlas, id, k / 5, value);
             if (found != passed)
-                fail_msg("%d %s: %g is passed %d times and found %d times", id, b.label, value, passed, found);
+                fail_msg("%d %s: %g is passed %d times and found %d times", id, b.label, value,
+                         passed, found);
             sum += found;
             most = found > most ? found : most;
         }
@@ -98,7 +103,9 @@ static void every_passage_is_a_junction(void **state)
         users++;
         assert_int_equal(j.n_branch, 1);
         assert_int_equal(j.label[0], 'U');
-        assert_int_equal(j.departures.taken + j.departures.known + j.departures.over_budget + j.departures.refused, 0);
+        assert_int_equal(j.departures.taken + j.departures.known + j.departures.over_budget +
+                             j.departures.refused,
+                         0);
     }
     assert_int_equal(sum, users);
     assert_true(users > 30 && most == 2);
@@ -110,13 +117,14 @@ static void every_passage_is_a_junction(void **state)
     ric_atlas_free(atlas);
 }
 
-/* c_i^2 = (8 - 3 L) / (11 - 4 L) at L = omega_i^2, the zeros of 2 L^2 - 11 L + 8 = det(K - L M); energy of S2[01] at
- * omega. */
+/* c_i^2 = (8 - 3 L) / (11 - 4 L) at L = omega_i^2, the zeros of 2 L^2 - 11 L + 8 = det(K - L M);
+ * energy of S2[01] at omega. */
 static double s2_energy(double omega)
 {
     double top = 0, F = 0;
     for (int i = 0; i < 2; i++) {
-        double L = (11 + (i ? 1 : -1) * sqrt(57)) / 4, cc = (8 - 3 * L) / (11 - 4 * L), x = sqrt(L) * PI / (2 * omega);
+        double L = (11 + (i ? 1 : -1) * sqrt(57)) / 4, cc = (8 - 3 * L) / (11 - 4 * L),
+               x = sqrt(L) * PI / (2 * omega);
         top += cc / (cos(x) * cos(x));
         F += cc * tan(x) / sqrt(L);
     }
@@ -133,7 +141,8 @@ static void those_of_two_impacts_have_a_closed_form(void **state)
         if (j.kind != RIC_KIND_USER || j.impacts != 2) continue;
         double closed = s2_energy(j.frequency);
         if (!(fabs(j.energy / closed - 1) < 1e-12))
-            fail_msg("%s: omega %.17g, E %.17g, closed form %.17g", j.label, j.frequency, j.energy, closed);
+            fail_msg("%s: omega %.17g, E %.17g, closed form %.17g", j.label, j.frequency, j.energy,
+                     closed);
         count++;
     }
     assert_int_equal(count, 9); /* seven on S2+, the lowest energy twice, and two on S2- */
@@ -152,18 +161,19 @@ static void they_do_not_depend_on_the_step(void **state)
             ric_junction a = junction_of(usual, id), b = junction_of(atlas, id);
             bool same = a.kind == b.kind && fabs(a.energy / b.energy - 1) < 1e-12 &&
                         fabs(a.frequency / b.frequency - 1) < 1e-12;
-            for (int k = 0; k < 4 && a.kind == RIC_KIND_USER; k++) same = same && fabs(a.state[k] - b.state[k]) < 1e-11;
+            for (int k = 0; k < 4 && a.kind == RIC_KIND_USER; k++)
+                same = same && fabs(a.state[k] - b.state[k]) < 1e-11;
             if (!same || strcmp(a.label, b.label))
-                fail_msg("step %g: %s at E %.15g, omega %.15g becomes %s at E %.15g, omega %.15g", steps[i], a.label,
-                         a.energy, a.frequency, b.label, b.energy, b.frequency);
+                fail_msg("step %g: %s at E %.15g, omega %.15g becomes %s at E %.15g, omega %.15g",
+                         steps[i], a.label, a.energy, a.frequency, b.label, b.energy, b.frequency);
         }
         ric_atlas_free(atlas);
     }
     ric_atlas_free(usual);
 }
 
-/* A value close to an extremum is passed on both sides of it, in one step, however large; on its other side it is not
- * met. */
+/* A value close to an extremum is passed on both sides of it, in one step, however large; on its
+ * other side it is not met. */
 static void both_sides_of_an_extremum(void **state)
 {
     (void)state;
@@ -172,7 +182,8 @@ static void both_sides_of_an_extremum(void **state)
             for (int side = -1; side <= 1; side += 2) {
                 char options[100];
                 double value = LEAST_ENERGY * (1 + side * pow(10, -digits));
-                snprintf(options, sizeof options, "start: [1], depth: 1, at_energy: [%.17g]", value);
+                snprintf(options, sizeof options, "start: [1], depth: 1, at_energy: [%.17g]",
+                         value);
                 ric_atlas *atlas = explore(options, step, NULL);
                 ric_branch b = branch_of(atlas, find_branch(atlas, "S2+[01]"));
                 /* from 0.6016 down to the extremum and up */
@@ -183,9 +194,9 @@ static void both_sides_of_an_extremum(void **state)
             }
 }
 
-/* S6 passes its minimum 3.8486931745366952 and the threefold S2- at 3.8487372168924985 within one short step, where
- * equations cannot be solved: values around both are found on either side of the minimum, on S6 to rounding over the
- * distance. */
+/* S6 passes its minimum 3.8486931745366952 and the threefold S2- at 3.8487372168924985 within one
+ * short step, where equations cannot be solved: values around both are found on either side of the
+ * minimum, on S6 to rounding over the distance. */
 static void beside_a_branch_point(void **state)
 {
     (void)state;
@@ -195,7 +206,8 @@ static void beside_a_branch_point(void **state)
     double least = 3.8486931745366952, value[N];
     for (int i = 0; i < N; i++) {
         value[i] = least + parts[i] * (3.8487372168924985 - least);
-        snprintf(options + strlen(options), sizeof options - strlen(options), "%s%.17g", i ? ", " : "", value[i]);
+        snprintf(options + strlen(options), sizeof options - strlen(options), "%s%.17g",
+                 i ? ", " : "", value[i]);
     }
     strcat(options, "]");
     for (double step = 0.01; step < 1; step *= 1.7) {
@@ -203,9 +215,11 @@ static void beside_a_branch_point(void **state)
         ric_branch s2 = branch_of(atlas, find_branch(atlas, "S2-[01]")),
                    s6 = branch_of(atlas, find_branch(atlas, "S6[010101]"));
         for (int i = 0; i < N; i++) {
-            int on_s2 = count_users(atlas, &s2, false, value[i]), on_s6 = count_near(atlas, &s6, false, value[i], 1e-9);
+            int on_s2 = count_users(atlas, &s2, false, value[i]),
+                on_s6 = count_near(atlas, &s6, false, value[i], 1e-9);
             if (on_s2 != 1 || on_s6 != 2)
-                fail_msg("step %g: E %.17g (part %g): %d on S2-, %d on S6", step, value[i], parts[i], on_s2, on_s6);
+                fail_msg("step %g: E %.17g (part %g): %d on S2-, %d on S6", step, value[i],
+                         parts[i], on_s2, on_s6);
         }
         ric_atlas_free(atlas);
     }
@@ -214,7 +228,9 @@ static void beside_a_branch_point(void **state)
 static void linear_modes_pass_energies_only(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore("depth: 0, at_energy: [0.3, 1, 5], at_frequency: [0.9, 0.92873106504644953]", 0, NULL);
+    ric_atlas *atlas =
+        explore("depth: 0, at_energy: [0.3, 1, 5], at_frequency: [0.9, 0.92873106504644953]", 0,
+                NULL);
     static const int counts[2] = {1, 2}; /* they touch at 0.60 and 2.96 */
     for (int mode = 0; mode < 2; mode++) {
         ric_branch b = branch_of(atlas, find_branch(atlas, mode ? "S0-" : "S0+"));
@@ -225,7 +241,8 @@ static void linear_modes_pass_energies_only(void **state)
             assert_true(j.kind == RIC_KIND_USER && j.energy == (k ? 1 : 0.3) && j.impacts == 0);
             assert_true(fabs(energy / j.energy - 1) < 1e-14 &&
                         fabs(b.junction_at[k] * b.frequency_min - sqrt(2 * j.energy)) < 1e-14);
-            assert_true(fabs(j.flights[0] * j.frequency - 2 * PI) < 1e-14 && j.frequency == b.frequency_min);
+            assert_true(fabs(j.flights[0] * j.frequency - 2 * PI) < 1e-14 &&
+                        j.frequency == b.frequency_min);
             assert_true(j.n_branch == 1 && j.branches[0] == b.id);
         }
     }
@@ -249,7 +266,8 @@ static void a_horizontal_branch_passes_nothing(void **state)
     }
 }
 
-/* An atlas that is asked for more ends as if all had been asked for at once, and again without computing anything. */
+/* An atlas that is asked for more ends as if all had been asked for at once, and again without
+ * computing anything. */
 static void an_atlas_is_extended(void **state)
 {
     (void)state;
@@ -257,13 +275,14 @@ static void an_atlas_is_extended(void **state)
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/a", folder);
     ric_atlas *whole = explore("depth: 2, " MANY, 0, NULL);
-    static const char *const options[] = {"depth: 2", "depth: 2, at_energy: [10]", "depth: 2, " MANY,
-                                          "depth: 2, " MANY};
+    static const char *const options[] = {"depth: 2", "depth: 2, at_energy: [10]",
+                                          "depth: 2, " MANY, "depth: 2, " MANY};
     for (int i = 0; i < 4; i++) {
         char text[1000];
         ric_study *study = NULL;
         ric_store *store = NULL;
-        if (ric_study_parse(text_with(options[i], text), "study", ".", &study)) fail_msg("%s", ric_detail());
+        if (ric_study_parse(text_with(options[i], text), "study", ".", &study))
+            fail_msg("%s", ric_detail());
         if (ric_store_open(path, study, &store)) fail_msg("%s", ric_detail());
         ric_atlas *atlas = explore(options[i], 0, store);
         assert_int_equal(ric_store_write(store, atlas), RIC_OK);

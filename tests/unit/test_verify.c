@@ -5,17 +5,19 @@
 #include "sample.h"
 #include "check/verify_pairs.h"
 
-/* An atlas of one branch with the points given: `states` [n_point * 4], `flights` [n_point * max(impacts, 1)]. */
+/* An atlas of one branch with the points given: `states` [n_point * 4], `flights` [n_point *
+ * max(impacts, 1)]. */
 typedef struct {
     ric_atlas atlas;
     ric_branch_record record;
 } one_branch;
 
-static void make_atlas(one_branch *a, int impacts, const int *word, int n_point, const double *states,
-                       const double *flights)
+static void make_atlas(one_branch *a, int impacts, const int *word, int n_point,
+                       const double *states, const double *flights)
 {
-    static const char text[] = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                               "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
+    static const char text[] =
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n";
     size_t n_flight = impacts ? (size_t)impacts : 1, stride = ric_atlas_point_stride(2, impacts);
     memset(a, 0, sizeof *a);
     if (ric_study_parse(text, "text", ".", &a->atlas.study)) fail_msg("%s", ric_detail());
@@ -32,10 +34,12 @@ static void make_atlas(one_branch *a, int impacts, const int *word, int n_point,
     for (int i = 0; i < n_point; i++) {
         double *at = a->record.points + (size_t)i * stride;
         const double *state = states + 4 * i;
-        ric_point point = {.energy = ric_model_energy(ric_study_model(a->atlas.study), state, state + 2)};
+        ric_point point = {
+            .energy = ric_model_energy(ric_study_model(a->atlas.study), state, state + 2)};
         memcpy(at, &point, sizeof point);
         memcpy(at + sizeof point / sizeof *at, state, 4 * sizeof *at);
-        memcpy(at + sizeof point / sizeof *at + 4, flights + (size_t)i * n_flight, n_flight * sizeof *at);
+        memcpy(at + sizeof point / sizeof *at + 4, flights + (size_t)i * n_flight,
+               n_flight * sizeof *at);
     }
     a->atlas.n_branch = 1;
     a->atlas.branches = &a->record;
@@ -59,8 +63,8 @@ static void expect(const one_branch *a, int i, bool passed)
 {
     ric_check c = verify(a, i);
     if (c.passed == passed) return;
-    fail_msg("point %d: flight %.3g, return %.3g, condition %.3g, energy %.3g, faces %d", i, c.flight_error,
-             c.return_error, c.condition, c.energy_error, c.faces_agree);
+    fail_msg("point %d: flight %.3g, return %.3g, condition %.3g, energy %.3g, faces %d", i,
+             c.flight_error, c.return_error, c.condition, c.energy_error, c.faces_agree);
 }
 
 /* What is right passes; a state, a time, a face or an energy that is a little wrong does not. */
@@ -83,8 +87,8 @@ static void verify_s2(void **state)
     make_atlas(&a, 2, word, n_point, states, flights);
     for (int i = 0; i < n_point; i++) {
         ric_check check = verify(&a, i);
-        double *at = a.record.points + (size_t)i * a.record.stride, *x = at + sizeof(ric_point) / sizeof *at,
-               *tau = x + 4, kept;
+        double *at = a.record.points + (size_t)i * a.record.stride,
+               *x = at + sizeof(ric_point) / sizeof *at, *tau = x + 4, kept;
         expect(&a, i, true);
         assert_true(check.flight_error < 1e-12 && check.energy_error < 1e-13);
         kept = x[1], x[1] += 1e-9, expect(&a, i, false), x[1] = kept;
@@ -100,7 +104,8 @@ static void verify_s2(void **state)
 }
 
 /* What is said of an S2 orbit of that half period as a junction; false: it is none. */
-static bool claims_of_s2(ric_model *model, double h, ric_kind kind, bool *through, ric_claims *claims)
+static bool claims_of_s2(ric_model *model, double h, ric_kind kind, bool *through,
+                         ric_claims *claims)
 {
     modal m = make_modal(model);
     int word[] = {0, 1};
@@ -126,7 +131,8 @@ static bool claims_of_s2(ric_model *model, double h, ric_kind kind, bool *throug
     return true;
 }
 
-/* The orbit of a junction closes, has its energy, and is a motion: none that goes through a stop on its way. */
+/* The orbit of a junction closes, has its energy, and is a motion: none that goes through a stop on
+ * its way. */
 static void verify_junctions(void **state)
 {
     (void)state;
@@ -137,7 +143,8 @@ static void verify_junctions(void **state)
         ric_claims claims;
         bool through;
         if (!claims_of_s2(model, h, RIC_KIND_USER, &through, &claims)) continue;
-        if (through != (claims.numbers == RIC_AGREES_NO)) fail_msg("omega %.6g: %s", PI / h, claims.finding);
+        if (through != (claims.numbers == RIC_AGREES_NO))
+            fail_msg("omega %.6g: %s", PI / h, claims.finding);
         if (through) assert_non_null(strstr(claims.finding, "the stored motion"));
         count[through]++;
     }
@@ -150,7 +157,8 @@ static double s2_reach(const modal *m, double h)
 {
     enum { SAMPLES = 400 };
     double q[MAX_N], p[MAX_N], sum = 0, most = 0;
-    for (int i = 0; i < m->n; i++) sum += m->c[i] * m->c[i] * tan(m->omega[i] * h / 2) / m->omega[i];
+    for (int i = 0; i < m->n; i++)
+        sum += m->c[i] * m->c[i] * tan(m->omega[i] * h / 2) / m->omega[i];
     for (int i = 0; i < m->n; i++) {
         q[i] = m->c[i] * tan(m->omega[i] * h / 2) / (m->omega[i] * sum);
         p[i] = -m->c[i] / sum;
@@ -158,12 +166,15 @@ static double s2_reach(const modal *m, double h)
     for (int i = 1; i < SAMPLES; i++) {
         double from = h * (i - 1) / SAMPLES, to = h * (i + 1) / SAMPLES, at = h * i / SAMPLES;
         const double middle = fabs(modal_gap(m, 0, at, q, p));
-        if (middle < fabs(modal_gap(m, 0, from, q, p)) || middle < fabs(modal_gap(m, 0, to, q, p))) continue;
+        if (middle < fabs(modal_gap(m, 0, from, q, p)) || middle < fabs(modal_gap(m, 0, to, q, p)))
+            continue;
         for (int k = 0; k < 60; k++) {
             const double left = from + (to - from) / 3, right = to - (to - from) / 3;
             *(fabs(modal_gap(m, 0, left, q, p)) < fabs(modal_gap(m, 0, right, q, p))
                   ? &from
-                  : &to) = fabs(modal_gap(m, 0, left, q, p)) < fabs(modal_gap(m, 0, right, q, p)) ? left : right;
+                  : &to) = fabs(modal_gap(m, 0, left, q, p)) < fabs(modal_gap(m, 0, right, q, p))
+                               ? left
+                               : right;
         }
         most = fmax(most, fabs(modal_gap(m, 0, (from + to) / 2, q, p)));
     }
@@ -188,19 +199,23 @@ static void verify_grazings(void **state)
     const modal m = make_modal(model);
     int missed = 0, grazings = 0;
     for (int i = 0; i < 300; i++) {
-        const double h = PI / (0.3 + 0.0131 * i), next = PI / (0.3 + 0.0131 * (i + 1)), reach = s2_reach(&m, h),
-                     then = s2_reach(&m, next);
+        const double h = PI / (0.3 + 0.0131 * i), next = PI / (0.3 + 0.0131 * (i + 1)),
+                     reach = s2_reach(&m, h), then = s2_reach(&m, next);
         ric_claims claims;
         bool through;
         if (!claims_of_s2(model, h, RIC_KIND_GRAZING, &through, &claims)) continue;
         assert_int_equal(claims.numbers, RIC_AGREES_NO);
         if (!through) assert_non_null(strstr(claims.finding, "touches nothing"));
         missed += !through;
-        if ((reach - 1) * (then - 1) >= 0 || fmin(reach, then) < 0.8 || fmax(reach, then) > 1.4) continue;
-        const double below = reach < 1 ? h : next, touch = s2_grazing(&m, below, reach < 1 ? next : h);
+        if ((reach - 1) * (then - 1) >= 0 || fmin(reach, then) < 0.8 || fmax(reach, then) > 1.4)
+            continue;
+        const double below = reach < 1 ? h : next,
+                     touch = s2_grazing(&m, below, reach < 1 ? next : h);
         if (!claims_of_s2(model, touch, RIC_KIND_GRAZING, &through, &claims)) continue;
-        if (claims.numbers != RIC_AGREES_YES) fail_msg("omega %.9g: %s", PI / touch, claims.finding);
-        assert_true(claims_of_s2(model, touch + 1e-6 * (below - touch), RIC_KIND_GRAZING, &through, &claims));
+        if (claims.numbers != RIC_AGREES_YES)
+            fail_msg("omega %.9g: %s", PI / touch, claims.finding);
+        assert_true(claims_of_s2(model, touch + 1e-6 * (below - touch), RIC_KIND_GRAZING, &through,
+                                 &claims));
         assert_int_equal(claims.numbers, RIC_AGREES_NO);
         assert_non_null(strstr(claims.finding, "touches nothing"));
         grazings++;
@@ -210,7 +225,8 @@ static void verify_grazings(void **state)
     ric_model_free(model);
 }
 
-/* A stored orbit closes within its digits: what they leave is far less than what the replay of a flight may lose. */
+/* A stored orbit closes within its digits: what they leave is far less than what the replay of a
+ * flight may lose. */
 static void verify_digits(void **state)
 {
     (void)state;
@@ -239,14 +255,16 @@ static void verify_digits(void **state)
     ric_model_free(model);
 }
 
-/* Near the grazing all speeds are as small as what rounding leaves of them, and it is said which. */
+/* Near the grazing all speeds are as small as what rounding leaves of them, and it is said which.
+ */
 static void verify_names_what_is_unchecked(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore_text("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                                    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                                    "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: "
-                                    "1}\n");
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+        "explore: {energy: [0, 20], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: "
+        "1}\n");
     int named = 0, whole = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         const ric_branch b = branch_of(atlas, id);
@@ -258,7 +276,9 @@ static void verify_names_what_is_unchecked(void **state)
             assert_int_equal(ric_verify_claims(atlas, id, i, &claims), RIC_OK);
             assert_int_not_equal(claims.numbers, RIC_AGREES_NO);
             const double speed = fmax(fabs(x[2]), fabs(x[3])) / sqrt(2 * p.energy);
-            if (speed < 1e-10) named += strstr(claims.unchecked, "v1, v2") && claims.numbers == RIC_AGREES_UNCHECKED;
+            if (speed < 1e-10)
+                named += strstr(claims.unchecked, "v1, v2") &&
+                         claims.numbers == RIC_AGREES_UNCHECKED;
             if (speed > 1e-4) assert_string_equal(claims.unchecked, "");
             whole += speed > 1e-4;
         }
@@ -267,7 +287,8 @@ static void verify_names_what_is_unchecked(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The multiplier against the growth of a small error from one period to the next, on unstable pieces of S2+. */
+/* The multiplier against the growth of a small error from one period to the next, on unstable
+ * pieces of S2+. */
 static void verify_condition(void **state)
 {
     (void)state;
@@ -277,7 +298,8 @@ static void verify_condition(void **state)
     int word[] = {0, 1};
     one_branch a;
     for (int i = 0; i < 2; i++) {
-        double omega = i ? 0.95 : 1.5; /* before the extremum at 0.96156, behind the branch point at 1.382 */
+        double omega =
+            i ? 0.95 : 1.5; /* before the extremum at 0.96156, behind the branch point at 1.382 */
         flights[0] = flights[1] = PI / omega;
         assert_true(s2_orbit(&m, PI / omega, x, x + 2));
         make_atlas(&a, 2, word, 1, x, flights);
@@ -301,8 +323,8 @@ static void verify_condition(void **state)
     ric_model_free(model);
 }
 
-/* S0 up to the energy at which it touches, where either no impact or one without speed is right; beyond, it is
- * wrong. */
+/* S0 up to the energy at which it touches, where either no impact or one without speed is right;
+ * beyond, it is wrong. */
 static void verify_linear(void **state)
 {
     (void)state;
@@ -312,8 +334,8 @@ static void verify_linear(void **state)
     one_branch a;
     for (int mode = 0; mode < 2; mode++) {
         for (int i = 0; i < 8; i++) {
-            double A = (double[]){0, 1e-3, 0.5, 0.9, 0.999999, 1, 1, 1.0001}[i] / fabs(m.c[mode]), q[2] = {0},
-                   p[2] = {0};
+            double A = (double[]){0, 1e-3, 0.5, 0.9, 0.999999, 1, 1, 1.0001}[i] / fabs(m.c[mode]),
+                   q[2] = {0}, p[2] = {0};
             q[mode] = i == 6 ? 0 : A;
             p[mode] = i == 6 ? A * m.omega[mode] : 0;
             to_space(&m, q, states + 4 * i);
@@ -327,11 +349,13 @@ static void verify_linear(void **state)
     ric_model_free(model);
 }
 
-/* S2+ ends at G1_2,4, where each flight touches both faces: with the touches left out, as impacts, and some of them. */
+/* S2+ ends at G1_2,4, where each flight touches both faces: with the touches left out, as impacts,
+ * and some of them. */
 static void verify_touches(void **state)
 {
     (void)state;
-    double omega = 1.6667902994358654, h = PI / omega, x[4], q[2], p[2], touch_time[2], qt[2], pt[2];
+    double omega = 1.6667902994358654, h = PI / omega, x[4], q[2], p[2], touch_time[2], qt[2],
+           pt[2];
     int n_touch = 0, face[2];
     ric_model *model = make_two();
     modal m = make_modal(model);
@@ -367,7 +391,8 @@ static void verify_touches(void **state)
         touch_time[n_touch++] = lo;
     }
     assert_int_equal(n_touch, 2);
-    for (int kept = 0; kept < 16; kept++) { /* which of the four touches of a period are letters of the word */
+    for (int kept = 0; kept < 16;
+         kept++) { /* which of the four touches of a period are letters of the word */
         int word[8] = {0}, n = 0;
         double flights[8], last = 0;
         for (int half = 0; half < 2; half++) {
@@ -390,16 +415,17 @@ static void verify_touches(void **state)
     ric_model_free(model);
 }
 
-/* Where A9[001010101] and A10[0101010101] end, an impact has 1e-7 of the largest speed and the multipliers are 1e15 and
- * 1e25: the orbit cannot be polished, and the time of that impact is uncertain by the rounding of the gap over its
- * speed, 1e-9. */
+/* Where A9[001010101] and A10[0101010101] end, an impact has 1e-7 of the largest speed and the
+ * multipliers are 1e15 and 1e25: the orbit cannot be polished, and the time of that impact is
+ * uncertain by the rounding of the gap over its speed, 1e-9. */
 static void verify_slowest_impact(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore_text("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                                    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                                    "explore: {start: [2], energy: [1.8, 3], frequency: [0.35, 2.2], impacts: 10, "
-                                    "multiply: 6, base: 6, depth: 2}\n");
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+        "explore: {start: [2], energy: [1.8, 3], frequency: [0.35, 2.2], impacts: 10, "
+        "multiply: 6, base: 6, depth: 2}\n");
     double slowest = 1, largest = 1;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -409,8 +435,8 @@ static void verify_slowest_impact(void **state)
             assert_int_equal(ric_verify_point(atlas, id, i, &c), RIC_OK);
             assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
             if (!c.passed)
-                fail_msg("%s, point %d: flight %.3g, return %.3g, condition %.3g", b.label, i, c.flight_error,
-                         c.return_error, c.condition);
+                fail_msg("%s, point %d: flight %.3g, return %.3g, condition %.3g", b.label, i,
+                         c.flight_error, c.return_error, c.condition);
             if (p.approach > 1e-9) slowest = fmin(slowest, p.approach);
             largest = fmax(largest, c.condition);
         }
@@ -419,15 +445,16 @@ static void verify_slowest_impact(void **state)
     ric_atlas_free(atlas);
 }
 
-/* Impacts as slow as 1e-7 of the largest speed, beside the grazing of S6[010101] and of A5[00101], are not checked less
- * for that. */
+/* Impacts as slow as 1e-7 of the largest speed, beside the grazing of S6[010101] and of A5[00101],
+ * are not checked less for that. */
 static void verify_slow_impacts(void **state)
 {
     (void)state;
-    ric_atlas *atlas = explore_text("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
-                                    "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
-                                    "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: "
-                                    "2}\n");
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
+        "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+        "explore: {energy: [0, 200], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: "
+        "2}\n");
     int checked = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -436,7 +463,8 @@ static void verify_slow_impacts(void **state)
             double below = b.energy_max * pow(10, -4 - 0.2 * k);
             ric_orbit **orbits = NULL;
             int n = 0;
-            if (ric_orbit_find(atlas, id, RIC_AT_ENERGY, b.energy_max - below, &n, &orbits)) continue;
+            if (ric_orbit_find(atlas, id, RIC_AT_ENERGY, b.energy_max - below, &n, &orbits))
+                continue;
             for (int i = 0; i < n; i++) {
                 ric_point point;
                 double x[4], flights[8];
@@ -448,7 +476,8 @@ static void verify_slow_impacts(void **state)
                 expect(&a, 0, true);
                 assert_true(verify(&a, 0).flight_error < 1e-12);
                 free_atlas(&a);
-                for (int j = 0; j < 4; j++) { /* a state that is off by 1e-9 is found out all the same */
+                for (int j = 0; j < 4;
+                     j++) { /* a state that is off by 1e-9 is found out all the same */
                     double y[4];
                     memcpy(y, x, sizeof y);
                     y[j] += 1e-9 * (1 + fabs(y[j]));
@@ -480,14 +509,15 @@ static ric_claims judged(const double rho[RIC_PAIR_RUNS], double rotation)
     return claims;
 }
 
-/* A pair at 1 that rounding takes off the circle in one run still has the angle of the others; where the exact run is
- * off it, an angle as small as that is right, and a large one is wrong. */
+/* A pair at 1 that rounding takes off the circle in one run still has the angle of the others;
+ * where the exact run is off it, an angle as small as that is right, and a large one is wrong. */
 static void verify_rotations(void **state)
 {
     (void)state;
     const double one[] = {2 - 7e-11, 2 - 6e-11, 2 + 1e-11, 2 - 5e-11, 2 - 7e-11},
                  exact[] = {2 + 1e-12, 2 - 1e-12, 2 + 2e-12, 2 - 1e-12, 2},
-                 off[] = {2 + 1e-11, 2 + 2e-11, 2 + 1e-11, 2 + 3e-11, 2 + 1e-11}, lost[] = {1, NAN, 1, 1, 1};
+                 off[] = {2 + 1e-11, 2 + 2e-11, 2 + 1e-11, 2 + 3e-11, 2 + 1e-11},
+                 lost[] = {1, NAN, 1, 1, 1};
     double angle = 1 - sqrt(7e-11) / RIC_TWO_PI;
     assert_int_equal(judged(one, angle).multipliers, RIC_AGREES_YES);
     assert_int_equal(judged(one, 0.9).multipliers, RIC_AGREES_NO);

@@ -1,4 +1,5 @@
-/* Words: canonical forms, counts against the article's table and against brute force, enumeration against both. */
+/* Words: canonical forms, counts against the article's table and against brute force, enumeration
+ * against both. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,7 +26,10 @@ static ric_model *make_model(int n_contact, const ric_sides *sides)
         stiffness[i * n + i] = i + 1 < n ? 2 : 1;
         if (i > 0) stiffness[i * n + i - 1] = stiffness[(i - 1) * n + i] = -1;
         normal[i * n + i] = 1;
-        contacts[i] = (ric_contact){.normal = normal + i * n, .clearance = 1, .sides = sides[i], .law = RIC_LAW_RIGID};
+        contacts[i] = (ric_contact){.normal = normal + i * n,
+                                    .clearance = 1,
+                                    .sides = sides[i],
+                                    .law = RIC_LAW_RIGID};
     }
     assert_int_equal(ric_model_create(n, mass, stiffness, n, contacts, 1, &model), RIC_OK);
     return model;
@@ -48,7 +52,8 @@ static int count_by_enumeration(const ric_model *model, int n, bool reversal)
     }
 }
 
-/* Every word there is, made canonical and marked: shares only ric_word_canonical with the enumeration. */
+/* Every word there is, made canonical and marked: shares only ric_word_canonical with the
+ * enumeration. */
 static int count_by_force(const ric_model *model, int faces, int n, bool reversal)
 {
     int total = 1, count = 0;
@@ -186,7 +191,8 @@ static void long_words_enumerate_without_gaps(void **state)
     int word[LONGEST] = {-1}, last[LONGEST];
     bool more = true;
     (void)state;
-    for (int i = 0; i < 5000 && more; i++) assert_int_equal(ric_word_next(NULL, LONGEST, true, word, &more), RIC_OK);
+    for (int i = 0; i < 5000 && more; i++)
+        assert_int_equal(ric_word_next(NULL, LONGEST, true, word, &more), RIC_OK);
     assert_true(more);
     for (int i = 0; i < LONGEST; i++) word[i] = last[i] = i % 2;
     assert_int_equal(ric_word_next(NULL, LONGEST, true, word, &more), RIC_OK);
