@@ -21,6 +21,7 @@
  * two points farther apart are not taken for one */
 #define EXACT 5e-9
 enum {
+    MORE = -2,
     MOST_B = 4,   /* kernels beyond that are not counted */
     ORDERS = 5,   /* a - b is smaller */
     READINGS = 4, /* with entries moved by rounding */
@@ -109,11 +110,11 @@ typedef struct {
     ric_border *base, *moved;
     double rounding; /* of the flights */
     int a, b;        /* of the kind, least */
-    bool more; /* there may be more: where flights are fixed, or a branch of one frequency leaves */
+    bool multiplied; /* a multiplication, whose kernel has no more than its kind */
+    bool more;       /* orders of the determinant beyond that of the kind are looked at */
 } gauge;
 
-/* Orders of the determinant that are looked at: where there cannot be more, only that of the kind
- * counts. */
+/* Orders of the determinant that are looked at: only that of the kind, unless it vanishes. */
 static int orders_of(const gauge *t)
 {
     return t->more ? ORDERS : t->a - t->b + 1;
@@ -290,7 +291,8 @@ static int judge(double value, double error)
     return fabs(value) <= error ? ZERO : fabs(value) > CLEAR * error ? CLEAR_OF_ZERO : LOST;
 }
 
-/* The order of the determinant; -1: lost. */
+/* The order of the determinant; -1: lost, MORE: beyond that of the kind, which is all that was
+ * looked at. */
 static int order_of(const gauge *t, int b, const reading *value, const reading *error)
 {
     int least = b == t->b ? t->a - t->b
@@ -300,7 +302,8 @@ static int order_of(const gauge *t, int b, const reading *value, const reading *
         double number = value->at[DET + order], of = error->at[DET + order];
         int is = judge(number, of);
         if (is == CLEAR_OF_ZERO) return widest <= EXACT * fabs(number) ? order : -1;
-        if (is == LOST || !t->more) return -1;
+        if (is == LOST) return -1;
+        if (!t->more) return MORE;
         widest = fmax(widest, of);
     }
     return -1;
@@ -312,24 +315,28 @@ static bool measure(gauge *t, int *a, int *b)
 {
     reading value[READINGS + 1], error, slope;
     int states = 2 * t->model->n;
-    for (*b = t->b; *b <= MOST_B && *b <= states; (*b)++) {
+    for (*b = t->b; *b <= MOST_B && *b <= states;) {
         if (!read_all(t, *b, value, &slope) || !settle_place(t, *b, value, &slope, &error))
             return false;
         double next = *b < states ? value[0].at[SIGMA + *b] : 1,
                of = *b < states ? error.at[SIGMA + *b] : 0;
         int is = judge(next, of);
-        if (is == LOST || (is == ZERO && (of > EXACT || !t->more))) return false;
-        if (is == ZERO) continue;
+        if (is == LOST || (is == ZERO && (of > EXACT || t->multiplied))) return false;
+        if (is == ZERO) {
+            ++*b;
+            continue;
+        }
         int order = order_of(t, *b, &value[0], &error);
         *a = *b + order;
-        return order >= 0;
+        if (order != MORE) return order >= 0;
+        t->more = true;
     }
     return false;
 }
 
 ric_status ric_multiplicity(const ric_model *m, const ric_node *node, int *a, int *b, bool *decided)
 {
-    gauge t = {.more = node->kind != RIC_KIND_MULTIPLICATION};
+    gauge t = {.more = true};
     expected(node, &t.a, &t.b);
     ric_status status = gauge_make(m, node, &t);
     *decided = !status && t.chain->n_unknown == 2 * m->n + t.chain->n_flight && measure(&t, a, b);

@@ -152,7 +152,7 @@ static bool has_label(const ric_node *node)
 }
 
 typedef struct {
-    int all, decided, checked, kinds[5][5];
+    int all, decided, checked, kinds[5][5], doubled[5]; /* doubled: of period doublings, by a */
 } tally;
 
 static void measure_all(const char *text, tally *t)
@@ -171,6 +171,7 @@ static void measure_all(const char *text, tally *t)
         if (!decided) continue;
         assert_true(a >= b && b >= 1 && a < 5);
         t->kinds[a][b]++;
+        if (node->kind == RIC_KIND_MULTIPLICATION && node->multiple == 2) t->doubled[a]++;
         if (2 * graph->model->n + node->cycle->N * node->multiple > LARGEST) continue;
         t->checked += check_dense(graph->model, node, a, b);
     }
@@ -220,6 +221,25 @@ static void springs(void **state)
                 &t);
     printf("# %d labels, %d decided, %d checked\n", t.all, t.decided, t.checked);
     assert_true(t.checked >= 8 && t.all - t.decided <= 2);
+}
+
+/* A mast of four masses with a guide on one side of the third: doublings of its orbits are C_22 and
+ * C_32. */
+static void doublings(void **state)
+{
+    (void)state;
+    tally t = {0};
+    measure_all("model:\n"
+                "  mass: [[0.04, 0, 0, 0], [0, 0.03, 0, 0], [0, 0, 0.02, 0], [0, 0, 0, 0.012]]\n"
+                "  stiffness: [[900, -400, 0, 0], [-400, 700, -300, 0], [0, -300, 480, -180],\n"
+                "              [0, 0, -180, 180]]\n"
+                "  contacts:\n"
+                "    - {normal: [0, 0, 1, 0], clearance: 2, sides: upper, law: rigid}\n"
+                "explore: {impacts: 8, depth: 2}\n",
+                &t);
+    printf("# %d labels, %d decided, %d checked\n", t.all, t.decided, t.checked);
+    assert_int_equal(t.decided, t.all);
+    assert_true(t.checked == t.all && t.doubled[2] > 0 && t.doubled[3] > 0);
 }
 
 static char text[4096];
@@ -353,8 +373,11 @@ static void cost(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(solves), cmocka_unit_test(cost),
-                                       cmocka_unit_test(two_masses), cmocka_unit_test(springs),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(solves),
+                                       cmocka_unit_test(cost),
+                                       cmocka_unit_test(two_masses),
+                                       cmocka_unit_test(springs),
+                                       cmocka_unit_test(doublings),
                                        cmocka_unit_test(random_structures)};
     return cmocka_run_group_tests_name("labels", tests, NULL, NULL);
 }
