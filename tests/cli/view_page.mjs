@@ -569,7 +569,8 @@ async function demo(browser) {
   await page.click("#larger");
   await shot("projector");
   await page.reload();
-  await page.waitForFunction(() => window.ricochet?.().frames.length > 1);
+  // one frame or more: colours that come before the first are drawn with it
+  await page.waitForFunction(() => window.ricochet?.().frames.length > 0, null, { timeout: GUARD });
   // the bases of a grown atlas take a moment, and colours wait for them
   const kept = await page.waitForFunction(() => document.querySelector("#colouring").value === "base" && document.querySelector("#duplicates").value === "2", null, { timeout: GUARD }).catch(() => null);
   ok("the address keeps colours and duplicates", kept !== null);
