@@ -250,16 +250,28 @@ INLINE bool eliminate(ric_border *q, int m)
 bool ric_border_factor(ric_border *q, double rounding, unsigned bits)
 {
     int m = 2 * q->n;
-    double super[m];
     take_flights(q, rounding, bits);
     if (!(m == 4 ? eliminate(q, 4) : eliminate(q, m))) return false;
     lift_all(q);
     for (int i = 0; i < m * m; i++) {
-        q->S[i] = q->X[i] -= q->K[i]; /* the first rows of K are those of w_0 */
+        q->S[i] = q->X[i] - q->K[i]; /* the first rows of K are those of w_0 */
         if (!isfinite(q->S[i])) return false;
     }
-    return !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'A', 'A', m, m, q->X, m, q->sigma, q->left,
-                                      m, q->right, m, super));
+    return true;
+}
+
+static bool decompose(ric_border *q, char vectors)
+{
+    int m = 2 * q->n;
+    double super[m];
+    memcpy(q->X, q->S, (size_t)m * (size_t)m * sizeof *q->X);
+    return !ric_lapack(LAPACKE_dgesvd(LAPACK_ROW_MAJOR, vectors, vectors, m, m, q->X, m, q->sigma,
+                                      q->left, m, q->right, m, super));
+}
+
+bool ric_border_values(ric_border *q)
+{
+    return decompose(q, 'N');
 }
 
 void ric_border_kernel(const ric_border *q, int i, double *du)
@@ -272,14 +284,54 @@ void ric_border_kernel(const ric_border *q, int i, double *du)
 
 /* ------------------------------------------------------------------- borders */
 
-static void own_border(ric_border *q, int b)
+static bool own_border(ric_border *q, int b)
 {
     int m = 2 * q->n;
+    if (!decompose(q, 'A')) return false;
     for (int i = 0; i < b; i++) {
         const double *z = q->right + (m - 1 - i) * m;
         for (int r = 0; r < m; r++) q->U[r * b + i] = q->left[r * m + m - 1 - i];
         for (int j = 0; j < q->unknowns; j++)
             q->V[(size_t)j * (size_t)b + (size_t)i] = ric_dot(m, q->K + (size_t)j * (size_t)m, z);
+    }
+    return true;
+}
+
+/* A [size * size], of some rows, becomes its factors, rows exchanged as `swap` says. False: it is
+ * singular. */
+static bool factor_small(int size, double *A, int *swap)
+{
+    for (int k = 0; k < size; k++) {
+        int best = k;
+        for (int i = k + 1; i < size; i++)
+            if (fabs(A[i * size + k]) > fabs(A[best * size + k])) best = i;
+        swap[k] = best;
+        if (!(fabs(A[best * size + k]) > 0)) return false;
+        for (int j = 0; j < size && best != k; j++) {
+            double kept = A[k * size + j];
+            A[k * size + j] = A[best * size + j];
+            A[best * size + j] = kept;
+        }
+        for (int i = k + 1; i < size; i++) {
+            double by = A[i * size + k] /= A[k * size + k];
+            for (int j = k + 1; j < size; j++) A[i * size + j] -= by * A[k * size + j];
+        }
+    }
+    return true;
+}
+
+static void solve_small(int size, const double *A, const int *swap, double *x)
+{
+    for (int k = 0; k < size; k++) {
+        double kept = x[k];
+        x[k] = x[swap[k]];
+        x[swap[k]] = kept;
+    }
+    for (int i = 1; i < size; i++)
+        for (int j = 0; j < i; j++) x[i] -= A[i * size + j] * x[j];
+    for (int i = size - 1; i >= 0; i--) {
+        for (int j = i + 1; j < size; j++) x[i] -= A[i * size + j] * x[j];
+        x[i] /= A[i * size + i];
     }
 }
 
@@ -287,8 +339,9 @@ bool ric_border_set(ric_border *q, const ric_border *frame, int b)
 {
     int m = 2 * q->n, size = m + b;
     q->b = b;
-    if (frame == q) own_border(q, b);
-    else {
+    if (frame == q) {
+        if (!own_border(q, b)) return false;
+    } else {
         memcpy(q->U, frame->U, (size_t)(m * b) * sizeof *q->U);
         memcpy(q->V, frame->V, (size_t)q->unknowns * (size_t)b * sizeof *q->V);
     }
@@ -302,7 +355,7 @@ bool ric_border_set(ric_border *q, const ric_border *frame, int b)
             for (int l = 0; l < m; l++)
                 q->small[(m + i) * size + l] += q->V[(size_t)j * (size_t)b + (size_t)i] *
                                                 q->K[(size_t)j * (size_t)m + (size_t)l];
-    return !ric_lapack(LAPACKE_dgetrf(LAPACK_ROW_MAJOR, size, size, q->small, size, q->swap));
+    return factor_small(size, q->small, q->swap);
 }
 
 /* The values of the pinned combinations, and what they make of the state at the end, out [2n]. */
@@ -333,32 +386,32 @@ static bool all_zero(int n, const double *x)
     return true;
 }
 
-bool ric_border_solve(ric_border *q, const double *r, const double *s, double *x, double *g)
+void ric_border_solve(ric_border *q, const double *r, const double *s, double *x, double *g)
 {
     int m = 2 * q->n, N = q->N, b = q->b, size = m + b;
-    double pinned[N], end[m], zero[m], rhs[size], total = 0;
+    double pinned[N], end[m], zero[m], rhs[size], y[q->unknowns], total = 0;
     memset(zero, 0, sizeof zero);
     if (all_zero(N, r + m)) { /* the first of a series of solves */
         memset(end, 0, sizeof end);
-        memset(x, 0, (size_t)q->unknowns * sizeof *x);
+        memset(y, 0, sizeof y);
     } else {
         forward(q, r + m, pinned, end);
-        lift(q, zero, pinned, x);
+        lift(q, zero, pinned, y);
     }
-    for (int i = 0; i < m; i++) rhs[i] = r[i] / q->size - end[i] + x[i];
+    for (int i = 0; i < m; i++) rhs[i] = r[i] / q->size - end[i] + y[i];
     for (int i = 0; i < b; i++) {
         rhs[m + i] = s[i];
         for (int j = 0; j < q->unknowns; j++)
-            rhs[m + i] -= q->V[(size_t)j * (size_t)b + (size_t)i] * x[j];
+            rhs[m + i] -= q->V[(size_t)j * (size_t)b + (size_t)i] * y[j];
     }
-    if (ric_lapack(LAPACKE_dgetrs(LAPACK_ROW_MAJOR, 'N', size, 1, q->small, size, q->swap, rhs, 1)))
-        return false;
+    solve_small(size, q->small, q->swap, rhs);
     memcpy(g, rhs + m, (size_t)b * sizeof *g);
-    for (int j = 0; j < q->unknowns; j++) x[j] += ric_dot(m, q->K + (size_t)j * (size_t)m, rhs);
+    if (!x) return;
+    for (int j = 0; j < q->unknowns; j++)
+        x[j] = y[j] + ric_dot(m, q->K + (size_t)j * (size_t)m, rhs);
     for (int k = 0; k < N; k++) total += x[m + k];
     double dT = total - q->T * r[q->unknowns];
     x[q->unknowns] = dT;
     for (int k = 0; k < N; k++) x[m + k] = (x[m + k] - q->chain->tau[k] / q->T * dT) / q->T;
     for (int i = 0; i < m; i++) x[i] *= q->size;
-    return true;
 }

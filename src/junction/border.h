@@ -3,11 +3,10 @@
  *
  * Unknowns of J: start state w_0 [2n], time fractions beta [N], period T; rows: closure w_N - w_0
  * [2n], one condition per event in the order of the fractions [N] (the phase under a power law,
- * where N = 1), sum of the fractions.
- * With d tau_k = T d beta_k + beta_k dT the last row and the period split off: what is left acts on
- * (w_0, tau), and is made triangular from the right as in shooting.c, one Householder reflection
- * per condition. 2n combinations of the unknowns are left for the 2n rows of the closure, the small
- * matrix S: it has the kernel of J. Only S is bordered,
+ * where N = 1), sum of the fractions. With d tau_k = T d beta_k + beta_k dT the last row and the
+ * period split off: what is left acts on (w_0, tau), and is made triangular from the right as in
+ * shooting.c, one Householder reflection per condition. 2n combinations of the unknowns are left
+ * for the 2n rows of the closure, the small matrix S: it has the kernel of J. Only S is bordered,
  *
  *     [ S   U ] [ z ]   [ r ]
  *     [ V'  0 ] [ g ] = [ s ],   U, V [2n * b] its own singular vectors of least value.
@@ -46,15 +45,17 @@ ric_border *ric_border_create(const ric_shooting *chain);
 void ric_border_free(ric_border *border);
 
 /* Factorises at the last flight of the chain, in its general form and plain. Entries of the flights
- * are moved by `rounding` in the pattern of `bits`; 0 leaves them. False: LAPACK failed, or J is
- * not finite. */
+ * are moved by `rounding` in the pattern of `bits`; 0 leaves them. False: J is not finite. */
 bool ric_border_factor(ric_border *border, double rounding, unsigned bits);
-/* Borders of b columns, b <= 2n: those of `frame`, factorised before, or its own where it is
- * `border` itself. */
+/* Its singular values without vectors: `sigma`. False: LAPACK failed. */
+bool ric_border_values(ric_border *border);
+/* Borders of b columns, b <= 2n: those of `frame`, or its own where it is `border` itself, which
+ * gives it its singular values and vectors. False: LAPACK failed, or what is bordered is singular.
+ */
 bool ric_border_set(ric_border *border, const ric_border *frame, int b);
-/* [J U; V' 0] (x, g) = (r, s): r, x [unknowns + 1] in the order of J; s, g [b]. False: LAPACK
- * failed. */
-bool ric_border_solve(ric_border *border, const double *r, const double *s, double *x, double *g);
+/* [J U; V' 0] (x, g) = (r, s): r, x [unknowns + 1] in the order of J; s, g [b]. x NULL: only g is
+ * wanted. */
+void ric_border_solve(ric_border *border, const double *r, const double *s, double *x, double *g);
 /* Column i of the last b of K by singular values, in the unknowns of the chain, [unknowns]. */
 void ric_border_kernel(const ric_border *border, int i, double *du);
 

@@ -10,10 +10,15 @@
 
 #define ROUNDING (2 * DBL_EPSILON) /* of entries of J and of the unknowns, relative */
 #define MARGIN 2                   /* of an error that is the largest of a few measured ones */
-/* CLEAR: a number above its error by this factor is none of a zero; in between nobody can tell */
-#define CLEAR 30
-/* STEP: of the unknowns, along the branch: the orbit is left by its square, which is rounding */
-#define STEP 1e-8
+#define CLEAR                                                                                      \
+    30 /* a number above its error by this factor is none of a zero; in between nobody can tell */
+/* BEYOND: what one moved reading says counts if it holds with an error larger by this factor. By
+ * chance the error is a three-hundredth of that of all readings once in some hundred times, and
+ * only then numbers that all of them lose could count */
+#define BEYOND 300
+#define STEP                                                                                       \
+    1e-8 /* of the unknowns, along the branch: the orbit is left by its square, which is rounding  \
+          */
 /* PLACED: a junction that is known less exactly has no label: what changes with its place is no
  * longer linear */
 #define PLACED 1e-6
@@ -21,14 +26,14 @@
  * two points farther apart are not taken for one */
 #define EXACT 5e-9
 enum {
-    MORE = -2,
     MOST_B = 4,   /* kernels beyond that are not counted */
     ORDERS = 5,   /* a - b is smaller */
-    READINGS = 4, /* with entries moved by rounding */
-    SIGMA = 0,
-    DET = SIGMA + MOST_B + 1,
+    READINGS = 4, /* with entries moved by rounding, at most */
+    FEW = 1,      /* the same at first */
+    DET = 0,
     BLOCK = DET + ORDERS,
-    NUMBERS = BLOCK + MOST_B * MOST_B
+    SIGMA = BLOCK + MOST_B * MOST_B,
+    NUMBERS = SIGMA + 1
 };
 
 /* What the kind of a junction lets expect (docs/theory.md section 7). */
@@ -41,12 +46,11 @@ static void expected(const ric_node *node, int *a, int *b)
     if (node->kind != RIC_KIND_MULTIPLICATION) return;
     bool doubling = node->multiple == 2 && !half;
     *b = doubling ? 2 : 3;
-    *a = doubling && ric_periodic_letters(node->cycle) > 0
-             ? 2
-             : 3; /* without impacts the doubled orbit is one flight, too */
+    *a = doubling && ric_periodic_letters(node->cycle) > 0 ? 2 : 3; /* without impacts the doubled
+                                                                     * orbit is one flight, too */
 }
 
-/* What is read off J: small singular values, from the least up, and the determinant of the border,
+/* What is read off J: the singular value behind the b least, and the determinant of the border,
  * order by order. With the zero columns of a kernel of dimension b taken out,
  *
  *     det(J - lambda I) = det B(lambda) det g(lambda),  g = lambda (g_1 + lambda g_2 + ..)
@@ -55,8 +59,10 @@ static void expected(const ric_node *node, int *a, int *b)
  * border (Griewank and Reddien 1984; Govaerts 2000): the order of the zero of det g is a, b of it
  * from the factor lambda. */
 typedef struct {
-    double at[NUMBERS]; /* SIGMA, DET of g_1 + lambda g_2 + .. order by order, BLOCK: g_0, zero at
-                           the junction */
+    double at[NUMBERS]; /* DET of g_1 + lambda g_2 + .. order by order, BLOCK: g_0, zero at the
+                           junction; SIGMA */
+    double off;         /* where the junction is, along the branch */
+    double apart;       /* of S from that at the junction, in the Frobenius norm */
 } reading;
 
 /* det [ORDERS] of a matrix of series, entry (i, j) of order l at g[l * b * b + i * b + j]:
@@ -78,18 +84,17 @@ static void determinant(int b, const double *g, int row, unsigned columns, doubl
 
 /* Order by order J x_j + U g_j = x_(j-1), V' x_j = 0, from J x_0 + U g_0 = 0, V' x_0 = I on, as far
  * as the first `orders` of DET need it; the others stay 0. x [2 * rows]. */
-static bool read_border(ric_border *q, int orders, double *x, reading *out)
+static void read_border(ric_border *q, int orders, double *x, reading *out)
 {
-    int b = q->b, m = 2 * q->n, rows = q->unknowns + 1;
+    int b = q->b, rows = q->unknowns + 1;
     double g[ORDERS * MOST_B * MOST_B] = {0}, zero[MOST_B] = {0}, unit[MOST_B], column[MOST_B];
     memset(out, 0, sizeof *out);
-    for (int i = 0; i <= MOST_B && i < m; i++) out->at[SIGMA + i] = q->sigma[m - 1 - i];
     for (int i = 0; i < b; i++) {
         double *from = x, *to = x + rows;
         memset(from, 0, (size_t)rows * sizeof *from);
         for (int k = 0; k < b; k++) unit[k] = k == i;
         for (int l = -1; l < orders; l++) {
-            if (!ric_border_solve(q, from, l < 0 ? unit : zero, to, column)) return false;
+            ric_border_solve(q, from, l < 0 ? unit : zero, l + 1 < orders ? to : NULL, column);
             for (int k = 0; k < b; k++)
                 *(l < 0 ? &out->at[BLOCK + k * b + i] : &g[(l * b + k) * b + i]) = column[k];
             double *swap = from;
@@ -99,7 +104,6 @@ static bool read_border(ric_border *q, int orders, double *x, reading *out)
     }
     determinant(b, g, 0, (1u << b) - 1, out->at + DET);
     memset(out->at + DET + orders, 0, (size_t)(ORDERS - orders) * sizeof *out->at);
-    return true;
 }
 
 /* All that the measure of one junction needs. */
@@ -111,13 +115,25 @@ typedef struct {
     double rounding; /* of the flights */
     int a, b;        /* of the kind, least */
     bool multiplied; /* a multiplication, whose kernel has no more than its kind */
-    bool more;       /* orders of the determinant beyond that of the kind are looked at */
+    bool all;        /* all readings and orders, and the singular values of each reading */
 } gauge;
 
-/* Orders of the determinant that are looked at: only that of the kind, unless it vanishes. */
-static int orders_of(const gauge *t)
+/* The least order of the determinant that can be there: a kind has no less than its own, as its
+ * place is known by it. */
+static int least_order(const gauge *t, int b)
 {
-    return t->more ? ORDERS : t->a - t->b + 1;
+    return b == t->b ? t->a - t->b : 0;
+}
+
+/* Orders of the determinant that are looked at: the least, unless it vanishes. */
+static int orders_of(const gauge *t, int b)
+{
+    return t->all ? ORDERS : least_order(t, b) + 1;
+}
+
+static int readings_of(const gauge *t)
+{
+    return t->all ? READINGS : FEW;
 }
 
 /* The orbit of the junction gone through as often as it is multiplied, in the general form. */
@@ -135,7 +151,8 @@ static ric_status unfold(const ric_model *m, const ric_periodic *cycle, int mult
 }
 
 /* Under a power law the rounding of a flight adds up that of its steps, in proportion to the angle
- * turned (shooting.c). */
+ * turned (shooting.c).
+ */
 static double rounding_of(const ric_model *m, const ric_periodic *whole)
 {
     int n = 2 * m->n;
@@ -177,12 +194,26 @@ static ric_status gauge_make(const ric_model *m, const ric_node *node, gauge *t)
     return status;
 }
 
+/* The singular value behind the b least; 1 where there is none. */
+static double value_behind(const ric_border *q, int b)
+{
+    int m = 2 * q->n;
+    return b < m ? q->sigma[m - 1 - b] : 1;
+}
+
 /* What J says where the chain was flown last, bordered as at the junction itself. */
 static bool read_moved(gauge *t, int b, double rounding, unsigned bits, reading *out)
 {
-    if (!ric_border_factor(t->moved, rounding, bits) || !ric_border_set(t->moved, t->base, b))
-        return false;
-    return read_border(t->moved, orders_of(t), t->x, out);
+    ric_border *q = t->moved;
+    double sum = 0;
+    if (!ric_border_factor(q, rounding, bits) || !ric_border_set(q, t->base, b)) return false;
+    read_border(q, orders_of(t, b), t->x, out);
+    for (int i = 0; i < 4 * q->n * q->n; i++)
+        sum += (q->S[i] - t->base->S[i]) * (q->S[i] - t->base->S[i]);
+    out->apart = sqrt(sum);
+    if (t->all && !ric_border_values(q)) return false;
+    if (t->all) out->at[SIGMA] = value_behind(q, b);
+    return true;
 }
 
 /* The direction of the branch that passes, du [unknowns], within the kernel: what leaves it there
@@ -215,28 +246,39 @@ static bool read_at(gauge *t, int b, double step, const double *du, reading *out
     return read_moved(t, b, 0, 0, out);
 }
 
-/* The numbers at the junction, value[0], those with entries moved by rounding, value[1] to
- * value[READINGS], and their derivative along the branch. */
+/* The derivative of the numbers along the branch; of a few readings only the right side is looked
+ * at. */
+static bool read_slope(gauge *t, int b, const reading *here, reading *slope)
+{
+    double du[t->chain->n_unknown];
+    reading right, left = *here;
+    along_branch(t, b, du);
+    if (!read_at(t, b, STEP, du, &right) || (t->all && !read_at(t, b, -STEP, du, &left)))
+        return false;
+    double step = t->all ? 2 * STEP : STEP;
+    for (int i = 0; i < NUMBERS; i++) slope->at[i] = (right.at[i] - left.at[i]) / step;
+    slope->apart = right.apart / STEP;
+    return true;
+}
+
+/* The numbers at the junction, value[0], those with entries moved by rounding, from value[1] on,
+ * and their derivative along the branch. */
 static bool read_all(gauge *t, int b, reading *value, reading *slope)
 {
     int unknowns = t->chain->n_unknown;
     unsigned bits = 1;
-    reading left, right;
-    double du[unknowns];
     ric_shooting_fly(t->chain, t->u);
     double least = fmax(ROUNDING, t->chain->residual);
-    if (!ric_border_factor(t->base, 0, 0) || !ric_border_set(t->base, t->base, b) ||
-        !read_border(t->base, orders_of(t), t->x, &value[0]))
-        return false;
-    along_branch(t, b, du);
-    for (int k = 1; k <= READINGS; k++) {
+    if (!ric_border_factor(t->base, 0, 0) || !ric_border_set(t->base, t->base, b)) return false;
+    read_border(t->base, orders_of(t, b), t->x, &value[0]);
+    value[0].at[SIGMA] = value_behind(t->base, b);
+    if (!read_slope(t, b, &value[0], slope)) return false;
+    for (int k = 1; k <= readings_of(t); k++) {
         for (int i = 0; i < unknowns; i++)
             t->at[i] = t->u[i] + ric_moved(&bits, least * fabs(t->u[i]));
         ric_shooting_fly(t->chain, t->at);
         if (!read_moved(t, b, t->rounding, bits, &value[k])) return false;
     }
-    if (!read_at(t, b, STEP, du, &right) || !read_at(t, b, -STEP, du, &left)) return false;
-    for (int i = 0; i < NUMBERS; i++) slope->at[i] = (right.at[i] - left.at[i]) / (2 * STEP);
     return true;
 }
 
@@ -247,12 +289,23 @@ static bool vanishes(const gauge *t, int b, int i)
     return (i >= DET && i < DET + t->a - t->b) || (i >= BLOCK && i < BLOCK + b * b && b > 1);
 }
 
-static double spread(const reading *value, int i)
+static double spread(const gauge *t, const reading *value, int i)
 {
     double widest = 0;
-    for (int k = 1; k <= READINGS; k++)
+    for (int k = 1; k <= readings_of(t); k++)
         widest = fmax(widest, fabs(value[k].at[i] - value[0].at[i]));
     return MARGIN * widest;
+}
+
+/* The singular value and its error by the distance of the matrices, which no singular value moves
+ * by more than (Weyl): without those of the other readings. */
+static void bound_value(const gauge *t, reading *value, const reading *slope, reading *error)
+{
+    double widest = 0;
+    for (int k = 1; k <= readings_of(t); k++)
+        widest = fmax(widest, value[k].apart + fabs(value[k].off - value[0].off) * slope->apart);
+    error->at[SIGMA] = fmax(MARGIN * widest, DBL_EPSILON * value[0].at[SIGMA]);
+    value[0].at[SIGMA] = fmax(0, value[0].at[SIGMA] - fabs(value[0].off) * slope->apart);
 }
 
 /* Moves all readings along the branch to where the number vanishes that tells the place best: what
@@ -265,21 +318,22 @@ static bool settle_place(const gauge *t, int b, reading *value, const reading *s
     double best = HUGE_VAL, factor = 1;
     for (int i = 0; i < NUMBERS; i++) {
         if (!vanishes(t, b, i) || slope->at[i] == 0) continue;
-        double off = (spread(value, i) + fabs(value[0].at[i])) / fabs(slope->at[i]);
+        double off = (spread(t, value, i) + fabs(value[0].at[i])) / fabs(slope->at[i]);
         if (!(off < best)) continue;
         best = off;
         by = i;
     }
-    if (!(best <= PLACED)) return false;
-    for (int k = 0; k <= READINGS; k++) {
-        double off = value[k].at[by] / slope->at[by];
-        for (int i = 0; i < NUMBERS; i++) value[k].at[i] -= off * slope->at[i];
+    if (!(best * (t->all ? 1 : BEYOND) <= PLACED)) return false;
+    for (int k = 0; k <= readings_of(t); k++) {
+        value[k].off = value[k].at[by] / slope->at[by];
+        for (int i = 0; i < SIGMA + t->all; i++) value[k].at[i] -= value[k].off * slope->at[i];
     }
     for (int i = 0; i < NUMBERS; i++) {
-        error->at[i] = fmax(spread(value, i), DBL_EPSILON * fabs(value[0].at[i]));
+        error->at[i] = fmax(spread(t, value, i), DBL_EPSILON * fabs(value[0].at[i]));
         if (vanishes(t, b, i) && i != by && value[0].at[i] != 0)
             factor = fmax(factor, fabs(value[0].at[i]) / error->at[i]);
     }
+    if (!t->all) bound_value(t, value, slope, error);
     for (int i = 0; i < NUMBERS; i++) error->at[i] *= factor;
     return true;
 }
@@ -291,22 +345,30 @@ static int judge(double value, double error)
     return fabs(value) <= error ? ZERO : fabs(value) > CLEAR * error ? CLEAR_OF_ZERO : LOST;
 }
 
-/* The order of the determinant; -1: lost, MORE: beyond that of the kind, which is all that was
- * looked at. */
+/* The order of the determinant; -1: lost. */
 static int order_of(const gauge *t, int b, const reading *value, const reading *error)
 {
-    int least = b == t->b ? t->a - t->b
-                          : 0; /* a kind has no less than that: the place is known by it */
     double widest = 0;
-    for (int order = least; order < ORDERS; order++) {
+    for (int order = least_order(t, b); order < ORDERS; order++) {
         double number = value->at[DET + order], of = error->at[DET + order];
         int is = judge(number, of);
         if (is == CLEAR_OF_ZERO) return widest <= EXACT * fabs(number) ? order : -1;
         if (is == LOST) return -1;
-        if (!t->more) return MORE;
         widest = fmax(widest, of);
     }
     return -1;
+}
+
+/* Whether a few readings say beyond doubt that there are b vectors, and the least order of the
+ * determinant. */
+static bool measure_few(gauge *t, int b)
+{
+    reading value[FEW + 1], error, slope;
+    int order = DET + least_order(t, b);
+    t->all = false;
+    return read_all(t, b, value, &slope) && settle_place(t, b, value, &slope, &error) &&
+           judge(value[0].at[SIGMA], BEYOND * error.at[SIGMA]) == CLEAR_OF_ZERO &&
+           judge(value[0].at[order], BEYOND * error.at[order]) == CLEAR_OF_ZERO;
 }
 
 /* Both multiplicities; false where one of them is lost in rounding: two different points lie so
@@ -315,28 +377,26 @@ static bool measure(gauge *t, int *a, int *b)
 {
     reading value[READINGS + 1], error, slope;
     int states = 2 * t->model->n;
-    for (*b = t->b; *b <= MOST_B && *b <= states;) {
+    for (*b = t->b; *b <= MOST_B && *b <= states; (*b)++) {
+        *a = *b + least_order(t, *b);
+        if (measure_few(t, *b)) return true;
+        t->all = true;
         if (!read_all(t, *b, value, &slope) || !settle_place(t, *b, value, &slope, &error))
             return false;
-        double next = *b < states ? value[0].at[SIGMA + *b] : 1,
-               of = *b < states ? error.at[SIGMA + *b] : 0;
+        double next = value[0].at[SIGMA], of = *b < states ? error.at[SIGMA] : 0;
         int is = judge(next, of);
         if (is == LOST || (is == ZERO && (of > EXACT || t->multiplied))) return false;
-        if (is == ZERO) {
-            ++*b;
-            continue;
-        }
+        if (is == ZERO) continue;
         int order = order_of(t, *b, &value[0], &error);
         *a = *b + order;
-        if (order != MORE) return order >= 0;
-        t->more = true;
+        return order >= 0;
     }
     return false;
 }
 
 ric_status ric_multiplicity(const ric_model *m, const ric_node *node, int *a, int *b, bool *decided)
 {
-    gauge t = {.more = true};
+    gauge t = {.multiplied = node->kind == RIC_KIND_MULTIPLICATION};
     expected(node, &t.a, &t.b);
     ric_status status = gauge_make(m, node, &t);
     *decided = !status && t.chain->n_unknown == 2 * m->n + t.chain->n_flight && measure(&t, a, b);
