@@ -187,17 +187,18 @@ bool cli_take_format(int *argc, char **argv, cli_format *format)
     return true;
 }
 
-static bool is_number(const char *text)
+/* One number, or the first of a list: "-0.5,1". */
+static bool begins_with_number(const char *text)
 {
     char *end;
     strtod(text, &end);
-    return end != text && *end == '\0';
+    return end != text && (*end == '\0' || *end == ',');
 }
 
 /* The start of an option, as against a negative number or a lone "-". */
 static bool is_option(const char *text)
 {
-    return text[0] == '-' && text[1] && !is_number(text);
+    return text[0] == '-' && text[1] && !begins_with_number(text);
 }
 
 /* `--sort -energy`: a column with a minus before it, no option; those of one dash have one letter.

@@ -26,6 +26,9 @@ ok "phases where the level is above the threshold" rows \
 ok "even harmonics do no work on symmetric orbits" rows \
     'assert any(r["harmonic"] == 2 and r["threshold"] is None and r["trusted"] == "work" for r in rows)'
 ok "some are trusted, some are not" rows 'assert {"yes", "period"} <= {r["trusted"] for r in rows}'
+reversed() { cmp -s <("$ricochet" force "$atlas" --force "-1,0" --damping 0.001 --energy 1 --csv) <("$ricochet" force "$atlas" --force=-1,0 --damping 0.001 --energy 1 --csv); }
+ok "a force that begins with a minus is no option" reversed
+ok "and is one" "$ricochet" force "$atlas" --force -1,0 --damping 0.001 --energy 1
 printf '%%%%MatrixMarket matrix array real symmetric\n2 2\n0.02\n0\n0.01\n' >"$folder/C.mtx"
 ok "a matrix" "$ricochet" force "$atlas" --force 1,0 --damping "$folder/C.mtx" --energy 1
 ok "a window" "$ricochet" force "$atlas" --force 1,0 --damping 0.001 --energy 0.9,1.2
