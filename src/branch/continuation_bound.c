@@ -34,6 +34,9 @@
 #define PLAIN 100
 /* TURNED: radians by which rounding turns the kernel vector, from which on no slope is known */
 #define TURNED 0.01
+/* SURELY: of a lower bound of the second singular value: nothing that rounding makes of it is less
+ */
+#define SURELY 0.5
 /* LEFT: of the tolerance without what springs make of displacements, which are met better than they
  * may be: what a flight has been seen to round to; its constants are three times that */
 #define LEFT (1 / 3.0)
@@ -94,9 +97,11 @@ double ric_continuation_slope_error(ric_shooting *c, const double *u, const doub
     const double pivot = ric_continuation_blur(c, test);
     double plane[2 * size], second, v[size], other[size], error = pivot;
     if (!(fabs(slope) > pivot && fabs(slope) < UNCLEAR * pivot)) return pivot;
-    if (!ric_shooting_plane(c, plane, &second)) return HUGE_VAL;
     const double left = fmax(c->residual, LEFT * ric_continuation_tolerance(c) / (1 + c->stiff)),
-                 most = left / second * (1 + 1 / second), off = left * c->scale / second;
+                 least = SURELY * ric_shooting_least(c);
+    if (fabs(slope) > PLAIN * left / least * (1 + 1 / least)) return pivot;
+    if (!ric_shooting_plane(c, plane, &second)) return HUGE_VAL;
+    const double most = left / second * (1 + 1 / second), off = left * c->scale / second;
     if (fabs(slope) > PLAIN * most) return pivot;
     if (most > TURNED) return HUGE_VAL;
     const double here = ric_continuation_slope(c, test, t);

@@ -112,15 +112,6 @@ static bool turned_freely(const ric_continuation *tr, const ric_crossed *place, 
     return found;
 }
 
-/* The unknowns of an orbit of the trace as those of its cycle. */
-static double *turned_unknowns(const ric_continuation *tr, const double *u)
-{
-    ric_periodic *cycle = ric_continuation_cycle(tr, u);
-    double *out = unknowns(tr->chain->model, cycle);
-    ric_periodic_free(cycle);
-    return out;
-}
-
 /* At a zero of the bordered determinant: whether one of the operations from..to (1 reversal, 2 x ->
  * -x, 3 both, each with a shift; 0 shifts only) keeps the orbit there and turns the branch round.
  * Where one all but does, *aside is how far towards `beside` the middle between the orbit and its
@@ -135,11 +126,13 @@ static bool turned_round(const ric_continuation *tr, const ric_crossed *place, i
         return turned_freely(tr, place, from, to, aside);
     *aside = 0;
     ric_periodic *here = ric_continuation_cycle(tr, place->at),
-                 *near = ric_continuation_cycle(tr, place->beside);
-    double *u = unknowns(m, here), *v = unknowns(m, near), *x = turned_unknowns(tr, place->beyond);
-    for (int op = from; u && v && x && !found && op <= to; op++)
+                 *near = ric_continuation_cycle(tr, place->beside),
+                 *beyond = ric_continuation_cycle(tr, place->beyond);
+    double *u = NULL, *v = NULL, *x = NULL;
+    for (int op = from; here && near && beyond && !found && op <= to; op++)
         for (int s = 0; s < here->N && !found; s++) {
-            if (op == 0 && s == 0) continue;
+            if ((op == 0 && s == 0) || ric_periodic_apart(m, here, s, op, RIC_SAME_READ_OFF))
+                continue;
             ric_periodic *image = ric_periodic_transform(m, here, s, op & 1, op & 2);
             double distance = image && image->pure == here->pure && image->flip == here->flip
                                   ? ric_periodic_distance(here, image)
@@ -147,9 +140,12 @@ static bool turned_round(const ric_continuation *tr, const ric_crossed *place, i
             double *same = distance < RIC_SAME_READ_OFF ? unknowns(m, image) : NULL;
             ric_periodic_free(image);
             if (!same) continue;
+            if (!u) u = unknowns(m, here);
+            if (!v) v = unknowns(m, near);
+            if (!x) x = unknowns(m, beyond);
             image = ric_periodic_transform(m, near, s, op & 1, op & 2);
             double *w = unknowns(m, image);
-            bool turned = w && opposite(c->n_unknown, u, x, w);
+            bool turned = u && v && x && w && opposite(c->n_unknown, u, x, w);
             found = turned && distance < RIC_SAME_EXTRAPOLATED;
             if (turned && !found) *aside = middle(c->n_unknown, u, v, same);
             free(w);
@@ -161,6 +157,7 @@ static bool turned_round(const ric_continuation *tr, const ric_crossed *place, i
     free(x);
     ric_periodic_free(here);
     ric_periodic_free(near);
+    ric_periodic_free(beyond);
     return found;
 }
 

@@ -84,6 +84,13 @@ void ric_periodic_states(const ric_model *m, const ric_periodic *c, double *W)
         advance(m, c, i - 1, &closed, W + 2 * n * (i - 1), W + 2 * n * i);
 }
 
+void ric_periodic_state(const ric_model *m, const ric_periodic *c, int i, double *w)
+{
+    uint64_t closed = c->closed;
+    memcpy(w, c->w, 2 * (size_t)c->n * sizeof *w);
+    for (int k = 0; k < i; k++) advance(m, c, k, &closed, w, w);
+}
+
 uint64_t ric_periodic_springs(const ric_model *m)
 {
     uint64_t springs = 0;
@@ -396,6 +403,17 @@ static double image_distance(images *q, const ric_periodic *a, int shift, bool r
     for (int i = 0, j = first; i < a->N; i++, j = following(b->N, j, reverse))
         sum = fmax(sum, fabs(a->tau[i] - b->tau[j]));
     return sum;
+}
+
+bool ric_periodic_apart(const ric_model *m, const ric_periodic *c, int shift, int operation,
+                        double most)
+{
+    const bool reverse = operation & 1, mirror = operation & 2;
+    const int first = first_flight(c->N, shift, reverse);
+    if (!same_word(m, c, c, shift, reverse, mirror)) return true;
+    for (int i = 0, j = first; i < c->N; i++, j = following(c->N, j, reverse))
+        if (fabs(c->tau[i] - c->tau[j]) > most) return true;
+    return false;
 }
 
 bool ric_periodic_alike(const ric_model *m, const ric_periodic *a, const ric_periodic *b)

@@ -66,6 +66,8 @@ uint64_t ric_periodic_closed(const ric_model *model, const ric_periodic *cycle, 
 
 /* States after every impact [N * 2n]. */
 void ric_periodic_states(const ric_model *model, const ric_periodic *cycle, double *W);
+/* That after event i alone, w [2n]. */
+void ric_periodic_state(const ric_model *model, const ric_periodic *cycle, int i, double *w);
 /* State at time t after impact 0, taken modulo the period, w [2n]. */
 void ric_periodic_at_time(const ric_model *model, const ric_periodic *cycle, double t, double *w);
 double ric_periodic_period(const ric_periodic *cycle);
@@ -93,6 +95,10 @@ ric_periodic *ric_periodic_repeat(const ric_periodic *cycle, int q);
 
 /* Relative distance of two cycles as they stand (same faces needed, else infinity). */
 double ric_periodic_distance(const ric_periodic *a, const ric_periodic *b);
+/* Whether the word, or a flight time that differs by more than `most`, tells the image under a
+ * shift and an operation (of ric_periodic_operations) from the cycle itself; no state is flown. */
+bool ric_periodic_apart(const ric_model *model, const ric_periodic *cycle, int shift, int operation,
+                        double most);
 /* Whether some image of b has the same word as a: without that no operation takes the one to the
  * other. */
 bool ric_periodic_alike(const ric_model *model, const ric_periodic *a, const ric_periodic *b);

@@ -172,16 +172,13 @@ static ric_status between(const ric_model *m, const ric_periodic *c, int x0, int
     int n = c->n, N = c->N;
     bool hit0 = x0 % 2 == 0, hit1 = x1 % 2 == 0;
     int *face = ric_calloc((size_t)(x1 - x0) + 3, sizeof *face);
-    double *tau = ric_calloc((size_t)(x1 - x0) + 3, sizeof *tau),
-           *W = ric_calloc((size_t)N * 2 * (size_t)n, sizeof *W), *u = NULL;
-    double w[2 * n];
+    double *tau = ric_calloc((size_t)(x1 - x0) + 3, sizeof *tau), *u = NULL, w[2 * n];
     *chain = NULL;
     *out = NULL;
-    if (!face || !tau || !W) {
+    if (!face || !tau) {
         status = ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", N);
         goto out;
     }
-    ric_periodic_states(m, c, W);
     int first = x0 / 2; /* impact at or before the start */
     face[0] = hit0 ? c->face[modulo(first, N)] : -1;
     int nf = flights_between(c, x0, x1, face, tau);
@@ -193,7 +190,7 @@ static ric_status between(const ric_model *m, const ric_periodic *c, int x0, int
         status = ric_fail(RIC_E_NOMEM, "no memory for an orbit of %d impacts", N);
         goto out;
     }
-    memcpy(w, W + 2 * n * modulo(first, N), sizeof w);
+    ric_periodic_state(m, c, modulo(first, N), w);
     if (!hit0)
         ric_flight_go(m, (*chain)->closed[0], c->face[modulo(first, N)],
                       c->tau[modulo(first, N)] / 2, w, w);
@@ -214,7 +211,6 @@ out:
     free(u);
     free(face);
     free(tau);
-    free(W);
     return status;
 }
 

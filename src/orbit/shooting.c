@@ -511,6 +511,23 @@ void ric_shooting_step(const ric_shooting *c, bool newton, double alpha, double 
     unwind(c, newton, end, du);
 }
 
+/* The square part of L, its columns in the order in which they were pinned, is lower triangular,
+ * and its singular values are those of L: the least is above one over the norm of the inverse. */
+double ric_shooting_least(const ric_shooting *c)
+{
+    int rows = c->n_end;
+    double column[rows + 1], sum = 0; /* of the inverse */
+    for (int j = 0; j < rows; j++)
+        for (int i = j; i < rows; i++) {
+            const double *row = c->X + i * c->ld + rows; /* column k of the square part is at -k */
+            column[i] = i == j;
+            for (int k = j; k < i; k++) column[i] -= row[-k] * column[k];
+            column[i] /= row[-i];
+            sum += column[i] * column[i];
+        }
+    return 1 / sqrt(sum);
+}
+
 /* What the flights leave of the Jacobian is the small matrix L [n_end, n_end + 1] of the end rows,
  * behind orthogonal maps: its kernel is the kernel of the whole, and its singular vectors are
  * carried back like a step. */

@@ -136,6 +136,9 @@ void ric_shooting_fly(ric_shooting *chain, const double *u);
  * unit norm. */
 void ric_shooting_step(const ric_shooting *chain, bool newton, double alpha, double *du);
 
+/* From the last evaluation: a lower bound of what ric_shooting_plane calls *second, off by rounding
+ * alone, and above that over the root of n_end; NAN where a pivot is 0. */
+double ric_shooting_least(const ric_shooting *chain);
 /* From the last evaluation: the two directions that the Jacobian carries to the least, orthonormal,
  * kernel [2 * n_unknown]: the second spans the kernel, the first joins it where its singular value
  * *second is 0. Cost O(n_flight n). False: LAPACK failed. */

@@ -129,6 +129,9 @@ static void check_states(const ric_model *m, ric_shooting *chain, const double *
         for (int i = 0; i < m->n; i++) s += f->g[i] * W[2 * m->n * k + i];
         if (!(fabs(s - f->gap) <= 1e-11 * 20))
             fail_msg("%s: impact %d is off its face by %.3g", where, k, s - f->gap);
+        double alone[2 * MAX_N];
+        ric_periodic_state(m, cycle, k, alone);
+        assert_memory_equal(alone, W + 2 * m->n * k, 2 * (size_t)m->n * sizeof *W);
         ric_periodic_free(moved);
     }
     ric_periodic *around = ric_periodic_transform(m, cycle, cycle->N, false, false);
@@ -307,6 +310,14 @@ static bool same_bits(const ric_periodic *a, const ric_periodic *b)
            !memcmp(a->w, b->w, 2 * (size_t)a->n * sizeof *a->w);
 }
 
+/* Whether the word or a flight time of an image of a cycle tells it from the cycle. */
+static bool tells_apart(const ric_periodic *cycle, const ric_periodic *image, double most)
+{
+    bool apart = memcmp(cycle->face, image->face, (size_t)cycle->N * sizeof *cycle->face);
+    for (int i = 0; i < cycle->N; i++) apart = apart || fabs(cycle->tau[i] - image->tau[i]) > most;
+    return apart;
+}
+
 /* The canonical form and the nearest image from all images, made one by one: what is only read off
  * the cycle is the same to the last bit. */
 static void check_reading(const ric_model *m, ric_periodic *cycle, const ric_periodic *to,
@@ -319,6 +330,8 @@ static void check_reading(const ric_model *m, ric_periodic *cycle, const ric_per
             ric_periodic *image = ric_periodic_transform(m, cycle, s, op & 1, op & 2);
             if (!image) continue;
             double off = ric_periodic_distance(to, image);
+            assert_int_equal(ric_periodic_apart(m, cycle, s, op, 1e-3),
+                             tells_apart(cycle, image, 1e-3));
             if (ric_periodic_compare(ric_periodic_springs(m), image, least) < 0) {
                 ric_periodic_free(least);
                 least = ric_periodic_copy(image);

@@ -227,6 +227,24 @@ static void check_determinant(ric_shooting *chain, const double *u, const char *
     }
 }
 
+/* The least singular value of the end rows and what bounds it from below. */
+static void check_least(ric_shooting *chain, const double *u, const char *where)
+{
+    double plane[2 * MAX_SIZE], second;
+    if (chain->n_end == 0) return; /* one mode, which ends at an impact */
+    ric_shooting_evaluate(chain, u);
+    assert_true(ric_shooting_plane(chain, plane, &second));
+    double least = ric_shooting_least(chain);
+    if (!(least <= second * (1 + 1e-6) && second <= least * sqrt(chain->n_end) * (1 + 1e-6)))
+        fail_msg("%s: %.17g bounds %.17g", where, least, second);
+}
+
+static void least_value_is_bounded(void **state)
+{
+    (void)state;
+    over_random_chains(check_least);
+}
+
 static void determinant_sign(void **state)
 {
     (void)state;
@@ -492,7 +510,7 @@ int main(void)
         cmocka_unit_test(determinant_sign),        cmocka_unit_test(scalars),
         cmocka_unit_test(work_is_linear),          cmocka_unit_test(cost_is_linear),
         cmocka_unit_test(residual_of_points),      cmocka_unit_test(residual_of_corrected),
-        cmocka_unit_test(matrices_of_flights),
+        cmocka_unit_test(matrices_of_flights),     cmocka_unit_test(least_value_is_bounded),
     };
     return cmocka_run_group_tests_name("chain", tests, NULL, NULL);
 }
