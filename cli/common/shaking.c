@@ -66,7 +66,7 @@ static double *copy_of(size_t n, const double *x)
     return out;
 }
 
-bool cli_shaking_complete(cli_shaking *s, const ric_study *study)
+static bool complete(cli_shaking *s, const ric_study *study)
 {
     ric_forcing of;
     if (!ric_study_forcing(study, &of)) return true;
@@ -97,7 +97,7 @@ int cli_shaking_read(cli_shaking *s, const char *command, const char *path, cons
     if (!code && path && !ric_model_same(ric_study_model(other), ric_study_model(own)))
         code = cli_wrong("%s: --study %s is a study of another structure than that of the atlas",
                          command, path);
-    if (!code && !cli_shaking_complete(s, path ? other : own)) code = cli_report(RIC_E_NOMEM);
+    if (!code && !complete(s, path ? other : own)) code = cli_report(RIC_E_NOMEM);
     ric_study_free(other);
     return code;
 }
@@ -171,7 +171,7 @@ int cli_drive_complete(cli_drive *d, const char *command, const ric_study *study
 {
     cli_shaking *h = &d->shaking;
     d->own_force = h->n_force;
-    if (!cli_shaking_complete(h, study)) return cli_report(RIC_E_NOMEM);
+    if (!complete(h, study)) return cli_report(RIC_E_NOMEM);
     if (d->phased && !h->n_force)
         return cli_wrong("%s: --omega, --level and --phase go with --force F1,F2,..", command);
     d->is_shaken = h->n_force || h->n_ratio || h->n_matrix || h->n_restitution;

@@ -18,8 +18,6 @@ typedef struct {
 } cli_shaking;
 
 bool cli_take_shaking(int *argc, char **argv, cli_shaking *out, int *code);
-/* What the options do not say, as the study has it. */
-bool cli_shaking_complete(cli_shaking *shaking, const ric_study *study);
 /* The same from the study of a file, which has to be that of this structure, or from `own` where
  * path is NULL; the exit code. */
 int cli_shaking_read(cli_shaking *shaking, const char *command, const char *path,

@@ -21,9 +21,8 @@ struct ric_store {
     char *path, *lock_path;
     int lock; /* descriptor that holds the lock, -1 = none */
     sqlite3_stmt *get, *put, *drop;
-    bool sound;        /* nothing has been found that is damaged */
-    bool writes;       /* the file has been set up for it */
-    bool tables_begun; /* the tables are being replaced */
+    bool sound;  /* nothing has been found that is damaged */
+    bool writes; /* the file has been set up for it */
 };
 
 /* ------------------------------------------------------------------- store */
@@ -371,27 +370,17 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines)
     return status;
 }
 
-ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas)
+ric_status ric_store_write(ric_store *store, const ric_atlas *atlas)
 {
     ric_database file = store->file;
-    ric_status status = ric_store_commit(
-        store); /* the work itself is kept even if the tables cannot be written */
+    /* the work itself is kept even if the tables cannot be written */
+    ric_status status = ric_store_commit(store);
     if (!status) status = begin(store);
-    store->tables_begun = !status;
-    if (!status)
-        status = ric_store_sqlite_run(
-            file, "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM junction_branch; "
-                  "DELETE FROM branch; DELETE FROM junction");
-    return status ? status : ric_store_put_branches(file, atlas);
-}
-
-ric_status ric_store_write_junctions(ric_store *store, ric_status before, const ric_atlas *atlas)
-{
-    ric_database file = store->file;
-    ric_status status = before;
-    if (!store->tables_begun) /* traces that wait for a commit are no part of it */
-        return status;
-    store->tables_begun = false;
+    if (status) return status;
+    status = ric_store_sqlite_run(file,
+                                  "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM "
+                                  "junction_branch; DELETE FROM branch; DELETE FROM junction");
+    if (!status) status = ric_store_put_branches(file, atlas);
     if (!status) status = ric_store_put_junctions(file, atlas);
     if (!status)
         status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced,
@@ -399,9 +388,4 @@ ric_status ric_store_write_junctions(ric_store *store, ric_status before, const 
     if (!status) status = ric_store_put_gaps(file, atlas);
     if (!status && atlas->labels) status = ric_store_put_meta(file, "labels", atlas->labels);
     return conclude(file, status);
-}
-
-ric_status ric_store_write(ric_store *store, const ric_atlas *atlas)
-{
-    return ric_store_write_junctions(store, ric_store_write_branches(store, atlas), atlas);
 }

@@ -43,16 +43,6 @@ ric_status ric_store_labels_get(ric_store *store, char **text);
 
 /* Replaces the tables of branches, points and junctions by those of `atlas` in one transaction. */
 ric_status ric_store_write(ric_store *store, const ric_atlas *atlas);
-/* The same in two steps, so that the junctions need not be known yet when the branches are written.
- * The second one ends what the first began, also where that, or anything in between, has failed:
- * then nothing is changed, and it returns that failure, `before`. */
-ric_status ric_store_write_branches(ric_store *store, const ric_atlas *atlas);
-ric_status ric_store_write_junctions(ric_store *store, ric_status before, const ric_atlas *atlas);
-
-/* Keeps proofs of points of `atlas`, and their certificates, NULL if there is none, outside the
- * digest of the tables; in place of those of the same points. */
-ric_status ric_store_put_proofs(ric_store *store, const ric_atlas *atlas, int n,
-                                const ric_proof *proofs, const char *const *certificates);
 
 /* Reads the tables back into a new atlas (study parsed from the file). */
 ric_status ric_store_read(const char *path, ric_atlas **out);

@@ -197,8 +197,9 @@ static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atla
     return status;
 }
 
-ric_status ric_store_put_proofs(ric_store *store, const ric_atlas *atlas, int n,
-                                const ric_proof *proofs, const char *const *certificates)
+/* In place of those of the same points; certificates: NULL where there is none. */
+static ric_status put_proofs(ric_store *store, const ric_atlas *atlas, int n,
+                             const ric_proof *proofs, const char *const *certificates)
 {
     sqlite3_stmt *query = NULL;
     ric_database file;
@@ -216,7 +217,7 @@ ric_status ric_proof_keep(const char *path, const ric_atlas *atlas, int n, const
 {
     ric_store *store = NULL;
     ric_status status = ric_store_open(path, ric_atlas_study(atlas), &store);
-    if (!status) status = ric_store_put_proofs(store, atlas, n, proofs, certificates);
+    if (!status) status = put_proofs(store, atlas, n, proofs, certificates);
     ric_store_close(store);
     return status;
 }

@@ -76,7 +76,9 @@ static void divide(int n, const real *L, int ld, real *X)
     }
 }
 
-ric_status ric_shaken_matrix(const ric_model *model, int n_ratio, const double *ratios, double *C)
+/* Damping matrix C [n * n] in physical units from ratios: sum 2 zeta_i omega_i (M phi_i)(M phi_i)'.
+ */
+static ric_status make_matrix(const ric_model *model, int n_ratio, const double *ratios, double *C)
 {
     const int n = ric_model_n_dof(model);
     const double *M = ric_model_mass(model);
@@ -180,8 +182,7 @@ ric_status ric_shaken_create(const ric_model *model, const ric_shaking *shaking,
     s->restitution = shaking->restitution;
     s->omega = omega;
     if (shaking->matrix) memcpy(C, shaking->matrix, nn * sizeof *C);
-    else if (shaking->ratios &&
-             (status = ric_shaken_matrix(model, shaking->n_ratio, shaking->ratios, C)))
+    else if (shaking->ratios && (status = make_matrix(model, shaking->n_ratio, shaking->ratios, C)))
         goto out;
     for (size_t i = 0; i < nn; i++) {
         L[i] = ric_model_mass(model)[i];

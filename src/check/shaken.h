@@ -4,10 +4,6 @@
 
 #include "simulator.h"
 
-/* Damping matrix C [n * n] in physical units from ratios: sum 2 zeta_i omega_i (M phi_i)(M phi_i)'.
- */
-ric_status ric_shaken_matrix(const ric_model *model, int n_ratio, const double *ratios, double *C);
-
 /* As of the public one, in extended precision: x, v [2n]. */
 ric_status ric_shaken_start_long(ric_shaken *s, const ric_real *y, ric_real phase);
 void ric_shaken_state_long(const ric_shaken *s, ric_real *time, ric_real *y);

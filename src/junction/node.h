@@ -15,8 +15,7 @@ typedef enum {
     RIC_DEPARTURE_KNOWN,
     RIC_DEPARTURE_INADMISSIBLE,
     RIC_DEPARTURE_OVER_BUDGET,
-    RIC_DEPARTURE_REFUSED,
-    RIC_DEPARTURE_LATER
+    RIC_DEPARTURE_REFUSED
 } ric_departure_state;
 
 /* One way out: at a grazing the touches that stay as impacts (bit i: touch i), at a corner the

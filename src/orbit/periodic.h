@@ -138,17 +138,12 @@ bool ric_periodic_oppose(ric_periodic *cycle, const double *w);
 double ric_periodic_phase(const ric_model *model, const ric_periodic *orbit, ric_periodic *near);
 void ric_periodic_shift(const ric_model *model, const ric_periodic *orbit, double time,
                         ric_periodic *near);
-/* Whether an orbit that is gone through `copies` times has mirror points anywhere; then it starts
- * at one of them afterwards. */
-bool ric_periodic_find_mirrors(const ric_model *model, ric_periodic *cycle, int copies,
-                               double tolerance);
 /* The same orbit started half a mark later; false: it has events, and starts at one. */
 bool ric_periodic_half_mark(const ric_model *model, ric_periodic *cycle);
 /* Moves the start of a neighbour across the flow at that of `orbit`; an event is where it is. */
 void ric_periodic_align(const ric_model *model, const ric_periodic *orbit, ric_periodic *near);
-/* How often a shorter orbit is gone through, up to RIC_COPIES times. */
+/* How often a shorter orbit may be gone through. */
 enum { RIC_COPIES = 24 };
-int ric_periodic_copies(const ric_model *model, const ric_periodic *cycle, double tolerance);
 /* Letters of its word: N, or none where there are only marks. */
 int ric_periodic_letters(const ric_periodic *cycle);
 

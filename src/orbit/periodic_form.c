@@ -6,78 +6,78 @@ static const ric_periodic_form *const FORMS[] = {
     [RIC_LAW_POWER] = &ric_periodic_smooth,
 };
 
-const ric_periodic_form *ric_periodic_form_of(const ric_model *m)
+static const ric_periodic_form *form_of(const ric_model *m)
 {
     return FORMS[m->law];
 }
 
 bool ric_periodic_has_events(const ric_model *m)
 {
-    return ric_periodic_form_of(m)->events;
+    return form_of(m)->events;
 }
 
 ric_periodic *ric_periodic_from_chain(const ric_shooting *chain, const double *u)
 {
-    return ric_periodic_form_of(chain->model)->from_chain(chain, u);
+    return form_of(chain->model)->from_chain(chain, u);
 }
 
 ric_status ric_periodic_to_chain(const ric_model *m, const ric_periodic *c, ric_shooting **chain,
                                  double **u)
 {
-    return ric_periodic_form_of(m)->to_chain(m, c, chain, u);
+    return form_of(m)->to_chain(m, c, chain, u);
 }
 
 ric_periodic *ric_periodic_spelled(const ric_model *m, int letters, const int *word,
                                    const double *tau)
 {
-    return ric_periodic_form_of(m)->spell(m, letters, word, tau);
+    return form_of(m)->spell(m, letters, word, tau);
 }
 
 void ric_periodic_claimed(const ric_model *m, const ric_periodic_claim *claim, ric_periodic *c)
 {
-    ric_periodic_form_of(m)->claim(m, claim, c);
+    form_of(m)->claim(m, claim, c);
 }
 
 bool ric_periodic_same(const ric_model *m, const ric_periodic *a, const ric_periodic *b,
                        double tolerance)
 {
-    return ric_periodic_form_of(m)->same(m, a, b, tolerance);
+    return form_of(m)->same(m, a, b, tolerance);
 }
 
 bool ric_periodic_repeats(const ric_model *m, const ric_periodic *c, double tolerance)
 {
-    return ric_periodic_form_of(m)->repeats(m, c, tolerance);
+    return form_of(m)->repeats(m, c, tolerance);
 }
 
 ric_periodic *ric_periodic_nearest(const ric_model *m, const ric_periodic *orbit,
                                    const ric_periodic *near, double limit)
 {
-    return ric_periodic_form_of(m)->nearest(m, orbit, near, limit);
+    return form_of(m)->nearest(m, orbit, near, limit);
 }
 
 int ric_periodic_find_symmetries(const ric_model *m, ric_periodic *c, double tolerance)
 {
-    return ric_periodic_form_of(m)->find_symmetries(m, c, tolerance);
+    return form_of(m)->find_symmetries(m, c, tolerance);
 }
 
 void ric_periodic_flights(const ric_model *m, const ric_periodic *c, double *seconds)
 {
     int n = ric_periodic_letters(c);
-    ric_periodic_form_of(m)->flights(c, seconds);
+    form_of(m)->flights(c, seconds);
     for (int k = 0; k < (n > 0 ? n : 1); k++) seconds[k] /= m->omega_ref;
 }
 
 bool ric_periodic_divide(const ric_model *m, ric_periodic *c, int marks)
 {
-    return ric_periodic_form_of(m)->divide(c, marks);
+    return form_of(m)->divide(c, marks);
 }
 
 bool ric_periodic_half_mark(const ric_model *m, ric_periodic *c)
 {
-    return ric_periodic_form_of(m)->half_mark(m, c);
+    return form_of(m)->half_mark(m, c);
 }
 
 void ric_periodic_align(const ric_model *m, const ric_periodic *orbit, ric_periodic *near)
 {
-    ric_periodic_form_of(m)->align(m, orbit, near);
+    form_of(m)->align(m, orbit, near);
 }

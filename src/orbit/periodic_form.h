@@ -30,8 +30,6 @@ typedef struct ric_periodic_form {
 
 extern const ric_periodic_form ric_periodic_events, ric_periodic_smooth;
 
-const ric_periodic_form *ric_periodic_form_of(const ric_model *model);
-
 /* What both forms are made of. Reversals that hold are those of mirror points of the kinds in
  * `said`, unless that is NULL: beside a junction those of the other branch all but hold, too, and
  * so do others of the same kinds and the repetition of a shorter orbit, so that the reversal that

@@ -219,7 +219,7 @@ static ric_periodic *nearest_phase(const ric_model *m, const ric_periodic *orbit
 
 /* A reversal R takes the orbit to itself with a shift, R w = w(-t): its mirror points are half of
  * that behind w, and half a period on. */
-bool ric_periodic_find_mirrors(const ric_model *m, ric_periodic *c, int copies, double tolerance)
+static bool find_mirrors(const ric_model *m, ric_periodic *c, int copies, double tolerance)
 {
     double period = ric_periodic_period(c) / copies;
     for (int flip = 0; flip < ric_periodic_operations(m) / 2; flip++) {
@@ -311,7 +311,8 @@ static ric_status to_chain(const ric_model *m, const ric_periodic *c, ric_shooti
     return RIC_OK;
 }
 
-int ric_periodic_copies(const ric_model *m, const ric_periodic *c, double tolerance)
+/* How often a shorter orbit is gone through, up to RIC_COPIES times. */
+static int copies_of(const ric_model *m, const ric_periodic *c, double tolerance)
 {
     int n = c->n;
     double w[2 * n], period = ric_periodic_period(c), size = 1 + sqrt(ric_dot(2 * n, c->w, c->w));
@@ -365,7 +366,7 @@ static bool same(const ric_model *m, const ric_periodic *a, const ric_periodic *
 
 static bool repeats(const ric_model *m, const ric_periodic *c, double tolerance)
 {
-    return ric_periodic_copies(m, c, tolerance) > 1;
+    return copies_of(m, c, tolerance) > 1;
 }
 
 static ric_periodic *nearest(const ric_model *m, const ric_periodic *orbit,
@@ -379,11 +380,11 @@ static int find_symmetries(const ric_model *m, ric_periodic *c, double tolerance
 {
     c->half = false;
     c->pure = c->flip = -1;
-    int q = ric_periodic_copies(m, c, tolerance);
+    int q = copies_of(m, c, tolerance);
     if (!ric_periodic_mark(c, 2 * q)) return 1;
     q = ric_periodic_try_symmetries(m, c, q, tolerance, NULL);
     /* the other reversal a quarter on */
-    if (phase_free(c) && ric_periodic_find_mirrors(m, c, q, tolerance) && c->half)
+    if (phase_free(c) && find_mirrors(m, c, q, tolerance) && c->half)
         *(c->pure < 0 ? &c->pure : &c->flip) = 1;
     /* orbits with all symmetries start at a centre */
     if (c->half && c->pure == 0) half_mark(m, c);

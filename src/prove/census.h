@@ -25,8 +25,7 @@ void ric_census_judge(ric_census_find *z, const ric_census_pair *p);
  * the zero b. */
 bool ric_census_is_image(const ric_census_find *a, const ric_census_find *b,
                          const ric_census_pair *p, int shift, bool reverse, bool mirror);
-/* Whether any image of a is b; repeats, symmetric, reversible of a single one. */
+/* Whether any image of a is b. */
 bool ric_census_same(const ric_census_find *a, const ric_census_find *b, const ric_census_pair *p);
-void ric_census_symmetries(ric_census_find *z, const ric_census_pair *p);
 
 #endif

@@ -128,30 +128,6 @@ static bool is_ghost(const ric_census_find *z, const ric_census_pair *p)
     return !ric_census_box_moves(&b, p, &z->word);
 }
 
-void ric_census_judge(ric_census_find *z, const ric_census_pair *p)
-{
-    ric_ball w[RIC_CENSUS_IMPACTS][4];
-    int face[RIC_CENSUS_IMPACTS + 1];
-    const ric_phase *phase[RIC_CENSUS_IMPACTS] = {NULL};
-    ric_chain c;
-    ric_passage passage;
-    z->verdict = RIC_CENSUS_GHOST;
-    if (is_ghost(z, p)) return;
-    states(z, p, w);
-    make_chain(&c, face, phase, z, p, w);
-    ric_passage_init(&passage);
-    const ric_family family = {.hull = c.u};
-    z->verdict = ric_passage_prove(&passage, &c, p->e, &family) ? RIC_CENSUS_ORBIT
-                                                                : RIC_CENSUS_OPEN;
-    if (z->verdict == RIC_CENSUS_ORBIT) {
-        measure(z, &c, p, &passage);
-        write_state(z, &c, p->e);
-        ric_census_symmetries(z, p);
-    }
-    ric_passage_clear(&passage);
-    _arb_vec_clear(c.u, (slong)c.m * c.size + 1);
-}
-
 /* ----------------------------------------------------------------------- images */
 
 static bool within(double centre, double radius, ric_ball x)
@@ -191,7 +167,8 @@ bool ric_census_same(const ric_census_find *a, const ric_census_find *b, const r
     return false;
 }
 
-void ric_census_symmetries(ric_census_find *z, const ric_census_pair *p)
+/* What a zero is to itself: whether it repeats, is symmetric, is reversible. */
+static void find_symmetries(ric_census_find *z, const ric_census_pair *p)
 {
     for (int shift = 0; shift < z->word.N; shift++) {
         if (shift) z->repeats = z->repeats || ric_census_is_image(z, z, p, shift, false, false);
@@ -200,4 +177,30 @@ void ric_census_symmetries(ric_census_find *z, const ric_census_pair *p)
         z->symmetric = z->symmetric || ric_census_is_image(z, z, p, shift, false, true);
         z->reversible = z->reversible || ric_census_is_image(z, z, p, shift, true, true);
     }
+}
+
+/* ---------------------------------------------------------------------- verdict */
+
+void ric_census_judge(ric_census_find *z, const ric_census_pair *p)
+{
+    ric_ball w[RIC_CENSUS_IMPACTS][4];
+    int face[RIC_CENSUS_IMPACTS + 1];
+    const ric_phase *phase[RIC_CENSUS_IMPACTS] = {NULL};
+    ric_chain c;
+    ric_passage passage;
+    z->verdict = RIC_CENSUS_GHOST;
+    if (is_ghost(z, p)) return;
+    states(z, p, w);
+    make_chain(&c, face, phase, z, p, w);
+    ric_passage_init(&passage);
+    const ric_family family = {.hull = c.u};
+    z->verdict = ric_passage_prove(&passage, &c, p->e, &family) ? RIC_CENSUS_ORBIT
+                                                                : RIC_CENSUS_OPEN;
+    if (z->verdict == RIC_CENSUS_ORBIT) {
+        measure(z, &c, p, &passage);
+        write_state(z, &c, p->e);
+        find_symmetries(z, p);
+    }
+    ric_passage_clear(&passage);
+    _arb_vec_clear(c.u, (slong)c.m * c.size + 1);
 }

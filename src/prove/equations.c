@@ -168,7 +168,8 @@ static void put_link(const ric_enclosure *e, const ric_chain *c, int k, ric_equa
 
 /* ------------------------------------------------------------- mirror points */
 
-int ric_equation_pivot(const ric_enclosure *e, int face)
+/* The component of a normal that tangential velocities are measured by: the largest. */
+static int pivot(const ric_enclosure *e, int face)
 {
     int largest = 0;
     double most = -1;
@@ -195,7 +196,7 @@ void ric_equation_mirror(const ric_enclosure *e, ric_chain_end kind, int face, a
         return;
     }
     arb_srcptr c = ric_enclosure_c(e, e->wall[face].contact);
-    slong j = ric_equation_pivot(e, face);
+    slong j = pivot(e, face);
     for (slong i = 0; i < n; i++) arb_set(arb_mat_entry(B, 0, i), c + i);
     arb_set(gap, e->wall[face].gap);
     for (slong i = 0; i < n; i++) {

@@ -67,7 +67,5 @@ void ric_equation_bend(const ric_equation_span *f, const arb_mat_t D, arb_srcptr
  * an impact equals. */
 void ric_equation_mirror(const ric_enclosure *e, ric_chain_end kind, int face, arb_mat_t B,
                          arb_t gap);
-/* The component of a normal that tangential velocities are measured by: the largest. */
-int ric_equation_pivot(const ric_enclosure *e, int face);
 
 #endif

@@ -381,9 +381,10 @@ static bool agrees(const ric_augmented *x, const ric_junction *row, ric_junction
     return near && out->distance <= RIC_PROVER_NEAR;
 }
 
-bool ric_prover_junction_at(const ric_junction *row, const ric_chain *c, const ric_enclosure *e,
-                            const ric_augmented_question *ask, ric_augmented *x,
-                            ric_junction_proof *out)
+/* Asks one question near the centre of a chain, and compares with what is stored; `x` is to be
+ * freed in any case. */
+static bool prove_at(const ric_junction *row, const ric_chain *c, const ric_enclosure *e,
+                     const ric_augmented_question *ask, ric_augmented *x, ric_junction_proof *out)
 {
     bool done = ric_augmented_prove(x, c, e, ask);
     if (!done) snprintf(out->why, sizeof out->why, "%s", x->why);
@@ -410,7 +411,7 @@ ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, doub
                  "there are no equations for this kind in the class of its branch");
     for (int i = 0; i < n; i++) {
         ric_augmented_free(x);
-        if (!ric_prover_junction_at(row, &c, w->e, &ask[i], x, out)) continue;
+        if (!prove_at(row, &c, w->e, &ask[i], x, out)) continue;
         out->state = RIC_PROOF_DONE;
         break;
     }
@@ -435,7 +436,7 @@ ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool la
     if (made && (corner ? ask_corner(&c, w->e, &ask)
                         : ask_slowest(&c, w->e, &ask) || ask_nearest(&c, w->e, &ask))) {
         ric_augmented_free(x);
-        if (ric_prover_junction_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
+        if (prove_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
     } else if (corner)
         snprintf(out->why, sizeof out->why, "no two contacts close at all but one instant");
     else snprintf(out->why, sizeof out->why, "no impact and no gap is all but a touch");
@@ -457,7 +458,7 @@ static void on_linear(const ric_enclosure *e, const double *state, double period
     if (!touches) snprintf(out->why, sizeof out->why, "no gap is all but a touch");
     else {
         ric_augmented_free(x);
-        if (ric_prover_junction_at(row, &c, e, &ask, x, out)) out->state = RIC_PROOF_DONE;
+        if (prove_at(row, &c, e, &ask, x, out)) out->state = RIC_PROOF_DONE;
     }
     ric_chain_free(&c);
 }
@@ -499,7 +500,7 @@ static void on_itself(const ric_enclosure *e, const ric_junction *row, ric_augme
         const int n = made ? ask_itself(row, &c, e, ask) : 0;
         for (int i = 0; i < n && out->state != RIC_PROOF_DONE; i++) {
             ric_augmented_free(x);
-            if (ric_prover_junction_at(row, &c, e, &ask[i], x, out)) out->state = RIC_PROOF_DONE;
+            if (prove_at(row, &c, e, &ask[i], x, out)) out->state = RIC_PROOF_DONE;
         }
         ric_chain_free(&c);
     }

@@ -7,11 +7,6 @@
 #include "story.h"
 #include "walk.h"
 
-/* Asks one question near the centre of a chain, and compares with what is stored; `x` is to be
- * freed in any case. */
-bool ric_prover_junction_at(const ric_junction *row, const ric_chain *c, const ric_enclosure *e,
-                            const ric_augmented_question *ask, ric_augmented *x,
-                            ric_junction_proof *out);
 /* At an arclength of a branch, and at one of its ends where it grazes. Where out->state is
  * RIC_PROOF_DONE then `x` is the proof; it is 0 or another one before, and to be freed in any case.
  */

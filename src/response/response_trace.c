@@ -32,7 +32,7 @@ enum { QUICK = 5, LOCATE_MOST = 100, STEP_WORK = 10000 /* multiplications of a s
 
 /* ------------------------------------------------------------------- orbits */
 
-void ric_response_trace_orbit_free(ric_response_orbit *orbit)
+static void free_orbit(ric_response_orbit *orbit)
 {
     free(orbit->u);
     orbit->u = NULL;
@@ -41,8 +41,8 @@ void ric_response_trace_orbit_free(ric_response_orbit *orbit)
 void ric_response_trace_free(ric_response_trace *t)
 {
     if (!t) return;
-    for (int i = 0; i < t->n_point; i++) ric_response_trace_orbit_free(&t->points[i]);
-    for (int i = 0; i < t->n_event; i++) ric_response_trace_orbit_free(&t->events[i].at);
+    for (int i = 0; i < t->n_point; i++) free_orbit(&t->points[i]);
+    for (int i = 0; i < t->n_event; i++) free_orbit(&t->events[i].at);
     free(t->points);
     free(t->events);
     ric_force_orbit_free(t->shape);
@@ -361,7 +361,7 @@ static void drop_events(tracer *t, int first, double beyond)
     ric_response_trace *out = t->out;
     int kept = first;
     for (int i = first; i < out->n_event; i++) {
-        if (out->events[i].at.arclength > beyond) ric_response_trace_orbit_free(&out->events[i].at);
+        if (out->events[i].at.arclength > beyond) free_orbit(&out->events[i].at);
         else out->events[kept++] = out->events[i];
     }
     out->n_event = kept;
@@ -400,7 +400,7 @@ static bool find_events(tracer *t, const probe *a, probe *b, double h, step_end 
             .arclength = NAN; /* until an orbit is found; at an arrival the last ones may not be */
         const bool found = locate(t, a, (reading)what, h, last, &p);
         if (!found && what == BY_MARGIN) {
-            ric_response_trace_orbit_free(&p.orbit);
+            free_orbit(&p.orbit);
             return false;
         }
         if (found && what == BY_MARGIN) end = p.orbit.arclength;
@@ -411,15 +411,15 @@ static bool find_events(tracer *t, const probe *a, probe *b, double h, step_end 
             p = swap;
             *ends = ARRIVES;
             drop_events(t, before, b->orbit.arclength - BESIDE * h);
-            ric_response_trace_orbit_free(&p.orbit);
+            free_orbit(&p.orbit);
             continue;
         }
         if (found && p.orbit.arclength <= end && is_event(t, &p, (reading)what) &&
             !keep_event(t, kinds[what], &p)) {
-            ric_response_trace_orbit_free(&p.orbit);
+            free_orbit(&p.orbit);
             return false;
         }
-        ric_response_trace_orbit_free(&p.orbit);
+        free_orbit(&p.orbit);
         if (what != BY_MARGIN) continue;
         h = SHORT * (end - a->orbit.arclength);
         if (!go(t, a, h, NULL) || !look(t, a->orbit.tangent, a->orbit.arclength + h, b)) break;
@@ -544,7 +544,7 @@ static ric_response_stop follow(tracer *t, probe *a)
         *a = b;
         b = swap;
     }
-    ric_response_trace_orbit_free(&b.orbit);
+    free_orbit(&b.orbit);
     return stop;
 }
 
@@ -595,7 +595,7 @@ ric_response_trace *ric_response_trace_run(ric_force_orbit *shape,
     ric_response_stop last = RIC_RESPONSE_FAILED;
     bool begun = begin(&t, direction, NULL, &a) && keep_point(&t, &a);
     if (begun) last = follow(&t, &a);
-    ric_response_trace_orbit_free(&a.orbit);
+    free_orbit(&a.orbit);
     out->stop = last;
     out->other = last == RIC_RESPONSE_CLOSED ? last : RIC_RESPONSE_WINDOW;
     if (begun && both && last != RIC_RESPONSE_CLOSED) {
@@ -604,7 +604,7 @@ ric_response_trace *ric_response_trace_run(ric_force_orbit *shape,
         begun = begin(&t, back, &out->points[out->n_point - 1], &a);
         out->other = out->stop;
         out->stop = begun ? follow(&t, &a) : RIC_RESPONSE_FAILED;
-        ric_response_trace_orbit_free(&a.orbit);
+        free_orbit(&a.orbit);
     }
     if (out->n_event) qsort(out->events, (size_t)out->n_event, sizeof *out->events, by_arclength);
     if (ric_memory_failed() || ric_halted()) out->status = ric_trust(RIC_OK);

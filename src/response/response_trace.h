@@ -51,7 +51,6 @@ ric_response_trace *ric_response_trace_run(ric_force_orbit *shape,
                                            const ric_response_trace_options *options,
                                            const double *direction, bool both);
 void ric_response_trace_free(ric_response_trace *trace);
-void ric_response_trace_orbit_free(ric_response_orbit *orbit);
 /* Puts an orbit of a trace into an orbit of its shape. */
 void ric_response_trace_put(const ric_response_orbit *from, ric_force_orbit *o);
 /* Least of speeds at events and of 1 - (gap over clearance) inside flights, at most a half. */

@@ -156,8 +156,8 @@ static int count_passing(const ric_graph *g, int node, bool aside)
 
 static const char *state_text(ric_departure_state state)
 {
-    static const char *const texts[] = {"open",        "taken",   "known", "inadmissible",
-                                        "over budget", "refused", "later"};
+    static const char *const texts[] = {"open",         "taken",       "known",
+                                        "inadmissible", "over budget", "refused"};
     return texts[state];
 }
 
@@ -185,7 +185,7 @@ static void check_node(const ric_graph *g, int i, const char *name)
     for (int k = 0; k < node->n_departure; k++) {
         const ric_departure *d = &node->departures[k];
         int wanted = there(d), found;
-        if (d->state == RIC_DEPARTURE_OPEN || d->state == RIC_DEPARTURE_LATER)
+        if (d->state == RIC_DEPARTURE_OPEN)
             report(g, i, name, state_text(d->state), d->choice, 0, 1);
         if (d->state == RIC_DEPARTURE_REFUSED && !d->why)
             report(g, i, name, "refused without a reason", d->choice, 0, 1);
