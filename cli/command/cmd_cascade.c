@@ -141,14 +141,16 @@ static int print(json_t *rows, const look *l, const char *all, const char *few)
     return code;
 }
 
+#define FOLLOWED                                                                                   \
+    "step multiple p/q impacts grazings symmetric energy frequency ratio residual return_error "   \
+    "stop points word"
+
 static int print_followed(const ric_atlas *atlas, const cli_cascade_request *request, const look *l)
 {
-    static const char all[] = "step multiple p/q impacts grazings symmetric energy frequency ratio "
-                              "residual return_error stop "
-                              "points word";
     static const char few[] =
         "step p/q impacts grazings form energy frequency ratio residual return_error";
     ric_cascade *cascade = NULL;
+    if (!cli_sorts_by(&l->choice, FOLLOWED " form", "rotation")) return CLI_WRONG;
     int code = cli_follow_cascade(atlas, request, &cascade);
     if (code != CLI_DONE) return code;
     json_t *rows = json_array();
@@ -173,7 +175,7 @@ static int print_followed(const ric_atlas *atlas, const cli_cascade_request *req
         json_array_append_new(rows, row);
     }
     ric_cascade_free(cascade);
-    return print(rows, l, all, few);
+    return print(rows, l, FOLLOWED, few);
 }
 
 /* ------------------------------------------------------- paths of the atlas */

@@ -49,6 +49,11 @@ static bool show_progress(const char *what, double part, int found, void *user)
 
 /* ------------------------------------------------------------------ options */
 
+/* Columns in which rows may be in order; those of lists; and what a comparison adds. */
+#define COLUMNS "orbit energy word impacts period frequency symmetric reversible trace"
+#define LISTS "multipliers state flights"
+#define COMPARED " atlas branch family reason"
+
 static bool take_count(int *argc, char **argv, const char *name, int min, int *out)
 {
     const char *text;
@@ -438,7 +443,9 @@ static int run(int argc, char **argv)
         ric_hunt_options_bound(&r.options, atlas ? ric_atlas_study(atlas) : study);
         if (bounded && !(atlas && asked > r.options.period[1])) r.options.period[1] = asked;
         cli_forcing_warn(study, argv[1], "what is hunted");
-        code = hunt(&r, study, &atlas);
+        code = cli_sorts_by(&r.choice, atlas ? COLUMNS COMPARED : COLUMNS, LISTS)
+                   ? hunt(&r, study, &atlas)
+                   : CLI_WRONG;
     }
     ric_atlas_free(atlas);
     ric_study_free(study);

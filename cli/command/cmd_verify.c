@@ -112,6 +112,11 @@ static ric_status work_all(audit *a, int workers)
 
 /* ------------------------------------------------------------------ answers */
 
+#define COLUMNS                                                                                    \
+    "kind branch point junction flight_error return_error condition energy_error faces_agree "     \
+    "multiplier_error multiplier_bound multipliers_agree stable_agrees numbers_agree unchecked "   \
+    "passed"
+
 static const char *agreement(ric_agreement a)
 {
     return a == RIC_AGREES_YES ? "yes" : a == RIC_AGREES_NO ? "no" : "unchecked";
@@ -226,17 +231,13 @@ static int tell_all(const audit *a, FILE *out)
 static int print_audit(const audit *a, cli_format format, const cli_choice *choice, bool verbose,
                        bool quiet)
 {
-    static const char columns[] =
-        "kind branch point junction flight_error return_error condition energy_error faces_agree "
-        "multiplier_error multiplier_bound multipliers_agree stable_agrees numbers_agree unchecked "
-        "passed";
     json_t *rows = json_array();
     if (!rows) return cli_report(RIC_E_NOMEM);
     for (int i = 0; i < a->n; i++)
         if (a->results[i].done) add_row(rows, &a->results[i]);
     const bool listed = format != CLI_TEXT || verbose;
     const int code = !cli_choose(rows, choice) ? CLI_WRONG
-                     : listed                  ? cli_print_rows(rows, columns, format)
+                     : listed                  ? cli_print_rows(rows, COLUMNS, format)
                                                : CLI_DONE;
     json_decref(rows);
     FILE *none = quiet ? fopen("/dev/null", "w") : NULL;
@@ -271,6 +272,7 @@ static int run(int argc, char **argv)
         return CLI_WRONG;
     if (!(a.workers.seconds > 0))
         return cli_wrong("verify: --seconds: %s is no time; give a number above 0", seconds_text);
+    if (!cli_sorts_by(&choice, COLUMNS " finding", "")) return CLI_WRONG;
     if (point_text && !text)
         return cli_wrong("verify: --point needs --branch ID, whose points it counts");
     if (ric_response_is(argv[1])) return cli_verify_response(argv[1], a.all, quiet, format);

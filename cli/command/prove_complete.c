@@ -277,7 +277,11 @@ int prove_complete(int argc, char **argv)
     request r = {.length = 1};
     ric_study *study = NULL;
     ric_hunt_options window;
-    if (!take_request(&argc, argv, &r) || !cli_operands(&cli_prove, argc, argv, 1))
+    if (!take_request(&argc, argv, &r) || !cli_operands(&cli_prove, argc, argv, 1) ||
+        !cli_sorts_by(&r.choice,
+                      "orbit energy word impacts period frequency symmetric reversible stable "
+                      "trace approach",
+                      "period_within trace_within state flights"))
         return CLI_WRONG;
     ric_status status = ric_study_read(argv[1], &study);
     if (status) return cli_report(status);

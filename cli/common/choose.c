@@ -157,28 +157,58 @@ static int compare_rows(const void *left, const void *right)
     return order ? order : (a->place > b->place) - (a->place < b->place);
 }
 
+/* Whether a word is among others, which are separated by spaces. */
+static bool among(const char *words, const char *word)
+{
+    const size_t n = strlen(word);
+    for (const char *at = words; *at; at += strspn(at, " ")) {
+        const size_t length = strcspn(at, " ");
+        if (length == n && !strncmp(at, word, n)) return true;
+        at += length;
+    }
+    return false;
+}
+
+static bool has_lists(const char *column)
+{
+    cli_wrong("--sort %s: the column holds lists, which have no order", column);
+    return false;
+}
+
+static bool has_none(const char *column, const char *known)
+{
+    cli_wrong("--sort %s: the rows of this list have no such column; they have %s", column, known);
+    return false;
+}
+
+bool cli_sorts_by(const cli_choice *c, const char *columns, const char *lists)
+{
+    const char *column = c->sort ? c->sort + (*c->sort == '-') : NULL;
+    if (!column || among(columns, column)) return true;
+    return among(lists, column) ? has_lists(column) : has_none(column, columns);
+}
+
 /* Whether the rows of a list have such a column, of one value each; else a message that names those
  * that have. */
 static bool can_sort(const json_t *rows, const char *column)
 {
     char known[600] = "";
+    bool found = false;
     const char *name;
     json_t *value, *row;
     size_t i;
     json_array_foreach(rows, i, row)
     {
         value = json_object_get(row, column);
-        if (json_is_array(value) || json_is_object(value)) {
-            cli_wrong("--sort %s: the column holds lists, which have no order", column);
-            return false;
-        }
+        if (json_is_array(value) || json_is_object(value)) return has_lists(column);
+        found |= value != NULL;
     }
-    if (json_object_get(json_array_get(rows, 0), column)) return true;
+    if (found) return true;
     json_object_foreach(json_array_get(rows, 0), name,
                         value) if (!json_is_array(value) && !json_is_object(value))
-        snprintf(known + strlen(known), sizeof known - strlen(known), " %s", name);
-    cli_wrong("--sort %s: the rows of this list have no such column; they have%s", column, known);
-    return false;
+        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", *known ? " " : "",
+                 name);
+    return has_none(column, known);
 }
 
 static bool sort_rows(json_t *rows, const char *by)

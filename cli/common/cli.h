@@ -133,6 +133,9 @@ typedef struct {
 } cli_choice;
 /* The order alone, of a list that has no other choice; false with a message where it is wrong. */
 bool cli_take_sort(int *argc, char **argv, cli_choice *out);
+/* Whether rows that are still to be computed will have the column of that order; false with a
+ * message. `columns` and `lists` name those of one value each and those that hold lists. */
+bool cli_sorts_by(const cli_choice *choice, const char *columns, const char *lists);
 /* Takes the options out of argv; false with a message where they are wrong. */
 bool cli_take_choice(int *argc, char **argv, cli_choice *out);
 /* Leaves those rows, in order; false with a message where the list lacks a column that is asked

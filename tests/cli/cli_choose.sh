@@ -215,6 +215,33 @@ ok 'cascade --sort' falling cascade energy "$atlas" --branch 3 --doublings 3
 few='--lines 400 --rows 5 --row 60 --random 2000'
 ok 'hunt --sort' falling hunt period examples/elementary/study.yaml --energy 1 $few
 ok 'verify --sort' falling verify return_error "$atlas" --branch 3
-wrong_column() { "$ricochet" hunt examples/elementary/study.yaml --energy 1 $few --sort colour >"$folder/out" 2>/dev/null; [ $? = 2 ]; }
-ok 'a column that is not there' wrong_column
+# before: a wrong column is refused before anything is looked for, also where there is nothing to be found
+before() {
+    "$ricochet" "$@" --sort colour >"$folder/out" 2>"$folder/said"
+    [ $? = 2 ] && [ ! -s "$folder/out" ] && cat "$folder/said" && grep -q '^ricochet: --sort colour: .* no such column; they have ' "$folder/said"
+}
+ok 'hunt: a column that is not there' before hunt examples/elementary/study.yaml --energy 1e-9 $few
+ok 'cascade: a column that is not there' before cascade "$atlas" --branch 3 --doublings 3
+ok 'verify: a column that is not there' before verify "$atlas" --seconds 1e-9
+ok 'a column of lists' bash -c '"$@" 2>&1 | grep -q "holds lists"' bash "$ricochet" hunt examples/elementary/study.yaml --energy 1e-9 $few --sort state
+# known COMMAND OPTION...: the columns that the refusal names are all those of the rows that hold no lists
+known() {
+    "$ricochet" "$@" --json >"$folder/rows" 2>/dev/null
+    "$ricochet" "$@" --sort colour >/dev/null 2>"$folder/said"
+    python3 -S - "$folder/rows" "$folder/said" <<'P'
+import json, sys
+named = open(sys.argv[2]).read().split("they have ")[1].split()
+rows = json.load(open(sys.argv[1]))
+lists = {name for row in rows for name, value in row.items() if isinstance(value, list)}
+assert rows and sorted(named) == sorted(rows[0].keys() - lists), (named, rows[0].keys(), lists)
+P
+}
+ok 'hunt names its columns' known hunt examples/elementary/study.yaml --energy 1 $few
+ok 'hunt names its columns beside an atlas' known hunt examples/elementary/study.yaml --energy 1 $few --atlas "$atlas"
+ok 'cascade names its columns' known cascade "$atlas" --branch 3 --doublings 3
+ok 'verify names its columns' known verify "$atlas" --branch 3
+if "$ricochet" prove --complete examples/elementary/study.yaml --energy 1e-3 >/dev/null 2>&1; then
+    ok 'prove: a column that is not there' before prove --complete examples/elementary/study.yaml --energy 1e-3
+    ok 'prove names its columns' known prove --complete examples/elementary/study.yaml --energy 2 --impacts 2
+fi
 finish
