@@ -132,13 +132,17 @@ static void draw_ground(picture *p, plot_point at, double length, double nx, dou
                 at.y + (s + step) * ty + 6 * ny);
 }
 
-static void number(picture *p, plot_point at, char name, double value)
+/* "m = 1.25" in the middle of a place of that width: without its name, or in smaller letters, where
+ * it would be wider. */
+static void number(picture *p, plot_point at, double room, char name, double value)
 {
     char text[80];
     if (p->n > MAX_NUMBERED) return;
-    if (p->n > MAX_NAMED) snprintf(text, sizeof text, "%.4g", value);
-    else snprintf(text, sizeof text, "%c = %.4g", name, value);
-    plot_page_text(p->page, at, PLOT_CENTRE, type, "#000000", false, text);
+    snprintf(text, sizeof text, "%c = %.4g", name, value);
+    if (p->n > MAX_NAMED || plot_text_width(text, type) > room)
+        snprintf(text, sizeof text, "%.4g", value);
+    const double size = type * fmin(1, room / plot_text_width(text, type));
+    plot_page_text(p->page, at, PLOT_CENTRE, size, "#000000", false, text);
 }
 
 /* ----------------------------------------------------------------- in a row */
@@ -161,7 +165,7 @@ static void draw_mass(picture *p, int i)
     snprintf(text, sizeof text, p->n > MAX_NUMBERED ? "%d" : "x_{%d}", i + 1);
     plot_page_text(p->page, (plot_point){x, y + (p->lumped && p->n <= MAX_NUMBERED ? 8 : 0)},
                    PLOT_CENTRE, type, "#000000", false, text);
-    if (p->lumped) number(p, (plot_point){x, y - 10}, 'm', p->mass[i * p->n + i]);
+    if (p->lumped) number(p, (plot_point){x, y - 10}, 2 * s - 4, 'm', p->mass[i * p->n + i]);
 }
 
 /* Which level above or below the row is free between two places: levels hold how far to the right
@@ -191,7 +195,7 @@ static void draw_coupling(picture *p, int i, int k, double *levels)
     }
     if (!p->page) return;
     draw_spring(p, (plot_point){x0, y}, (plot_point){x1, y}, false);
-    number(p, (plot_point){(x0 + x1) / 2, y + 16}, 'k', spring(p, i, k));
+    number(p, (plot_point){(x0 + x1) / 2, y + 16}, x1 - x0 - 4, 'k', spring(p, i, k));
 }
 
 static void draw_support(picture *p, int i)
@@ -215,7 +219,7 @@ static void draw_support(picture *p, int i)
     if (!p->page) return;
     draw_spring(p, from, to, false);
     draw_ground(p, to, nx != 0 ? 2 * s : 26, nx, ny);
-    number(p, text, 'k', p->ground[i]);
+    number(p, text, p->pitch - 2 * s - 4, 'k', p->ground[i]);
 }
 
 /* ----------------------------------------------------------------- contacts */
@@ -398,6 +402,18 @@ static void draw_row(picture *p)
     }
 }
 
+/* How wide the box of a mass has to be for what stands in it. */
+static double mass_room(const picture *p)
+{
+    double widest = 48;
+    for (int i = 0; p->lumped && p->n <= MAX_NAMED && i < p->n; i++) {
+        char text[40];
+        snprintf(text, sizeof text, "m = %.4g", p->mass[i * p->n + i]);
+        widest = fmax(widest, plot_text_width(text, type) + 8);
+    }
+    return widest;
+}
+
 /* Masses in the middle of the page, their walls included. */
 static void place_row(picture *p, double width)
 {
@@ -406,7 +422,7 @@ static void place_row(picture *p, double width)
                right = p->springs && p->n > 1 && p->ground[last] != 0;
     p->pitch = fmin(170, (width - 40) / (p->n + 1));
     p->left = (width - p->pitch * (p->n - 1)) / 2 + (left - right) * p->pitch / 3;
-    p->size = fmin(24, 0.26 * p->pitch);
+    p->size = fmin(mass_room(p) / 2, 0.26 * p->pitch);
     p->above = p->size + 26;
     p->below = p->size + 10;
     draw_row(p);

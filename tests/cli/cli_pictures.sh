@@ -412,6 +412,32 @@ springs = [line for line in p.lines["part"] if len(line) == 12]
 texts = {"m = 1.5", "m = 1", "m = 0.8", "k = 4", "k = 1", "k = 2", "k = 3", "wall:  s = x_1,  closes at 1,  rigid", "gap:  s = x_3 − x_2,  closes at ±0.7,  rigid"}
 check(len(springs) == 4 and texts <= {t[2] for t in p.texts}, len(springs), [t[2] for t in p.texts])
 END
+# digits MASS...: a chain of masses and springs with such numbers, and its picture
+digits() {
+    python3 -S - "$@" >"$folder/digits.yaml" <<'END'
+import sys
+m, n = sys.argv[1:], len(sys.argv) - 1
+rows = lambda at: "[" + ", ".join("[" + ", ".join(at(i, k) for k in range(n)) + "]" for i in range(n)) + "]"
+print("model:\n  mass:", rows(lambda i, k: m[i] if i == k else "0"))
+print("  stiffness:", rows(lambda i, k: str(2 * 1.2345e4) if i == k else "-1.2345e4" if abs(i - k) == 1 else "0"))
+print("  contacts: [{normal: [" + ", ".join(["1"] + ["0"] * (n - 1)) + "], clearance: 1, sides: both, law: rigid}]")
+END
+    draw digits model "$folder/digits.yaml"
+}
+for masses in '1.188 12.34' '1.188 1.188e-5 1.188e5 100 1 2' '1.188 1.188e-5 1.188e5 100 1 2 3 4 5 6'; do
+    ok "masses $masses" digits $masses
+    ok 'stand in their boxes, and beside them what springs have' sees digits <<'END'
+boxes = [line for line in p.lines["part"] if len(line) == 5]
+edges = sorted((min(x for x, y in b), max(x for x, y in b)) for b in boxes)
+def wide(text, size): return 0.52 * size * len(text)
+inner = [t for t in p.texts if any(lo < t[0] < hi for lo, hi in edges) and min(y for x, y in boxes[0]) < t[1] < max(y for x, y in boxes[0])]
+numbers = [t for t in inner if not t[2].startswith("x")]
+check(len(numbers) == len(boxes) and all(wide(t[2], t[3]) < edges[0][1] - edges[0][0] for t in numbers), edges, inner)
+between = edges[1][0] - edges[0][1]
+springs = [t for t in p.texts if "2345" in t[2].replace(".", "")]
+check(springs and all(wide(t[2], t[3]) < between for t in springs), between, springs)
+END
+done
 ok 'a structure with nodes' draw nodes model examples/arm/study.yaml
 ok 'is drawn from them' sees nodes <<'END'
 line = sorted({q for l in p.lines["member"] for q in l})
