@@ -283,6 +283,9 @@ static const cli_item items[] = {
      .picture = true,
      .text = "a row of histories and phase portraits for each orbit, its impacts above it"},
     {.name = "--orbit", .value = "ORBIT", .text = "one orbit; may be repeated"},
+    {.name = "--branch",
+     .value = "SEGMENT",
+     .text = "five orbits of a branch, or a part of it, from one end to the other"},
     {.name = "--histories", .text = "leave out the portraits"},
     {.name = "--columns", .value = "N", .text = "rows side by side"},
     {.name = "--gap", .text = "with the gap of the first contact, and where it closes"},
@@ -508,8 +511,10 @@ const cli_command cli_plot = {
         "           (--point I | --energy E | --frequency F) [--which K] [--coordinates LIST]\n"
         "           [--data FILE.csv] -o FILE\n"
         "ricochet plot orbit ATLAS --junction ID [--coordinates LIST] [--data FILE.csv] -o FILE\n"
-        "ricochet plot orbits ATLAS --orbit ORBIT... [ATLAS --orbit ORBIT...]... [--histories]\n"
-        "           [--columns N] [--same-axes] [--overlay] [--gap] [--coordinates LIST] -o FILE\n"
+        "ricochet plot orbits ATLAS (--orbit ORBIT... [ATLAS --orbit ORBIT...]... | --branch "
+        "SEGMENT)\n"
+        "           [--histories] [--columns N] [--same-axes] [--overlay] [--gap]\n"
+        "           [--coordinates LIST] -o FILE\n"
         "ricochet plot curves ATLAS --x NAME --y NAME [--z NAME [--view A,B]]\n"
         "           [--branch ID | --at E,OMEGA]... [--log AXES] [--window A:B,C:D]\n"
         "           [--labels WHAT] [--data FILE.csv] -o FILE\n"

@@ -38,6 +38,25 @@ static bool take_coordinates(orbits_figure *f, const char *text)
     return f->n_shown > 0 || (cli_wrong("--coordinates %s: which?", text), false);
 }
 
+/* Orbits of a branch, from one of its ends to the other, behind those that are named. */
+static int take_branch(orbits_figure *f)
+{
+    if (f->from.n > 1)
+        return cli_wrong("plot orbits: --branch is of one atlas; with several name each orbit, "
+                         "ATLAS --orbit %s@0.5",
+                         f->branch);
+    if (f->n + ORBITS_ALONG > ORBITS_MAX)
+        return cli_wrong("plot orbits: at most %d orbits fit on a page", ORBITS_MAX);
+    for (int i = 0; i < ORBITS_ALONG; i++) {
+        char *text = f->along[i];
+        if (snprintf(text, sizeof f->along[i], "%s@%g", f->branch,
+                     (double)i / (ORBITS_ALONG - 1)) >= (int)sizeof f->along[i])
+            return cli_wrong("plot orbits: --branch %s: no branch has such a name", f->branch);
+        f->panels[f->n++] = (orbits_panel){.text = text, .atlas = 0};
+    }
+    return CLI_DONE;
+}
+
 static int take_orbits(int argc, char **argv, orbits_figure *f)
 {
     plot_listed values[ORBITS_MAX];
@@ -45,15 +64,15 @@ static int take_orbits(int argc, char **argv, orbits_figure *f)
     for (int i = 0; i < f->n; i++)
         f->panels[i] = (orbits_panel){.text = values[i].text, .atlas = values[i].atlas};
     if (code != CLI_DONE) return code;
-    if (f->n == 0)
-        return cli_wrong("plot orbits: --orbit SPEC is missing: a junction, or BRANCH@PLACE; see "
-                         "ricochet plot --help");
+    if (f->n == 0 && !f->branch)
+        return cli_wrong("plot orbits: --orbit SPEC is missing: a junction, or BRANCH@PLACE; or "
+                         "--branch ID for some orbits of a branch; see ricochet plot --help");
     for (int i = 0; i < f->n; i++)
         if (f->panels[i].atlas < 0 && f->from.n > 1)
             return cli_wrong("--orbit %s: with several atlases an orbit stands behind the one that "
                              "it belongs to",
                              f->panels[i].text);
-    return CLI_DONE;
+    return f->branch ? take_branch(f) : CLI_DONE;
 }
 
 static int load(orbits_figure *f)
@@ -319,7 +338,8 @@ int plot_orbits(int argc, char **argv, const plot_options *common)
     f.same = cli_take_flag(&argc, argv, "--same-axes");
     f.gap = cli_take_flag(&argc, argv, "--gap");
     f.overlay = cli_take_flag(&argc, argv, "--overlay");
-    if (!cli_take_value(&argc, argv, "--coordinates", &coordinates) ||
+    if (!cli_take_value(&argc, argv, "--branch", &f.branch) ||
+        !cli_take_value(&argc, argv, "--coordinates", &coordinates) ||
         !cli_take_value(&argc, argv, "--columns", &columns) ||
         (columns && !cli_parse_integer(columns, "--columns", 1, 6, &f.columns)))
         return CLI_WRONG;

@@ -123,6 +123,11 @@ draws fep-duplicates plot fep "$ATLAS" --duplicates 3
 draws fep-two plot fep "$ATLAS" --key one "$ATLAS" --key two --branch 1
 draws fep-zoom plot fep "$ATLAS" --zoom 1.8:4,2.5:4 --zoom 0.6:1,0.9:1 --log-frequency --symmetric --mark 'P1: 1@0.5'
 draws orbits plot orbits "$ATLAS" --orbit 1 --orbit 'P1: 1@0.5*2' --same-axes
+draws along plot orbits "$ATLAS" --branch 'S2+[01]'
+"$RICOCHET" plot orbits "$ATLAS" $(printf -- '--orbit S2+[01]@%s ' 0 0.25 0.5 0.75 1) -o each.svg
+note "the orbits of a branch are five from end to end" "$(cmp each.svg along.svg; echo $?)"
+leaves_nothing 2 plot orbits "$ATLAS" --branch nowhere -o empty/a.svg
+leaves_nothing 2 plot orbits "$ATLAS" --orbit 1 "$ATLAS" --orbit 2 --branch 3 -o empty/a.svg
 draws histories plot orbits "$ATLAS" --orbit 1 --orbit 2 --histories --columns 2 --coordinates 2
 draws sheet plot sheet "$ATLAS" --segment 3 --orbits 6
 draws strobe plot strobe "$ATLAS" --segment 2:3 --orbits 6 --samples 5 --stretch
