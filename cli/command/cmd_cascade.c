@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "common/cli.h"
 
@@ -68,25 +67,24 @@ bool cli_take_cascade(int *argc, char **argv, cli_cascade_request *out)
 
 static bool show_progress(int step, int impacts, int points, void *user)
 {
-    const bool *terminal = user;
-    if (*terminal && points % 16 == 0)
-        fprintf(stderr, "\r\033[Kmultiplication %d, %d impacts, %d points", step, impacts, points);
+    if (cli_progress_due(user))
+        fprintf(stderr, "multiplication %d, %d impacts, %d points", step, impacts, points);
     return cli_stopped();
 }
 
 int cli_follow_cascade(const ric_atlas *atlas, const cli_cascade_request *request,
                        ric_cascade **out)
 {
-    bool terminal = isatty(STDERR_FILENO);
+    cli_progress line = cli_progress_begin();
     const ric_cascade_options options = {.n = request->n,
                                          .multiple = request->multiple,
                                          .rotation = request->rotation,
                                          .to_end = request->to_end,
                                          .progress = show_progress,
-                                         .user = &terminal};
+                                         .user = &line};
     cli_catch_signals();
     ric_status status = ric_cascade_follow(atlas, request->branch, &options, out);
-    if (terminal) fputs("\r\033[K", stderr);
+    cli_progress_end(&line);
     return cli_report(status);
 }
 

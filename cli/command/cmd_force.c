@@ -22,18 +22,6 @@ typedef struct {
 
 /* ------------------------------------------------------------------- answers */
 
-static json_t *numbers(int n, const double *values)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(values[i]));
-    return list;
-}
-
-static const char *stability_text(ric_stability s)
-{
-    return s == RIC_STABLE_YES ? "yes" : s == RIC_STABLE_NO ? "no" : "undecided";
-}
-
 static json_t *prediction_row(const ric_branch *b, const ric_prediction *p)
 {
     json_t *row = json_object();
@@ -46,11 +34,11 @@ static json_t *prediction_row(const ric_branch *b, const ric_prediction *p)
     json_object_set_new(row, "threshold", cli_number(p->threshold));
     json_object_set_new(row, "loss_damping", cli_number(p->loss_damping));
     json_object_set_new(row, "loss_impacts", cli_number(p->loss_impacts));
-    json_object_set_new(row, "phases", numbers(p->n_phase, p->phases));
-    json_object_set_new(row, "stable", json_string(stability_text(p->stable)));
+    json_object_set_new(row, "phases", cli_numbers(p->n_phase, p->phases, 1));
+    json_object_set_new(row, "stable", json_string(cli_stability(p->stable)));
     json_object_set_new(row, "trusted", json_string(p->trusted ? "yes" : p->why));
     json_object_set_new(row, "threshold_impacts", cli_number(p->threshold_impacts));
-    json_object_set_new(row, "work", numbers(2, p->work));
+    json_object_set_new(row, "work", cli_numbers(2, p->work, 1));
     json_object_set_new(row, "slope", cli_number(p->slope));
     json_object_set_new(row, "estimate", cli_number(p->estimate));
     json_object_set_new(row, "error", cli_number(p->error));
@@ -68,22 +56,21 @@ static json_t *forced_row(const ric_force *force, const ric_branch *b, const ric
 {
     const int n = ric_model_n_dof(ric_force_model(force));
     const bool found = !*x->data.fault;
-    json_t *row = json_object(), *pairs = json_array();
-    for (int i = 0; found && i < 2 * n; i++)
-        json_array_append_new(pairs, numbers(2, x->multipliers + 2 * i));
+    json_t *row = json_object();
     json_object_set_new(row, "branch", json_integer(b->id));
     json_object_set_new(row, "key", json_string(b->key));
     json_object_set_new(row, "energy", cli_number(p->energy));
     json_object_set_new(row, "harmonic", json_integer(p->harmonic));
     json_object_set_new(row, "omega", cli_number(p->omega));
-    json_object_set_new(row, "state", found ? numbers(2 * n, x->state) : json_null());
+    json_object_set_new(row, "state", found ? cli_numbers(2 * n, x->state, 1) : json_null());
     json_object_set_new(row, "flights",
-                        found ? numbers(b->letters ? b->letters : 1, x->flights) : json_null());
+                        found ? cli_numbers(b->letters ? b->letters : 1, x->flights, 1)
+                              : json_null());
     json_object_set_new(row, "phase", cli_number(found ? x->data.phase : NAN));
-    json_object_set_new(row, "multipliers", pairs);
+    json_object_set_new(row, "multipliers", cli_pairs(found ? 2 * n : 0, x->multipliers));
     json_object_set_new(row, "largest", cli_number(found ? x->data.largest : NAN));
     json_object_set_new(row, "stable",
-                        found ? json_string(stability_text(x->data.stable)) : json_null());
+                        found ? json_string(cli_stability(x->data.stable)) : json_null());
     json_object_set_new(row, "residual", cli_number(x->data.residual));
     json_object_set_new(row, "distance", cli_number(found ? x->data.distance : NAN));
     json_object_set_new(row, "trusted", json_string(p->trusted ? "yes" : p->why));

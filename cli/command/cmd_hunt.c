@@ -5,11 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "common/shaking.h"
-
-static const double two_pi = 6.283185307179586;
 
 enum {
     POINTS_MAX = 100000000,
@@ -31,19 +28,9 @@ typedef struct {
 
 /* ----------------------------------------------------------------- progress */
 
-typedef struct {
-    bool terminal;
-    struct timespec shown;
-} display;
-
 static bool show_progress(const char *what, double part, int found, void *user)
 {
-    display *d = user;
-    if (d->terminal && cli_seconds_since(&d->shown) > 0.1) {
-        fprintf(stderr, "\r\033[K%s: %.0f %%, %d orbits", what, 100 * part, found);
-        fflush(stderr);
-        clock_gettime(CLOCK_MONOTONIC, &d->shown);
-    }
+    if (cli_progress_due(user)) fprintf(stderr, "%s: %.0f %%, %d orbits", what, 100 * part, found);
     return cli_stopped();
 }
 
@@ -63,18 +50,6 @@ static bool take_count(int *argc, char **argv, const char *name, int min, int *o
         return false;
     *out = (int)value;
     return true;
-}
-
-static bool take_positive(int *argc, char **argv, const char *name, bool *given, double *out)
-{
-    const char *text;
-    if (!cli_take_value(argc, argv, name, &text)) return false;
-    *given = text != NULL;
-    if (!text) return true;
-    if (!cli_parse_number(text, name, out)) return false;
-    if (*out > 0) return true;
-    cli_wrong("hunt: %s '%s' is not positive", name, text);
-    return false;
 }
 
 /* One energy, or a window as A,B. */
@@ -104,6 +79,7 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
 {
     const char *text;
     long value;
+    double period = NAN;
     ric_hunt_options *o = &r->options;
     ric_hunt_options_init(o);
     r->add = cli_take_flag(argc, argv, "--add");
@@ -112,7 +88,7 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
     if (!cli_take_sort(argc, argv, &r->choice) || !cli_take_format(argc, argv, &r->format) ||
         !cli_take_value(argc, argv, "--atlas", &r->atlas_path) ||
         !take_energies(argc, argv, r->energy) ||
-        !take_positive(argc, argv, "--period", bounded, &o->period[1]) ||
+        !cli_take_positive(argc, argv, "hunt", "--period", HUGE_VAL, &period) ||
         !take_count(argc, argv, "--lines", 2, &o->lines) ||
         !take_count(argc, argv, "--rows", 0, &o->rows) ||
         !take_count(argc, argv, "--row", 2, &o->row) ||
@@ -127,25 +103,13 @@ static bool take_request(int *argc, char **argv, request *r, bool *bounded)
         return false;
     if (text) o->seed = (uint64_t)value;
     r->choice.hertz = hertz;
+    *bounded = !isnan(period);
+    if (*bounded) o->period[1] = period;
     o->energy = r->energy[0];
     return true;
 }
 
 /* --------------------------------------------------------------------- rows */
-
-static json_t *numbers(int n, const double *values, double unit)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(unit * values[i]));
-    return list;
-}
-
-static json_t *pairs(const double values[4])
-{
-    json_t *list = json_array();
-    for (int i = 0; i < 4; i += 2) json_array_append_new(list, numbers(2, values + i, 1));
-    return list;
-}
 
 static void add_finding(json_t *row, const ric_finding *f)
 {
@@ -170,13 +134,13 @@ static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, do
     json_object_set_new(row, "word", cli_word(m, p.impacts, word));
     json_object_set_new(row, "impacts", json_integer(p.impacts));
     json_object_set_new(row, "period", cli_number(p.period));
-    json_object_set_new(row, "frequency", cli_number(two_pi / p.period));
+    json_object_set_new(row, "frequency", cli_number(CLI_TWO_PI / p.period));
     json_object_set_new(row, "symmetric", json_boolean(p.symmetric));
     json_object_set_new(row, "reversible", json_boolean(p.reversible));
     json_object_set_new(row, "trace", cli_number(p.trace));
-    json_object_set_new(row, "multipliers", pairs(p.multipliers));
-    json_object_set_new(row, "state", numbers(2 * n, state, d));
-    json_object_set_new(row, "flights", numbers(p.impacts, flights, 1));
+    json_object_set_new(row, "multipliers", cli_pairs(2, p.multipliers));
+    json_object_set_new(row, "state", cli_numbers(2 * n, state, d));
+    json_object_set_new(row, "flights", cli_numbers(p.impacts, flights, 1));
     if (c && !ric_comparison_finding(c, i, &finding)) add_finding(row, &finding);
     return row;
 }
@@ -258,7 +222,7 @@ typedef struct {
     const request *request;
     const ric_study *study;
     ric_atlas *atlas; /* NULL: nothing to compare with; explored anew where something was added */
-    display display;
+    cli_progress line;
     json_t *rows;
     json_t *isolated; /* word and symmetries of what an atlas lacks, as keys */
     int added, fresh; /* starts; isolated ones of the level at work that no level before has seen */
@@ -293,14 +257,14 @@ static ric_status hunt_at(quest *q, double energy)
     ric_hunt_options options = q->request->options;
     options.energy = energy;
     options.progress = show_progress;
-    options.user = &q->display;
+    options.user = &q->line;
     ric_status status = ric_hunt_create(model, &options, &h);
     if (!status) status = ric_hunt_run(h);
     if (status == RIC_E_INTERRUPTED) add_rows(h, model, energy, q->request->d, NULL, q->rows);
     if (!status && q->atlas) status = ric_hunt_compare(h, q->atlas, &c);
     if (!status && q->request->add)
         status = ric_hunt_add(h, c, q->atlas, q->request->atlas_path, &added);
-    if (q->display.terminal) fputs("\r\033[K", stderr);
+    cli_progress_end(&q->line);
     if (!status) {
         q->added += added;
         q->n_energy++;
@@ -386,7 +350,7 @@ static int hunt(const request *r, const ric_study *study, ric_atlas **atlas)
     quest q = {.request = r,
                .study = study,
                .atlas = *atlas,
-               .display = {.terminal = isatty(STDERR_FILENO)},
+               .line = cli_progress_begin(),
                .rows = json_array(),
                .isolated = json_object()};
     cli_catch_signals();

@@ -4,13 +4,6 @@
 
 #include "common/locus.h"
 
-static json_t *numbers(int n, const double *values, double unit)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(values[i] * unit));
-    return list;
-}
-
 static json_t *point_row(const cli_locus *x, const ric_junction *j, const ric_locus_point *p,
                          bool physical)
 {
@@ -26,8 +19,8 @@ static json_t *point_row(const cli_locus *x, const ric_junction *j, const ric_lo
     json_object_set_new(row, "what", json_string(p->what));
     json_object_set_new(row, "length", cli_number(p->length));
     json_object_set_new(row, "residual", cli_number(p->residual));
-    json_object_set_new(row, "state", numbers(2 * n, p->state, d));
-    json_object_set_new(row, "flights", numbers(flights, p->flights, 1));
+    json_object_set_new(row, "state", cli_numbers(2 * n, p->state, d));
+    json_object_set_new(row, "flights", cli_numbers(flights, p->flights, 1));
     return row;
 }
 

@@ -8,8 +8,6 @@
 
 #include "common/cli.h"
 
-static const double two_pi = 6.283185307179586;
-
 enum { STEPS_MAX = 1000000 }; /* of a history; more is a slip in --history */
 
 /* One orbit with its numbers and room to work. */
@@ -52,7 +50,7 @@ static bool subject_init(subject *s, const ric_orbit *orbit, const ric_model *mo
     s->multipliers = calloc(4 * (size_t)ric_model_n_mode(model) + 1, sizeof *s->multipliers);
     if (!s->state || !s->flights || !s->word || !s->x || !s->v || !s->multipliers) return false;
     ric_orbit_data(orbit, &s->point, s->state, s->flights, s->word);
-    s->period = two_pi / s->point.frequency;
+    s->period = CLI_TWO_PI / s->point.frequency;
     return true;
 }
 
@@ -74,45 +72,30 @@ static ric_status add_impacts(subject *s, json_t *speeds, json_t *impulses)
 
 /* -------------------------------------------------------------------- rows */
 
-static json_t *numbers(int n, const double *values, double unit)
-{
-    json_t *array = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(array, cli_number(unit * values[i]));
-    return array;
-}
-
 static json_t *multiplier_pairs(subject *s)
 {
     int n = 2 * (ric_model_n_mode(s->model) - 1);
-    json_t *pairs = json_array();
-    if (n > 0 && ric_orbit_multipliers(s->orbit, s->multipliers)) {
-        json_decref(pairs);
-        return json_null();
-    }
-    for (int k = 0; k < n; k++) json_array_append_new(pairs, numbers(2, s->multipliers + 2 * k, 1));
-    return pairs;
+    if (n > 0 && ric_orbit_multipliers(s->orbit, s->multipliers)) return json_null();
+    return cli_pairs(n, s->multipliers);
 }
 
 static ric_status add_orbit(json_t *rows, subject *s)
 {
     json_t *row = json_object(), *speeds = json_array(), *impulses = json_array();
-    int stable = s->point.stable;
     double *amplitudes = calloc((size_t)s->n_dof, sizeof *amplitudes);
     ric_status status = amplitudes ? ric_orbit_amplitudes(s->orbit, amplitudes) : RIC_E_NOMEM;
     json_array_append_new(rows, row);
     json_object_set_new(row, "word", cli_word(s->model, s->n_letter, s->word));
-    json_object_set_new(row, "state", numbers(2 * s->n_dof, s->state, s->d));
-    json_object_set_new(row, "flights", numbers(s->n_letter > 0 ? s->n_letter : 1, s->flights, 1));
+    json_object_set_new(row, "state", cli_numbers(2 * s->n_dof, s->state, s->d));
+    json_object_set_new(row, "flights",
+                        cli_numbers(s->n_letter > 0 ? s->n_letter : 1, s->flights, 1));
     json_object_set_new(row, "period", cli_number(s->period));
     json_object_set_new(row, "frequency", cli_number(s->point.frequency));
     json_object_set_new(row, "energy", cli_number(s->d * s->d * s->point.energy));
     json_object_set_new(row, "multipliers", multiplier_pairs(s));
-    json_object_set_new(row, "stable",
-                        json_string(stable == RIC_STABLE_YES  ? "yes"
-                                    : stable == RIC_STABLE_NO ? "no"
-                                                              : "undecided"));
+    json_object_set_new(row, "stable", json_string(cli_stability(s->point.stable)));
     json_object_set_new(row, "amplitudes",
-                        status ? json_null() : numbers(s->n_dof, amplitudes, s->d));
+                        status ? json_null() : cli_numbers(s->n_dof, amplitudes, s->d));
     if (!status) status = add_impacts(s, speeds, impulses);
     json_object_set_new(row, "impact_speeds", speeds);
     json_object_set_new(row, "impulses", impulses);
@@ -169,7 +152,7 @@ static double unit_of(const request *ask, const ric_model *model)
 {
     const double d = ask->physical ? ric_model_length(model) : 1;
     return ask->at == RIC_AT_ENERGY                    ? d * d
-           : ask->at == RIC_AT_FREQUENCY && ask->hertz ? 1 / two_pi
+           : ask->at == RIC_AT_FREQUENCY && ask->hertz ? 1 / CLI_TWO_PI
                                                        : 1;
 }
 

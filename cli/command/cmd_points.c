@@ -7,13 +7,6 @@
 
 #include "common/cli.h"
 
-static json_t *stability(int stable)
-{
-    return json_string(stable == RIC_STABLE_YES  ? "yes"
-                       : stable == RIC_STABLE_NO ? "no"
-                                                 : "undecided");
-}
-
 /* The trace; beyond the range of a double, sign and logarithm as a text. */
 static json_t *trace_of(const ric_point *point)
 {
@@ -28,15 +21,7 @@ static json_t *trace_of(const ric_point *point)
 /* Pairs re, im, or null if there are none beside the trivial ones or they cannot be had. */
 static json_t *pairs(int n, const double *values)
 {
-    if (!values || n == 0) return json_null();
-    json_t *list = json_array();
-    for (int k = 0; k < n; k++) {
-        json_t *pair = json_array();
-        json_array_append_new(pair, cli_number(values[2 * k]));
-        json_array_append_new(pair, cli_number(values[2 * k + 1]));
-        json_array_append_new(list, pair);
-    }
-    return list;
+    return values && n > 0 ? cli_pairs(n, values) : json_null();
 }
 
 /* What both kinds of points need to become rows. */
@@ -52,7 +37,8 @@ typedef struct {
 static json_t *made(const ric_column *column, const void *row)
 {
     const ric_point_row *at = row;
-    return !strcmp(column->name, "trace") ? trace_of(&at->point) : stability(at->point.stable);
+    return !strcmp(column->name, "trace") ? trace_of(&at->point)
+                                          : json_string(cli_stability(at->point.stable));
 }
 
 static json_t *point_row(const listing *l, int i, const ric_point *point)

@@ -25,45 +25,26 @@ typedef struct {
     cli_format format;
 } request;
 
-static const char *const stable_text[] = {"yes", "no", "undecided"};
-
 /* -------------------------------------------------------------------- rows */
-
-static json_t *numbers(int n, const double *values)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(values[i]));
-    return list;
-}
-
-static const char *stability(ric_stability s)
-{
-    return s == RIC_STABLE_YES  ? stable_text[0]
-           : s == RIC_STABLE_NO ? stable_text[1]
-                                : stable_text[2];
-}
 
 static void add_orbit(json_t *row, int n, int letters, const ric_response_point *p)
 {
-    json_t *pairs = json_array();
-    for (int i = 0; i < 2 * n; i++)
-        json_array_append_new(pairs, numbers(2, p->multipliers + 2 * i));
     json_object_set_new(row, "arclength", cli_number(p->arclength));
     json_object_set_new(row, "omega", cli_number(p->omega));
     json_object_set_new(row, "level", cli_number(p->level));
     json_object_set_new(row, "restitution", cli_number(p->restitution));
     json_object_set_new(row, "period", cli_number(p->period));
     json_object_set_new(row, "phase", cli_number(p->phase));
-    json_object_set_new(row, "peak", numbers(n, p->peak));
-    json_object_set_new(row, "rms", numbers(n, p->rms));
-    json_object_set_new(row, "stable", json_string(stability(p->stable)));
+    json_object_set_new(row, "peak", cli_numbers(n, p->peak, 1));
+    json_object_set_new(row, "rms", cli_numbers(n, p->rms, 1));
+    json_object_set_new(row, "stable", json_string(cli_stability(p->stable)));
     json_object_set_new(row, "largest", cli_number(p->largest));
     json_object_set_new(row, "reach", cli_number(p->reach));
     json_object_set_new(row, "approach", cli_number(p->approach));
     json_object_set_new(row, "residual", cli_number(p->residual));
-    json_object_set_new(row, "state", numbers(2 * n, p->state));
-    json_object_set_new(row, "flights", numbers(letters ? letters : 1, p->flights));
-    json_object_set_new(row, "multipliers", pairs);
+    json_object_set_new(row, "state", cli_numbers(2 * n, p->state, 1));
+    json_object_set_new(row, "flights", cli_numbers(letters ? letters : 1, p->flights, 1));
+    json_object_set_new(row, "multipliers", cli_pairs(2 * n, p->multipliers));
 }
 
 /* What varies, at the ends of a curve. */

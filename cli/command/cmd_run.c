@@ -30,11 +30,12 @@ const ric_remote *cli_run_remote = NULL;
 /* ---------------------------------------------------------------- progress */
 
 typedef struct {
-    bool terminal, over; /* over: the time given has passed */
-    double seconds;      /* given for the run; HUGE_VAL: any */
+    cli_progress line;
+    bool over;      /* the time given has passed */
+    double seconds; /* given for the run; HUGE_VAL: any */
     double news; /* seconds until the run came to something that an earlier one had not done; 0: not
                     yet */
-    struct timespec start, shown;
+    struct timespec start;
     double logged; /* seconds at the last line of a log */
     int most;      /* departures of the round at work; `open` of them are left */
     int depth;     /* that the study allows, 0: any */
@@ -70,12 +71,9 @@ static bool show_progress(const ric_progress *now, void *user)
     const double passed = cli_seconds_since(&d->start);
     if (now->depth != d->last.depth || now->open > d->last.open) d->most = now->open;
     d->last = *now;
-    if (d->terminal && cli_seconds_since(&d->shown) > 0.1) {
-        fputs("\r\033[K", stderr);
-        say_progress(d, passed);
-        clock_gettime(CLOCK_MONOTONIC, &d->shown);
-    } else if (!d->terminal && !d->quiet &&
-               passed > d->logged + fmin(fmax(d->logged, FIRST_LINE), LATER_LINE)) {
+    if (cli_progress_due(&d->line)) say_progress(d, passed);
+    else if (!d->line.terminal && !d->quiet &&
+             passed > d->logged + fmin(fmax(d->logged, FIRST_LINE), LATER_LINE)) {
         fputs("ricochet: ", stderr);
         say_progress(d, passed);
         fputc('\n', stderr);
@@ -93,11 +91,6 @@ static bool worth(void *user, const ric_atlas *unfinished)
     display *d = user;
     d->kept = d->before && d->same && !ric_atlas_contains(unfinished, d->before);
     return !d->kept;
-}
-
-static void clear_progress(const display *d)
-{
-    if (d->terminal) fputs("\r\033[K", stderr);
 }
 
 /* ----------------------------------------------------------------- summary */
@@ -310,7 +303,7 @@ static int tell_stopped(const char *path, const char *study, const ric_atlas *at
 
 static int explore(const ric_study *study, const char *name, const char *path, display d)
 {
-    d.terminal = isatty(STDERR_FILENO) && !d.quiet;
+    if (!d.quiet) d.line = cli_progress_begin();
     d.depth = ric_study_options(study)->depth;
     clock_gettime(CLOCK_MONOTONIC, &d.start);
     const ric_run_options options = {.workers = d.workers ? (int)d.workers : 1,
@@ -327,7 +320,7 @@ static int explore(const ric_study *study, const char *name, const char *path, d
     cli_windows_warn(study);
     cli_catch_signals();
     ric_status status = ric_explore_with(study, path, &options, &more, &atlas);
-    clear_progress(&d);
+    cli_progress_end(&d.line);
     if (before && !d.kept && (!status || status == RIC_E_INTERRUPTED))
         tell_smaller(path, ric_atlas_study(before), study);
     ric_atlas_free(before);
@@ -359,7 +352,7 @@ static ric_status read_study(const char *path, bool quiet, ric_study **out)
 
 static int run(int argc, char **argv)
 {
-    const char *given, *step, *seconds_text;
+    const char *given, *step;
     char *path = NULL;
     display d = {.seconds = HUGE_VAL,
                  .quiet = cli_take_flag(&argc, argv, "--quiet"),
@@ -370,12 +363,8 @@ static int run(int argc, char **argv)
     if (!cli_take_value(&argc, argv, "-o", &given) ||
         !cli_take_workers(&argc, argv, 1024, &d.workers) ||
         !cli_take_value(&argc, argv, "--max-step", &step) ||
-        !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
-        !cli_operands(&cli_run, argc, argv, 1) ||
-        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &d.seconds)))
+        !cli_take_seconds(&argc, argv, "run", &d.seconds) || !cli_operands(&cli_run, argc, argv, 1))
         return CLI_WRONG;
-    if (!(d.seconds > 0))
-        return cli_wrong("run: --seconds: %s is no time; give a number above 0", seconds_text);
     ric_status status = read_study(argv[1], d.quiet, &study);
     if (!status && step) status = ric_study_override(study, "explore", "step", step, "--max-step");
     if (!status && !(path = given ? strdup(given) : default_path(argv[1]))) status = RIC_E_NOMEM;

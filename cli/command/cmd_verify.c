@@ -252,7 +252,7 @@ static int print_audit(const audit *a, cli_format format, const cli_choice *choi
 static int run(int argc, char **argv)
 {
     cli_format format;
-    const char *text, *point_text, *seconds_text;
+    const char *text, *point_text;
     long branch = 0, point = -1, workers = 0;
     ric_atlas *atlas = NULL;
     audit a = {.workers = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER}};
@@ -263,15 +263,12 @@ static int run(int argc, char **argv)
     if (!cli_take_format(&argc, argv, &format) || !cli_take_sort(&argc, argv, &choice) ||
         !cli_take_value(&argc, argv, "--branch", &text) ||
         !cli_take_value(&argc, argv, "--point", &point_text) ||
-        !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
+        !cli_take_seconds(&argc, argv, "verify", &a.workers.seconds) ||
         !cli_take_workers(&argc, argv, CLI_WORKERS_MOST, &workers) ||
         !cli_operands(&cli_verify, argc, argv, 1) ||
         (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
-        (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
-        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &a.workers.seconds)))
+        (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)))
         return CLI_WRONG;
-    if (!(a.workers.seconds > 0))
-        return cli_wrong("verify: --seconds: %s is no time; give a number above 0", seconds_text);
     if (!cli_sorts_by(&choice, COLUMNS " finding", "")) return CLI_WRONG;
     if (point_text && !text)
         return cli_wrong("verify: --point needs --branch ID, whose points it counts");

@@ -4,12 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "prove.h"
 #include "common/shaking.h"
 
-static const double two_pi = 6.283185307179586;
 enum { MOST_WORKERS = 256, MOST_TOLD = 10 };
 /* A period and a trace of the hunt are those of an orbit of the census, relative. */
 #define SAME_PERIOD 1e-8
@@ -22,37 +20,22 @@ typedef struct {
     bool physical, bounded;
     const ric_model *model;
     double length; /* that states are multiplied by: 1 unless physical */
-    struct timespec shown;
-    bool terminal;
+    cli_progress line;
 } request;
 
 static bool show_progress(double part, int found, void *user)
 {
     request *r = user;
-    if (r->terminal && cli_seconds_since(&r->shown) > 0.1) {
-        fprintf(stderr, "\r\033[K%.1f %%, %d orbits and images of them", 100 * part, found);
-        fflush(stderr);
-        clock_gettime(CLOCK_MONOTONIC, &r->shown);
-    }
+    if (cli_progress_due(&r->line))
+        fprintf(stderr, "%.1f %%, %d orbits and images of them", 100 * part, found);
     return cli_stopped();
 }
 
 /* ------------------------------------------------------------------ options */
 
-static bool take_positive(int *argc, char **argv, const char *name, bool *given, double *out)
-{
-    const char *text;
-    if (!cli_take_value(argc, argv, name, &text)) return false;
-    if (given) *given = text != NULL;
-    if (!text) return true;
-    if (!cli_parse_number(text, name, out)) return false;
-    if (*out > 0) return true;
-    cli_wrong("prove --complete: %s '%s' is not positive", name, text);
-    return false;
-}
-
 static bool take_request(int *argc, char **argv, request *r)
 {
+    static const char what[] = "prove --complete";
     const char *text;
     long impacts, workers = 1;
     ric_census_options *o = &r->options;
@@ -60,16 +43,17 @@ static bool take_request(int *argc, char **argv, request *r)
     impacts = o->impacts;
     r->physical = cli_take_flag(argc, argv, "--physical");
     const bool hertz = cli_take_flag(argc, argv, "--hz");
-    bool energy;
+    double period = NAN;
+    o->energy = NAN;
     if (!cli_take_sort(argc, argv, &r->choice) || !cli_take_format(argc, argv, &r->format) ||
-        !take_positive(argc, argv, "--energy", &energy, &o->energy) ||
-        !take_positive(argc, argv, "--period", &r->bounded, &o->period[1]) ||
-        !take_positive(argc, argv, "--seconds", NULL, &o->seconds) ||
+        !cli_take_positive(argc, argv, what, "--energy", HUGE_VAL, &o->energy) ||
+        !cli_take_positive(argc, argv, what, "--period", HUGE_VAL, &period) ||
+        !cli_take_positive(argc, argv, what, "--seconds", HUGE_VAL, &o->seconds) ||
         !cli_take_value(argc, argv, "--impacts", &text) ||
         (text && !cli_parse_integer(text, "--impacts", 1, RIC_CENSUS_LONGEST, &impacts)) ||
         !cli_take_workers(argc, argv, MOST_WORKERS, &workers))
         return false;
-    if (!energy) {
+    if (isnan(o->energy)) {
         cli_wrong("prove --complete: --energy is missing; give the scaled energy at which to look, "
                   "for example "
                   "--energy 5");
@@ -78,21 +62,15 @@ static bool take_request(int *argc, char **argv, request *r)
     o->impacts = (int)impacts;
     o->workers = (int)workers;
     r->choice.hertz = hertz;
+    r->bounded = !isnan(period);
+    if (r->bounded) o->period[1] = period;
     return true;
 }
 
 /* --------------------------------------------------------------------- rows */
 
-static json_t *numbers(int n, const double *values, double unit)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(unit * values[i]));
-    return list;
-}
-
 static json_t *make_row(const request *r, const ric_census *census, int i)
 {
-    static const char *const stable_text[] = {"no", "yes", "undecided"};
     ric_census_orbit z;
     const int n = ric_model_n_dof(r->model);
     int word[RIC_CENSUS_LONGEST];
@@ -105,16 +83,16 @@ static json_t *make_row(const request *r, const ric_census *census, int i)
     json_object_set_new(row, "word", cli_word(r->model, z.impacts, word));
     json_object_set_new(row, "impacts", json_integer(z.impacts));
     json_object_set_new(row, "period", cli_number(period));
-    json_object_set_new(row, "frequency", cli_number(two_pi / period));
+    json_object_set_new(row, "frequency", cli_number(CLI_TWO_PI / period));
     json_object_set_new(row, "symmetric", json_boolean(z.symmetric));
     json_object_set_new(row, "reversible", json_boolean(z.reversible));
-    json_object_set_new(row, "stable", json_string(stable_text[z.stable]));
+    json_object_set_new(row, "stable", json_string(cli_stability(z.stable)));
     json_object_set_new(row, "trace", cli_number((z.trace[0] + z.trace[1]) / 2));
     json_object_set_new(row, "approach", cli_number(r->length * z.approach));
-    json_object_set_new(row, "period_within", numbers(2, z.period, 1));
-    json_object_set_new(row, "trace_within", numbers(2, z.trace, 1));
-    json_object_set_new(row, "state", numbers(2 * n, state, r->length));
-    json_object_set_new(row, "flights", numbers(z.impacts, flights, 1));
+    json_object_set_new(row, "period_within", cli_numbers(2, z.period, 1));
+    json_object_set_new(row, "trace_within", cli_numbers(2, z.trace, 1));
+    json_object_set_new(row, "state", cli_numbers(2 * n, state, r->length));
+    json_object_set_new(row, "flights", cli_numbers(z.impacts, flights, 1));
     return row;
 }
 
@@ -152,7 +130,7 @@ static void tell_open(const request *r, const ric_census *census, int n)
         int impacts, word[RIC_CENSUS_LONGEST];
         double flights[RIC_CENSUS_LONGEST];
         if (ric_census_open_at(census, i, &impacts, word, flights)) continue;
-        json_t *text = cli_word(r->model, impacts, word), *times = numbers(impacts, flights, 1);
+        json_t *text = cli_word(r->model, impacts, word), *times = cli_numbers(impacts, flights, 1);
         char *shown = json_dumps(times, JSON_REAL_PRECISION(8));
         cli_say("ricochet: not proved to be a motion, nor to be none: word %s, flights %s\n",
                 json_string_value(text), shown ? shown : "");
@@ -242,10 +220,10 @@ static int run_census(request *r)
     FILE *out = r->format == CLI_TEXT ? stdout : stderr;
     r->options.progress = show_progress;
     r->options.user = r;
-    r->terminal = isatty(STDERR_FILENO);
+    r->line = cli_progress_begin();
     cli_catch_signals();
     const ric_status status = ric_census_run(r->model, &r->options, &census);
-    if (r->terminal) fputs("\r\033[K", stderr);
+    cli_progress_end(&r->line);
     if (status) return cli_report(status);
     ric_census_account_of(census, &a);
     int code = print(r, census);

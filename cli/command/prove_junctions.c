@@ -36,13 +36,6 @@ ric_status prove_junctions_keep(const prove_list *w, const char *path)
     return status;
 }
 
-static json_t *interval(const double x[2])
-{
-    json_t *both = json_array();
-    for (int i = 0; i < 2; i++) json_array_append_new(both, cli_number(x[i]));
-    return both;
-}
-
 static void add_row(json_t *rows, const ric_junction_proof *p, const ric_junction *junction)
 {
     const bool proved = p->state == RIC_PROOF_DONE;
@@ -58,8 +51,8 @@ static void add_row(json_t *rows, const ric_junction_proof *p, const ric_junctio
     json_object_set_new(row, "unique", cli_number(proved ? p->unique : NAN));
     json_object_set_new(row, "why", json_string(p->why));
     if (proved) {
-        json_object_set_new(row, "energy", interval(p->energy));
-        json_object_set_new(row, "period", interval(p->period));
+        json_object_set_new(row, "energy", cli_numbers(2, p->energy, 1));
+        json_object_set_new(row, "period", cli_numbers(2, p->period, 1));
     }
     json_array_append_new(rows, row);
 }

@@ -106,14 +106,6 @@ static void keep(const prove_list *w, const char *path)
 /* ------------------------------------------------------------------ answers */
 
 static const char *const state_text[] = {"proved", "not proved", "left out"};
-static const char *const stable_text[] = {"no", "yes", "undecided"};
-
-static json_t *interval(const double x[2])
-{
-    json_t *both = json_array();
-    for (int i = 0; i < 2; i++) json_array_append_new(both, cli_number(x[i]));
-    return both;
-}
 
 static void add_row(json_t *rows, const ric_proof *p)
 {
@@ -127,14 +119,15 @@ static void add_row(json_t *rows, const ric_proof *p)
     json_object_set_new(row, "exists", cli_number(proved ? p->exists : NAN));
     json_object_set_new(row, "unique", cli_number(proved ? p->unique : NAN));
     json_object_set_new(row, "approach", cli_number(proved ? p->approach : NAN));
-    json_object_set_new(row, "stable", proved ? json_string(stable_text[p->stable]) : json_null());
+    json_object_set_new(row, "stable",
+                        proved ? json_string(cli_stability(p->stable)) : json_null());
     json_object_set_new(row, "symmetric", proved ? json_boolean(p->symmetric) : json_null());
     json_object_set_new(row, "reversible", proved ? json_boolean(p->reversible) : json_null());
     json_object_set_new(row, "why", json_string(p->why));
     if (proved) {
-        json_object_set_new(row, "energy", interval(p->energy));
-        json_object_set_new(row, "period", interval(p->period));
-        json_object_set_new(row, "trace", interval(p->trace));
+        json_object_set_new(row, "energy", cli_numbers(2, p->energy, 1));
+        json_object_set_new(row, "period", cli_numbers(2, p->period, 1));
+        json_object_set_new(row, "trace", cli_numbers(2, p->trace, 1));
     }
     json_array_append_new(rows, row);
 }
@@ -323,7 +316,7 @@ static bool fits(const prove_list *w, const char *branch, const char *point)
 int prove_command(int argc, char **argv)
 {
     cli_format format;
-    const char *text, *point_text, *seconds_text, *path;
+    const char *text, *point_text, *path;
     long branch = 0, point = -1, workers = 1;
     ric_atlas *atlas = NULL;
     prove_list w = {.workers = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER}};
@@ -335,15 +328,12 @@ int prove_command(int argc, char **argv)
         !cli_take_value(&argc, argv, "--branch", &text) ||
         !cli_take_value(&argc, argv, "--point", &point_text) ||
         !cli_take_value(&argc, argv, "-o", &path) ||
-        !cli_take_value(&argc, argv, "--seconds", &seconds_text) ||
+        !cli_take_seconds(&argc, argv, "prove", &w.workers.seconds) ||
         !cli_take_workers(&argc, argv, CLI_WORKERS_MOST, &workers) ||
         !cli_operands(&cli_prove, argc, argv, 1) ||
         (text && !cli_parse_integer(text, "--branch", 1, INT_MAX, &branch)) ||
-        (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)) ||
-        (seconds_text && !cli_parse_number(seconds_text, "--seconds", &w.workers.seconds)))
+        (point_text && !cli_parse_integer(point_text, "--point", 0, INT_MAX, &point)))
         return CLI_WRONG;
-    if (!(w.workers.seconds > 0))
-        return cli_wrong("prove: --seconds: %s is no time; give a number above 0", seconds_text);
     if (!fits(&w, text, point_text)) return CLI_WRONG;
     ric_status status = ric_atlas_read(argv[1], &atlas);
     w.atlas = atlas;

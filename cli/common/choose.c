@@ -106,7 +106,6 @@ static bool lacks(const json_t *row, const char *column, bool asked)
 
 void cli_in_hertz(json_t *rows)
 {
-    static const double two_pi = 6.283185307179586;
     const char *name;
     json_t *row, *value;
     size_t i;
@@ -114,7 +113,7 @@ void cli_in_hertz(json_t *rows)
     {
         json_object_foreach(row, name,
                             value) if (!strncmp(name, "frequency", 9) && json_is_real(value))
-            json_real_set(value, json_real_value(value) / two_pi);
+            json_real_set(value, json_real_value(value) / CLI_TWO_PI);
     }
 }
 

@@ -112,6 +112,8 @@ const cli_item *cli_next_option(const cli_command *command, const char *picture,
 /* Whether a picture is one that can be drawn, not "all" or "names". */
 bool cli_is_picture(const cli_item *item);
 
+#define CLI_TWO_PI 6.283185307179586
+
 /* The whole program; returns its exit code. */
 int cli_main(int argc, char **argv);
 /* Who lends a hand to `run` besides its threads; NULL: nobody. */
@@ -193,6 +195,12 @@ void cli_watch_memory(void);
 bool cli_lost_memory(void);
 /* A JSON number, or null if not finite. */
 json_t *cli_number(double value);
+/* Of each number `unit` times as much. */
+json_t *cli_numbers(int n, const double *values, double unit);
+/* Of 2n numbers, as real and imaginary parts. */
+json_t *cli_pairs(int n, const double *values);
+/* Whether an orbit is stable: yes, no or undecided. */
+const char *cli_stability(int stable);
 /* An id, or null for 0. */
 json_t *cli_id(int id);
 json_t *cli_integers(int n, const int *values);
@@ -311,6 +319,12 @@ bool cli_know_options(const cli_command *command, int argc, char **argv);
 bool cli_operands(const cli_command *command, int argc, char **argv, int n);
 /* Whole-string number, with a message naming `what` otherwise. */
 bool cli_parse_number(const char *text, const char *what, double *out);
+/* The value of an option of the command `what`, above 0 and at most `most`; *out stays as it is
+ * without the option. */
+bool cli_take_positive(int *argc, char **argv, const char *what, const char *name, double most,
+                       double *out);
+/* --seconds. */
+bool cli_take_seconds(int *argc, char **argv, const char *what, double *out);
 /* "1,0,2": *n numbers in out [most]; `what` is the option. */
 bool cli_parse_list(const char *text, const char *what, int most, int *n, double *out);
 bool cli_parse_integer(const char *text, const char *what, long min, long max, long *out);
@@ -329,6 +343,19 @@ void cli_catch_signals(void);
 bool cli_stopped(void);
 /* Since a reading of CLOCK_MONOTONIC. */
 double cli_seconds_since(const struct timespec *then);
+
+/* A line on a terminal that says how far a computation is. */
+typedef struct {
+    bool terminal; /* standard error is one */
+    struct timespec shown;
+} cli_progress;
+
+cli_progress cli_progress_begin(void);
+/* Whether the line is to be shown anew, ten times a second; then it is taken away, and who asks
+ * writes it to standard error. */
+bool cli_progress_due(cli_progress *progress);
+/* Takes the line away. */
+void cli_progress_end(const cli_progress *progress);
 
 /* ----- handles.c: branches and junctions by key, name, label or place */
 

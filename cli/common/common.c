@@ -48,6 +48,24 @@ double cli_seconds_since(const struct timespec *then)
     return (double)(now.tv_sec - then->tv_sec) + 1e-9 * (double)(now.tv_nsec - then->tv_nsec);
 }
 
+cli_progress cli_progress_begin(void)
+{
+    return (cli_progress){.terminal = isatty(STDERR_FILENO)};
+}
+
+bool cli_progress_due(cli_progress *p)
+{
+    if (!p->terminal || cli_seconds_since(&p->shown) <= 0.1) return false;
+    fputs("\r\033[K", stderr);
+    clock_gettime(CLOCK_MONOTONIC, &p->shown);
+    return true;
+}
+
+void cli_progress_end(const cli_progress *p)
+{
+    if (p->terminal) fputs("\r\033[K", stderr);
+}
+
 /* ---------------------------------------------------------------- messages */
 
 /* Bytes of a character that steers: a control of ASCII, one of Latin-1 (U+0080 to U+009F), or one
@@ -351,6 +369,30 @@ bool cli_parse_number(const char *text, const char *what, double *out)
     }
     *out = value;
     return true;
+}
+
+bool cli_take_positive(int *argc, char **argv, const char *what, const char *name, double most,
+                       double *out)
+{
+    const char *text;
+    if (!cli_take_value(argc, argv, name, &text)) return false;
+    if (!text) return true;
+    if (!cli_parse_number(text, name, out)) return false;
+    if (*out > 0 && *out <= most) return true;
+    if (most < HUGE_VAL)
+        cli_wrong("%s: %s '%s' is not above 0 and at most %g", what, name, text, most);
+    else cli_wrong("%s: %s '%s' is not positive", what, name, text);
+    return false;
+}
+
+bool cli_take_seconds(int *argc, char **argv, const char *what, double *out)
+{
+    const char *text;
+    if (!cli_take_value(argc, argv, "--seconds", &text)) return false;
+    if (text && !cli_parse_number(text, "--seconds", out)) return false;
+    if (!text || *out > 0) return true;
+    cli_wrong("%s: --seconds: %s is no time; give a number above 0", what, text);
+    return false;
 }
 
 bool cli_parse_list(const char *text, const char *what, int most, int *n, double *out)

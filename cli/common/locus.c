@@ -5,7 +5,6 @@
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 bool cli_locus_take(int *argc, char **argv, const char *what, cli_locus_request *r)
 {
@@ -32,19 +31,14 @@ bool cli_locus_take(int *argc, char **argv, const char *what, cli_locus_request 
 }
 
 typedef struct {
-    bool terminal;
-    struct timespec shown;
+    cli_progress line;
     const char *name;
 } display;
 
 static bool show_progress(int points, double value, void *user)
 {
     display *d = user;
-    if (d->terminal && cli_seconds_since(&d->shown) > 0.1) {
-        fprintf(stderr, "\r\033[K%d points, %s = %.6g", points, d->name, value);
-        fflush(stderr);
-        clock_gettime(CLOCK_MONOTONIC, &d->shown);
-    }
+    if (cli_progress_due(&d->line)) fprintf(stderr, "%d points, %s = %.6g", points, d->name, value);
     return cli_stopped();
 }
 
@@ -69,7 +63,7 @@ static int take_vary(const char *path, const cli_locus_request *r, cli_locus *x)
 
 int cli_locus_open(const char *path, const cli_locus_request *r, cli_locus *x)
 {
-    display shown = {.terminal = isatty(STDERR_FILENO)};
+    display shown = {.line = cli_progress_begin()};
     ric_locus_options options;
     *x = (cli_locus){.atlas = NULL};
     ric_status status = ric_atlas_read(path, &x->atlas);
@@ -85,7 +79,7 @@ int cli_locus_open(const char *path, const cli_locus_request *r, cli_locus *x)
     shown.name = x->vary.name;
     cli_catch_signals();
     status = ric_locus_follow(x->atlas, &x->vary, r->junction, &options, &x->locus);
-    if (shown.terminal) fputs("\r\033[K", stderr);
+    cli_progress_end(&shown.line);
     return status == RIC_E_INTERRUPTED ? CLI_INTERRUPTED : cli_report(status);
 }
 

@@ -26,6 +26,25 @@ json_t *cli_number(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+json_t *cli_numbers(int n, const double *values, double unit)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < n; i++) json_array_append_new(list, cli_number(unit * values[i]));
+    return list;
+}
+
+json_t *cli_pairs(int n, const double *values)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < n; i++) json_array_append_new(list, cli_numbers(2, values + 2 * i, 1));
+    return list;
+}
+
+const char *cli_stability(int stable)
+{
+    return stable == RIC_STABLE_YES ? "yes" : stable == RIC_STABLE_NO ? "no" : "undecided";
+}
+
 json_t *cli_word(const ric_model *model, int n, const int *word)
 {
     size_t size = 12 * (size_t)n + 1;
@@ -559,13 +578,6 @@ int cli_print_rows(const json_t *rows, const char *columns, cli_format format)
 
 /* ------------------------------------------------------------ rows of an atlas */
 
-static json_t *numbers(size_t n, const double *values, double unit)
-{
-    json_t *array = json_array();
-    for (size_t i = 0; i < n; i++) json_array_append_new(array, cli_number(unit * values[i]));
-    return array;
-}
-
 static double scale_of(ric_unit unit, double d)
 {
     switch (unit) {
@@ -597,9 +609,9 @@ static json_t *value_of(const ric_column *c, const void *row, const ric_model *m
     case RIC_COLUMN_STOP: return json_string(ric_stop_text(*(const ric_stop *)at));
     case RIC_COLUMN_KIND: return json_string(ric_kind_text(*(const ric_kind *)at));
     case RIC_COLUMN_STATE:
-    case RIC_COLUMN_FLIGHTS: return numbers(width, *(const double *const *)at, scale);
+    case RIC_COLUMN_FLIGHTS: return cli_numbers((int)width, *(const double *const *)at, scale);
     case RIC_COLUMN_INTEGERS: return cli_integers((int)count, *(const int *const *)at);
-    case RIC_COLUMN_NUMBERS: return numbers(count, *(const double *const *)at, scale);
+    case RIC_COLUMN_NUMBERS: return cli_numbers((int)count, *(const double *const *)at, scale);
     default: return json_integer(*(const int *)at);
     }
 }

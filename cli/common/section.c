@@ -4,14 +4,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "section.h"
 #include "shaking.h"
 
 enum { MOST_WORKERS = 256, MOST_STARTS = 10000000, MOST_IMPACTS = 1000000000 };
-
-static const double two_pi = 6.283185307179586;
 
 /* Relative: what an orbit that is solved at an energy may be off by; Newton's method leaves less.
  */
@@ -42,7 +39,7 @@ static ric_status add_orbit(const ric_orbit *orbit, int branch, double energy,
     out->orbits[out->n++] = (cli_section_orbit){.branch = branch,
                                                 .impacts = ric_orbit_impacts(orbit),
                                                 .stable = ric_orbit_stability(orbit),
-                                                .period = two_pi / point.frequency};
+                                                .period = CLI_TWO_PI / point.frequency};
     return RIC_OK;
 }
 
@@ -90,20 +87,6 @@ static bool take_integer(int *argc, char **argv, const char *name, long most, lo
            (!text || cli_parse_integer(text, name, 1, most, out));
 }
 
-static bool take_positive(int *argc, char **argv, const char *what, const char *name, double most,
-                          double *out)
-{
-    const char *text;
-    if (!cli_take_value(argc, argv, name, &text)) return false;
-    if (!text) return true;
-    if (!cli_parse_number(text, name, out)) return false;
-    if (*out > 0 && *out <= most) return true;
-    if (most < HUGE_VAL)
-        cli_wrong("%s: %s '%s' is not above 0 and at most %g", what, name, text, most);
-    else cli_wrong("%s: %s '%s' is not positive", what, name, text);
-    return false;
-}
-
 bool cli_section_take(int *argc, char **argv, const char *what, long starts, cli_section_request *r)
 {
     long impacts, workers = 1;
@@ -111,12 +94,12 @@ bool cli_section_take(int *argc, char **argv, const char *what, long starts, cli
     ric_section_options_init(&r->options);
     impacts = r->options.impacts;
     r->orbits = cli_take_flag(argc, argv, "--orbits");
-    if (!take_positive(argc, argv, what, "--energy", HUGE_VAL, &r->energy) ||
+    if (!cli_take_positive(argc, argv, what, "--energy", HUGE_VAL, &r->energy) ||
         !take_integer(argc, argv, "--starts", MOST_STARTS, &starts) ||
         !take_integer(argc, argv, "--impacts", MOST_IMPACTS, &impacts) ||
         !take_integer(argc, argv, "--branch", INT_MAX, &r->branch) ||
-        !take_positive(argc, argv, what, "--radius", 1, &r->options.radius) ||
-        !take_positive(argc, argv, what, "--seconds", HUGE_VAL, &r->seconds) ||
+        !cli_take_positive(argc, argv, what, "--radius", 1, &r->options.radius) ||
+        !cli_take_positive(argc, argv, what, "--seconds", HUGE_VAL, &r->seconds) ||
         !cli_take_workers(argc, argv, MOST_WORKERS, &workers))
         return false;
     r->options.starts = (int)starts;
@@ -149,19 +132,17 @@ int cli_section_open(const char *path, cli_section *s)
 }
 
 typedef struct {
-    bool terminal, late;
-    struct timespec begun, shown;
+    cli_progress line;
+    bool late;
+    struct timespec begun;
     double seconds;
 } display;
 
 static bool show_progress(double part, void *user)
 {
     display *d = user;
-    if (d->terminal && cli_seconds_since(&d->shown) > 0.1) {
-        fprintf(stderr, "\r\033[K%.0f %%, %.0f s", 100 * part, cli_seconds_since(&d->begun));
-        fflush(stderr);
-        clock_gettime(CLOCK_MONOTONIC, &d->shown);
-    }
+    if (cli_progress_due(&d->line))
+        fprintf(stderr, "%.0f %%, %.0f s", 100 * part, cli_seconds_since(&d->begun));
     d->late = d->late || cli_seconds_since(&d->begun) > d->seconds;
     return d->late || cli_stopped();
 }
@@ -184,7 +165,7 @@ static int find_given(const cli_section_request *r, cli_section *s)
 
 int cli_section_follow(cli_section_request *r, double d, cli_section *s)
 {
-    display shown = {.terminal = isatty(STDERR_FILENO), .seconds = r->seconds};
+    display shown = {.line = cli_progress_begin(), .seconds = r->seconds};
     ric_section_options *o = &r->options;
     o->energy = d > 0 ? r->energy / (d * d) : r->energy;
     const int code = find_given(r, s);
@@ -198,7 +179,7 @@ int cli_section_follow(cli_section_request *r, double d, cli_section *s)
     cli_catch_signals();
     ric_status status = ric_section_create(s->model, o, &s->section);
     if (!status) status = ric_section_run(s->section);
-    if (shown.terminal) fputs("\r\033[K", stderr);
+    cli_progress_end(&shown.line);
     s->late = shown.late;
     o->progress = NULL; /* who asks for more by the same options comes when `shown` is gone */
     o->user = NULL;

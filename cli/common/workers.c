@@ -3,10 +3,8 @@
 #include "common/workers.h"
 
 #include <stdio.h>
-#include <unistd.h>
 
 static const struct timespec nap = {0, 5000000};
-enum { SHOWN_EVERY = 20 }; /* naps: what is shown ten times a second can be read */
 
 int cli_workers_take(cli_workers *w)
 {
@@ -47,15 +45,15 @@ static void *enter(void *user)
 /* Until all are gone, the time is over or a signal comes; shows on a terminal how far they are. */
 static void attend(cli_workers *w, int started)
 {
-    const bool terminal = isatty(STDERR_FILENO);
-    for (int naps = 1; !w->stop && w->gone < started; naps++) {
+    cli_progress line = cli_progress_begin();
+    while (!w->stop && w->gone < started) {
         nanosleep(&nap, NULL);
         if (cli_workers_over(w)) w->stop = true;
-        if (terminal && naps % SHOWN_EVERY == 0)
-            fprintf(stderr, "\r\033[K%d of %d %s, %.0f s", (int)w->finished, w->n, w->pieces,
+        if (cli_progress_due(&line))
+            fprintf(stderr, "%d of %d %s, %.0f s", (int)w->finished, w->n, w->pieces,
                     cli_seconds_since(&w->start));
     }
-    if (terminal) fputs("\r\033[K", stderr);
+    cli_progress_end(&line);
 }
 
 ric_status cli_workers_run(cli_workers *w, int count)

@@ -290,13 +290,6 @@ void view_data_release(view_shelf *shelf, view_data *data)
 
 /* -------------------------------------------------------------- description */
 
-static json_t *numbers(int n, const double *values, double unit)
-{
-    json_t *array = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(array, cli_number(unit * values[i]));
-    return array;
-}
-
 /* Normals act on scaled displacements; clearances are scaled by the first one. */
 static json_t *contacts(const ric_model *model)
 {
@@ -308,7 +301,7 @@ static json_t *contacts(const ric_model *model)
         json_t *one = json_object();
         if (ric_model_contact(model, i, &contact)) break;
         json_object_set_new(one, "name", json_string(contact.name ? contact.name : ""));
-        json_object_set_new(one, "normal", numbers(ric_model_n_dof(model), contact.normal, 1));
+        json_object_set_new(one, "normal", cli_numbers(ric_model_n_dof(model), contact.normal, 1));
         json_object_set_new(one, "clearance",
                             contact.clearance > 0
                                 ? cli_number(contact.clearance / ric_model_length(model))
@@ -337,7 +330,7 @@ static json_t *locked(const ric_model *model)
     const int n = ric_model_n_dof(model) - 1;
     double *values = calloc((size_t)n + 1, sizeof *values);
     json_t *array = values && n > 0 && !ric_model_locked_frequencies(model, 0, values)
-                        ? numbers(n, values, 1)
+                        ? cli_numbers(n, values, 1)
                         : json_array();
     free(values);
     return array;
@@ -364,13 +357,13 @@ static json_t *describe_model(const ric_model *model)
     json_object_set_new(object, "symmetric", json_boolean(ric_model_symmetric(model)));
     json_object_set_new(object, "frequencies",
                         frequencies && !ric_model_frequencies(model, frequencies)
-                            ? numbers(n, frequencies, 1)
+                            ? cli_numbers(n, frequencies, 1)
                             : json_array());
     json_object_set_new(object, "locked", locked(model));
-    json_object_set_new(object, "mass", numbers(n * n, ric_model_mass(model), 1));
-    json_object_set_new(object, "stiffness", numbers(n * n, ric_model_stiffness(model), 1));
+    json_object_set_new(object, "mass", cli_numbers(n * n, ric_model_mass(model), 1));
+    json_object_set_new(object, "stiffness", cli_numbers(n * n, ric_model_stiffness(model), 1));
     if (shapes && !ric_model_modes(model, shapes))
-        json_object_set_new(object, "shapes", numbers(n * n, shapes, 1));
+        json_object_set_new(object, "shapes", cli_numbers(n * n, shapes, 1));
     json_object_set_new(object, "contacts", contacts(model));
     json_object_set_new(object, "faces", faces(model));
     free(frequencies);
@@ -431,10 +424,11 @@ static json_t *describe_forcing(const ric_study *study)
     ric_forcing f;
     if (!ric_study_forcing(study, &f)) return json_null();
     const ric_shaking *s = &f.shaking;
-    return json_pack("{s:o,s:o,s:o,s:o,s:o}", "force", numbers(s->n_force, s->force, 1), "damping",
-                     numbers(s->n_ratio, s->ratios, 1), "restitution", cli_number(s->restitution),
-                     "harmonic", json_integer(f.harmonic.n ? (json_int_t)f.harmonic.value[0] : 1),
-                     "levels", numbers(f.amplitude.n, f.amplitude.value, 1));
+    return json_pack("{s:o,s:o,s:o,s:o,s:o}", "force", cli_numbers(s->n_force, s->force, 1),
+                     "damping", cli_numbers(s->n_ratio, s->ratios, 1), "restitution",
+                     cli_number(s->restitution), "harmonic",
+                     json_integer(f.harmonic.n ? (json_int_t)f.harmonic.value[0] : 1), "levels",
+                     cli_numbers(f.amplitude.n, f.amplitude.value, 1));
 }
 
 static json_t *junctions(const ric_atlas *atlas)

@@ -5,8 +5,6 @@
 
 #include "view.h"
 
-static const double two_pi = 6.283185307179586;
-
 enum {
     SAMPLES_PER_CYCLE = 24, /* of the highest mode */
     SAMPLES_AT_LEAST = 6,   /* of one flight */
@@ -44,11 +42,11 @@ static void add_flights(history *h, int n_flight, const double *flights, double 
     double period = 0, begin = 0;
     for (int k = 0; k < n_flight; k++) period += flights[k];
     const double wanted = n_flight * (SAMPLES_AT_LEAST + 1) + SAMPLES_ALONE +
-                          SAMPLES_PER_CYCLE * period * highest / two_pi;
+                          SAMPLES_PER_CYCLE * period * highest / CLI_TWO_PI;
     const double thin = fmin(1, NUMBERS_AT_MOST / (2.0 * h->n_dof * wanted));
     for (int k = 0; k < n_flight; k++) {
         const int n = (int)fmax(2, thin * ((n_flight > 1 ? SAMPLES_AT_LEAST : SAMPLES_ALONE) +
-                                           SAMPLES_PER_CYCLE * flights[k] * highest / two_pi));
+                                           SAMPLES_PER_CYCLE * flights[k] * highest / CLI_TWO_PI));
         for (int i = 0; i <= n; i++) {
             const double part = (double)i / n;
             add_sample(h, begin + part * flights[k], begin + fmin(part, before) * flights[k]);
