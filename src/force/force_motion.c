@@ -89,6 +89,12 @@ ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, d
     if (closed) r.rest += 2;
     hunt h = {&r, least, NAN};
     seek_all(&h, u[2 * n + 1]);
+    /* the impact of another contact may turn the gap round */
+    double slope, last = ric_force_frame_look(&r, u[2 * n + 1], &slope);
+    if (ric_force_orbit_end(o, k) != face && last > h.best) {
+        h.best = last;
+        h.time = u[2 * n + 1];
+    }
     *highest = h.best;
     *time = h.time;
     return RIC_OK;

@@ -8,9 +8,10 @@
  * that opens. */
 double ric_force_motion_speed(const ric_force_orbit *o, int k);
 
-/* The highest maximum of a gap coordinate over its clearance inside a flight, above `least`, found
- * by bisection under a bound of its second derivative, so that none is overlooked: 1 touches the
- * face. Of a closed face 2 less that. `least`, and *time = NaN: there is none above it. */
+/* The highest value of a gap coordinate over its clearance in a flight, above `least`: maxima are
+ * found by bisection under a bound of its second derivative, so that none is overlooked, and the
+ * end of the flight counts, too, where the event is that of another face. 1 touches the face. Of a
+ * closed face 2 less that. `least`, and *time = NaN: there is none above it. */
 ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, double least,
                                     double *highest, double *time);
 

@@ -235,5 +235,24 @@ scale = (706 - 78) / 0.0005
 assert abs(max(x for x, _ in left[0]) - (78 + (at[0] - 1.9094) * scale)) < 0.1, left
 END
 ok "no displacement" bash -c "! '$ricochet' plot response '$folder/a' --output x3 -o '$folder/b.svg' 2>/dev/null && ! test -e '$folder/b.svg'"
+
+# A stop between two others: the next impact turns the first mass round before its gap has a maximum within the flight.
+cat >"$folder/corner.yaml" <<'END'
+model:
+  mass: [[1, 0], [0, 1]]
+  stiffness: [[3, 0], [0, 2]]
+  contacts:
+    - {normal: [1, 0], law: rigid, clearance: 0.00181, sides: both}
+    - {normal: [-1, 1], law: rigid, clearance: 0.00181, sides: upper}
+explore: {energy: [0, 7.908], frequency: [0.2828, 5.196], impacts: 4, depth: 1}
+END
+ok "an atlas with two stops" "$ricochet" run "$folder/corner.yaml" -o "$folder/c.ricochet" --quiet
+ok "its forced motions" "$ricochet" response "$folder/c.ricochet" --force 0.909,-0.916 --damping 0.01 --level 0.0002715 --omega 1.7,1.9 \
+    --impacts 4 --most-curves 12 -o "$folder/cornered"
+"$ricochet" response "$folder/cornered" --points --json >"$folder/corners"
+ok "no motion passes a stop at the instant of another impact" rows '
+points = read("corners")
+assert len({p["curve"] for p in points}) > 3 and max(p["peak"][0] for p in points) < 1 + 1e-9'
+
 ok "the atlas is what it was" test "$before" = "$(cksum "$atlas")"
 finish
