@@ -228,15 +228,16 @@ ric_status ric_continuation_fill(ric_continuation *tr, double s, ric_station *p)
     return status;
 }
 
-static double definite_slope(ric_shooting *c, int test, const ric_station *p)
+static double definite_slope(ric_shooting *c, int test, const ric_station *p, bool asked)
 {
+    if (!asked) return NAN;
     const double slope = ric_continuation_slope(c, test, p->t);
     return definite(slope, ric_continuation_slope_error(c, p->u, p->t, test, slope));
 }
 
 /* The tests that need no map; p->row has no stability. */
 static void examine_orbit(ric_continuation *tr, ric_station *p, double orientation,
-                          const ric_margins *now)
+                          const ric_margins *now, unsigned at)
 {
     ric_shooting *c = tr->chain;
     const ric_limits *lim = tr->limits;
@@ -245,8 +246,8 @@ static void examine_orbit(ric_continuation *tr, ric_station *p, double orientati
     F[RIC_TEST_APPROACH] = fmin(now->approach, smallest_touch(c, p->u));
     F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
     F[RIC_TEST_DET] = orientation * c->end_det;
-    F[RIC_TEST_SLOPE] = definite_slope(c, RIC_TEST_SLOPE, p);
-    F[RIC_TEST_PERIOD] = definite_slope(c, RIC_TEST_PERIOD, p);
+    F[RIC_TEST_SLOPE] = definite_slope(c, RIC_TEST_SLOPE, p, at & RIC_LOOK_ENERGY);
+    F[RIC_TEST_PERIOD] = definite_slope(c, RIC_TEST_PERIOD, p, at & RIC_LOOK_PERIOD);
     F[RIC_TEST_E_MAX] = lim->energy[1] - now->energy;
     F[RIC_TEST_E_MIN] = now->energy - tr->lowest;
     F[RIC_TEST_F_MAX] = now->time - lim->period[0];
@@ -274,7 +275,7 @@ ric_status ric_continuation_look(ric_continuation *tr, ric_station *p, double or
         for (int i = 0; i < 2 * tr->floquet.n_pair; i++) p->own[i] = NAN;
     else sort_pairs(of->n_pair, of->own, p->own);
     for (int i = 0; i < 3; i++) p->test[RIC_TEST_A + i] = p->factor[i] = p->hidden[i] = NAN;
-    examine_orbit(tr, p, orientation, &now);
+    examine_orbit(tr, p, orientation, &now, at);
     if (!(at & RIC_LOOK_FACTORS)) return RIC_OK;
     if (of == &none) ric_floquet_factors(c, &tr->floquet);
     keep_definite(tr, p, now.approach);

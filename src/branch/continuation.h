@@ -310,14 +310,17 @@ double ric_continuation_slope_error(ric_shooting *chain, const double *u, const 
 double ric_continuation_tangent(const ric_shooting *chain, const double *along, double *t);
 /* Test functions and point data at a station whose chain has just been evaluated at station->u with
  * tangent station->t. What costs most is left out, NAN, unless it is looked at: the reach; the
- * multipliers; the factors of the map, of which tests are made. RIC_LOOK_FOR: only for what is
- * passed, so that multipliers need not be known to rounding. */
+ * multipliers; the factors of the map, of which tests are made; the slopes of energy and of period,
+ * whose errors may have to be measured. RIC_LOOK_FOR: only for what is passed, so that multipliers
+ * need not be known to rounding. */
 enum {
     RIC_LOOK_REACH = 1,
     RIC_LOOK_PAIRS = 2,
     RIC_LOOK_FACTORS = 4,
-    RIC_LOOK_ALL = 7,
-    RIC_LOOK_FOR = 8
+    RIC_LOOK_ENERGY = 8,
+    RIC_LOOK_PERIOD = 16,
+    RIC_LOOK_ALL = 31,
+    RIC_LOOK_FOR = 32
 };
 ric_status ric_continuation_look(ric_continuation *trace, ric_station *station, double orientation,
                                  unsigned at);

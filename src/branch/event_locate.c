@@ -91,7 +91,10 @@ static unsigned needed(const ric_continuation *tr, int test)
 {
     if (ric_continuation_resonance(tr, test)) return RIC_LOOK_PAIRS | RIC_LOOK_FOR;
     if (test < RIC_N_TEST && EVENT_SINGULAR & 1u << test) return RIC_LOOK_FACTORS;
-    return test == RIC_TEST_REACH ? RIC_LOOK_REACH : 0;
+    return test == RIC_TEST_REACH    ? RIC_LOOK_REACH
+           : test == RIC_TEST_SLOPE  ? RIC_LOOK_ENERGY
+           : test == RIC_TEST_PERIOD ? RIC_LOOK_PERIOD
+                                     : 0;
 }
 
 double ric_event_value(const ric_continuation *tr, int test, const ric_station *p)
