@@ -17,6 +17,7 @@ typedef struct {
     const ric_shooting *c;
     int n, k, ld;
     real *P, *V, *E, *w; /* [ld * ld], [2n * ld], [k * n], [2n] the state on the way */
+    real *stiff;         /* [n] omega^2 / kappa of each mode */
     uint64_t closed;     /* springs, there */
     real size;
 } course;
@@ -24,7 +25,7 @@ typedef struct {
 size_t ric_floquet_fine_size(int n)
 {
     size_t k = (size_t)(n > 1 ? n - 1 : 1), ld = 2 * k, nn = (size_t)n;
-    return ld * ld + 2 * nn * ld + k * nn + 2 * nn;
+    return ld * ld + 2 * nn * ld + k * nn + 3 * nn;
 }
 
 bool ric_floquet_fine_fits(const ric_shooting *c)
@@ -70,10 +71,7 @@ static real beyond(const course *q, const ric_face *f, const real *w)
 static void pulls(const course *q, real *out)
 {
     const ric_model *m = q->c->model;
-    for (int i = 0; i < q->n; i++) {
-        real omega = (real)m->omega[i] + m->omega_low[i];
-        out[i] = omega * omega / m->kappa[i] * q->w[i];
-    }
+    for (int i = 0; i < q->n; i++) out[i] = q->stiff[i] * q->w[i];
     for (int g = 0; q->closed >> g; g++) {
         const ric_face *f = &m->face[g];
         if (!(q->closed >> g & 1)) continue;
@@ -217,7 +215,12 @@ static void begin_on(course *q, const ric_face *f)
 
 static void grow(course *q)
 {
-    for (int i = 0; i < 2 * q->n * q->ld; i++) q->size = fmaxl(q->size, fabsl(q->V[i]));
+    real size = q->size;
+    for (int i = 0; i < 2 * q->n * q->ld; i++) {
+        const real entry = fabsl(q->V[i]);
+        if (entry > size) size = entry;
+    }
+    q->size = size;
 }
 
 /* State and columns through an impact (saltation, eq. 41-46 of the article). */
@@ -225,13 +228,14 @@ static void strike(course *q, const ric_face *f)
 {
     const ric_model *m = q->c->model;
     int n = q->n, ld = q->ld;
-    real pull[n], cc = square(q, f), normal = along(q, f, q->w + n), speed = not_zero(normal);
+    real pull[n], c[n], cc = square(q, f), normal = along(q, f, q->w + n), speed = not_zero(normal);
     pulls(q, pull);
     real kick = -2 * along(q, f, pull) / (cc * speed);
+    for (int i = 0; i < n; i++) c[i] = f->c[i] / (real)m->kappa[i];
     for (int j = 0; j < ld; j++) {
         real gap = 0, push = 0;
         for (int i = 0; i < n; i++) {
-            gap += f->c[i] / (real)m->kappa[i] * q->V[i * ld + j];
+            gap += c[i] * q->V[i * ld + j];
             push += f->c[i] * q->V[(n + i) * ld + j];
         }
         real dq = 2 * gap / cc, dp = 2 * push / cc - kick * gap;
@@ -346,6 +350,11 @@ bool ric_floquet_fine_map(const ric_shooting *c, const double *start, const doub
     q.V = q.P + ld * ld;
     q.E = q.V + 2 * n * ld;
     q.w = q.E + k * n;
+    q.stiff = q.w + 2 * n;
+    for (int i = 0; i < n; i++) {
+        ric_fine_real omega = (ric_fine_real)m->omega[i] + m->omega_low[i];
+        q.stiff[i] = omega * omega / m->kappa[i];
+    }
     for (int i = 0; i < 2 * n; i++) q.w[i] = c->w[i];
     if (c->face[0] >= 0 && m->face[c->face[0]].spring > 0) begin_on(&q, &m->face[c->face[0]]);
     if (c->start == RIC_MIRROR_NONE) {
