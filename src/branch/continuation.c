@@ -152,7 +152,7 @@ static void keep_definite(ric_continuation *tr, ric_station *p, double approach)
         p->hidden[i] = error[i] * blur / size_of[i];
         open |= p->test[RIC_TEST_A + i] == 0 && value[i] != 0;
     }
-    if (!open || !isfinite(move)) return;
+    if (!open || !(move <= ric_continuation_beside(c))) return;
     for (unsigned way = 1; way <= 2; way++) {
         unsigned bits = way * 2654435769u;
         for (int i = 0; i < size; i++) tr->guess[i] = p->u[i] + ric_moved(&bits, move);

@@ -277,6 +277,9 @@ ric_point ric_continuation_point(const ric_shooting *chain, const ric_floquet *f
 ric_status ric_continuation_judge(ric_shooting *chain, const double *u, ric_floquet *floquet);
 /* Whether that error may count, so that there is something to judge. */
 bool ric_continuation_doubtful(const ric_shooting *chain, const ric_floquet *floquet);
+/* How far unknowns may be moved to say anything of an orbit: no bound but under a power law, where
+ * what is farther may take seconds to fly. */
+double ric_continuation_beside(const ric_shooting *chain);
 /* Unknowns that are the same orbit as u but for rounding, from the last evaluation, there: each
  * within its own, and all of them by what the residual leaves open across the curve, where the
  * Jacobian is least, and as far along it: beside a branch point rounding exchanges the two. In

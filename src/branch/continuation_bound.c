@@ -66,6 +66,11 @@ static double of_unknown(const ric_shooting *c)
                : UNKNOWN;
 }
 
+double ric_continuation_beside(const ric_shooting *c)
+{
+    return ric_flight_law_of(c->model)->integrated ? BESIDE * c->scale : DBL_MAX;
+}
+
 bool ric_continuation_move(const ric_shooting *c, const double *u, double *out)
 {
     int size = c->n_unknown;
@@ -81,7 +86,7 @@ bool ric_continuation_move(const ric_shooting *c, const double *u, double *out)
         for (int i = 0; i < size; i++)
             out[i] = u[i] + ric_moved(&bits, each) + across * plane[i] + along * plane[size + i];
     }
-    return far <= (ric_flight_law_of(c->model)->integrated ? BESIDE * c->scale : DBL_MAX);
+    return far <= ric_continuation_beside(c);
 }
 
 /* Beside a branch point the kernel vector t mixes with the direction v of the second smallest
