@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "augmented_rows.h"
 #include "base/room.h"
 
 enum {
@@ -301,30 +302,106 @@ char *ric_certificate_arcs_close(ric_arcs *a, const ric_chain *like, const ric_e
 
 /* ---------------------------------------------------------------- junctions */
 
+/* Whether the touch is at a mirror point: event `k`, where the gap alone has to vanish. */
+static bool touches_end(const ric_augmented *x, int *k)
+{
+    const ric_chain *c = &x->c;
+    const int place = x->ask.place;
+    arb_srcptr time = x->z + x->n_orbit, tau = x->z + (slong)place * c->size + 2 * c->n;
+    *k = place;
+    if (place == 0 && c->face[0] < 0 && arb_contains_zero(time)) return true;
+    *k = place + 1;
+    return *k == c->m && c->face[c->m] < 0 && arb_overlaps(time, tau);
+}
+
+/* What vanishes there, as the checker asks for it. */
+static void print_question(FILE *f, const ric_augmented *x)
+{
+    const ric_augmented_question *a = &x->ask;
+    const ric_wall *wall = &x->e->wall[a->face];
+    int k = a->place;
+    const bool gap = a->kind == RIC_AUGMENTED_GAP ||
+                     (a->kind == RIC_AUGMENTED_TOUCH && touches_end(x, &k));
+    fputs(", \"where\": [", f);
+    switch (a->kind) {
+    case RIC_AUGMENTED_ENERGY: fputs("\"energy\"", f); break;
+    case RIC_AUGMENTED_PERIOD: fputs("\"period\"", f); break;
+    case RIC_AUGMENTED_BREAK: fprintf(f, "\"break\", %d, %d", a->broken[0], a->broken[1]); break;
+    case RIC_AUGMENTED_TURN: fprintf(f, "\"turn\", %d, %d", a->p, a->q); break;
+    case RIC_AUGMENTED_DOUBLE: fputs("\"double\"", f); break;
+    case RIC_AUGMENTED_MEET: fprintf(f, "\"time\", %d", k); break;
+    case RIC_AUGMENTED_SPEED:
+    case RIC_AUGMENTED_TOUCH:
+    case RIC_AUGMENTED_GAP:
+        if (!gap) fprintf(f, "\"speed\", %d", k);
+        else
+            fprintf(f, "\"gap\", %d, %d, %d", k, wall->contact,
+                    a->image ? -wall->side : wall->side);
+    }
+    fputs("]", f);
+}
+
+/* The balls of the orbit, and an event of no speed at a touch in flight: one block more. False: of
+ * an image that has no face. */
+static bool write_touch(const ric_augmented *x, ric_chain *out)
+{
+    const ric_wall *wall = &x->e->wall[x->ask.face];
+    const int face = x->ask.image ? wall->mirror : x->ask.face;
+    const int k = x->ask.place, m = x->c.m, size = x->c.size, n = x->c.n;
+    int place;
+    ric_chain_copy(out, &x->c);
+    out->number = -1; /* none is held */
+    _arb_vec_set(out->u, x->z, (slong)m * size);
+    if (x->ask.kind != RIC_AUGMENTED_TOUCH || touches_end(x, &place)) return true;
+    if (face < 0) return false;
+    arb_ptr u = _arb_vec_init((slong)(m + 1) * size + 1), at = u + (slong)(k + 1) * size;
+    _arb_vec_set(u, x->z, (slong)(k + 1) * size);
+    _arb_vec_set(at + size, x->z + (slong)(k + 1) * size, (slong)(m - k - 1) * size);
+    ric_augmented_flight g;
+    arb_srcptr w = x->z + (slong)k * size, time = x->z + x->n_orbit;
+    ric_augmented_flight_open(&g, x->e, x->c.phase[k], w, time, NULL);
+    _arb_vec_set(at, g.flown, 2 * n);
+    ric_augmented_flight_close(&g);
+    arb_set(at - 1, time);
+    arb_sub(at + 2 * n, w + 2 * n, time, x->e->prec);
+    _arb_vec_clear(out->u, (slong)m * size + 1);
+    out->u = u;
+    out->m = m + 1;
+    out->face = flint_realloc(out->face, ((size_t)m + 2) * sizeof *out->face);
+    out->phase = flint_realloc(out->phase, ((size_t)m + 1) * sizeof *out->phase);
+    memmove(out->face + k + 2, out->face + k + 1, (size_t)(m - k) * sizeof *out->face);
+    memmove(out->phase + k + 1, out->phase + k, (size_t)(m - k) * sizeof *out->phase);
+    out->face[k + 1] = face;
+    return true;
+}
+
 char *ric_certificate_junction(const ric_augmented *x, const ric_junction_proof *proof)
 {
     ric_buffer b;
-    if (x->ask.kind != RIC_AUGMENTED_SPEED) return ric_strdup("");
+    ric_chain c;
+    bool together = false;
+    for (int i = 0; i < x->e->n_contact; i++) together = together || x->together[i];
+    if (together || ric_augmented_has_factor(x)) return ric_strdup("");
     if (!ric_buffer_open(&b)) return NULL;
-    ric_chain c = x->c;
-    c.number = -1; /* none is held */
-    writing w = {.file = b.file, .chain = &c, .e = x->e, .u = x->z, .unique = true};
+    writing w = {.file = b.file, .chain = &c, .e = x->e, .unique = write_touch(x, &c)};
+    w.u = c.u;
     fprintf(b.file, "{\"type\": \"junction\", \"junction\": %d, \"branch\": %d", proof->junction,
             proof->branch);
     print_class(b.file, &c, x->e);
     print_orbit(&w);
-    fprintf(b.file, ", \"slow\": %d", x->ask.place);
+    print_question(b.file, x);
     arb_t y;
     arb_init(y);
     ric_chain_energy(x->e, c.phase[0], x->z, y);
     arb_mul_2exp_si(y, y, 2 * x->e->time - x->e->mass);
     print_rounded(&w, "energy", y);
     arb_zero(y);
-    for (int k = 0; k < c.m; k++) arb_add(y, y, x->z + (slong)k * c.size + 2 * x->e->n, x->e->prec);
+    for (int k = 0; k < c.m; k++) arb_add(y, y, c.u + (slong)k * c.size + 2 * x->e->n, x->e->prec);
     arb_mul_ui(y, y, (ulong)ric_chain_copies(&c), x->e->prec);
     arb_mul_2exp_si(y, y, -x->e->time);
     print_rounded(&w, "period", y);
     arb_clear(y);
+    ric_chain_free(&c);
     char *text = finish(&b);
     if (text && !w.unique) *text = 0;
     return text;

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Certificates of curves and grazings, checked by what shares nothing with the program: what it writes passes, lies do not.
+# Certificates of curves and junctions, checked by what shares nothing with the program: what it writes passes, lies do not.
 set -u
 . tests/support/tap.sh
 . tests/support/proofs.sh
 
 needs_checker
-for name in elementary three-masses; do
+for name in elementary three-masses corner stop-and-spring; do
     "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
     if "$ricochet" prove "$folder/$name.ricochet" --junctions -o "$folder/$name-j.jsonl" 2>&1 | grep -q 'left out of this program'; then
         echo '1..0 # SKIP the program was built without FLINT'
@@ -15,8 +15,16 @@ done
 certificates "$folder/elementary.ricochet" "$folder/elementary-c.jsonl" --curves $(some_of '3 4 5 8 11' '') >"$folder/said" 2>&1
 certificates "$folder/three-masses.ricochet" "$folder/three-masses-c.jsonl" --curves $(some_of 4 '') >"$folder/said" 2>&1
 accepted() { "$python" tools/check_certificate.py "$@" >"$folder/checked" && [ "$(tail -1 "$folder/checked")" = "$count accepted, 0 refused" ]; }
-count=6
-ok 'grazings of elementary are accepted, and are those of the atlas' accepted "$folder/elementary-j.jsonl" "$folder/elementary.ricochet"
+count=18
+ok 'all junctions of elementary are accepted, and are those of the atlas' accepted "$folder/elementary-j.jsonl" "$folder/elementary.ricochet"
+# some NAME EVERY: one certificate of a junction in so many
+some() { awk -v every="$2" 'NR == 1 || NR % every == 0' "$folder/$1-j.jsonl" >"$folder/some.jsonl" && count=$(($(wc -l <"$folder/some.jsonl") - 1)); }
+some corner "$(every_of 4)"
+ok 'so are corners' accepted "$folder/some.jsonl" "$folder/corner.ricochet"
+some stop-and-spring "$(every_of 2)"
+ok 'junctions beside a spring' accepted "$folder/some.jsonl" "$folder/stop-and-spring.ricochet"
+some three-masses "$(every_of 6)"
+ok 'and those of three masses' accepted "$folder/some.jsonl" "$folder/three-masses.ricochet"
 
 # lies CODE: Python over the certificates; refused(LINE): why the checker refuses what a liar signs, or None
 lies() {
@@ -37,7 +45,7 @@ def refused(line, model=model):
     for byte in body.encode(): value = (value ^ byte) * 0x100000001B3 & (1 << 64) - 1
     try:
         line = checker.read_line(body + f', "check": "{value:016x}"}}')
-        (checker.check_curve.check if line["type"] == "curve" else checker.check)(model, line)
+        checker.check(model, line)
     except (AttributeError, ArithmeticError, LookupError, TypeError, ValueError) as error:
         return str(error) or type(error).__name__
 def part(line, first, last, arc=0):
@@ -82,7 +90,8 @@ for _ in range(1 + 40 // every):
     assert refused(line), (key, at, line)'
 ok 'no grazing with another digit, impact, or speed' lies '
 model, lines = read("elementary-j")
-for line in lines[:2 if every > 1 else 4]:
+slow = [line for line in lines if line["where"][0] == "speed"]
+for line in slow[:2 if every > 1 else 4]:
     for key in ("x", "v", "tau"):
         lie = copy.deepcopy(line)
         there = lie[key] if key == "tau" else lie[key][0]
@@ -92,6 +101,23 @@ for line in lines[:2 if every > 1 else 4]:
         lie = copy.deepcopy(line)
         lie[key][0] += 1
         assert refused(lie) == f"the {key} is another one", lie
-    others = [k for k in range(len(line["faces"])) if k != line["slow"]]
-    assert all(refused({**line, "slow": k}) for k in others), line'
+    others = [k for k in range(len(line["faces"])) if k != line["where"][1]]
+    assert all(refused({**line, "where": ["speed", k]}) for k in others), line'
+ok 'no junction of another kind' lies '
+model, lines = read("elementary-j")
+others = [["energy"], ["period"], ["double"], ["break", 0, 1], ["break", 1, 0], ["break", 1, 1], ["turn", 1, 3], ["turn", 1, 6]]
+for line in [line for line in lines if line["where"][0] != "speed"][::every and (4 if every > 1 else 1)]:
+    for where in others:
+        if where != line["where"] and not where[0] == line["where"][0] == "turn":
+            assert refused({**line, "where": where}), (line, where)'
+ok 'nor a corner at another event, of another contact, or whose flight lasts' lies '
+model, lines = read("corner-j")
+corners = [line for line in lines if line["where"][0] in ("gap", "time")]
+assert corners
+for line in corners:
+    where = line["where"]
+    for k in range(len(line["faces"])):
+        if k != where[1]: assert refused({**line, "where": [where[0], k, *where[2:]]}), (line, k)
+    for face in model.faces:
+        if where[0] == "time" or list(face) != where[2:]: assert refused({**line, "where": ["gap", where[1], *face]}), (line, face)'
 finish

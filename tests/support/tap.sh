@@ -26,11 +26,11 @@ needs_checker()
     local one
     python=
     for one in python3 /usr/bin/python3; do
-        "$one" -c 'import mpmath, yaml' 2>/dev/null || continue
+        "$one" -c 'import mpmath, numpy, yaml' 2>/dev/null || continue
         [ -n "$python" ] || python=$one
         if "$one" -c 'import gmpy2' 2>/dev/null; then python=$one && break; fi
     done
-    if [ -z "$python" ]; then echo '1..0 # SKIP no mpmath'; exit 77; fi
+    if [ -z "$python" ]; then echo '1..0 # SKIP no mpmath or numpy'; exit 77; fi
 }
 
 # Whether everything is to be tried that the suite takes a sample of (`make long`, CONTRIBUTING.md).
