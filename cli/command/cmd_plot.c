@@ -1,6 +1,7 @@
 /* ricochet plot: chooses the kind of picture; and the options that kinds share. */
 #define _POSIX_C_SOURCE 200809L
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,6 +43,19 @@ bool plot_parse_window(const char *text, const char *what, double window[4])
     memcpy(first, text, (size_t)(comma - text));
     first[comma - text] = '\0';
     return plot_parse_range(first, what, window) && plot_parse_range(comma + 1, what, window + 2);
+}
+
+bool plot_parse_output(const char *text, int n, int *dof)
+{
+    long index;
+    if (!text) return true;
+    if (text[0] != 'x' || !isdigit((unsigned char)text[1])) {
+        cli_wrong("--output %s: name a displacement, x1 to x%d", text, n);
+        return false;
+    }
+    if (!cli_parse_integer(text + 1, "--output", 1, n, &index)) return false;
+    *dof = (int)index - 1;
+    return true;
 }
 
 int plot_atlases_read(plot_atlases *atlases)

@@ -112,7 +112,8 @@ const cli_item *cli_next_option(const cli_command *command, const char *picture,
 /* Whether a picture is one that can be drawn, not "all" or "names". */
 bool cli_is_picture(const cli_item *item);
 
-#define CLI_TWO_PI 6.283185307179586
+#define CLI_PI 3.14159265358979323846
+#define CLI_TWO_PI 6.28318530717958647692
 
 /* The whole program; returns its exit code. */
 int cli_main(int argc, char **argv);

@@ -192,6 +192,12 @@ bool plot_clip_segment(const plot_box *box, plot_point *a, plot_point *b);
 /* Widens [lo, hi] by `part` of its length (of its logarithm), or to something visible when it is a
  * point. */
 void plot_range_widen(bool logarithmic, double part, double *lo, double *hi);
+/* A window that holds nothing; one that holds a point more; and the one that is asked for, x from,
+ * to, y from, to, in place of it. */
+void plot_range_empty(double x[2], double y[2]);
+void plot_range_take(plot_point p, double x[2], double y[2]);
+void plot_range_window(const double window[4], double x[2], double y[2]);
+plot_axis plot_axis_linear(double lo, double hi, double from, double to);
 
 /* Width of the longest number beside an upright axis. */
 double plot_axis_widest(const plot_axis *axis);
@@ -294,6 +300,8 @@ bool plot_same_length(const plot_options *options, int n, ric_atlas *const *atla
 bool plot_parse_range(const char *text, const char *what, double range[2]);
 /* "X0:X1,Y0:Y1" */
 bool plot_parse_window(const char *text, const char *what, double window[4]);
+/* --output: x1, x2 .. of n; *dof stays as it is where text is NULL. */
+bool plot_parse_output(const char *text, int n, int *dof);
 /* The atlases of one figure. */
 enum { PLOT_MAX_ATLAS = 12 };
 typedef struct {

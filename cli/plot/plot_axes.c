@@ -75,6 +75,33 @@ double plot_axis_at(const plot_axis *axis, double value)
     }
 }
 
+void plot_range_empty(double x[2], double y[2])
+{
+    x[0] = y[0] = INFINITY;
+    x[1] = y[1] = -INFINITY;
+}
+
+void plot_range_take(plot_point p, double x[2], double y[2])
+{
+    x[0] = fmin(x[0], p.x);
+    x[1] = fmax(x[1], p.x);
+    y[0] = fmin(y[0], p.y);
+    y[1] = fmax(y[1], p.y);
+}
+
+void plot_range_window(const double window[4], double x[2], double y[2])
+{
+    for (int i = 0; i < 2; i++) {
+        x[i] = window[i];
+        y[i] = window[2 + i];
+    }
+}
+
+plot_axis plot_axis_linear(double lo, double hi, double from, double to)
+{
+    return (plot_axis){.scale = PLOT_SCALE_LINEAR, .lo = lo, .hi = hi, .from = from, .to = to};
+}
+
 void plot_range_widen(bool logarithmic, double part, double *lo, double *hi)
 {
     if (logarithmic) {

@@ -9,7 +9,7 @@
 
 #include "plot.h"
 
-static const double type = 12, pi = 3.14159265358979323846;
+static const double type = 12;
 enum { SAMPLES = 1600, ARC = 240 };
 /* Solid lines, dark and orange; the same thick, for dots. */
 static const plot_stroke thin[2] = {PLOT_SYMMETRIC + RIC_STABLE_NO,
@@ -268,7 +268,7 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
                  times = periods(p, n - 1) / periods(p, step);
     ric_cascade_step s;
     ric_cascade_step_at(p->cascade, step, &s);
-    const double period = 2 * pi / s.frequency;
+    const double period = 2 * CLI_PI / s.frequency;
     double *state = calloc(2 * (size_t)n_dof, sizeof *state);
     plot_point *history = calloc(SAMPLES + 1, sizeof *history),
                *portrait = calloc(SAMPLES + 1, sizeof *portrait);
@@ -325,7 +325,7 @@ static void shape_ranges(const picture *p, double x[2], double v[2])
         ric_cascade_step s;
         ric_cascade_step_at(p->cascade, step, &s);
         for (int i = 0; i < SAMPLES; i++) {
-            ric_cascade_at_time(p->cascade, step, 2 * pi / s.frequency * i / SAMPLES, state,
+            ric_cascade_at_time(p->cascade, step, 2 * CLI_PI / s.frequency * i / SAMPLES, state,
                                 state + n_dof);
             x[0] = fmin(x[0], state[p->dof]);
             x[1] = fmax(x[1], state[p->dof]);
@@ -368,7 +368,7 @@ static void draw_step(picture *p, const plot_panel *circle, const plot_panel *an
         const double sign = k ? -1 : 1;
         plot_point arc[PIECES + 1];
         for (int i = 0; i <= PIECES; i++) {
-            const double angle = 2 * pi * sign * (last + turn * i / PIECES);
+            const double angle = 2 * CLI_PI * sign * (last + turn * i / PIECES);
             arc[i] = (plot_point){radius[k] * cos(angle), radius[k] * sin(angle)};
         }
         plot_panel_curve(p->page, circle, thick[k], PIECES + 1, arc);
@@ -403,11 +403,11 @@ static void draw_roots(picture *p, const plot_panel *circle, const plot_panel *a
     plot_point arc[ARC + 1];
     char text[48];
     for (int i = 0; i <= ARC; i++)
-        arc[i] = (plot_point){cos(2 * pi * i / ARC), sin(2 * pi * i / ARC)};
+        arc[i] = (plot_point){cos(2 * CLI_PI * i / ARC), sin(2 * CLI_PI * i / ARC)};
     plot_panel_curve(p->page, circle, PLOT_GRID, ARC + 1, arc);
     for (int k = 1; k < p->duplicate; k++) {
         const double gamma = (double)k / (double)p->duplicate;
-        const plot_point at = {cos(2 * pi * gamma), sin(2 * pi * gamma)},
+        const plot_point at = {cos(2 * CLI_PI * gamma), sin(2 * CLI_PI * gamma)},
                          tip = {1.25 * at.x, 1.25 * at.y};
         const plot_point line[2] = {{angles->x.lo, gamma}, {angles->x.hi, gamma}};
         plot_page_mark(p->page, PLOT_STAR, plot_panel_at(circle, at), 4);
@@ -429,7 +429,7 @@ static void draw_direction(picture *p, const plot_panel *circle, double before, 
     plot_point arrow[12];
     if (turn == 0) return;
     for (int i = 0; i < 9; i++) {
-        const double angle = 2 * pi * (middle + step * (i - 4) * 0.012);
+        const double angle = 2 * CLI_PI * (middle + step * (i - 4) * 0.012);
         arrow[i] = plot_panel_at(circle, (plot_point){radius * cos(angle), radius * sin(angle)});
     }
     const plot_point tip = arrow[8], way = {tip.x - arrow[6].x, tip.y - arrow[6].y};

@@ -9,7 +9,7 @@
 
 #include "plot.h"
 
-static const double type = 12, pi = 3.14159265358979323846;
+static const double type = 12;
 
 /* --------------------------------------------------------------- quantities */
 
@@ -111,7 +111,7 @@ static double read_quantity(const quantity *q, const ric_branch *branch, int n_d
     case ARCLENGTH: return p->arclength;
     case ENERGY: return p->energy;
     case FREQUENCY: return p->frequency;
-    case PERIOD: return 2 * pi / p->frequency;
+    case PERIOD: return 2 * CLI_PI / p->frequency;
     case TRACE: return p->trace; /* asinh(trace / 2), drawn on that scale */
     case ROTATION: return p->rotation;
     case REACH: return p->reach;
@@ -184,18 +184,14 @@ typedef struct {
 
 static bool track_range(const curves *c, double x[2], double y[2])
 {
-    x[0] = y[0] = INFINITY;
-    x[1] = y[1] = -INFINITY;
+    plot_range_empty(x, y);
     for (int i = 0; i < c->n_branch; i++)
         for (int k = 0; k < c->tracks[i].n; k++) {
             const plot_point p = c->tracks[i].knots[k].at;
             if (!isfinite(p.x) || !isfinite(p.y) || (c->log_x && p.x <= 0) ||
                 (c->log_y && p.y <= 0))
                 continue;
-            x[0] = fmin(x[0], p.x);
-            x[1] = fmax(x[1], p.x);
-            y[0] = fmin(y[0], p.y);
-            y[1] = fmax(y[1], p.y);
+            plot_range_take(p, x, y);
         }
     if (!(x[1] >= x[0])) return false;
     if (c->has_window) {
@@ -614,7 +610,7 @@ static bool add_dots(floquet *f, double x, int n, const double *multipliers)
         const double re = multipliers[2 * k], im = multipliers[2 * k + 1];
         f->dots[f->n_dot].x = x;
         f->dots[f->n_dot].size = log(hypot(re, im));
-        f->dots[f->n_dot++].angle = fabs(atan2(im, re)) / (2 * pi);
+        f->dots[f->n_dot++].angle = fabs(atan2(im, re)) / (2 * CLI_PI);
     }
     return true;
 }

@@ -2,7 +2,6 @@
  * first order. */
 #define _POSIX_C_SOURCE 200809L
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -103,12 +102,21 @@ static ric_status add_line(picture *p, int id)
     return status;
 }
 
-/* Where a branch has this arclength: between two stored points on the chord of what is drawn. */
-static plot_point at_arclength(const line *l, double s)
+/* The stored point that ends the piece with this arclength, and which part of the piece lies before
+ * it. */
+static int piece_at(const line *l, double s, double *part)
 {
     int i = 1;
     while (i < l->n - 1 && l->arclength[i] < s) i++;
-    const double f = (s - l->arclength[i - 1]) / (l->arclength[i] - l->arclength[i - 1]);
+    *part = (s - l->arclength[i - 1]) / (l->arclength[i] - l->arclength[i - 1]);
+    return i;
+}
+
+/* Where a branch has this arclength: between two stored points on the chord of what is drawn. */
+static plot_point at_arclength(const line *l, double s)
+{
+    double f;
+    const int i = piece_at(l, s, &f);
     return (plot_point){l->at[i - 1].x + f * (l->at[i].x - l->at[i - 1].x),
                         l->at[i - 1].y + f * (l->at[i].y - l->at[i - 1].y)};
 }
@@ -161,10 +169,9 @@ static void release(picture *p)
 /* The threshold between stored points: its logarithm on a chord; *trusted as both of them are. */
 static double threshold_at(const line *l, double s, bool *trusted)
 {
-    int i = 1;
-    while (i < l->n - 1 && l->arclength[i] < s) i++;
-    const double f = (s - l->arclength[i - 1]) / (l->arclength[i] - l->arclength[i - 1]),
-                 a = l->threshold[i - 1], b = l->threshold[i];
+    double f;
+    const int i = piece_at(l, s, &f);
+    const double a = l->threshold[i - 1], b = l->threshold[i];
     *trusted = l->trusted[i - 1] && l->trusted[i];
     if (isinf(a) || isinf(b)) return INFINITY;
     return exp((1 - f) * log(a) + f * log(b));
@@ -264,8 +271,7 @@ static int legend(const picture *p, char texts[2 * MOST_LEVELS][80], plot_legend
 /* What the axes hold: branches with impacts, and the upper ends of linear modes. */
 static bool find_range(const picture *p, double x[2], double y[2])
 {
-    x[0] = y[0] = INFINITY;
-    x[1] = y[1] = -INFINITY;
+    plot_range_empty(x, y);
     for (int i = 0; i < p->n_line; i++) {
         const line *l = &p->lines[i];
         const bool linear = ric_branch_linear(ric_atlas_model(p->atlas), &l->branch);
@@ -386,18 +392,6 @@ static bool parse_levels(const char *text, picture *p)
     return true;
 }
 
-static bool parse_output(const char *text, int n, int *dof)
-{
-    long index = 0;
-    if (text && (text[0] != 'x' || !isdigit((unsigned char)text[1]))) {
-        cli_wrong("--output %s: name a displacement, x1 to x%d", text, n);
-        return false;
-    }
-    if (text && !cli_parse_integer(text + 1, "--output", 1, n, &index)) return false;
-    *dof = (int)index - 1;
-    return true;
-}
-
 /* What is not said by options, from the study. */
 static int complete(picture *p)
 {
@@ -439,9 +433,10 @@ int plot_force(int argc, char **argv, const plot_options *common)
         cli_take_value(&argc, argv, "--level", &level) && cli_operands(&cli_plot, argc, argv, 1) &&
         parse_levels(level, p) && (!window || plot_parse_window(window, "--window", p->window))) {
         p->has_window = window;
+        p->dof = -1;
         ric_status status = ric_atlas_read(argv[1], &p->atlas);
         code = status ? cli_report(status)
-               : parse_output(output, ric_model_n_dof(ric_atlas_model(p->atlas)), &p->dof)
+               : plot_parse_output(output, ric_model_n_dof(ric_atlas_model(p->atlas)), &p->dof)
                    ? complete(p)
                    : CLI_WRONG;
         if (!code) p->unit = plot_units_of(common, ric_atlas_model(p->atlas));

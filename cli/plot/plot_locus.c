@@ -36,23 +36,16 @@ static plot_point place(const picture *p, const cli_locus *x, const ric_locus_po
 static bool find_range(const picture *p, double x[2], double y[2])
 {
     ric_locus_point at;
-    x[0] = y[0] = INFINITY;
-    x[1] = y[1] = -INFINITY;
+    plot_range_empty(x, y);
     for (int l = 0; l < p->n; l++)
         for (int i = 0; i < ric_locus_n_point(p->loci[l].locus); i++) {
             if (ric_locus_point_at(p->loci[l].locus, i, &at)) continue;
             const plot_point q = place(p, &p->loci[l], &at);
-            x[0] = fmin(x[0], q.x);
-            x[1] = fmax(x[1], q.x);
-            y[0] = fmin(y[0], q.y);
-            y[1] = fmax(y[1], q.y);
+            plot_range_take(q, x, y);
         }
     plot_range_widen(false, 0.02, &x[0], &x[1]);
     plot_range_widen(false, 0.04, &y[0], &y[1]);
-    for (int i = 0; i < 2 && p->has_window; i++) {
-        x[i] = p->window[i];
-        y[i] = p->window[2 + i];
-    }
+    if (p->has_window) plot_range_window(p->window, x, y);
     return x[1] > x[0];
 }
 

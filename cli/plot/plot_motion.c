@@ -11,8 +11,6 @@
 
 #include "plot.h"
 
-static const double pi = 3.14159265358979323846;
-
 double *plot_motion_row(const plot_motion *o, int i)
 {
     return o->rows + (size_t)i * (size_t)(1 + 2 * o->n);
@@ -247,7 +245,7 @@ static bool find_touches(plot_motion *o, const modal *m, int contact, double beg
 /* Rows of one flight. The touches' rows come after all flights, outside the curves. */
 static bool sample_flight(plot_motion *o, const modal *m, double begin, double length, double *work)
 {
-    const double turns = m->omega[m->n - 1] * length / (2 * pi);
+    const double turns = m->omega[m->n - 1] * length / (2 * CLI_PI);
     const int n = (int)
         fmax(400, fmin(4000, 96 * turns)); /* a loop of a portrait has no corners that are seen */
     for (int i = 0; i <= n; i++) {
@@ -260,7 +258,7 @@ static bool sample_flight(plot_motion *o, const modal *m, double begin, double l
 static bool touches_of_flight(plot_motion *o, const modal *m, double begin, double length,
                               double *work)
 {
-    const double turns = m->omega[m->n - 1] * length / (2 * pi);
+    const double turns = m->omega[m->n - 1] * length / (2 * CLI_PI);
     const int n = (int)fmax(96, fmin(8000, 48 * turns));
     /* Without impacts the period starts anywhere, also at a touch: the search starts a little
      * earlier. */

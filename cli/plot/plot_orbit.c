@@ -10,7 +10,7 @@
 #include "plot.h"
 
 enum { MAX_SHOWN = 4 };
-static const double type = 12, pi = 3.14159265358979323846;
+static const double type = 12;
 /* How near a gap must come to a stop, in clearances, to be a touch: an orbit of a branch is exact
  * to rounding; a grazing junction of a very unstable orbit carries the error of its flights. */
 static const double touch_of_branch = 1e-9, touch_of_grazing = 1e-7;
@@ -32,8 +32,8 @@ typedef struct {
 static void set_title(orbit *o, const char *name, double energy, const char *extra)
 {
     char place[120];
-    plot_place_text(o->common, o->motion->model, energy, 2 * pi / o->motion->period, sizeof place,
-                    place);
+    plot_place_text(o->common, o->motion->model, energy, 2 * CLI_PI / o->motion->period,
+                    sizeof place, place);
     snprintf(o->title, sizeof o->title, "%s:  %s%s", name, place, extra);
 }
 
@@ -207,14 +207,9 @@ static void choose_gaps(orbit *o)
 
 /* ------------------------------------------------------------------ drawing */
 
-static plot_axis axis_over(double lo, double hi, double from, double to)
-{
-    return (plot_axis){.scale = PLOT_SCALE_LINEAR, .lo = lo, .hi = hi, .from = from, .to = to};
-}
-
 static plot_axis time_axis(const orbit *o, double from, double to)
 {
-    return axis_over(-0.025 * o->motion->period, 1.025 * o->motion->period, from, to);
+    return plot_axis_linear(-0.025 * o->motion->period, 1.025 * o->motion->period, from, to);
 }
 
 /* Thin upright lines tie the impacts of the two histories together. */
@@ -268,7 +263,8 @@ static void draw_displacements(orbit *o, plot_box box, bool numbers)
     for (int i = 0; i < o->n_shown; i++)
         plot_motion_range(o->motion, plot_read_x, o->shown[i], &lo, &hi);
     plot_range_widen(false, 0.07, &lo, &hi);
-    plot_panel panel = {time_axis(o, box.left, box.right), axis_over(lo, hi, box.bottom, box.top)};
+    plot_panel panel = {time_axis(o, box.left, box.right),
+                        plot_axis_linear(lo, hi, box.bottom, box.top)};
     panel.y.unit = o->unit.length;
     draw_event_lines(o, &panel);
     name_touches(o, &panel);
@@ -407,8 +403,8 @@ static void draw_gaps(orbit *o, plot_box box)
     const double above = upper ? room : 12, below = lower ? room : 12,
                  scale = (hi - lo) / fmax(20, box.top - box.bottom - above - below);
     const plot_panel panel = {time_axis(o, box.left, box.right),
-                              axis_over(lo - below * scale, hi + above * scale, box.bottom,
-                                        box.top)};
+                              plot_axis_linear(lo - below * scale, hi + above * scale, box.bottom,
+                                               box.top)};
     draw_event_lines(o, &panel);
     draw_stops(o, &panel);
     for (int i = 0; i < o->n_gap; i++)
@@ -440,8 +436,8 @@ static void draw_portrait(orbit *o, int i, plot_box box)
     plot_motion_range(o->motion, plot_read_v, coordinate, &v[0], &v[1]);
     plot_range_widen(false, 0.07, &x[0], &x[1]);
     plot_range_widen(false, 0.07, &v[0], &v[1]);
-    plot_panel panel = {axis_over(x[0], x[1], box.left, box.right),
-                        axis_over(v[0], v[1], box.bottom, box.top)};
+    plot_panel panel = {plot_axis_linear(x[0], x[1], box.left, box.right),
+                        plot_axis_linear(v[0], v[1], box.bottom, box.top)};
     panel.x.unit = panel.y.unit = o->unit.length;
     plot_motion_draw(o->page, &panel, PLOT_PORTRAIT + (plot_stroke)i, o->motion, plot_read_x,
                      plot_read_v, coordinate, 0);

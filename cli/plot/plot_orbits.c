@@ -97,11 +97,6 @@ static int load(orbits_figure *f)
 
 /* ------------------------------------------------------------------ drawing */
 
-static plot_axis axis_over(double lo, double hi, double from, double to)
-{
-    return (plot_axis){.scale = PLOT_SCALE_LINEAR, .lo = lo, .hi = hi, .from = from, .to = to};
-}
-
 /* Ranges of displacements and speeds: of one panel, or of all. */
 static void ranges(const orbits_figure *f, int only, int coordinate, double x[2], double v[2])
 {
@@ -210,8 +205,8 @@ static void draw_history(orbits_figure *f, int i, plot_box box, bool title)
     const plot_motion *m = &p->choice.motion;
     double x[2], v[2];
     ranges(f, i, -1, x, v);
-    plot_panel at = {axis_over(0, m->period * p->choice.periods, box.left, box.right),
-                     axis_over(x[0], x[1], box.bottom, box.top)};
+    plot_panel at = {plot_axis_linear(0, m->period * p->choice.periods, box.left, box.right),
+                     plot_axis_linear(x[0], x[1], box.bottom, box.top)};
     at.y.unit = plot_units_of(f->common, m->model).length;
     draw_events(f, p, &at);
     if (f->gap) draw_gap(f, m, &at, p->choice.periods);
@@ -231,8 +226,8 @@ static void draw_portrait(orbits_figure *f, int i, int coordinate, plot_box box,
     double x[2], v[2];
     char across[24], up[24];
     ranges(f, i, coordinate, x, v);
-    plot_panel at = {axis_over(x[0], x[1], box.left, box.right),
-                     axis_over(v[0], v[1], box.bottom, box.top)};
+    plot_panel at = {plot_axis_linear(x[0], x[1], box.left, box.right),
+                     plot_axis_linear(v[0], v[1], box.bottom, box.top)};
     at.x.unit = at.y.unit = plot_units_of(f->common, f->panels[i].choice.motion.model).length;
     int series = 0;
     for (int k = 0; k < f->n_shown; k++) series = f->shown[k] == coordinate ? k : series;

@@ -87,15 +87,6 @@ static void range_of(const orbits_figure *f, plot_reading y, int what, double ra
     plot_range_widen(false, 0.07, &range[0], &range[1]);
 }
 
-static plot_axis axis_over(const double range[2], double from, double to)
-{
-    return (plot_axis){.scale = PLOT_SCALE_LINEAR,
-                       .lo = range[0],
-                       .hi = range[1],
-                       .from = from,
-                       .to = to};
-}
-
 /* The stops of the first contact of any of the orbits, at +1 and -1. */
 static void draw_stops(const orbits_figure *f, const plot_panel *panel)
 {
@@ -123,7 +114,8 @@ static void draw_history(const orbits_figure *f, const reading *r, const double 
 {
     double y[2], whole[2] = {0, 1};
     range_of(f, r->x, r->what, y);
-    plot_panel panel = {axis_over(whole, box.left, box.right), axis_over(y, box.bottom, box.top)};
+    plot_panel panel = {plot_axis_linear(whole[0], whole[1], box.left, box.right),
+                        plot_axis_linear(y[0], y[1], box.bottom, box.top)};
     panel.y.unit = r->gap ? 1 : plot_units_of(f->common, f->panels[0].choice.motion.model).length;
     if (r->gap) draw_stops(f, &panel);
     for (int i = 0; i < f->n; i++) {
@@ -143,7 +135,7 @@ static plot_axis axis_of(const plot_motion *m, plot_reading y, int what, double 
     double range[2] = {0, 0};
     plot_motion_range(m, y, what, &range[0], &range[1]);
     const double most = 1.1 * fmax(range[1], -range[0]);
-    return axis_over((double[2]){-most, most}, from, to);
+    return plot_axis_linear(-most, most, from, to);
 }
 
 /* Each motion over its largest values: shapes are compared, and energies may be far apart. */
@@ -157,8 +149,8 @@ static void draw_portrait(const orbits_figure *f, const reading *r, plot_box box
                                 axis_of(m, r->v, r->what, box.bottom, box.top)};
         plot_motion_draw(f->page, &own, PLOT_OVERLAY + (plot_stroke)i, m, r->x, r->v, r->what, 0);
     }
-    const plot_panel panel = {axis_over(whole, box.left, box.right),
-                              axis_over(whole, box.bottom, box.top)};
+    const plot_panel panel = {plot_axis_linear(whole[0], whole[1], box.left, box.right),
+                              plot_axis_linear(whole[0], whole[1], box.bottom, box.top)};
     snprintf(across, sizeof across, "%s / largest", r->symbol);
     snprintf(up, sizeof up, "%s / largest", r->speed);
     plot_panel_frame(f->page, &panel, across, up);

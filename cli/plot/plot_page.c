@@ -10,8 +10,6 @@
 #include "base/buffer.h"
 #include "plot.h"
 
-static const double pi = 3.14159265358979323846;
-
 /* Colours of branches: linear modes, asymmetric and symmetric branches, and one of several atlases.
  * Any two of either group stay apart for a reader without one kind of cones, and by lightness alone
  * in grey print (tests/cli). */
@@ -252,7 +250,7 @@ static int mark_shape(plot_mark mark, plot_point *out)
     for (int i = 0; i < n; i++) {
         double radius = regular[mark].n ? regular[mark].size : mark == PLOT_DOT ? 0.8 : 1;
         if (mark == PLOT_STAR && i % 2) radius *= 0.45;
-        const double angle = 2 * pi * (regular[mark].turn + (double)i / n);
+        const double angle = 2 * CLI_PI * (regular[mark].turn + (double)i / n);
         out[i] = (plot_point){radius * cos(angle), radius * sin(angle)};
     }
     if (mark == PLOT_CROSS) {

@@ -1,5 +1,4 @@
 /* ricochet plot response: amplitudes of exact forced motions over what varies. */
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,8 +45,7 @@ static bool find_range(const picture *p, double x[2], double y[2])
 {
     ric_response_curve c;
     ric_response_point at;
-    x[0] = y[0] = INFINITY;
-    x[1] = y[1] = -INFINITY;
+    plot_range_empty(x, y);
     for (int id = 1;
          id <= ric_response_n_curve(p->response) && !ric_response_curve_at(p->response, id, &c);
          id++)
@@ -56,18 +54,12 @@ static bool find_range(const picture *p, double x[2], double y[2])
              i++) {
             const plot_point q = place(p, &at);
             if (p->logarithmic && !(q.y > 0)) continue;
-            x[0] = fmin(x[0], q.x);
-            x[1] = fmax(x[1], q.x);
-            y[0] = fmin(y[0], q.y);
-            y[1] = fmax(y[1], q.y);
+            plot_range_take(q, x, y);
         }
     if (!(x[1] >= x[0])) return false;
     plot_range_widen(false, 0.02, &x[0], &x[1]);
     plot_range_widen(p->logarithmic, 0.04, &y[0], &y[1]);
-    for (int i = 0; i < 2 && p->has_window; i++) {
-        x[i] = p->window[i];
-        y[i] = p->window[2 + i];
-    }
+    if (p->has_window) plot_range_window(p->window, x, y);
     return true;
 }
 
@@ -214,19 +206,6 @@ static int draw(picture *p)
     return plot_page_write(p->page, p->common);
 }
 
-/* x1, x2, .. */
-static bool parse_output(const char *text, int n, int *dof)
-{
-    long index = n;
-    if (text && (text[0] != 'x' || !isdigit((unsigned char)text[1]))) {
-        cli_wrong("--output %s: name a displacement, x1 to x%d", text, n);
-        return false;
-    }
-    if (text && !cli_parse_integer(text + 1, "--output", 1, n, &index)) return false;
-    *dof = (int)index - 1;
-    return true;
-}
-
 int plot_response(int argc, char **argv, const plot_options *common)
 {
     picture p = {.common = common};
@@ -245,8 +224,9 @@ int plot_response(int argc, char **argv, const plot_options *common)
     ric_status status = ric_response_read(argv[1], &p.response);
     if (status) return cli_report(status);
     p.unit = plot_units_of(common, ric_response_model(p.response));
-    if (parse_output(output, ric_model_n_dof(ric_response_model(p.response)), &p.dof))
-        code = draw(&p);
+    const int n = ric_model_n_dof(ric_response_model(p.response));
+    p.dof = n - 1;
+    if (plot_parse_output(output, n, &p.dof)) code = draw(&p);
     plot_page_free(p.page);
     ric_response_free(p.response);
     return code;

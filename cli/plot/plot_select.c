@@ -12,7 +12,7 @@
 
 enum { NAME = 160 };
 /* As in plot_orbit.c: exact to rounding on a branch, with the error of its flights at a grazing. */
-static const double touch_of_branch = 1e-9, touch_of_grazing = 1e-7, pi = 3.14159265358979323846;
+static const double touch_of_branch = 1e-9, touch_of_grazing = 1e-7;
 
 static bool is_number(const char *text)
 {
@@ -178,7 +178,7 @@ static int keep(plot_choice *out, int impacts, const int *word, const double *st
 {
     if (!plot_motion_keep(&out->motion, impacts, word, state, flights))
         return cli_report(RIC_E_NOMEM);
-    out->frequency = 2 * pi / out->motion.period;
+    out->frequency = 2 * CLI_PI / out->motion.period;
     return CLI_DONE;
 }
 

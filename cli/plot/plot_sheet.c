@@ -11,7 +11,7 @@
 #include "plot_sheet.h"
 
 enum { SAMPLES = 500, MAX_STROBE = 240, MAX_START = 64 };
-static const double type = 12, pi = 3.14159265358979323846, touch = 1e-9;
+static const double type = 12, touch = 1e-9;
 
 /* ------------------------------------------------------------------- orbits */
 
@@ -264,7 +264,7 @@ static int draw_sheet(sheet *s, const sheet_part *p, plot_box box, double *high,
         draw_hidden(s->page, edge ? PLOT_SHEET + 1 : PLOT_SHEET, SAMPLES + 1, curve, high, low);
     }
     free(curve);
-    const double turn = s->common->hertz ? 1 : 2 * pi;
+    const double turn = s->common->hertz ? 1 : 2 * CLI_PI;
     draw_box(s->page, &v, s->common, turn / p->motions[0].period,
              turn / p->motions[p->n - 1].period);
     sheet_title(s, (int)(p - s->parts), sizeof title, title);
@@ -432,7 +432,7 @@ static double passed(const sheet_part *p)
 {
     double sum = 0;
     for (int k = 1; k < p->n; k++)
-        sum += fabs(2 * pi / p->motions[k].period - 2 * pi / p->motions[k - 1].period);
+        sum += fabs(2 * CLI_PI / p->motions[k].period - 2 * CLI_PI / p->motions[k - 1].period);
     return sum / p->k;
 }
 
@@ -445,8 +445,8 @@ static int make_columns(const sheet *s, column *columns)
         const int code = fill_segment(s, p, columns, last);
         if (code != CLI_DONE) return code;
         for (int k = 0; k < p->n; k++) {
-            const double now = 2 * pi / p->motions[k].period,
-                         before = k ? 2 * pi / p->motions[k - 1].period : now;
+            const double now = 2 * CLI_PI / p->motions[k].period,
+                         before = k ? 2 * CLI_PI / p->motions[k - 1].period : now;
             way += fabs(now - before) / p->k / (s->stretch && passed(p) > 0 ? passed(p) : 1);
             columns[k].way = way;
         }
