@@ -53,10 +53,13 @@ static ric_status begin(ric_store *store)
                : RIC_OK;
 }
 
-ric_status ric_store_begin(ric_store *store, ric_database *file)
+ric_status ric_store_fill(ric_store *store, const char *create, const char *insert,
+                          ric_database *file, sqlite3_stmt **query)
 {
     *file = store->file;
-    return begin(store);
+    ric_status status = begin(store);
+    if (!status) status = ric_store_sqlite_run(*file, create);
+    return status ? status : ric_store_sqlite_prepare(*file, insert, query);
 }
 
 /* An empty file of ours, which SQLite then fills: what another has just laid there is neither

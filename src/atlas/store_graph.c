@@ -261,9 +261,7 @@ static ric_status put_all(ric_store *store, const ric_atlas *atlas, int n_curve,
 {
     sqlite3_stmt *query = NULL;
     ric_database file;
-    ric_status status = ric_store_begin(store, &file);
-    if (!status) status = ric_store_sqlite_run(file, create);
-    if (!status) status = ric_store_sqlite_prepare(file, insert, &query);
+    ric_status status = ric_store_fill(store, create, insert, &file, &query);
     for (int i = 0; !status && i < n_curve + n_junction; i++) {
         const ric_graph_proof g = i < n_curve ? of_curve(&curves[i])
                                               : of_junction(&junctions[i - n_curve]);

@@ -126,8 +126,10 @@ ric_status ric_store_read_gaps(ric_database file, ric_atlas *atlas);
 
 /* ------------------------------------------------------------------ store.c */
 
-/* The database of a store, in a transaction that ric_store_commit ends. */
-ric_status ric_store_begin(ric_store *store, ric_database *file);
+/* Begins to put rows into a table, which is made if it is not there, in a transaction that
+ * ric_store_commit ends. */
+ric_status ric_store_fill(ric_store *store, const char *create, const char *insert,
+                          ric_database *file, sqlite3_stmt **query);
 
 /* ----------------------------------------------------------- store_proofs.c */
 

@@ -203,9 +203,7 @@ static ric_status put_proofs(ric_store *store, const ric_atlas *atlas, int n,
 {
     sqlite3_stmt *query = NULL;
     ric_database file;
-    ric_status status = ric_store_begin(store, &file);
-    if (!status) status = ric_store_sqlite_run(file, create);
-    if (!status) status = ric_store_sqlite_prepare(file, insert, &query);
+    ric_status status = ric_store_fill(store, create, insert, &file, &query);
     for (int i = 0; !status && i < n; i++)
         status = put_row(file, query, atlas, &proofs[i], certificates[i] ? certificates[i] : "");
     sqlite3_finalize(query);

@@ -512,6 +512,18 @@ void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_rea
     ric_simulator_frame_to_modal(sim, sim->open, false, state, w);
 }
 
+/* Displacements and velocities x [2n] of modal ones. */
+static void to_space(int n, const frame *f, const real *w, real *x)
+{
+    for (int j = 0; j < n; j++) {
+        x[j] = x[n + j] = 0;
+        for (int i = 0; i < n; i++) {
+            x[j] += f->phi[i * n + j] * w[i];
+            x[n + j] += f->phi[i * n + j] * w[n + i];
+        }
+    }
+}
+
 ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t,
                              const ric_real *w, ric_real *after)
 {
@@ -520,13 +532,7 @@ ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear
     real x[2 * n], z[2 * n];
     ric_status status = ric_simulator_frame_find(sim, closed, &f);
     if (status) return status;
-    for (int j = 0; j < n; j++) {
-        x[j] = x[n + j] = 0;
-        for (int i = 0; i < n; i++) {
-            x[j] += sim->open->phi[i * n + j] * w[i];
-            x[n + j] += sim->open->phi[i * n + j] * w[n + i];
-        }
-    }
+    to_space(n, sim->open, w, x);
     ric_simulator_frame_to_modal(sim, f, linear, x, z);
     for (int i = 0; i < n; i++) {
         real omega = f->omega[i], sine, cosine, rest = linear ? 0 : f->rest[i], q = z[i],
@@ -535,13 +541,7 @@ ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear
         z[i] = rest + (omega > 0 ? q * cosine + p / omega * sine : q + p * t);
         z[n + i] = p * cosine - omega * q * sine;
     }
-    for (int j = 0; j < n; j++) {
-        x[j] = x[n + j] = 0;
-        for (int i = 0; i < n; i++) {
-            x[j] += f->phi[i * n + j] * z[i];
-            x[n + j] += f->phi[i * n + j] * z[n + i];
-        }
-    }
+    to_space(n, f, z, x);
     ric_simulator_frame_to_modal(sim, sim->open, linear, x, after);
     return RIC_OK;
 }

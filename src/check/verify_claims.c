@@ -384,7 +384,7 @@ static void check_linear(replay *r, ric_claims *out)
 
 /* ------------------------------------------------------------ other numbers */
 
-static void say(ric_claims *out, const char *name, double stored, double found)
+void ric_verify_disagree(ric_claims *out, const char *name, double stored, double found)
 {
     out->numbers = RIC_AGREES_NO;
     if (!*out->finding)
@@ -433,7 +433,7 @@ static int times_through(const replay *r)
 static void check_period(const replay *r, int i, ric_claims *out)
 {
     int times = i > 0 && i + 1 < r->branch.n_point ? times_through(r) : 1;
-    if (times > 1) say(out, "repetitions", 1, times);
+    if (times > 1) ric_verify_disagree(out, "repetitions", 1, times);
 }
 
 static bool approach_agrees(const replay *r, const double approach[2])
@@ -474,13 +474,14 @@ static ric_status check_margins(replay *r, const ric_digits *d, ric_claims *out)
         status = ric_verify_reach_find(r, &reach);
     }
     if (!status && !reach_agrees(&reach))
-        say(out, "reach", r->point.reach, reach.stored < reach.sure ? reach.sure : reach.nearest);
+        ric_verify_disagree(out, "reach", r->point.reach,
+                            reach.stored < reach.sure ? reach.sure : reach.nearest);
     const double behind = NUMBER * (double)(r->norm > 0 ? r->norm : 1);
     if (approach[1] < -behind)
-        say(out, "approach from behind a face", r->point.approach, approach[1]);
+        ric_verify_disagree(out, "approach from behind a face", r->point.approach, approach[1]);
     if (!approach_agrees(r, approach))
-        say(out, "approach", r->point.approach,
-            isinf(approach[0]) ? NAN : (approach[0] + approach[1]) / 2);
+        ric_verify_disagree(out, "approach", r->point.approach,
+                            isinf(approach[0]) ? NAN : (approach[0] + approach[1]) / 2);
     bool more = reach.also >
                 fmax(reach.sure, reach.stored) + fault(reach.stored); /* which may count or not */
     if ((more || !(2 * near < fault(r->point.reach))) && !isnan(r->point.reach))
@@ -494,9 +495,10 @@ static ric_status check_numbers(replay *r, const ric_digits *d, ric_claims *out)
 {
     const ric_point *p = &r->point;
     double turn = RIC_TWO_PI, omega = (double)(turn / r->period);
-    if (!(fabs(p->frequency - omega) <= NUMBER * omega)) say(out, "frequency", p->frequency, omega);
+    if (!(fabs(p->frequency - omega) <= NUMBER * omega))
+        ric_verify_disagree(out, "frequency", p->frequency, omega);
     if (!(ric_replay_part(fabs(p->energy - r->energy), r->energy) <= NUMBER))
-        say(out, "energy", p->energy, r->energy);
+        ric_verify_disagree(out, "energy", p->energy, r->energy);
     return check_margins(r, d, out);
 }
 

@@ -137,6 +137,8 @@ void ric_verify_digits_judge(const replay *r, const ric_digits *digits, ric_clai
 bool ric_verify_digits_hide(const replay *r, const ric_digits *digits, int k);
 /* One more number that could not be checked. */
 void ric_verify_digits_doubt(ric_claims *out, const char *name);
+/* A number is not what is found; the first one is told. */
+void ric_verify_disagree(ric_claims *out, const char *name, double stored, double found);
 
 /* What an error of the state behind event `from`, or later, becomes until the end of flight `to` -
  * 1 at most, with the times as they are stored: 1 but for springs, which multiply it as they close.

@@ -34,18 +34,10 @@ enum {
     SAMPLE = 8
 }; /* orbits between the ends of a branch that tell its symmetry, at least and at most */
 
-static void disagree(ric_claims *out, const char *name, double stored, double found)
-{
-    out->numbers = RIC_AGREES_NO;
-    if (!*out->finding)
-        snprintf(out->finding, sizeof out->finding, "%s %.17g stored, %.17g found", name, stored,
-                 found);
-}
-
 static void compare(ric_claims *out, const char *name, double stored, double found, double limit)
 {
     if (!(fabs(stored - found) <= limit * fmax(fabs(found), DBL_MIN)))
-        disagree(out, name, stored, found);
+        ric_verify_disagree(out, name, stored, found);
 }
 
 /* ---------------------------------------------------------------- branches */
@@ -84,7 +76,7 @@ static void check_impacts(const ric_branch *b, int n_face, ric_claims *out)
 {
     int impacts = 0;
     for (int k = 0; k < b->letters; k++) impacts += b->word[k] < n_face;
-    if (impacts != b->impacts) disagree(out, "impacts", b->impacts, impacts);
+    if (impacts != b->impacts) ric_verify_disagree(out, "impacts", b->impacts, impacts);
 }
 
 /* States behind all events against those of the motion with x -> -x (sign -1), or backwards
@@ -170,11 +162,11 @@ static ric_status check_symmetries(const ric_atlas *atlas, const ric_branch *b, 
     ric_status status = fit_images(atlas, b->id, b->n_point / 2, fit, &known, w);
     for (int i = 0; i < 2 && !status; i++) {
         open[i] = !stored[i] && fit[i] < IMAGE;
-        if (stored[i] && fit[i] > IMAGE + known) disagree(out, names[i], 1, 0);
+        if (stored[i] && fit[i] > IMAGE + known) ric_verify_disagree(out, names[i], 1, 0);
     }
     if (!status && (open[0] || open[1])) status = ask_others(atlas, b, said);
     for (int i = 0; i < 2 && !status; i++)
-        if (open[i] && said[i] == RIC_AGREES_NO) disagree(out, names[i], 0, 1);
+        if (open[i] && said[i] == RIC_AGREES_NO) ric_verify_disagree(out, names[i], 0, 1);
         else if (open[i] && said[i] == RIC_AGREES_UNCHECKED && out->numbers == RIC_AGREES_YES)
             out->numbers = RIC_AGREES_UNCHECKED;
     return status;
@@ -301,7 +293,7 @@ static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_
     ric_status status = ric_verify_replay_open_orbit(&r, m, &like, j->state, j->flights);
     if (!status) {
         const real open = left_open(&r);
-        if (!(open <= SOLVED)) disagree(out, "orbit is left open by 0", 0, (double)open);
+        if (!(open <= SOLVED)) ric_verify_disagree(out, "orbit is left open by 0", 0, (double)open);
         else status = check_motion(&r, j->kind == RIC_KIND_GRAZING, out);
     }
     ric_verify_replay_close(&r);
@@ -331,7 +323,7 @@ static ric_status check_smooth(const ric_model *m, const ric_junction *j, ric_cl
         for (int k = 0; k < n; k++) growth = fmax(growth, fabs(Y[i * n + k]) / size[i >= d]);
     }
     if (!status && !(open <= SOLVED + 64 * DBL_EPSILON * growth))
-        disagree(out, "orbit is left open by 0", 0, (double)open);
+        ric_verify_disagree(out, "orbit is left open by 0", 0, (double)open);
     ric_simulator_power_free(springs);
     free(Y);
     return status;

@@ -13,6 +13,23 @@
 
 /* ---------------------------------------------------------------- two modes */
 
+/* Of a map whose rho is known to f->error: that of the whole period, which is `full`, where the map
+ * is that of a half or a quarter of it. */
+static void put_rho(ric_floquet *f, bool part, double rho, double full)
+{
+    f->each[0] = (part ? f->error * (2 * fabs(rho) + f->error) : f->error) +
+                 DBL_EPSILON * fabs(full);
+    f->own[0] = rho;
+    f->rho[0] = full;
+    f->own[1] = f->rho[1] = 0;
+}
+
+static double turns(bool part, double angle, double twist)
+{
+    if (twist > 0) angle = 1 - angle;
+    return fmod(part ? 2 * angle : angle, 1);
+}
+
 void ric_floquet_judge_plane(ric_floquet *f, bool quarter, double bc, double ad, double twist,
                              int exponent, double error)
 {
@@ -22,11 +39,7 @@ void ric_floquet_judge_plane(ric_floquet *f, bool quarter, double bc, double ad,
            full = quarter ? rho * rho - 2 : rho;
     double log_rho = log(fmax(fabs(4 * bc), DBL_MIN)) + 2 * exponent * LOG_2;
     f->error = ldexp(error, 2 * exponent);
-    f->each[0] = (quarter ? f->error * (2 * fabs(rho) + f->error) : f->error) +
-                 DBL_EPSILON * fabs(full);
-    f->own[0] = rho;
-    f->rho[0] = full;
-    f->own[1] = f->rho[1] = 0;
+    put_rho(f, quarter, rho, full);
     if (fabs(rho) > 0x1p400 || !isfinite(rho))
         f->trace_asinh = quarter ? 2 * log_rho : copysign(log_rho, bc);
     else f->trace_asinh = asinh(full / 2);
@@ -36,8 +49,7 @@ void ric_floquet_judge_plane(ric_floquet *f, bool quarter, double bc, double ad,
     if (minus <= 0 && plus >= 0) {
         double angle = atan2(sqrt(fabs(minus * plus)), rho) /
                        RIC_TWO_PI; /* in [0, 1/2]; a product of -0 would give -1/2 */
-        if (twist > 0) angle = 1 - angle;
-        f->rotation = fmod(quarter ? 2 * angle : angle, 1);
+        f->rotation = turns(quarter, angle, twist);
     }
 }
 
@@ -48,11 +60,7 @@ void ric_floquet_judge_trace(ric_floquet *f, bool half, double trace, double twi
            two = ldexp(2, -exponent);
     error += ldexp(8 * DBL_EPSILON, -exponent);
     f->error = ldexp(error, exponent);
-    f->each[0] = (half ? f->error * (2 * fabs(rho) + f->error) : f->error) +
-                 DBL_EPSILON * fabs(full);
-    f->own[0] = rho;
-    f->rho[0] = full;
-    f->own[1] = f->rho[1] = 0;
+    put_rho(f, half, rho, full);
     if (fabs(rho) < 0x1p400) f->trace_asinh = asinh(full / 2);
     else f->trace_asinh = copysign((half ? 2 : 1) * (log(fabs(trace)) + exponent * LOG_2), full);
     f->stable = fabs(trace) < two - error   ? RIC_STABLE_YES
@@ -61,8 +69,7 @@ void ric_floquet_judge_trace(ric_floquet *f, bool half, double trace, double twi
     f->rotation = NAN;
     if (fabs(rho) <= 2) {
         double angle = acos(rho / 2) / RIC_TWO_PI;
-        if (twist > 0) angle = 1 - angle;
-        f->rotation = fmod(half ? 2 * angle : angle, 1);
+        f->rotation = turns(half, angle, twist);
     }
 }
 

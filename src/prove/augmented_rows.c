@@ -371,6 +371,33 @@ static void put_double(filling *f)
 
 /* ------------------------------------------------------------------ touches */
 
+/* c . q at the end of a flight, or c . p, as the row at work: its derivatives by the 2n unknowns at
+ * `at` and by the time at `time`. */
+static void put_flown(filling *f, const ric_augmented_flight *g, bool speed, arb_srcptr c, slong at,
+                      slong time)
+{
+    const slong n = f->x->e->n, from = speed ? n : 0, prec = f->x->e->prec;
+    arb_t sum;
+    arb_init(sum);
+    arb_dot(f->F + f->row, NULL, 0, c, 1, g->flown + from, 1, n, prec);
+    for (slong j = 0; j <= 2 * n; j++) {
+        arb_zero(sum);
+        for (slong i = 0; i < n; i++)
+            arb_addmul(sum, c + i, arb_mat_entry(g->D, from + i, j), prec);
+        add_derivative(f, f->row, j < 2 * n ? at + j : time, sum);
+    }
+    arb_clear(sum);
+}
+
+/* The row at work less the gap of the face that is asked about. */
+static void put_clearance(filling *f)
+{
+    const ric_augmented *x = f->x;
+    const ric_wall *wall = &x->e->wall[x->ask.face];
+    if (x->ask.image) arb_add(f->F + f->row, f->F + f->row, wall->gap, x->e->prec);
+    else arb_sub(f->F + f->row, f->F + f->row, wall->gap, x->e->prec);
+}
+
 static void put_speed(filling *f)
 {
     const ric_augmented *x = f->x;
@@ -384,18 +411,10 @@ static void put_speed(filling *f)
         return;
     }
     ric_augmented_flight g;
-    arb_t sum;
-    arb_init(sum);
     ric_augmented_flight_open(&g, e, x->c.phase[x->c.m - 1], x->c.u + last, x->c.u + last + 2 * n,
                               NULL);
-    arb_dot(f->F + f->row, NULL, 0, c, 1, g.flown + n, 1, n, e->prec);
-    for (slong j = 0; j <= 2 * n; j++) {
-        arb_zero(sum);
-        for (slong i = 0; i < n; i++) arb_addmul(sum, c + i, arb_mat_entry(g.D, n + i, j), e->prec);
-        add_derivative(f, f->row, last + j, sum);
-    }
+    put_flown(f, &g, true, c, last, last + 2 * n);
     f->row++;
-    arb_clear(sum);
     ric_augmented_flight_close(&g);
 }
 
@@ -403,27 +422,16 @@ static void put_touch(filling *f)
 {
     const ric_augmented *x = f->x;
     const ric_enclosure *e = x->e;
-    const ric_wall *wall = &e->wall[x->ask.face];
-    const slong n = e->n, at = (slong)x->ask.place * x->c.size;
-    arb_srcptr c = ric_enclosure_c(e, wall->contact);
+    const slong at = (slong)x->ask.place * x->c.size;
+    arb_srcptr c = ric_enclosure_c(e, e->wall[x->ask.face].contact);
     ric_augmented_flight g;
-    arb_t sum;
-    arb_init(sum);
     ric_augmented_flight_open(&g, e, x->c.phase[x->ask.place], x->c.u + at, f->z + x->n_orbit,
                               NULL);
-    for (slong half = 0; half < 2; half++, f->row++) {
-        arb_dot(f->F + f->row, NULL, 0, c, 1, g.flown + half * n, 1, n, e->prec);
-        for (slong j = 0; j <= 2 * n; j++) {
-            arb_zero(sum);
-            for (slong i = 0; i < n; i++)
-                arb_addmul(sum, c + i, arb_mat_entry(g.D, half * n + i, j), e->prec);
-            add_derivative(f, f->row, j < 2 * n ? at + j : x->n_orbit, sum);
-        }
-        if (half) continue;
-        if (x->ask.image) arb_add(f->F + f->row, f->F + f->row, wall->gap, e->prec);
-        else arb_sub(f->F + f->row, f->F + f->row, wall->gap, e->prec);
-    }
-    arb_clear(sum);
+    put_flown(f, &g, false, c, at, x->n_orbit);
+    put_clearance(f);
+    f->row++;
+    put_flown(f, &g, true, c, at, x->n_orbit);
+    f->row++;
     ric_augmented_flight_close(&g);
 }
 
@@ -432,30 +440,20 @@ static void put_gap(filling *f)
 {
     const ric_augmented *x = f->x;
     const ric_enclosure *e = x->e;
-    const ric_wall *wall = &e->wall[x->ask.face];
     const slong n = e->n, last = (slong)(x->c.m - 1) * x->c.size;
-    arb_srcptr c = ric_enclosure_c(e, wall->contact);
+    arb_srcptr c = ric_enclosure_c(e, e->wall[x->ask.face].contact);
     ric_augmented_flight g;
-    arb_t sum;
-    arb_init(sum);
     if (x->ask.place < x->c.m)
         for (slong i = 0; i < n; i++)
             add_term(f, f->row, (slong)x->ask.place * x->c.size + i, c + i);
     else {
         ric_augmented_flight_open(&g, e, x->c.phase[x->c.m - 1], x->c.u + last,
                                   x->c.u + last + 2 * n, NULL);
-        arb_dot(f->F + f->row, NULL, 0, c, 1, g.flown, 1, n, e->prec);
-        for (slong j = 0; j <= 2 * n; j++) {
-            arb_zero(sum);
-            for (slong i = 0; i < n; i++) arb_addmul(sum, c + i, arb_mat_entry(g.D, i, j), e->prec);
-            add_derivative(f, f->row, last + j, sum);
-        }
+        put_flown(f, &g, false, c, last, last + 2 * n);
         ric_augmented_flight_close(&g);
     }
-    if (x->ask.image) arb_add(f->F + f->row, f->F + f->row, wall->gap, e->prec);
-    else arb_sub(f->F + f->row, f->F + f->row, wall->gap, e->prec);
+    put_clearance(f);
     f->row++;
-    arb_clear(sum);
 }
 
 static void put_meet(filling *f)

@@ -516,8 +516,9 @@ void ric_study_list_write(int n, const double *values, FILE *out)
     fputs("]\n", out);
 }
 
-static void write_matrix(const char *key, int n, const double *A, FILE *out)
+void ric_study_matrix_write(const char *key, int n, const double *A, FILE *out)
 {
+    if (!A) return;
     fprintf(out, "  %s:\n", key);
     for (int i = 0; i < n; i++) {
         fputs("    - ", out);
@@ -550,8 +551,8 @@ static void write_law(const ric_contact *contact, FILE *out)
 void ric_study_model_write(const ric_raw_model *raw, FILE *out)
 {
     fputs("model:\n", out);
-    write_matrix("mass", raw->n, raw->mass, out);
-    write_matrix("stiffness", raw->n, raw->stiffness, out);
+    ric_study_matrix_write("mass", raw->n, raw->mass, out);
+    ric_study_matrix_write("stiffness", raw->n, raw->stiffness, out);
     fputs("  restitution: ", out);
     ric_option_text_write(raw->restitution, out);
     if (raw->n_mode > 0) fprintf(out, "\n  modes: %d", raw->n_mode);

@@ -103,6 +103,8 @@ ric_status ric_study_matrix_read(const ric_yaml *r, const ric_yaml_slot *matrix,
                                  int *n, double **out, ric_raw_model *raw);
 /* "[1, 2]" and the end of the line. */
 void ric_study_list_write(int n, const double *values, FILE *out);
+/* A key of the model and a row for each row of A [n * n]; nothing where A is NULL. */
+void ric_study_matrix_write(const char *key, int n, const double *A, FILE *out);
 /* One sentence after the other, as long as there is room. */
 void ric_study_remark_add(ric_raw_model *raw, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

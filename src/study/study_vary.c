@@ -129,16 +129,6 @@ ric_status ric_study_vary_read(const ric_yaml *r, const ric_yaml_slot *from, ric
                             raw);
 }
 
-static void write_rows(const char *key, int n, const double *A, FILE *out)
-{
-    if (!A) return;
-    fprintf(out, "  %s:\n", key);
-    for (int i = 0; i < n; i++) {
-        fputs("    - ", out);
-        ric_study_list_write(n, A + (size_t)i * (size_t)n, out);
-    }
-}
-
 void ric_study_vary_write(const ric_vary *v, int n, int n_contact, FILE *out)
 {
     const double values[] = {v->at, v->from, v->to};
@@ -151,8 +141,8 @@ void ric_study_vary_write(const ric_vary *v, int n, int n_contact, FILE *out)
         ric_option_text_write(values[i], out);
         fputc('\n', out);
     }
-    write_rows("mass", n, v->mass, out);
-    write_rows("stiffness", n, v->stiffness, out);
+    ric_study_matrix_write("mass", n, v->mass, out);
+    ric_study_matrix_write("stiffness", n, v->stiffness, out);
     if (!v->clearance) return;
     fputs("  clearance: ", out);
     ric_study_list_write(n_contact, v->clearance, out);
