@@ -126,8 +126,8 @@ static ric_status add_events(const ric_response *r, long curve, json_t *rows)
 static int list(const request *ask, const ric_response *r)
 {
     static const char *const columns[] =
-        {"id word impacts periods level points lowest highest stable_points branch from to begins "
-         "ends",
+        {("id word impacts periods level points lowest highest stable_points branch from to "
+          "begins ends"),
          "curve point omega level restitution period phase peak rms stable largest reach approach",
          "id kind curve omega level restitution period peak stable largest"};
     json_t *rows = json_array();

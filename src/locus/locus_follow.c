@@ -52,8 +52,8 @@ static const char *const texts[KINDS] = {
     [MEETING + 2] = "is a branch point that breaks a symmetry, too",
     [MEETING + 3] = "is a branch point that breaks a symmetry, too",
     [MEETING + 4] = "is a branch point that breaks a symmetry, too",
-    [IMAGE] = "ends in an orbit with more symmetry, or of fewer periods: on the other side it is "
-              "its own image",
+    [IMAGE] = ("ends in an orbit with more symmetry, or of fewer periods: on the other side it is "
+               "its own image"),
 };
 
 typedef struct {

@@ -521,7 +521,7 @@ static bool tested_elsewhere(const char *reference)
     snprintf(path, sizeof path, "tests/%.*s", (int)(name - 2 - reference), reference);
     source = page_read(path);
     bool power = strstr(path, "test_article_power.c"), shell = strstr(path, ".sh");
-    snprintf(run, sizeof run, shell ? "ok \"%s\"" : power ? " %s, " : "cmocka_unit_test(%s)", name);
+    snprintf(run, sizeof run, shell ? "ok \"%s\"" : power ? " %s," : "cmocka_unit_test(%s)", name);
     const char *list = power ? strstr(source, "static const entry table[]") : source;
     bool found = list && strstr(list, run) && (shell || power || asserts(source, name, 3));
     if (shell) {

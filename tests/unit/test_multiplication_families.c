@@ -481,8 +481,8 @@ static void both_pairs_of_three_modes(void **state)
 static void labels_far_up(void **state)
 {
     static const char *const options[] = {
-        "energy: [0, 1.0e+5], frequency: [0.2, 10], impacts: 40, multiply: 1, depth: 0, symmetric: "
-        "true",
+        ("energy: [0, 1.0e+5], frequency: [0.2, 10], impacts: 40, multiply: 1, depth: 0, "
+         "symmetric: true"),
         "energy: [0, 200], frequency: [0.2, 10], impacts: 24, multiply: 2, depth: 3",
         "energy: [0, 60], frequency: [0.2, 10], impacts: 12, multiply: 4, depth: 2",
     };
