@@ -93,7 +93,7 @@ static ric_status add_orbit(json_t *rows, subject *s)
     json_object_set_new(row, "frequency", cli_number(s->point.frequency));
     json_object_set_new(row, "energy", cli_number(s->d * s->d * s->point.energy));
     json_object_set_new(row, "multipliers", multiplier_pairs(s));
-    json_object_set_new(row, "stable", json_string(cli_stability(s->point.stable)));
+    json_object_set_new(row, "stable", json_string(cli_stability((ric_stability)s->point.stable)));
     json_object_set_new(row, "amplitudes",
                         status ? json_null() : cli_numbers(s->n_dof, amplitudes, s->d));
     if (!status) status = add_impacts(s, speeds, impulses);

@@ -37,8 +37,9 @@ typedef struct {
 static json_t *made(const ric_column *column, const void *row)
 {
     const ric_point_row *at = row;
-    return !strcmp(column->name, "trace") ? trace_of(&at->point)
-                                          : json_string(cli_stability(at->point.stable));
+    return !strcmp(column->name, "trace")
+               ? trace_of(&at->point)
+               : json_string(cli_stability((ric_stability)at->point.stable));
 }
 
 static json_t *point_row(const listing *l, int i, const ric_point *point)

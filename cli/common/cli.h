@@ -201,7 +201,7 @@ json_t *cli_numbers(int n, const double *values, double unit);
 /* Of 2n numbers, as real and imaginary parts. */
 json_t *cli_pairs(int n, const double *values);
 /* Whether an orbit is stable: yes, no or undecided. */
-const char *cli_stability(int stable);
+const char *cli_stability(ric_stability stable);
 /* An id, or null for 0. */
 json_t *cli_id(int id);
 json_t *cli_integers(int n, const int *values);

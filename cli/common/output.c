@@ -40,7 +40,7 @@ json_t *cli_pairs(int n, const double *values)
     return list;
 }
 
-const char *cli_stability(int stable)
+const char *cli_stability(ric_stability stable)
 {
     return stable == RIC_STABLE_YES ? "yes" : stable == RIC_STABLE_NO ? "no" : "undecided";
 }
