@@ -138,6 +138,8 @@ bench: build
 		$(BUILD)/ricochet run examples/$$name/study.yaml -o $(BUILD)/bench-$$name.ricochet --quiet || exit 1; done
 	@$(BUILD)/ricochet-bench-prove $(BUILD)/bench-elementary.ricochet $(BUILD)/bench-cascade.ricochet \
 		$(BUILD)/bench-beam-midspan.ricochet $(BUILD)/bench-two-springs.ricochet | tee $(BUILD)/bench-prove.txt
+	@tools/atlas-bytes $(BUILD)/bench-elementary.ricochet $(BUILD)/bench-cascade.ricochet \
+		$(BUILD)/bench-beam-midspan.ricochet $(BUILD)/bench-two-springs.ricochet | tee $(BUILD)/bench-bytes.txt
 	@if [ -x $(BUILD)/ricochet-bench-forced ]; then $(BUILD)/ricochet-bench-forced -o $(BUILD)/bench-forced.txt; fi
 
 sanitize: setup-tests $(ASAN)/build.ninja

@@ -1,5 +1,5 @@
-/* Points per second, nanoseconds per impact, cost against the number of impacts, time of the demo,
- * bytes per point.
+/* Points per second, nanoseconds per impact, cost against the numbers of impacts and of modes, time
+ * of the demo, bytes per point.
  *
  *     ricochet-bench [-o FILE] [-t SECONDS] [STUDY]
  *
@@ -10,6 +10,7 @@
  * and again until SECONDS are used up; the fastest of BLOCKS equal parts counts, in processor time,
  * so that other load on the machine disturbs least. Starting a trace is not timed. Shown on the
  * terminal and written to FILE (build/bench.txt). */
+#include <malloc.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -157,6 +158,7 @@ static ric_continuation *start(const course *q, double x, ric_limits *limits)
                            .max_points = 1 << 28};
     need(!ric_continuation_create(chain, u, t, 0, limits, &tr),
          "the start of a branch does not converge");
+    tr->may_gain = false; /* more symmetries than those of the form are what is meant here */
     ric_shooting_free(other);
     free(u);
     free(t);
@@ -192,7 +194,7 @@ static double follow(const course *q, double seconds, double *x, figures *out)
         out->residual = fmax(out->residual, tr->now.row.residual);
         out->short_steps += tr->now.s - s < 0.99 * ARC;
         *x = tr->now.row.frequency * q->k;
-        if (out->points % 32 == 0) used = now() - begin;
+        if (out->points % 32 == 0 || q->model->n > 3) used = now() - begin;
     }
     used = now() - begin;
     need(q->edge || (!done && !hopped(q, tr)), "a repeated orbit was not followed to the end");
@@ -286,10 +288,10 @@ static void repeated(const ric_model *m, double seconds)
 
 static volatile double sink;
 
-enum { ROTATION, EVALUATION, ITERATION };
+enum { ROTATION, FLIGHT, EVALUATION, ITERATION };
 
-/* Seconds for `times` rotations of all modes, evaluations of a chain, or Newton iterations as the
- * corrector does them. */
+/* Seconds for `times` rotations of all modes, flights or evaluations of a chain, or Newton
+ * iterations as the corrector does them. */
 static double run(int what, int times, ric_shooting *c, const double *u, double *du)
 {
     const ric_model *m = c->model;
@@ -300,7 +302,8 @@ static double run(int what, int times, ric_shooting *c, const double *u, double 
         if (what == ROTATION) {
             ric_flight_trig(m, n, u[c->n_start + i % flights], trig);
             ric_flight(n, trig, w, w);
-        } else ric_shooting_evaluate(c, u);
+        } else if (what == FLIGHT) ric_shooting_fly(c, u);
+        else ric_shooting_evaluate(c, u);
         if (what != ITERATION) continue;
         ric_shooting_step(c, true, 0, du);
         ric_shooting_step(c, false, 1, du);
@@ -312,7 +315,8 @@ static double run(int what, int times, ric_shooting *c, const double *u, double 
 static double fastest(int what, int times, ric_shooting *c, const double *u, double *du)
 {
     double least = HUGE_VAL;
-    for (int b = 0; b < 10; b++) least = fmin(least, run(what, times, c, u, du));
+    for (int b = 0; b < (c->model->n < 100 ? 10 : 3); b++)
+        least = fmin(least, run(what, times, c, u, du));
     return least / times;
 }
 
@@ -338,6 +342,82 @@ static void nanoseconds(const ric_model *m)
         free(du);
     }
     say("one modal rotation (%d sincos and the products): %.1f ns\n", m->n, 1e9 * rotation);
+}
+
+/* --------------------------------------------------------------- many modes */
+
+/* n masses of 1 in a row between walls on springs of 1, the last one between two stops. */
+static ric_model *row_of_masses(int n)
+{
+    double *mass = calloc((size_t)(n * n), sizeof *mass),
+           *stiffness = calloc((size_t)(n * n), sizeof *stiffness),
+           *normal = calloc((size_t)n, sizeof *normal);
+    need(mass && stiffness && normal, "no memory");
+    for (int i = 0; i < n; i++) {
+        mass[i * n + i] = 1;
+        stiffness[i * n + i] = 2;
+        if (i > 0) stiffness[i * n + i - 1] = stiffness[(i - 1) * n + i] = -1;
+    }
+    normal[n - 1] = 1;
+    ric_contact contact = {.name = "stop",
+                           .normal = normal,
+                           .clearance = 1,
+                           .sides = RIC_SIDES_BOTH,
+                           .law = RIC_LAW_RIGID};
+    ric_model *model;
+    need(!ric_model_create(n, mass, stiffness, 1, &contact, 1, &model), ric_detail());
+    free(mass);
+    free(stiffness);
+    free(normal);
+    return model;
+}
+
+/* Seconds for one flight of the general form, from orbits of 4 and 20 impacts, and for what comes
+ * once a point. */
+static void per_flight(const ric_model *m, int what, double *flight, double *rest)
+{
+    static const int k[] = {2, 10};
+    double time[2];
+    const int times = 1 + 20000 / (m->n * m->n);
+    for (int i = 0; i < 2; i++) {
+        course q = {"", m, k[i], GENERAL, 2.2, 2.7, NULL};
+        ric_shooting *c;
+        double *u = chain_at(&q, 2.4, &c);
+        time[i] = fastest(what, times, c, u, NULL);
+        ric_shooting_free(c);
+        free(u);
+    }
+    *flight = (time[1] - time[0]) / (2 * (k[1] - k[0]));
+    *rest = time[0] - 2 * k[0] * *flight;
+}
+
+/* Slope of log y against log n. */
+static double steepness(const int *n, const double *y, int from, int to)
+{
+    return log(y[to] / y[from]) / log((double)n[to] / n[from]);
+}
+
+static void many_modes(double seconds)
+{
+    static const int n[] = {2, 10, 30, 100, 300};
+    enum { COUNT = sizeof n / sizeof *n };
+    double state[COUNT], whole[COUNT], rest;
+    say("\nn masses in a row, S2-[01] from 2.2 rad/s on (all modes lie below 2)\n%5s %12s %12s "
+        "%16s %16s %14s\n",
+        "n", "points/s", "us/point", "us, a flight", "with factors", "once a point");
+    for (int i = 0; i < COUNT; i++) {
+        ric_model *m = row_of_masses(n[i]);
+        course q = {"", m, 1, OWN, 2.2, 2.7, NULL};
+        figures f = {0};
+        double x = q.from, used = follow(&q, seconds, &x, &f);
+        per_flight(m, FLIGHT, &state[i], &rest);
+        per_flight(m, EVALUATION, &whole[i], &rest);
+        say("%5d %12.4g %12.4g %16.4g %16.4g %14.4g\n", n[i], (double)f.points / used,
+            1e6 * used / (double)f.points, 1e6 * state[i], 1e6 * whole[i], 1e6 * rest);
+        ric_model_free(m);
+    }
+    say("exponent of a flight in n, 30..300: state %.2f (linear: 1), with factors %.2f (aim 2)\n",
+        steepness(n, state, 2, 4), steepness(n, whole, 2, 4));
 }
 
 /* ------------------------------------------------------------- the demo study */
@@ -372,6 +452,16 @@ static const ric_continuation *find_backbone(const ric_graph *g, int n_flight)
     return best;
 }
 
+/* Bytes in use on the heap; 0 where the C library does not say. */
+static size_t heap(void)
+{
+#ifdef __GLIBC__
+    return mallinfo2().uordblks;
+#else
+    return 0;
+#endif
+}
+
 static void explore(ric_study *study, ric_graph **graph, double *seconds)
 {
     double begin = now();
@@ -380,7 +470,7 @@ static void explore(ric_study *study, ric_graph **graph, double *seconds)
     *seconds = now() - begin;
 }
 
-static void show_demo(const ric_graph *g, const char *path, double seconds)
+static void show_demo(const ric_graph *g, const char *path, double seconds, size_t bytes)
 {
     long points = 0, evaluations = 0;
     for (int i = 0; i < g->n_edge; i++) {
@@ -389,6 +479,9 @@ static void show_demo(const ric_graph *g, const char *path, double seconds)
     }
     say("\n%s: %d branches, %d junctions, %ld points, %ld evaluations in %.3f s (aim 2 s)\n", path,
         g->n_edge, g->n_node, points, evaluations, seconds);
+    if (!bytes) return;
+    say("its memory, junctions and all: %zu bytes, %.0f a point\n", bytes,
+        (double)bytes / (double)points);
 }
 
 /* ---------------------------------------------------------- power-law contacts */
@@ -474,7 +567,9 @@ int main(int argc, char **argv)
     need(file, "the output file cannot be written");
     show_machine();
     ric_model *m = article();
+    size_t bytes = heap();
     explore(study, &graph, &demo);
+    bytes = heap() - bytes;
     const ric_continuation *s6 = find_s6(graph);
     course rows[] = {{"S2-[01]", m, 1, OWN, 2.2, 2.7, NULL},
                      {"S2-[01]", m, 1, GENERAL, 2.2, 2.7, NULL},
@@ -507,7 +602,8 @@ int main(int argc, char **argv)
     repeated(m, seconds);
     nanoseconds(m);
     smooth_paths(seconds);
-    show_demo(graph, path, demo);
+    many_modes(seconds);
+    show_demo(graph, path, demo, bytes);
     show_memory(m->n, &f[0], &f[1]);
     if (s6) show_memory(m->n, &f[4], &f[5]);
     ric_graph_free(graph);
