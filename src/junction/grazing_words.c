@@ -12,6 +12,37 @@
 
 /* ------------------------------------------------------------------ touches */
 
+/* They are found contact by contact: those of a flight in the order of time, at one instant as
+ * found. */
+static void sort_touches(ric_touch *touches, int count)
+{
+    for (int i = 1; i < count; i++) {
+        const ric_touch one = touches[i];
+        int k = i;
+        for (; k > 0 && touches[k - 1].flight == one.flight &&
+               touches[k - 1].time > one.time + RIC_COINCIDENT;
+             k--)
+            touches[k] = touches[k - 1];
+        touches[k] = one;
+    }
+}
+
+/* Of a contact that touches at the very instant of an impact both flights tell: the one before no
+ * more. Returns how many are left. */
+static int drop_repeated(const ric_periodic *c, int first, ric_touch *touches, int count)
+{
+    int left = 0;
+    for (int j = 0; j < count; j++) {
+        const double tau = c->tau[(touches[j].flight + first) % c->N];
+        bool again = false;
+        for (int i = 0; i < count && touches[j].time > tau - RIC_COINCIDENT; i++)
+            again |= touches[i].face == touches[j].face && touches[i].time < RIC_COINCIDENT &&
+                     touches[i].flight == (touches[j].flight + 1) % c->N;
+        if (!again) touches[left++] = touches[j];
+    }
+    return left;
+}
+
 ric_periodic *ric_grazing_words_touches(const ric_model *m, const ric_periodic *cycle, bool **kept)
 {
     ric_periodic *plain = ric_periodic_copy(cycle), *out = NULL;
@@ -26,7 +57,9 @@ ric_periodic *ric_grazing_words_touches(const ric_model *m, const ric_periodic *
     ric_shooting_fly(chain, u);
     count = ric_reach_all(chain, u, 1 - TOUCH, 4 * RIC_MAX_TOUCHES, touches);
     int first = ric_periodic_start(m, plain);
-    if ((more = count) > 4 * RIC_MAX_TOUCHES) goto out;
+    if (count > 4 * RIC_MAX_TOUCHES) goto out;
+    sort_touches(touches, count);
+    more = count = drop_repeated(cycle, first, touches, count);
     for (int j = 0; j < count; j++) more += m->face[touches[j].face].spring > 0;
     if (!(out = ric_periodic_create(n, cycle->N + more))) goto out;
     memcpy(out->w, cycle->w, 2 * (size_t)n * sizeof *out->w);
@@ -346,16 +379,49 @@ static int corner_choice(const ric_model *m, const ric_node *node, const ric_per
     return result;
 }
 
+/* Exchanges the events at the place of each pair in `order`, and whether they are kept. */
+static void exchange(ric_periodic *c, bool *kept, int n_pair, const int *pairs, unsigned order)
+{
+    for (int k = 0; k < n_pair; k++) {
+        const int i = pairs[k], j = (i + 1) % c->N, face = c->face[i];
+        const bool keep = kept[i];
+        if (!(order & 1u << k)) continue;
+        c->face[i] = c->face[j];
+        c->face[j] = face;
+        kept[i] = kept[j];
+        kept[j] = keep;
+    }
+}
+
+/* Touches of two contacts at one instant are listed in either order: `full` in that in which it is
+ * the orbit of the node. */
+static bool match_touches(const ric_model *m, const ric_periodic *whole, ric_periodic *full,
+                          bool *kept, int *shift, bool *reverse)
+{
+    int pairs[RIC_MAX_TOUCHES], n = 0;
+    bool found = false, mirror;
+    for (int i = 0; i < full->N && n < RIC_MAX_TOUCHES; i++)
+        if (full->tau[i] < RIC_COINCIDENT &&
+            m->face[full->face[i]].contact != m->face[full->face[(i + 1) % full->N]].contact)
+            pairs[n++] = i;
+    for (unsigned order = 0; order < 1u << n && !found; order++) {
+        exchange(full, kept, n, pairs, order);
+        found = ric_periodic_match(m, whole, full, FITS, shift, reverse, &mirror);
+        if (!found) exchange(full, kept, n, pairs, order);
+    }
+    return found;
+}
+
 int ric_grazing_words_choice(const ric_model *m, const ric_node *node, const ric_periodic *cycle)
 {
     int result = -1, shift, N = node->cycle->N, all = N * node->multiple, p = node->n_touch;
-    bool reverse, mirror, *kept = NULL;
+    bool reverse, *kept = NULL;
     if (node->kind == RIC_KIND_CORNER) return corner_choice(m, node, cycle);
     action actions[4];
     ric_periodic *full = ric_grazing_words_touches(m, cycle, &kept),
                  *whole = ric_periodic_repeat(node->cycle, node->multiple);
     if (full && kept && whole && find_actions(m, node, actions) && full->N == all &&
-        ric_periodic_match(m, whole, full, FITS, &shift, &reverse, &mirror)) {
+        match_touches(m, whole, full, kept, &shift, &reverse)) {
         unsigned choice = 0;
         for (int bit = 0; bit < p * node->multiple; bit++) {
             int i = bit / p * N + node->touch[bit % p],

@@ -149,6 +149,8 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
         n_pair = RIC_CORNER_TOGETHER;
     ric_periodic_free(full);
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
+    ric_status status = ric_node_mode_together(m, cycle, out);
+    if (status || *out) return status;
     if (!ric_node_solve_admissible(m, cycle))
         return ric_fail(RIC_E_NUMERIC, "where two contacts meet, an orbit of %d impacts is none",
                         cycle->N);

@@ -90,6 +90,9 @@ ric_status ric_node_duplicate(const ric_model *model, const ric_node *node, int 
  * *choice: the departure there that the branch itself is, in terms of the node returned. *out =
  * NULL for events that are no junction. */
 ric_status ric_node_grazing(const ric_model *model, const ric_periodic *cycle, ric_node **out);
+/* The linear mode that a branch comes to, all its impacts slower and slower; *out = NULL: none. */
+ric_status ric_node_mode_together(const ric_model *model, const ric_periodic *cycle,
+                                  ric_node **out);
 /* Whether gaps of different contacts touch at one instant of a grazing orbit. */
 bool ric_node_coincident(const ric_model *model, const ric_periodic *cycle);
 ric_status ric_node_corner(const ric_model *model, const ric_periodic *cycle, ric_node **out);

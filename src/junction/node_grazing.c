@@ -57,17 +57,16 @@ static bool is_bare(const ric_node *node)
     return events == node->cycle->N;
 }
 
-/* The linear mode that such an orbit is, wherever it was met; -1 if it is none. */
-static int linear_mode(const ric_node *node)
+/* The linear mode that a motion without impacts is, wherever it was met; -1 if it is none. */
+static int linear_mode(const ric_periodic *c, double tolerance)
 {
-    const ric_periodic *c = node->cycle;
     int most = 0;
     double rest = 0;
     for (int i = 1; i < c->n; i++)
         if (hypot(c->w[i], c->w[c->n + i]) > hypot(c->w[most], c->w[c->n + most])) most = i;
     for (int i = 0; i < c->n; i++)
         if (i != most) rest = hypot(rest, hypot(c->w[i], c->w[c->n + i]));
-    return rest < RIC_SAME_LOCATED * hypot(c->w[most], c->w[c->n + most]) ? most : -1;
+    return rest < tolerance * hypot(c->w[most], c->w[c->n + most]) ? most : -1;
 }
 
 /* The mixture of modes of one frequency that a linear motion is; -1 if it is none. */
@@ -92,7 +91,8 @@ static bool comes_back(const ric_model *m, const ric_node *node)
     const ric_periodic *c = node->cycle;
     const double period = ric_periodic_period(c);
     double open = 0, size = 0;
-    if (linear_mode(node) >= 0 || mixture_of(m, c->w, RIC_SAME_LOCATED) >= 0) return true;
+    if (linear_mode(c, RIC_SAME_LOCATED) >= 0 || mixture_of(m, c->w, RIC_SAME_LOCATED) >= 0)
+        return true;
     for (int i = 0; i < c->n; i++) {
         const double turns = m->omega[i] * period / RIC_TWO_PI,
                      own = hypot(c->w[i], c->w[c->n + i]);
@@ -152,7 +152,7 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
         return status;
     }
     if (is_bare(node)) {
-        node->mode = linear_mode(node);
+        node->mode = linear_mode(node->cycle, RIC_SAME_LOCATED);
         node->mixture = mixture_of(m, node->cycle->w, RIC_SAME_LOCATED);
     }
     *out = node;
@@ -206,6 +206,16 @@ static ric_status arrived_mode(const ric_model *m, ric_node **node)
     ric_node_free(*node);
     *node = NULL;
     return gone_through(m, once, times, node);
+}
+
+ric_status ric_node_mode_together(const ric_model *m, const ric_periodic *cycle, ric_node **out)
+{
+    ric_node *once = NULL;
+    const int mode = linear_mode(cycle, RIC_SAME_READ_OFF),
+              times = mode < 0 ? 0 : times_through(cycle, m->omega[mode]);
+    *out = NULL;
+    ric_status status = times ? ric_node_linear(m, mode, &once) : RIC_OK;
+    return status || !once ? status : gone_through(m, once, times, out);
 }
 
 ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_node **out)

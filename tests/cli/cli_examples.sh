@@ -201,6 +201,8 @@ ok 'beam-midspan: nor of a spring in its place' sprung
 ok 'beam-midspan: five linear modes' exactly 5 '^S0' beam-midspan branches label
 ok 'beam-midspan: branches' branches beam-midspan 10
 ok 'symmetric-chain: three linear modes' exactly 3 '^S0' symmetric-chain branches label
+ok 'symmetric-chain: one corner, where both stops close at one instant' exactly 1 '^K' symmetric-chain junctions label
+ok 'symmetric-chain: two stops that are touched one after the other are a grazing' exactly 2 '^G[12]_2,4' symmetric-chain junctions label
 ok 'symmetric-chain: departures that close both stops are refused by name' has 'two contacts close together' symmetric-chain junctions refusal
 
 finish
