@@ -198,39 +198,49 @@ INLINE bool pin(ric_border *q, int m, int k)
     return true;
 }
 
-/* From the combinations z [2n] that are left, and the values of the pinned ones (NULL: 0), back to
- * the unknowns y [unknowns] = (w_0 / size, tau). */
-INLINE void lift_to(ric_border *q, int m, const double *last, const double *pinned, double *y)
+/* From the combinations z [2n * count] that are left (NULL: 0), and the values of the pinned ones
+ * (NULL: 0), back to the unknowns y [unknowns * count] = (w_0 / size, tau). Columns go side by
+ * side: each of them waits for one product after the other. */
+INLINE void lift_to(ric_border *q, int m, int count, const double *last, const double *pinned,
+                    double *y)
 {
-    double z[m];
-    memcpy(z, last, sizeof z);
+    double z[m * count], s[count];
+    for (int i = 0; i < m * count; i++) z[i] = last ? last[i] : 0;
     for (int k = q->N - 1; k >= 0; k--) {
         const double *v = q->v + (size_t)k * (size_t)m;
-        y[m + k] = z[m - 1];
-        z[m - 1] = pinned ? pinned[k] : 0;
-        double s = q->beta[k] * dot(m, v, z);
-        for (int j = 0; j < m; j++) z[j] -= s * v[j];
+        for (int c = 0; c < count; c++) {
+            y[(m + k) * count + c] = z[(m - 1) * count + c];
+            z[(m - 1) * count + c] = pinned ? pinned[k * count + c] : 0;
+            s[c] = 0;
+        }
+        for (int j = 0; j < m; j++)
+            for (int c = 0; c < count; c++) s[c] += v[j] * z[j * count + c];
+        for (int c = 0; c < count; c++) s[c] *= q->beta[k];
+        for (int j = 0; j < m; j++)
+            for (int c = 0; c < count; c++) z[j * count + c] -= s[c] * v[j];
     }
     memcpy(y, z, sizeof z);
-    q->operations += 2L * m * q->N;
+    q->operations += 2L * m * q->N * count;
 }
 
-static void lift(ric_border *q, const double *last, const double *pinned, double *y)
+static void lift(ric_border *q, int count, const double *last, const double *pinned, double *y)
 {
-    if (q->n == 2) lift_to(q, 4, last, pinned, y);
-    else lift_to(q, 2 * q->n, last, pinned, y);
+    const int m = 2 * q->n;
+    switch (m == 4 ? count : 0) {
+    case 1: lift_to(q, 4, 1, last, pinned, y); break;
+    case 2: lift_to(q, 4, 2, last, pinned, y); break;
+    case 3: lift_to(q, 4, 3, last, pinned, y); break;
+    case 4: lift_to(q, 4, 4, last, pinned, y); break;
+    default: lift_to(q, m, count, last, pinned, y);
+    }
 }
 
 static void lift_all(ric_border *q)
 {
-    int m = 2 * q->n;
-    double z[m], y[q->unknowns];
-    for (int j = 0; j < m; j++) {
-        memset(z, 0, sizeof z);
-        z[j] = 1;
-        lift(q, z, NULL, y);
-        for (int i = 0; i < q->unknowns; i++) q->K[(size_t)i * (size_t)m + (size_t)j] = y[i];
-    }
+    const int m = 2 * q->n;
+    double unit[m * m];
+    for (int i = 0; i < m * m; i++) unit[i] = i % (m + 1) == 0;
+    lift(q, m, unit, NULL, q->K);
 }
 
 INLINE bool eliminate(ric_border *q, int m)
@@ -320,18 +330,21 @@ static bool factor_small(int size, double *A, int *swap)
     return true;
 }
 
-static void solve_small(int size, const double *A, const int *swap, double *x)
+/* x [size * count]. */
+static void solve_small(int size, int count, const double *A, const int *swap, double *x)
 {
-    for (int k = 0; k < size; k++) {
-        double kept = x[k];
-        x[k] = x[swap[k]];
-        x[swap[k]] = kept;
-    }
-    for (int i = 1; i < size; i++)
-        for (int j = 0; j < i; j++) x[i] -= A[i * size + j] * x[j];
-    for (int i = size - 1; i >= 0; i--) {
-        for (int j = i + 1; j < size; j++) x[i] -= A[i * size + j] * x[j];
-        x[i] /= A[i * size + i];
+    for (int c = 0; c < count; c++, x++) {
+        for (int k = 0; k < size; k++) {
+            double kept = x[k * count];
+            x[k * count] = x[swap[k] * count];
+            x[swap[k] * count] = kept;
+        }
+        for (int i = 1; i < size; i++)
+            for (int j = 0; j < i; j++) x[i * count] -= A[i * size + j] * x[j * count];
+        for (int i = size - 1; i >= 0; i--) {
+            for (int j = i + 1; j < size; j++) x[i * count] -= A[i * size + j] * x[j * count];
+            x[i * count] /= A[i * size + i];
+        }
     }
 }
 
@@ -358,25 +371,38 @@ bool ric_border_set(ric_border *q, const ric_border *frame, int b)
     return factor_small(size, q->small, q->swap);
 }
 
-/* The values of the pinned combinations, and what they make of the state at the end, out [2n]. */
-INLINE void forward_to(ric_border *q, int m, const double *conditions, double *pinned, double *out)
+/* The values of the pinned combinations, and what they make of the state at the end, out [2n *
+ * count]. */
+INLINE void forward_to(ric_border *q, int m, int count, const double *conditions, double *pinned,
+                       double *out)
 {
-    memset(out, 0, (size_t)m * sizeof *out);
+    memset(out, 0, (size_t)(m * count) * sizeof *out);
     for (int k = 0; k < q->N; k++) {
-        const double *along = q->pinned + (size_t)k * (size_t)m;
-        pinned[k] = (conditions[k] / q->size - dot(m, q->row + (size_t)k * (size_t)m, out)) /
-                    q->pivot[k];
-        for (int i = 0; i < m; i++) out[i] += along[i] * pinned[k];
-        fly_columns(q, m / 2, k, 1, 1, out);
-        strike_columns(q, m / 2, k, 1, 1, out);
-        q->operations += 2 * m;
+        const double *along = q->pinned + (size_t)k * (size_t)m,
+                     *row = q->row + (size_t)k * (size_t)m;
+        double *to = pinned + k * count, sum[count];
+        for (int c = 0; c < count; c++) sum[c] = 0;
+        for (int i = 0; i < m; i++)
+            for (int c = 0; c < count; c++) sum[c] += row[i] * out[i * count + c];
+        for (int c = 0; c < count; c++)
+            to[c] = (conditions[k * count + c] / q->size - sum[c]) / q->pivot[k];
+        for (int i = 0; i < m; i++)
+            for (int c = 0; c < count; c++) out[i * count + c] += along[i] * to[c];
+        fly_columns(q, m / 2, k, count, count, out);
+        strike_columns(q, m / 2, k, count, count, out);
+        q->operations += 2L * m * count;
     }
 }
 
-static void forward(ric_border *q, const double *conditions, double *pinned, double *out)
+static void forward(ric_border *q, int count, const double *conditions, double *pinned, double *out)
 {
-    if (q->n == 2) forward_to(q, 4, conditions, pinned, out);
-    else forward_to(q, 2 * q->n, conditions, pinned, out);
+    const int m = 2 * q->n;
+    switch (m == 4 ? count : 0) {
+    case 1: forward_to(q, 4, 1, conditions, pinned, out); break;
+    case 2: forward_to(q, 4, 2, conditions, pinned, out); break;
+    case 3: forward_to(q, 4, 3, conditions, pinned, out); break;
+    default: forward_to(q, m, count, conditions, pinned, out);
+    }
 }
 
 static bool all_zero(int n, const double *x)
@@ -386,32 +412,49 @@ static bool all_zero(int n, const double *x)
     return true;
 }
 
-void ric_border_solve(ric_border *q, const double *r, const double *s, double *x, double *g)
+/* From (w_0 / size, tau) [unknowns * count] to the unknowns of J. */
+static void to_fractions(const ric_border *q, int count, const double *r, double *x)
 {
-    int m = 2 * q->n, N = q->N, b = q->b, size = m + b;
-    double pinned[N], end[m], zero[m], rhs[size], y[q->unknowns], total = 0;
-    memset(zero, 0, sizeof zero);
-    if (all_zero(N, r + m)) { /* the first of a series of solves */
+    const int m = 2 * q->n, N = q->N;
+    for (int c = 0; c < count; c++) {
+        double total = 0;
+        for (int k = 0; k < N; k++) total += x[(m + k) * count + c];
+        const double dT = total - q->T * r[q->unknowns * count + c];
+        x[q->unknowns * count + c] = dT;
+        for (int k = 0; k < N; k++) {
+            double *tau = &x[(m + k) * count + c];
+            *tau = (*tau - q->chain->tau[k] / q->T * dT) / q->T;
+        }
+        for (int i = 0; i < m; i++) x[i * count + c] *= q->size;
+    }
+}
+
+void ric_border_solve(ric_border *q, int count, const double *r, const double *s, double *x,
+                      double *g)
+{
+    const int m = 2 * q->n, N = q->N, b = q->b, size = m + b;
+    double pinned[N * count], end[m * count], rhs[size * count], y[q->unknowns * count];
+    if (all_zero(N * count, r + m * count)) { /* the first of a series of solves */
         memset(end, 0, sizeof end);
         memset(y, 0, sizeof y);
     } else {
-        forward(q, r + m, pinned, end);
-        lift(q, zero, pinned, y);
+        forward(q, count, r + m * count, pinned, end);
+        lift(q, count, NULL, pinned, y);
     }
-    for (int i = 0; i < m; i++) rhs[i] = r[i] / q->size - end[i] + y[i];
-    for (int i = 0; i < b; i++) {
-        rhs[m + i] = s[i];
-        for (int j = 0; j < q->unknowns; j++)
-            rhs[m + i] -= q->V[(size_t)j * (size_t)b + (size_t)i] * y[j];
-    }
-    solve_small(size, q->small, q->swap, rhs);
-    memcpy(g, rhs + m, (size_t)b * sizeof *g);
-    if (!x) return;
+    for (int i = 0; i < m * count; i++) rhs[i] = r[i] / q->size - end[i] + y[i];
+    memcpy(rhs + m * count, s, (size_t)(b * count) * sizeof *rhs);
     for (int j = 0; j < q->unknowns; j++)
-        x[j] = y[j] + ric_dot(m, q->K + (size_t)j * (size_t)m, rhs);
-    for (int k = 0; k < N; k++) total += x[m + k];
-    double dT = total - q->T * r[q->unknowns];
-    x[q->unknowns] = dT;
-    for (int k = 0; k < N; k++) x[m + k] = (x[m + k] - q->chain->tau[k] / q->T * dT) / q->T;
-    for (int i = 0; i < m; i++) x[i] *= q->size;
+        for (int i = 0; i < b; i++)
+            for (int c = 0; c < count; c++)
+                rhs[(m + i) * count + c] -= q->V[(size_t)j * (size_t)b + (size_t)i] *
+                                            y[j * count + c];
+    solve_small(size, count, q->small, q->swap, rhs);
+    memcpy(g, rhs + m * count, (size_t)(b * count) * sizeof *g);
+    if (!x) return;
+    memcpy(x, y, sizeof y);
+    for (int j = 0; j < q->unknowns; j++)
+        for (int l = 0; l < m; l++)
+            for (int c = 0; c < count; c++)
+                x[j * count + c] += q->K[(size_t)j * (size_t)m + (size_t)l] * rhs[l * count + c];
+    to_fractions(q, count, r, x);
 }

@@ -53,9 +53,10 @@ bool ric_border_values(ric_border *border);
  * gives it its singular values and vectors. False: LAPACK failed, or what is bordered is singular.
  */
 bool ric_border_set(ric_border *border, const ric_border *frame, int b);
-/* [J U; V' 0] (x, g) = (r, s): r, x [unknowns + 1] in the order of J; s, g [b]. x NULL: only g is
- * wanted. */
-void ric_border_solve(ric_border *border, const double *r, const double *s, double *x, double *g);
+/* [J U; V' 0] (x, g) = (r, s) for `count` right-hand sides at once: r, x [(unknowns + 1) * count]
+ * in the order of J; s, g [b * count]. x NULL: only g is wanted. */
+void ric_border_solve(ric_border *border, int count, const double *r, const double *s, double *x,
+                      double *g);
 /* Column i of the last b of K by singular values, in the unknowns of the chain, [unknowns]. */
 void ric_border_kernel(const ric_border *border, int i, double *du);
 

@@ -83,24 +83,21 @@ static void determinant(int b, const double *g, int row, unsigned columns, doubl
 }
 
 /* Order by order J x_j + U g_j = x_(j-1), V' x_j = 0, from J x_0 + U g_0 = 0, V' x_0 = I on, as far
- * as the first `orders` of DET need it; the others stay 0. x [2 * rows]. */
+ * as the first `orders` of DET need it; the others stay 0. x [2 * rows * MOST_B]. */
 static void read_border(ric_border *q, int orders, double *x, reading *out)
 {
-    int b = q->b, rows = q->unknowns + 1;
-    double g[ORDERS * MOST_B * MOST_B] = {0}, zero[MOST_B] = {0}, unit[MOST_B], column[MOST_B];
+    const int b = q->b, rows = q->unknowns + 1;
+    double g[ORDERS * MOST_B * MOST_B] = {0}, zero[MOST_B * MOST_B] = {0}, unit[MOST_B * MOST_B];
+    double *from = x, *to = x + rows * b;
     memset(out, 0, sizeof *out);
-    for (int i = 0; i < b; i++) {
-        double *from = x, *to = x + rows;
-        memset(from, 0, (size_t)rows * sizeof *from);
-        for (int k = 0; k < b; k++) unit[k] = k == i;
-        for (int l = -1; l < orders; l++) {
-            ric_border_solve(q, from, l < 0 ? unit : zero, l + 1 < orders ? to : NULL, column);
-            for (int k = 0; k < b; k++)
-                *(l < 0 ? &out->at[BLOCK + k * b + i] : &g[(l * b + k) * b + i]) = column[k];
-            double *swap = from;
-            from = to;
-            to = swap;
-        }
+    memset(from, 0, (size_t)(rows * b) * sizeof *from);
+    for (int i = 0; i < b * b; i++) unit[i] = i % (b + 1) == 0;
+    for (int l = -1; l < orders; l++) {
+        ric_border_solve(q, b, from, l < 0 ? unit : zero, l + 1 < orders ? to : NULL,
+                         l < 0 ? out->at + BLOCK : g + l * b * b);
+        double *swap = from;
+        from = to;
+        to = swap;
     }
     determinant(b, g, 0, (1u << b) - 1, out->at + DET);
     memset(out->at + DET + orders, 0, (size_t)(ORDERS - orders) * sizeof *out->at);
@@ -184,7 +181,7 @@ static ric_status gauge_make(const ric_model *m, const ric_node *node, gauge *t)
         t->chain->plain = true; /* the article's equations, of which the multiplicities are */
         size_t unknowns = (size_t)t->chain->n_unknown;
         t->at = ric_calloc(unknowns, sizeof *t->at);
-        t->x = ric_calloc(2 * (unknowns + 1), sizeof *t->x);
+        t->x = ric_calloc(2 * MOST_B * (unknowns + 1), sizeof *t->x);
         t->base = ric_border_create(t->chain);
         t->moved = ric_border_create(t->chain);
         if (!t->at || !t->x || !t->base || !t->moved)

@@ -318,7 +318,7 @@ static void solves(void **state)
     assert_true(ric_border_factor(border, 0, 0) && ric_border_set(border, border, 2));
     seed_now = 7;
     for (int i = 0; i < size; i++) r[i] = uniform(-1, 1);
-    ric_border_solve(border, r, s, x, g);
+    ric_border_solve(border, 1, r, s, x, g);
     for (int i = 0; i < size; i++) {
         double off = -r[i];
         for (int j = 0; j < size; j++) off += J[i * size + j] * x[j];
@@ -351,7 +351,7 @@ static long operations(int multiple)
     double *x = calloc(2 * (size_t)chain->n_unknown + 2, sizeof *x);
     assert_true(border && x);
     assert_true(ric_border_factor(border, 0, 0) && ric_border_set(border, border, 2));
-    ric_border_solve(border, x + chain->n_unknown + 1, s, x, g);
+    ric_border_solve(border, 1, x + chain->n_unknown + 1, s, x, g);
     long count = border->operations;
     ric_border_free(border);
     ric_shooting_free(chain);
