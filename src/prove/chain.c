@@ -365,8 +365,8 @@ static bool is_reversible(const ric_enclosure *e, const motion *z)
 }
 
 /* The springs that are closed behind each letter: before the first one those whose first letter is
- * an opening. False where they close twice, or such a phase is not enclosed. */
-static bool find_phases(motion *z, const ric_enclosure *e)
+ * an opening. NULL, or why there are none. */
+static const char *find_phases(motion *z, const ric_enclosure *e)
 {
     uint64_t closed = 0;
     for (int k = z->letters - 1; k >= 0; k--)
@@ -377,12 +377,14 @@ static bool find_phases(motion *z, const ric_enclosure *e)
     for (int k = 0; k < z->letters; k++) {
         if (e->wall[face_of(e, z, k)].closes) {
             const uint64_t bit = (uint64_t)1 << face_of(e, z, k);
-            if ((z->word[k] >= e->n_face) != ((closed & bit) != 0)) return false;
+            if ((z->word[k] >= e->n_face) != ((closed & bit) != 0))
+                return "a spring closes twice, or opens twice, in its word";
             closed ^= bit;
         }
-        if (!ric_phase_get(e, closed, &z->phase[k])) return false;
+        const char *why = ric_phase_get(e, closed, &z->phase[k]);
+        if (why) return why;
     }
-    return true;
+    return NULL;
 }
 
 void ric_chain_state(const ric_enclosure *e, const double *state, arb_ptr w)
@@ -403,10 +405,10 @@ void ric_chain_state(const ric_enclosure *e, const double *state, arb_ptr w)
     arb_mat_clear(q);
 }
 
-/* Projected on the symmetric class, so that half of the motion stands for all of it. False: it has
- * a phase that is not enclosed. */
-static bool motion_open(motion *z, const ric_enclosure *e, const ric_branch *branch,
-                        const double *state, const double *flights)
+/* Projected on the symmetric class, so that half of the motion stands for all of it. NULL, or why
+ * there is none. */
+static const char *motion_open(motion *z, const ric_enclosure *e, const ric_branch *branch,
+                               const double *state, const double *flights)
 {
     const int n = e->n;
     *z = (motion){.n = n,
@@ -421,14 +423,14 @@ static bool motion_open(motion *z, const ric_enclosure *e, const ric_branch *bra
         arb_set_d(z->tau + k, flights[k]);
         arb_mul_2exp_si(z->tau + k, z->tau + k, e->time);
     }
-    const bool enclosed = find_phases(z, e);
-    for (int k = 0; k + 1 < z->letters && enclosed; k++) {
+    const char *why = find_phases(z, e);
+    for (int k = 0; k + 1 < z->letters && !why; k++) {
         arb_ptr from = z->states + (slong)k * 2 * n, to = from + 2 * n;
         ric_chain_fly(e, z->phase[k], from, z->tau + k, to);
         ric_chain_reflect(e, face_of(e, z, k + 1), to + n);
         set_mid(to, to, 2 * n);
     }
-    return enclosed;
+    return why;
 }
 
 static void motion_close(motion *z)
@@ -512,16 +514,17 @@ static void fill(ric_chain *c, const ric_enclosure *e, motion *z, const ric_bran
     else fill_general(c, e, z, is_halved(e, branch));
 }
 
-bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,
-                      const double *state, const double *flights)
+const char *ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,
+                             const double *state, const double *flights)
 {
     motion z;
     *c = (ric_chain){.sign = 1, .number = -1};
-    if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters)) return false;
-    const bool enclosed = motion_open(&z, e, branch, state, flights);
-    if (enclosed) fill(c, e, &z, branch);
+    if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters))
+        return "a stored number is not finite";
+    const char *why = motion_open(&z, e, branch, state, flights);
+    if (!why) fill(c, e, &z, branch);
     motion_close(&z);
-    return enclosed;
+    return why;
 }
 
 /* Takes pairs of a closing and an opening of one spring, or the other way round, with no time
@@ -568,10 +571,10 @@ bool ric_chain_shorten(ric_chain *c, const ric_enclosure *e, const ric_branch *b
     *c = (ric_chain){.sign = 1, .number = -1};
     if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters)) return false;
     int *word = flint_calloc((size_t)branch->letters + 1, sizeof *word);
-    bool done = motion_open(&z, e, branch, state, flights);
+    bool done = !motion_open(&z, e, branch, state, flights);
     if (done) z.letters = shorter.letters = drop_touches(&z, e, word);
     shorter.word = word;
-    done = done && z.letters > 0 && z.letters < branch->letters && find_phases(&z, e);
+    done = done && z.letters > 0 && z.letters < branch->letters && !find_phases(&z, e);
     if (done) fill(c, e, &z, &shorter);
     motion_close(&z);
     flint_free(word);
@@ -614,7 +617,7 @@ bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *bran
     motion z;
     *c = (ric_chain){.sign = 1, .number = -1};
     if (!all_finite(state, 2 * e->n_dof) || !all_finite(flights, branch->letters)) return false;
-    const bool enclosed = motion_open(&z, e, branch, state, flights);
+    const bool enclosed = !motion_open(&z, e, branch, state, flights);
     if (enclosed && ric_chain_general(other)) fill_general(c, e, &z, other->sign < 0);
     else if (enclosed) {
         z.place[0] = 2 * other->first + other->half_flight;

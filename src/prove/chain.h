@@ -50,9 +50,9 @@ typedef struct {
 
 /* The chain of an orbit: state right after impact 0 [2 n_dof], flights, word of `branch`, which
  * also says in which class it is looked for: with mirror points, half of a symmetric orbit, or in
- * general. To be released in any case; false if the stored numbers are not finite. */
-bool ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,
-                      const double *state, const double *flights);
+ * general. To be released in any case. NULL, or why there is none. */
+const char *ric_chain_create(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,
+                             const double *state, const double *flights);
 /* The same in the class of another chain of the branch; false if the stored numbers are not finite.
  */
 bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *branch,

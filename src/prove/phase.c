@@ -62,8 +62,10 @@ static bool find_rest(ric_phase *p, const ric_enclosure *e, arb_mat_t K, arb_src
     return firm;
 }
 
-static bool enclose(ric_phase *p, const ric_enclosure *e)
+/* NULL, or what is missing. */
+static const char *enclose(ric_phase *p, const ric_enclosure *e)
 {
+    const char *why = NULL;
     ric_basis z;
     arb_mat_t K;
     arb_t error;
@@ -84,14 +86,16 @@ static bool enclose(ric_phase *p, const ric_enclosure *e)
         arb_get_ubound_arf(arb_midref(p->e.rho), p->e.rho, e->prec);
         mag_zero(arb_radref(p->e.rho));
     }
-    done = done && find_rest(p, e, K, force);
+    if (!done) why = "the modes of the structure with closed springs are not enclosed";
+    else if (!find_rest(p, e, K, force))
+        why = "the structure is free to move while springs are closed";
     arb_mat_transpose(p->back, p->V);
     arb_mat_mul(p->e.C, e->C, p->V, e->prec + RIC_BASIS_GUARD / 2);
     ric_basis_close(&z);
     arb_mat_clear(K);
     arb_clear(error);
     _arb_vec_clear(force, e->n);
-    return done;
+    return why;
 }
 
 static ric_phase *make(const ric_enclosure *e, uint64_t closed)
@@ -111,16 +115,17 @@ static ric_phase *make(const ric_enclosure *e, uint64_t closed)
     p->e.square = _arb_vec_init(e->n);
     arb_init(p->e.rho);
     arb_init(p->e.top);
-    p->good = enclose(p, e);
+    p->why = enclose(p, e);
     return p;
 }
 
-bool ric_phase_get(const ric_enclosure *e, uint64_t closed, const ric_phase **out)
+const char *ric_phase_get(const ric_enclosure *e, uint64_t closed, const ric_phase **out)
 {
     struct ric_phase_list *list = e->phases;
     *out = NULL;
-    if (!closed) return true;
-    if (!ric_regime_exists(e->model, closed)) return false;
+    if (!closed) return NULL;
+    if (!ric_regime_exists(e->model, closed))
+        return "both sides of a contact would be closed at once";
     int i = 0;
     while (i < list->n && list->of[i]->closed != closed) i++;
     if (i == list->n) {
@@ -128,7 +133,7 @@ bool ric_phase_get(const ric_enclosure *e, uint64_t closed, const ric_phase **ou
         list->of[list->n++] = make(e, closed);
     }
     *out = list->of[i];
-    return list->of[i]->good;
+    return list->of[i]->why;
 }
 
 struct ric_phase_list *ric_phase_list_create(void)

@@ -10,16 +10,16 @@
 
 typedef struct {
     uint64_t closed; /* faces, by bits */
-    bool good;       /* it is enclosed, and rests somewhere */
+    const char *why; /* NULL, or why it is of no use */
     ric_enclosure e; /* of y: modes and normals c V; nothing else is set */
     arb_mat_t V;     /* [n * n] */
     arb_mat_t back;  /* V' */
     arb_ptr rest;    /* [n] q where it would rest */
 } ric_phase;
 
-/* That of a set of faces, made when it is first asked for; *out = NULL for none closed. False where
- * it cannot be enclosed. Not for two threads at a time. */
-bool ric_phase_get(const ric_enclosure *e, uint64_t closed, const ric_phase **out);
+/* That of a set of faces, made when it is first asked for; *out = NULL for none closed. Not for two
+ * threads at a time. Returns NULL, or why there is none that can be used. */
+const char *ric_phase_get(const ric_enclosure *e, uint64_t closed, const ric_phase **out);
 struct ric_phase_list *ric_phase_list_create(void);
 void ric_phase_list_free(struct ric_phase_list *list);
 

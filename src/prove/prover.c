@@ -214,10 +214,8 @@ static void tell(const theorem *t, ric_proof *out)
 static bool prove(theorem *t, const ric_branch *branch, const double *state, const double *flights,
                   ric_proof *out)
 {
-    const char *why =
-        "a stored number is not finite, or the structure is free to move while springs are closed";
-    if (ric_chain_create(&t->chain, t->e, branch, state, flights))
-        why = ric_existence_prove(&t->existence, &t->chain, t->e);
+    const char *why = ric_chain_create(&t->chain, t->e, branch, state, flights);
+    if (!why) why = ric_existence_prove(&t->existence, &t->chain, t->e);
     if (!why && !t->existence.identified) why = "another orbit may lie as near: a junction";
     if (why) snprintf(out->why, sizeof out->why, "%s", why);
     if (why) return false;

@@ -496,7 +496,7 @@ static void on_itself(const ric_enclosure *e, const ric_junction *row, ric_augme
         ric_chain c;
         branch.reversible = kind & 2;
         branch.symmetric = kind & 1;
-        const bool made = ric_chain_create(&c, e, &branch, row->state, row->flights);
+        const bool made = !ric_chain_create(&c, e, &branch, row->state, row->flights);
         const int n = made ? ask_itself(row, &c, e, ask) : 0;
         for (int i = 0; i < n && out->state != RIC_PROOF_DONE; i++) {
             ric_augmented_free(x);

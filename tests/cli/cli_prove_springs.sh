@@ -116,6 +116,19 @@ prove_some "$folder/p.ricochet" "$folder/p.json" $(some_of 8 '')
 ok 'nor with another spring' rows "$folder/p.json" '
 some = [row for row in rows if row["branch"] > 7]
 assert len(some) > 50 and not [row for row in some if row["verdict"] == "proved" and not row["why"]], len(proved)'
+# Two masses on one spring, which float while the spring between them is closed.
+cat >"$folder/free.yaml" <<'E2'
+model:
+  mass: [[1, 0], [0, 1]]
+  stiffness: [[1, -1], [-1, 1]]
+  contacts:
+    - {normal: [1, 0], law: rigid, clearance: 1, sides: both}
+    - {normal: [1, -1], law: bilinear, clearance: 0.5, sides: both, stiffness: 5}
+explore: {energy: [0, 10], frequency: [0.2, 6], impacts: 4, depth: 1}
+E2
+"$ricochet" run "$folder/free.yaml" -o "$folder/free.ricochet" --quiet
+ok 'a structure that floats while a spring is closed: that is the reason, and the only one' bash -c '
+"$0" prove "$1" --branch 2 2>&1 | grep -q "point 12 is not proved: the structure is free to move while springs are closed$"' "$ricochet" "$folder/free.ricochet"
 ok 'a census is of stops alone' bash -c '
 "$0" prove examples/bilinear/study.yaml --complete --energy 5 2>&1 | grep -q "bilinear springs"' "$ricochet"
 finish
