@@ -26,6 +26,12 @@
  * energy, which says nothing of this one, and whose flight may take seconds */
 #define BESIDE 0.1
 /* UNKNOWN: of the size: error of an unknown, in the frame of the modes or as it is stored */
+/* REFINED: error of a trace, over 1 + its size, from which on its orbit is polished, and others
+ * about it in WAYS_ABOUT ways, and KNOWN up to which that says something; LAST is the rounding of
+ * the trace itself */
+#define REFINED 1e-6
+#define KNOWN 1e-3
+#define LAST (16 * DBL_EPSILON)
 #define UNKNOWN (4 * DBL_EPSILON)
 
 /* UNCLEAR: times its bound by the smallest pivot, and PLAIN times that by the second singular
@@ -40,6 +46,8 @@
 /* LEFT: of the tolerance without what springs make of displacements, which are met better than they
  * may be: what a flight has been seen to round to; its constants are three times that */
 #define LEFT (1 / 3.0)
+
+enum { WAYS_ABOUT = 6 };
 
 double ric_continuation_approach(const ric_shooting *c, bool springs)
 {
@@ -206,6 +214,66 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
     return status;
 }
 
+/* The trace of the orbit that is nearest to v, in extended precision: rho and own of f. *moved: how
+ * far v is off. */
+static bool polish(ric_shooting *c, const double *v, ric_floquet *f, double *moved)
+{
+    long double orbit[2 * c->n + c->n_flight];
+    if (!ric_floquet_fine_orbit(c, v, orbit, moved)) return false;
+    f->orbit = orbit;
+    const bool found = !ric_floquet_compute(c, f) && isfinite(f->rho[0]) && isfinite(f->own[0]);
+    f->orbit = NULL;
+    return found;
+}
+
+/* The flag of a trace of two modes that is known to `error` on the chain's own map. */
+static ric_stability side_of(const ric_floquet *f, double error)
+{
+    const double margin = 2 - fabs(f->own[0]);
+    if (!(fabs(margin) > error)) return RIC_STABLE_UNDECIDED;
+    return margin > 0 ? RIC_STABLE_YES : RIC_STABLE_NO;
+}
+
+/* Two modes, of whose trace more than a part REFINED is uncertain, `known`. The orbit is brought to
+ * rounding of extended precision, and so are others that are the same but for rounding of u: what
+ * their traces differ by is both what is not known of the place on the branch and what is rounded
+ * on the way. The bound of the rounding is larger by up to ten powers of ten where the map has
+ * large entries, and so are the traces of orbits that are not solved as well. False: f is as
+ * before; also where the polished orbit is farther from u than its equations are met, beside a
+ * branch point: then the trace is not that of what is stored. */
+static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double known)
+{
+    const int size = c->n_unknown;
+    double v[size], moved = 0, off = 0, own_off = 0;
+    if (f->n_pair != 1 || known <= REFINED * (1 + fabs(f->rho[0])) || !ric_floquet_fine_fits(c))
+        return false;
+    const ric_floquet before = *f;
+    const double rho = f->rho[0], own = f->own[0], bound = f->each[0];
+    bool found = polish(c, u, f, &moved);
+    const ric_floquet at = *f;
+    const double trace = f->rho[0], at_own = f->own[0];
+    found = found && moved <= ric_continuation_tolerance(c) * c->scale;
+    const double near = UNKNOWN * c->scale + moved;
+    for (int way = 1; way <= WAYS_ABOUT && found; way++) {
+        unsigned bits = (unsigned)way * 2654435769u;
+        for (int i = 0; i < size; i++) v[i] = u[i] + ric_moved(&bits, near);
+        found = polish(c, v, f, &moved);
+        off = fmax(off, RIC_MEASURED * fabs(f->rho[0] - trace));
+        own_off = fmax(own_off, RIC_MEASURED * fabs(f->own[0] - at_own));
+    }
+    ric_shooting_evaluate(c, u);
+    /* what is lost all the same has its flag from how rho runs through infinity (stable_margin) */
+    found = found && off < fmin(known, KNOWN * (1 + fabs(trace)));
+    *f = found ? at : before;
+    f->rho[0] = found ? trace : rho;
+    f->own[0] = found ? at_own : own;
+    f->each[0] = found ? LAST * (1 + fabs(trace)) : bound;
+    if (!found) return false;
+    f->stable = side_of(f, own_off + LAST * (1 + fabs(at_own)));
+    ric_floquet_widen(f, &off);
+    return true;
+}
+
 /* The bounds of floquet.c are those of the map at the orbit as it is written down. The orbit itself
  * is known to rounding / pivot, and its map moves with it, by 1 / speed as much where an impact is
  * slow or a spring is hardly closed. What is so near to the border that this may count is measured,
@@ -221,13 +289,13 @@ static doubt doubt_of(const ric_shooting *c, const ric_floquet *f)
     double approach = fmax(fabs(ric_continuation_approach(c, true)), DBL_MIN),
            margin = stable_margin(f, NULL);
     const double error = f->rough * (1 + (1 + 1 / approach) * c->scale / c->smallest),
-                 slow = f->rough / approach;
+                 slow = f->rough / approach, stiff = f->rough * (1 + c->stiff);
     const bool far = !ric_flight_law_of(c->model)->closes &&
                      !(fabs(margin) <= NEAR_BORDER * error * steepness(margin)),
                touched = !(UNKNOWN * c->scale <= NEARLY_LOST * approach);
     return (doubt){.flag = f->stable != RIC_STABLE_UNDECIDED && !far,
-                   .trace = f->n_pair == 1 &&
-                            (touched || !(slow <= NEARLY_LOST * (1 + fabs(f->own[0]))))};
+                   .trace = f->n_pair == 1 && (touched || !(fmax(slow, stiff) <=
+                                                            NEARLY_LOST * (1 + fabs(f->own[0]))))};
 }
 
 bool ric_continuation_doubtful(const ric_shooting *c, const ric_floquet *f)
@@ -257,7 +325,7 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
     if (!ric_continuation_doubtful(c, f)) return RIC_OK;
     if (doubt_of(c, f).trace) {
         status = measure(c, u, f, 0, seen);
-        if (!status) ric_floquet_widen(f, seen);
+        if (!status && !refine(c, u, f, f->each[0] + seen[0])) ric_floquet_widen(f, seen);
         return status;
     }
     if (f->stable != RIC_STABLE_UNDECIDED) status = measure(c, u, f, tells_side(f), NULL);
@@ -272,6 +340,6 @@ ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_fl
     ric_status status = ric_floquet_compute(c, f);
     if (status || f->n_pair < 1) return status;
     status = measure(c, u, f, 0, seen);
-    ric_floquet_widen(f, seen);
+    if (status || !refine(c, u, f, f->each[0] + seen[0])) ric_floquet_widen(f, seen);
     return status;
 }

@@ -336,9 +336,10 @@ static bool made_fine(const ric_shooting *c, ric_floquet *f, const double *start
     for (int i = 0; i < f->n_pair; i++)
         least = fmin(least, hypot(f->own[2 * i], f->own[2 * i + 1]));
     f->rough = f->error;
-    if (!(f->rough > fmax(ROUGH, f->enough) * (1 + least)) && isfinite(least)) return false;
+    if (!f->orbit && !(f->rough > fmax(ROUGH, f->enough) * (1 + least)) && isfinite(least))
+        return false;
     return f->n_pair <= MOST_PAIRS && ric_floquet_fine_fits(c) &&
-           ric_floquet_fine_map(c, start, end, f->fine, size);
+           ric_floquet_fine_map(c, f->orbit, start, end, f->fine, size);
 }
 
 /* P as the sum of two matrices in double. */

@@ -37,6 +37,7 @@ typedef struct {
                       comes by itself */
     double *work;
     long double *fine;
+    const long double *orbit; /* of more digits than the chain has (floquet_fine.h), or NULL */
     size_t n_work;
 } ric_floquet;
 

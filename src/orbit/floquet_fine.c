@@ -6,8 +6,14 @@
 #include <string.h>
 
 #define NO_SPEED 1e-60L
-#define LATE 1e-10L    /* share of a flight by which its end is moved at most */
-#define MET 0x1p-60L   /* distance from a spring's face, over the scale, that is none */
+#define LATE 1e-10L  /* share of a flight by which its end is moved at most */
+#define MET 0x1p-60L /* distance from a spring's face, over the scale, that is none */
+/* Steps of Newton's method, of the size of the orbit: DONE is rounding of this precision, and where
+ * the steps shrink no more they have come to it, or to nothing if they are longer than GOOD; SLOW:
+ * of the step before */
+#define DONE 0x1p-64
+#define GOOD 0x1p-44
+#define SLOW 0.5
 #define LARGEST 1e200L /* of an entry: its square is still a double */
 
 typedef ric_fine_real real;
@@ -18,6 +24,7 @@ typedef struct {
     int n, k, ld;
     real *P, *V, *E, *w; /* [ld * ld], [2n * ld], [k * n], [2n] the state on the way */
     real *stiff;         /* [n] omega^2 / kappa of each mode */
+    const real *tau;     /* [n_flight] times of the flights, NULL: those of the chain */
     uint64_t closed;     /* springs, there */
     real size;
 } course;
@@ -223,6 +230,13 @@ static void grow(course *q)
     q->size = size;
 }
 
+/* A state through an impact. */
+static void bounce(const course *q, const ric_face *f)
+{
+    real twice = 2 * along(q, f, q->w + q->n) / square(q, f);
+    for (int i = 0; i < q->n; i++) q->w[q->n + i] -= twice * f->c[i];
+}
+
 /* State and columns through an impact (saltation, eq. 41-46 of the article). */
 static void strike(course *q, const ric_face *f)
 {
@@ -244,7 +258,7 @@ static void strike(course *q, const ric_face *f)
             q->V[(n + i) * ld + j] -= dp * f->c[i];
         }
     }
-    for (int i = 0; i < n; i++) q->w[n + i] -= 2 * normal / cc * f->c[i];
+    bounce(q, f);
     grow(q);
 }
 
@@ -309,7 +323,7 @@ static bool flights(course *q)
     real early = 0;
     for (int k = 0; k < c->n_flight; k++) {
         const ric_face *next = c->face[k + 1] < 0 ? NULL : &c->model->face[c->face[k + 1]];
-        real tau = c->tau[k] + early, meant = tau;
+        real tau = (q->tau ? q->tau[k] : c->tau[k]) + early, meant = tau;
         q->closed = c->closed[k];
         const bool spring = next && next->spring > 0,
                    closes = spring && c->closed[k + 1] >> c->face[k + 1] & 1;
@@ -341,8 +355,101 @@ static bool return_map(course *q)
     return true;
 }
 
-bool ric_floquet_fine_map(const ric_shooting *c, const double *start, const double *end,
-                          ric_fine_real *store, double *size)
+/* --------------------------------------------------------------------- the orbit */
+
+/* The start state of unknowns u. Returns what it leaves of the condition of a start on a face. */
+static real start_state(const course *q, const real *u)
+{
+    const ric_shooting *c = q->c;
+    const int n = q->n;
+    const ric_face *face = c->face[0] >= 0 ? &c->model->face[c->face[0]] : NULL;
+    real *a = q->w, *p = q->w + n;
+    for (int i = 0; i < n; i++) {
+        a[i] = c->start == RIC_MIRROR_CENTRE ? 0 : u[i];
+        p[i] = c->start == RIC_MIRROR_CENTRE ? u[i] : c->start == RIC_MIRROR_NONE ? u[n + i] : 0;
+        if (c->start == RIC_MIRROR_IMPACT)
+            p[i] = -face->side * u[n] / sqrtl(square(q, face)) * face->c[i];
+    }
+    return face ? beyond(q, face, q->w) : 0;
+}
+
+/* What the end, the present state, leaves of its conditions. */
+static void end_left(course *q, const real *first, double *left)
+{
+    const ric_shooting *c = q->c;
+    const int n = q->n;
+    real *p = q->w + n;
+    if (c->end == RIC_MIRROR_IMPACT) {
+        const ric_face *f = &c->model->face[c->face[c->n_flight]];
+        const real off = along(q, f, p) / square(q, f);
+        for (int i = 0; i < n; i++) p[i] -= off * f->c[i];
+        for (int j = 0; j < n - 1; j++) {
+            real sum = 0;
+            for (int i = 0; i < n; i++) sum += f->E[j * n + i] * p[i];
+            left[j] = (double)sum;
+        }
+        return;
+    }
+    for (int i = 0; i < n && c->end != RIC_MIRROR_NONE; i++)
+        left[i] = (double)(c->end == RIC_MIRROR_REST ? p[i] : q->w[i]);
+    for (int i = 0; i < 2 * n && c->end == RIC_MIRROR_NONE; i++)
+        left[i] = (double)(q->w[i] - c->sigma * first[i]);
+}
+
+/* What u leaves of all equations (shooting.h). False: no memory. */
+static bool all_left(course *q, const real *u, double *left)
+{
+    const ric_shooting *c = q->c;
+    const ric_face *faces = c->model->face;
+    real first[2 * q->n];
+    left[0] = (double)start_state(q, u);
+    memcpy(first, q->w, sizeof first);
+    for (int k = 0; k < c->n_flight; k++) {
+        const int at = c->face[k], to = c->face[k + 1];
+        const real tau = u[c->n_start + k];
+        q->closed = c->closed[k];
+        if (at >= 0 && q->closed >> at & 1) begin_on(q, &faces[at]);
+        const real from = to >= 0 ? beyond(q, &faces[to], q->w) : 0;
+        if (!fly(q, tau, q->w, NULL)) return false;
+        const real over = to >= 0 ? beyond(q, &faces[to], q->w) : 0;
+        left[1 + k] = (double)(ric_shooting_between(c, k) ? (over - from) / tau : over);
+        if (to >= 0 && faces[to].spring == 0 &&
+            !(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT))
+            bounce(q, &faces[to]);
+    }
+    end_left(q, first, left + 1 + c->n_flight);
+    return true;
+}
+
+bool ric_floquet_fine_orbit(ric_shooting *c, const double *u, ric_fine_real *orbit, double *moved)
+{
+    enum { STEPS = 8 };
+    const int n = c->n, size = c->n_unknown;
+    course q = {.c = c, .n = n, .w = orbit};
+    real x[size];
+    double left[1 + c->n_flight + 2 * n], du[size], length = HUGE_VAL, last;
+    for (int i = 0; i < size; i++) x[i] = u[i];
+    for (int step = 0; step < STEPS && length > DONE * c->scale; step++) {
+        if (!all_left(&q, x, left)) break;
+        ric_shooting_evaluate_left(c, u, left);
+        if (c->singular) break;
+        ric_shooting_step(c, true, 0, du);
+        last = length;
+        length = sqrt(ric_dot(size, du, du));
+        if (step == 0) *moved = length;
+        if (!(length < SLOW * last)) break;
+        for (int i = 0; i < size; i++) x[i] += du[i];
+    }
+    ric_shooting_evaluate(c, u);
+    start_state(&q, x);
+    for (int k = 0; k < c->n_flight; k++) orbit[2 * n + k] = x[c->n_start + k];
+    return length <= GOOD * c->scale;
+}
+
+/* ----------------------------------------------------------------------- the map */
+
+bool ric_floquet_fine_map(const ric_shooting *c, const real *orbit, const double *start,
+                          const double *end, ric_fine_real *store, double *size)
 {
     int n = c->n, k = n - 1, ld = 2 * k, last = c->n_flight;
     const ric_model *m = c->model;
@@ -355,7 +462,8 @@ bool ric_floquet_fine_map(const ric_shooting *c, const double *start, const doub
         ric_fine_real omega = (ric_fine_real)m->omega[i] + m->omega_low[i];
         q.stiff[i] = omega * omega / m->kappa[i];
     }
-    for (int i = 0; i < 2 * n; i++) q.w[i] = c->w[i];
+    for (int i = 0; i < 2 * n; i++) q.w[i] = orbit ? orbit[i] : c->w[i];
+    q.tau = orbit ? orbit + 2 * n : NULL;
     if (c->face[0] >= 0 && m->face[c->face[0]].spring > 0) begin_on(&q, &m->face[c->face[0]]);
     if (c->start == RIC_MIRROR_NONE) {
         if (!return_map(&q)) return false;

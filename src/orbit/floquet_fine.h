@@ -18,11 +18,19 @@ typedef long double ric_fine_real;
 size_t ric_floquet_fine_size(int n);
 /* Whether a chain has such a map: not under a power law. */
 bool ric_floquet_fine_fits(const ric_shooting *chain);
+/* Newton's method in extended precision, from u to the nearest solution: orbit [2n + n_flight], its
+ * start state and its times. *moved: the length of the first step. False: it does not converge. The
+ * chain is evaluated at u afterwards. Cost of each step: one evaluation, and one flight of the
+ * state alone in extended precision. */
+bool ric_floquet_fine_orbit(ric_shooting *chain, const double *u, ric_fine_real *orbit,
+                            double *moved);
 /* P [2k * 2k], k = n - 1, at the start of `store`: coordinates in the section of the start mirror
  * to those in that of the end mirror, whose bases `start` and `end` [k * n] are given in double; in
  * the general form, which needs none, of the return to what is perpendicular to flow and gradient
- * (without sigma). *size: largest entry met. False: it is not finite. */
-bool ric_floquet_fine_map(const ric_shooting *chain, const double *start, const double *end,
-                          ric_fine_real *store, double *size);
+ * (without sigma). *size: largest entry met. False: it is not finite. `orbit`: in more digits than
+ * the chain has it, or NULL. */
+bool ric_floquet_fine_map(const ric_shooting *chain, const ric_fine_real *orbit,
+                          const double *start, const double *end, ric_fine_real *store,
+                          double *size);
 
 #endif

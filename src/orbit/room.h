@@ -3,6 +3,7 @@
 #define RIC_ORBIT_ROOM_H
 
 #include "floquet.h"
+#include "floquet_fine.h"
 #include "periodic.h"
 #include "reach.h"
 #include "shooting.h"

@@ -353,7 +353,8 @@ void ric_shooting_mean_gradient(const ric_shooting *c, double *h)
 /* Rows of the end conditions gathered at the top of X (2n - 1, n or n - 1 of them); the residual
  * goes into the inhomogeneous column. */
 static inline __attribute__((always_inline)) double end_rows_general(ric_shooting *c, int n, int ld,
-                                                                     int columns)
+                                                                     int columns,
+                                                                     const double *left)
 {
     const double *wN = c->w + 2 * n * c->n_flight;
     double *X = c->X, h[2 * n], sum = 0;
@@ -361,7 +362,8 @@ static inline __attribute__((always_inline)) double end_rows_general(ric_shootin
     for (int r = 0; r < 2 * n; r++) {
         double *x = X + r * ld, *x0 = X + (2 * n + r) * ld;
         for (int j = 0; j < columns; j++) x[j] -= c->sigma * x0[j];
-        x[ld - 1] += -c->sigma * x0[ld - 1] + wN[r] - c->sigma * c->w[r];
+        x[ld - 1] += left ? -c->sigma * x0[ld - 1] + left[r]
+                          : -c->sigma * x0[ld - 1] + wN[r] - c->sigma * c->w[r];
         sum += h[r] * h[r];
     }
     /* E(w_N) = E(w_0) holds for any u: the closure is perpendicular to the mean gradient h, and
@@ -381,7 +383,7 @@ static inline __attribute__((always_inline)) double end_rows_general(ric_shootin
 }
 
 static inline __attribute__((always_inline)) void end_rows_reversible(ric_shooting *c, int n,
-                                                                      int ld)
+                                                                      int ld, const double *left)
 {
     double *X = c->X;
     if (c->end == RIC_MIRROR_REST) memmove(X, X + n * ld, (size_t)n * (size_t)ld * sizeof *X);
@@ -389,7 +391,7 @@ static inline __attribute__((always_inline)) void end_rows_reversible(ric_shooti
         ric_model_across(n, c->model->face[c->face[c->n_flight]].c, ld, ld, X + n * ld);
         memmove(X, X + n * ld, (size_t)(n - 1) * (size_t)ld * sizeof *X);
     }
-    for (int r = 0; r < c->n_end; r++) X[r * ld + ld - 1] += end_residual(c, n, r);
+    for (int r = 0; r < c->n_end; r++) X[r * ld + ld - 1] += left ? left[r] : end_residual(c, n, r);
 }
 
 /* The last 2n - 1, n or n - 1 rows, one Householder reflection each: one column is left, the
@@ -411,7 +413,8 @@ static inline __attribute__((always_inline)) void eliminate_end(ric_shooting *c,
 }
 
 static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, const double *u, int n,
-                                                           bool whole, bool nodes)
+                                                           bool whole, bool nodes,
+                                                           const double *left)
 {
     int rows = whole ? 4 * n : 2 * n,
         ld = nodes   ? c->ld
@@ -419,6 +422,8 @@ static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, cons
                      : n + 2,
         nz = c->n_start;
     double gap = start_state(c, n, u), largest = fabs(gap), sign = 1;
+    const double *end = left ? left + 1 + c->n_flight : NULL;
+    if (left) gap = left[0];
     c->singular = false;
     start_columns(c, n, rows, ld);
     if (c->start == RIC_MIRROR_NONE || c->start == RIC_MIRROR_IMPACT) {
@@ -434,13 +439,14 @@ static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, cons
     for (int k = 0; k < c->n_flight; k++) {
         bool pinned = c->face[k + 1] >= 0 && !(whole && k + 1 == c->n_flight);
         gap = fly_one(c, n, k, u + c->n_start + k);
+        if (left) gap = left[1 + k];
         if (nodes) sign *= ric_shooting_nodes_eliminate(c, u, free_columns, rows);
         else if (carry(c, n, free_columns, k, gap, pinned, rows, ld) < 0) sign = -sign;
         if (pinned) largest = ric_larger(largest, fabs(gap));
     }
     nz = c->end == RIC_MIRROR_IMPACT ? n : free_columns + 1;
-    if (whole) sign *= end_rows_general(c, n, ld, nz);
-    else end_rows_reversible(c, n, ld);
+    if (whole) sign *= end_rows_general(c, n, ld, nz, end);
+    else end_rows_reversible(c, n, ld, end);
     if (whole) eliminate_end(c, 2 * n - 1, ld, sign);
     else if (c->end == RIC_MIRROR_IMPACT) eliminate_end(c, n - 1, ld, sign);
     else eliminate_end(c, n, ld, sign);
@@ -449,19 +455,30 @@ static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, cons
 
 void ric_shooting_evaluate(ric_shooting *c, const double *u)
 {
+    ric_shooting_evaluate_left(c, u, NULL);
+}
+
+void ric_shooting_evaluate_left(ric_shooting *c, const double *u, const double *left)
+{
     bool whole = ric_general(c);
     if (halted(c)) return;
     if (c->parts > 1) {
-        evaluate(c, u, c->n, whole, true);
+        evaluate(c, u, c->n, whole, true, NULL);
         return;
     }
     /* the same code with n known to the compiler for the small structures that most atlases are
      * made of */
     switch (c->n) {
-    case 1: whole ? evaluate(c, u, 1, true, false) : evaluate(c, u, 1, false, false); break;
-    case 2: whole ? evaluate(c, u, 2, true, false) : evaluate(c, u, 2, false, false); break;
-    case 3: whole ? evaluate(c, u, 3, true, false) : evaluate(c, u, 3, false, false); break;
-    default: evaluate(c, u, c->n, whole, false);
+    case 1:
+        whole ? evaluate(c, u, 1, true, false, left) : evaluate(c, u, 1, false, false, left);
+        break;
+    case 2:
+        whole ? evaluate(c, u, 2, true, false, left) : evaluate(c, u, 2, false, false, left);
+        break;
+    case 3:
+        whole ? evaluate(c, u, 3, true, false, left) : evaluate(c, u, 3, false, false, left);
+        break;
+    default: evaluate(c, u, c->n, whole, false, left);
     }
 }
 

@@ -128,6 +128,10 @@ void ric_shooting_free(ric_shooting *chain);
 /* Flies the chain at u, sets everything above and factorises the Jacobian. Cost O(n_flight n^2), no
  * allocation. */
 void ric_shooting_evaluate(ric_shooting *chain, const double *u);
+/* The same where what the equations leave open is known to more digits than the chain has it
+ * (floquet_fine.h): left [1 + n_flight + 2n] of the start, each flight and the end. It goes into
+ * the steps and into `residual`, which is that of the chain no more. Not under a power law. */
+void ric_shooting_evaluate_left(ric_shooting *chain, const double *u, const double *left);
 /* Residuals only: states, approach, residual, trig; O(n_flight n). */
 void ric_shooting_fly(ric_shooting *chain, const double *u);
 

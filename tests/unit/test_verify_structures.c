@@ -585,6 +585,19 @@ static void verify_open_by_its_residual(void **state)
         "explore: {energy: [0, 20.5], frequency: [0.2, 9], impacts: 8, multiply: 3, depth: 2}\n");
 }
 
+/* A spring that is 250,000 times as stiff as the structure: traces are not lost in the bound of
+ * what a map with large entries rounds to, which is not the same from either end of a chain. */
+static void verify_trace_at_the_limit(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[1.265625, -0.046875], [-0.046875, 2.03125]]\n"
+                     "  stiffness: [[2.8125, -0.875], [-0.875, 1.0]]\n  contacts:\n"
+                     "    - {normal: [0, 1], law: bilinear, clearance: 1.05, sides: both, "
+                     "stiffness: 635700}\n"
+                     "explore: {energy: [0, 150.9], frequency: [0.1166, 4.594], impacts: 4, "
+                     "multiply: 3, depth: 2}\n");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -616,6 +629,7 @@ int main(void)
         cmocka_unit_test(verify_trace_as_it_is_known),
         cmocka_unit_test(verify_trace_that_is_lost_at_an_end),
         cmocka_unit_test(verify_open_by_its_residual),
+        cmocka_unit_test(verify_trace_at_the_limit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
