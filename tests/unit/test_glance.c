@@ -1,5 +1,5 @@
 /* Events are located by what one test needs: an orbit looked at without its reach, its multipliers,
- * or its map, has the tests that it has when all of it is known. */
+ * its map, or its slopes, has the tests that it has when all of it is known. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -48,7 +48,9 @@ static void check_station(ric_continuation *tr, const double *u, int *checked)
         for (int i = 0; i < RIC_N_TEST; i++) {
             const bool map = of_map >> i & 1;
             if ((map && !(at & RIC_LOOK_FACTORS)) ||
-                (i == RIC_TEST_REACH && !(at & RIC_LOOK_REACH)))
+                (i == RIC_TEST_REACH && !(at & RIC_LOOK_REACH)) ||
+                (i == RIC_TEST_SLOPE && !(at & RIC_LOOK_ENERGY)) ||
+                (i == RIC_TEST_PERIOD && !(at & RIC_LOOK_PERIOD)))
                 assert_true(isnan(seen->test[i]));
             /* what is below its error has no sign in the one, and the expected one in the other */
             else if (!(map && seen->test[i] == 0) && seen->test[i] != full->test[i])
