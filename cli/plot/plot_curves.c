@@ -1,151 +1,14 @@
-/* Unknowns of branches against each other, and multipliers along a branch. */
+/* Unknowns of branches against each other. */
 #define _POSIX_C_SOURCE 200809L
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "plot.h"
+#include "plot_quantity.h"
 
 static const double type = 12;
-
-/* --------------------------------------------------------------- quantities */
-
-typedef enum {
-    ARCLENGTH,
-    ENERGY,
-    FREQUENCY,
-    PERIOD,
-    TRACE,
-    ROTATION,
-    REACH,
-    APPROACH,
-    DISPLACEMENT,
-    SPEED,
-    FLIGHT
-} kind;
-
-typedef struct {
-    kind kind;
-    int index; /* of x, v, tau, from 0 */
-    char title[80];
-    double unit; /* of what is shown */
-} quantity;
-
-static const struct {
-    const char *name, *title;
-} columns[] = {
-    [ARCLENGTH] = {"arclength", "arclength"},
-    [ENERGY] = {"energy", "scaled energy E"},
-    [FREQUENCY] = {"frequency", "frequency ω (rad/s)"},
-    [PERIOD] = {"period", "period T (s)"},
-    [TRACE] = {"trace", "trace τ_2"},
-    [ROTATION] = {"rotation", "rotation number γ"},
-    [REACH] = {"reach", "reach: gap / clearance"},
-    [APPROACH] = {"approach", "least approach speed"},
-    [DISPLACEMENT] = {"x", "x_{%d}"},
-    [SPEED] = {"v", "v_{%d}"},
-    [FLIGHT] = {"tau", "τ_{%d} (s)"},
-};
-
-static bool find_quantity(const char *name, const char *what, int n_dof, quantity *out)
-{
-    for (kind k = ARCLENGTH; k < DISPLACEMENT; k++)
-        if (!strcmp(name, columns[k].name)) {
-            *out = (quantity){.kind = k};
-            snprintf(out->title, sizeof out->title, "%s", columns[k].title);
-            return true;
-        }
-    for (kind k = DISPLACEMENT; k <= FLIGHT; k++) {
-        const size_t n = strlen(columns[k].name);
-        if (strncmp(name, columns[k].name, n) || !isdigit((unsigned char)name[n])) continue;
-        long index;
-        if (!cli_parse_integer(name + n, what, 1, k == FLIGHT ? 1000000 : n_dof, &index))
-            return false;
-        *out = (quantity){.kind = k, .index = (int)index - 1};
-        if (k == FLIGHT) snprintf(out->title, sizeof out->title, "τ_{%ld} (s)", index);
-        else snprintf(out->title, sizeof out->title, "%s_{%ld}", columns[k].name, index);
-        return true;
-    }
-    cli_wrong("%s %s: there are arclength energy frequency period trace rotation reach approach "
-              "x1.. v1.. tau1..",
-              what, name);
-    return false;
-}
-
-/* As the options have it; energies, frequencies and lengths only. */
-static void set_unit(quantity *q, const plot_options *common, const ric_atlas *atlas)
-{
-    const plot_units unit = plot_units_of(common, ric_atlas_model(atlas));
-    q->unit = q->kind == ENERGY                                                    ? unit.energy
-              : q->kind == FREQUENCY                                               ? unit.frequency
-              : q->kind == DISPLACEMENT || q->kind == SPEED || q->kind == APPROACH ? unit.length
-                                                                                   : 1;
-    if (q->kind == ENERGY)
-        plot_energy_title(common, 1, (const ric_model *const[]){ric_atlas_model(atlas)},
-                          sizeof q->title, q->title);
-    if (q->kind == FREQUENCY)
-        snprintf(q->title, sizeof q->title, "%s", plot_frequency_title(common));
-    const char *length = ric_model_units(ric_atlas_model(atlas))->length;
-    const bool named = common->physical && *length;
-    const size_t end = strlen(q->title);
-    if (named && q->kind == DISPLACEMENT)
-        snprintf(q->title + end, sizeof q->title - end, " (%s)", length);
-    if (named && q->kind == SPEED)
-        snprintf(q->title + end, sizeof q->title - end, " (%s/s)", length);
-}
-
-/* Whether it is a smooth function of the arclength: the largest gap and the least speed have
- * corners, a rotation number ends with the slope of a root. */
-static bool smooth(const quantity *q)
-{
-    return q->kind != REACH && q->kind != APPROACH && q->kind != ROTATION;
-}
-
-static double read_quantity(const quantity *q, const ric_branch *branch, int n_dof,
-                            const ric_point *p, const double *state, const double *flights)
-{
-    switch (q->kind) {
-    case ARCLENGTH: return p->arclength;
-    case ENERGY: return p->energy;
-    case FREQUENCY: return p->frequency;
-    case PERIOD: return 2 * CLI_PI / p->frequency;
-    case TRACE: return p->trace; /* asinh(trace / 2), drawn on that scale */
-    case ROTATION: return p->rotation;
-    case REACH: return p->reach;
-    case APPROACH: return p->approach;
-    case DISPLACEMENT: return state[q->index];
-    case SPEED: return state[n_dof + q->index];
-    case FLIGHT:
-        return q->index < (branch->letters > 0 ? branch->letters : 1) ? flights[q->index] : NAN;
-    }
-    return NAN;
-}
-
-/* Points of a branch as (x, y), in the order of the atlas. */
-static ric_status load_track(const ric_atlas *atlas, const ric_branch *branch, const quantity *x,
-                             const quantity *y, plot_track *t)
-{
-    const int n_dof = ric_model_n_dof(ric_atlas_model(atlas));
-    double *state = calloc(2 * (size_t)n_dof, sizeof *state),
-           *flights = calloc((size_t)branch->letters + 1, sizeof *flights);
-    ric_status status = state && flights ? RIC_OK : RIC_E_NOMEM;
-    for (int i = 0; status == RIC_OK && i < branch->n_point; i++) {
-        ric_point p;
-        status = ric_atlas_point(atlas, branch->id, i, &p, state, flights);
-        if (status != RIC_OK) break;
-        const plot_point at = {read_quantity(x, branch, n_dof, &p, state, flights),
-                               read_quantity(y, branch, n_dof, &p, state, flights)};
-        if (!plot_track_add(t, at, p.arclength, plot_point_stability(branch, i, &p)))
-            status = RIC_E_NOMEM;
-        if (ric_branch_steps_over(atlas, branch->id, i)) plot_track_gap(t);
-    }
-    free(state);
-    free(flights);
-    return status;
-}
 
 /* The place on a track at an arclength, between its points. */
 static plot_point track_at(const plot_track *t, double arclength)
@@ -164,7 +27,7 @@ static plot_point track_at(const plot_track *t, double arclength)
 typedef struct {
     const plot_options *common;
     ric_atlas *atlas;
-    quantity x, y, z;
+    plot_quantity x, y, z;
     bool log_x, log_y, spatial;  /* the last: z, too */
     int n_branch, *branches;     /* ids */
     plot_track *tracks, *depths; /* (x, y), and (z, z) of the same knots */
@@ -206,12 +69,12 @@ static bool track_range(const curves *c, double x[2], double y[2])
     return true;
 }
 
-static plot_axis axis_of(const quantity *q, bool logarithmic, const double range[2], double from,
-                         double to)
+static plot_axis axis_of(const plot_quantity *q, bool logarithmic, const double range[2],
+                         double from, double to)
 {
-    return (plot_axis){.scale = logarithmic        ? PLOT_SCALE_LOG
-                                : q->kind == TRACE ? PLOT_SCALE_ASINH
-                                                   : PLOT_SCALE_LINEAR,
+    return (plot_axis){.scale = logarithmic             ? PLOT_SCALE_LOG
+                                : q->kind == PLOT_TRACE ? PLOT_SCALE_ASINH
+                                                        : PLOT_SCALE_LINEAR,
                        .lo = range[0],
                        .hi = range[1],
                        .from = from,
@@ -329,7 +192,8 @@ static ric_status draw_curves(curves *c)
         const ric_status status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
         if (status != RIC_OK) return status;
         const plot_stroke family = plot_branch_family(ric_atlas_model(c->atlas), &branch);
-        if (smooth(&c->x) && smooth(&c->y) && (!c->spatial || smooth(&c->z)) &&
+        if (plot_quantity_smooth(&c->x) && plot_quantity_smooth(&c->y) &&
+            (!c->spatial || plot_quantity_smooth(&c->z)) &&
             !plot_track_smooth(&c->panel, &c->tracks[i]))
             return RIC_E_NOMEM;
         const unsigned seen = plot_track_draw(c->page, &c->panel, family, &c->tracks[i]);
@@ -426,9 +290,10 @@ static ric_status load_tracks(curves *c)
     for (int i = 0; status == RIC_OK && i < c->n_branch; i++) {
         ric_branch branch;
         status = ric_atlas_branch(c->atlas, c->branches[i], &branch);
-        if (status == RIC_OK) status = load_track(c->atlas, &branch, &c->x, &c->y, &c->tracks[i]);
+        if (status == RIC_OK)
+            status = plot_quantity_track(c->atlas, &branch, &c->x, &c->y, &c->tracks[i]);
         if (status == RIC_OK && c->spatial)
-            status = load_track(c->atlas, &branch, &c->z, &c->z, &c->depths[i]);
+            status = plot_quantity_track(c->atlas, &branch, &c->z, &c->z, &c->depths[i]);
     }
     return status;
 }
@@ -526,14 +391,14 @@ int plot_curves(int argc, char **argv, const plot_options *common)
         goto out;
     }
     const int n_dof = ric_model_n_dof(ric_atlas_model(c.atlas));
-    if (!find_quantity(x, "--x", n_dof, &c.x) || !find_quantity(y, "--y", n_dof, &c.y) ||
-        (z && !find_quantity(z, "--z", n_dof, &c.z))) {
+    if (!plot_quantity_find(x, "--x", n_dof, &c.x) || !plot_quantity_find(y, "--y", n_dof, &c.y) ||
+        (z && !plot_quantity_find(z, "--z", n_dof, &c.z))) {
         code = CLI_WRONG;
         goto out;
     }
-    set_unit(&c.x, common, c.atlas);
-    set_unit(&c.y, common, c.atlas);
-    set_unit(&c.z, common, c.atlas);
+    plot_quantity_set_unit(&c.x, common, c.atlas);
+    plot_quantity_set_unit(&c.y, common, c.atlas);
+    plot_quantity_set_unit(&c.z, common, c.atlas);
     status = load_tracks(&c);
     code = status == RIC_OK ? draw_curve_page(&c) : cli_report(status);
 out:
@@ -546,190 +411,5 @@ out:
     free(c.tracks);
     free(c.branches);
     free(c.tags);
-    return code;
-}
-
-/* ------------------------------------------------------------------ floquet */
-
-typedef struct {
-    const plot_options *common;
-    ric_atlas *atlas;
-    ric_branch branch;
-    quantity x;
-    plot_page *page;
-    plot_panel upper, lower;
-    int n_dot, room;
-    struct {
-        double x, size, angle;
-    } * dots; /* multipliers: ln|mu| and arg(mu) / 2 pi in [0, 1/2] */
-} floquet;
-
-/* Trace above, rotation number below: two masses. */
-static int draw_trace(floquet *f, const plot_track *trace, const plot_track *rotation)
-{
-    double low = -1.5, high = 1.5, turn = 0.5, x[2] = {INFINITY, -INFINITY};
-    for (int i = 0; i < trace->n; i++) {
-        const plot_point p = trace->knots[i].at;
-        x[0] = fmin(x[0], p.x);
-        x[1] = fmax(x[1], p.x);
-        low = fmin(low, isfinite(p.y) ? p.y : low);
-        high = fmax(high, isfinite(p.y) ? p.y : high);
-        turn = rotation->knots[i].at.y > turn ? 1 : turn;
-    }
-    plot_range_widen(false, 0.03, &x[0], &x[1]);
-    plot_range_widen(false, 0.05, &low, &high);
-    f->upper.x.lo = f->lower.x.lo = x[0];
-    f->upper.x.hi = f->lower.x.hi = x[1];
-    f->upper.y.scale = PLOT_SCALE_ASINH;
-    f->upper.y.lo = low;
-    f->upper.y.hi = high;
-    f->lower.y.lo = 0;
-    f->lower.y.hi = turn * 1.04;
-    for (int sign = -1; sign <= 1; sign += 2)
-        plot_panel_curve(f->page, &f->upper, PLOT_LOCKED, 2,
-                         (plot_point[]){{x[0], sign * asinh(1)}, {x[1], sign * asinh(1)}});
-    plot_track_draw(f->page, &f->upper, plot_branch_family(ric_atlas_model(f->atlas), &f->branch),
-                    trace);
-    plot_track_draw(f->page, &f->lower, plot_branch_family(ric_atlas_model(f->atlas), &f->branch),
-                    rotation);
-    plot_panel_frame(f->page, &f->upper, NULL, "trace τ_2");
-    plot_panel_frame(f->page, &f->lower, f->x.title, "rotation number γ");
-    return CLI_DONE;
-}
-
-static bool add_dots(floquet *f, double x, int n, const double *multipliers)
-{
-    if (f->n_dot + n > f->room) {
-        const int room = 2 * (f->n_dot + n);
-        void *dots = realloc(f->dots, (size_t)room * sizeof *f->dots);
-        if (!dots) return false;
-        f->dots = dots;
-        f->room = room;
-    }
-    for (int k = 0; k < n; k++) {
-        const double re = multipliers[2 * k], im = multipliers[2 * k + 1];
-        f->dots[f->n_dot].x = x;
-        f->dots[f->n_dot].size = log(hypot(re, im));
-        f->dots[f->n_dot++].angle = fabs(atan2(im, re)) / (2 * CLI_PI);
-    }
-    return true;
-}
-
-/* Every multiplier as a dot: more than two modes. The orbits are solved again, so a long branch is
- * sampled. */
-static ric_status gather_dots(floquet *f, const plot_track *t)
-{
-    const int n = 2 * (ric_model_n_mode(ric_atlas_model(f->atlas)) - 1), most = 300,
-              step = (t->n + most - 1) / most;
-    double *multipliers = calloc(2 * (size_t)(n > 0 ? n : 1), sizeof *multipliers);
-    ric_status status = multipliers ? RIC_OK : RIC_E_NOMEM;
-    for (int i = 0; status == RIC_OK && n > 0 && i < t->n; i += step) {
-        ric_orbit **orbits = NULL;
-        int found = 0;
-        status = ric_orbit_find(f->atlas, f->branch.id, RIC_AT_POINT, i, &found, &orbits);
-        if (status == RIC_OK && found > 0) status = ric_orbit_multipliers(orbits[0], multipliers);
-        if (status == RIC_OK && found > 0 && !add_dots(f, t->knots[i].at.x, n, multipliers))
-            status = RIC_E_NOMEM;
-        ric_orbits_free(found, orbits);
-    }
-    free(multipliers);
-    return status;
-}
-
-static void draw_dot(plot_page *page, const plot_panel *panel, plot_point data)
-{
-    if (!plot_panel_inside(panel, data)) return;
-    const plot_point at =
-        plot_panel_at(panel, data); /* a line without length: a round end on both sides */
-    plot_page_line(page, PLOT_SERIES, 2, (plot_point[]){at, {at.x + 0.02, at.y}});
-}
-
-static int draw_dots(floquet *f, const plot_track *t)
-{
-    double x[2] = {INFINITY, -INFINITY}, size = 0.1;
-    const ric_status status = gather_dots(f, t);
-    if (status != RIC_OK) return cli_report(status);
-    if (f->n_dot == 0) {
-        fprintf(stderr, "ricochet: branch %d has no multipliers besides the trivial ones\n",
-                f->branch.id);
-        return CLI_FAILED;
-    }
-    for (int i = 0; i < f->n_dot; i++) {
-        x[0] = fmin(x[0], f->dots[i].x);
-        x[1] = fmax(x[1], f->dots[i].x);
-        size = isfinite(f->dots[i].size) ? fmax(size, fabs(f->dots[i].size)) : size;
-    }
-    plot_range_widen(false, 0.03, &x[0], &x[1]);
-    f->upper.x.lo = f->lower.x.lo = x[0];
-    f->upper.x.hi = f->lower.x.hi = x[1];
-    f->upper.y.lo = -1.08 * size;
-    f->upper.y.hi = 1.08 * size;
-    f->lower.y.lo = -0.02;
-    f->lower.y.hi = 0.52;
-    for (int i = 0; i < f->n_dot; i++) {
-        draw_dot(f->page, &f->upper, (plot_point){f->dots[i].x, f->dots[i].size});
-        draw_dot(f->page, &f->lower, (plot_point){f->dots[i].x, f->dots[i].angle});
-    }
-    plot_panel_frame(f->page, &f->upper, NULL, "ln |μ|");
-    plot_panel_frame(f->page, &f->lower, f->x.title, "|arg μ| / 2π");
-    return CLI_DONE;
-}
-
-static int draw_floquet(floquet *f)
-{
-    const double width = plot_layout_width(f->common, PLOT_WIDTH),
-                 height = plot_layout_height(f->common, 560);
-    static const quantity of_trace = {.kind = TRACE}, of_rotation = {.kind = ROTATION};
-    plot_track trace = {0}, rotation = {0};
-    char name[200];
-    bool known = false;
-    int code = CLI_FAILED;
-    f->page = plot_page_create(width, height);
-    ric_status status = f->page ? load_track(f->atlas, &f->branch, &f->x, &of_trace, &trace)
-                                : RIC_E_NOMEM;
-    if (status == RIC_OK) status = load_track(f->atlas, &f->branch, &f->x, &of_rotation, &rotation);
-    if (status != RIC_OK) {
-        code = cli_report(status);
-        goto out;
-    }
-    const double middle = 48 + 0.45 * (height - 90);
-    f->upper = (plot_panel){{.from = 82, .to = width - 18},
-                            {.from = middle + 14, .to = height - 34}};
-    f->lower = (plot_panel){{.from = 82, .to = width - 18}, {.from = 52, .to = middle}};
-    f->upper.x.unit = f->lower.x.unit = f->x.unit;
-    for (int i = 0; i < trace.n; i++) known |= isfinite(trace.knots[i].at.y);
-    code = known ? draw_trace(f, &trace, &rotation) : draw_dots(f, &trace);
-    if (code != CLI_DONE) goto out;
-    plot_branch_title(&f->branch, 1, sizeof name, name);
-    plot_page_title(f->page, f->common, name);
-    code = plot_page_write(f->page, f->common);
-out:
-    plot_track_free(&trace);
-    plot_track_free(&rotation);
-    return code;
-}
-
-int plot_floquet(int argc, char **argv, const plot_options *common)
-{
-    floquet f = {.common = common};
-    const char *branch = NULL, *x = NULL;
-    long id;
-    int code = CLI_WRONG;
-    if (!cli_take_value(&argc, argv, "--branch", &branch) ||
-        !cli_take_value(&argc, argv, "--x", &x) || !cli_operands(&cli_plot, argc, argv, 1))
-        return CLI_WRONG;
-    if (!branch) return cli_wrong("plot floquet: --branch ID is missing");
-    if (!cli_parse_integer(branch, "--branch", 1, 2147483647, &id)) return CLI_WRONG;
-    ric_status status = ric_atlas_read(argv[1], &f.atlas);
-    if (status == RIC_OK) status = ric_atlas_branch(f.atlas, (int)id, &f.branch);
-    if (status != RIC_OK) code = cli_report(status);
-    else if (find_quantity(x ? x : "arclength", "--x", ric_model_n_dof(ric_atlas_model(f.atlas)),
-                           &f.x)) {
-        set_unit(&f.x, common, f.atlas);
-        code = draw_floquet(&f);
-    }
-    plot_page_free(f.page);
-    ric_atlas_free(f.atlas);
-    free(f.dots);
     return code;
 }

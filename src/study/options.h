@@ -47,6 +47,8 @@ ric_status ric_option_read(const ric_option *option, bool list, int n, const cha
                            void *out, int *item);
 /* A window that is to be chosen for the model, `auto` in a study. */
 bool ric_option_is_auto(const double window[2]);
+/* What is allowed: "[0, 1]", "(0, 1]". */
+void ric_option_range(const ric_option *option, size_t size, char *out);
 /* The value as it stands in a study: 24, [0, 200], auto, modes. */
 void ric_option_write(const ric_option *option, const void *options, FILE *out);
 /* Nothing but the defaults: no damping, no force. */
