@@ -72,32 +72,36 @@ bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_no
 
 /* ---------------------------------------------------------------- settling */
 
-static bool lists(const ric_edge *e, int node, unsigned choice)
+/* Through which junctions an edge is known to pass, [n_node]; allocated. */
+static bool *passed_nodes(const ric_graph *g)
 {
-    for (int i = 0; i < e->n_inner; i++)
-        if (e->inner[i].node == node && e->inner[i].choice == choice) return true;
-    return false;
+    bool *passed = ric_calloc((size_t)g->n_node + 1, sizeof *passed);
+    for (int i = 0; passed && i < g->n_edge; i++)
+        for (int k = 0; k < g->edges[i].n_inner; k++) {
+            const ric_passage *p = &g->edges[i].inner[k];
+            if (p->node >= 0 && p->choice == RIC_THROUGH) passed[p->node] = true;
+        }
+    return passed;
 }
 
 /* The branch that passes a junction, if an edge is that branch: one that was followed from
  * elsewhere, or through the junction with nothing on it that showed the junction, does not list it
  * yet. Where two branches of one symmetry cross the edges have said which they are. */
-static ric_status find_passage(ric_graph *g, int index, ric_departure *d)
+static ric_status find_passage(ric_graph *g, int index, ric_departure *d, bool *passed)
 {
     const ric_node *node = g->nodes[index];
     double at;
     if (d->choice != RIC_THROUGH || !ric_node_passes(node, d->choice) ||
-        node->kind == RIC_KIND_START)
+        node->kind == RIC_KIND_START || passed[index])
         return RIC_OK;
     if (node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET) return RIC_OK;
-    for (int i = 0; i < g->n_edge; i++)
-        if (lists(&g->edges[i], index, d->choice)) return RIC_OK;
     for (int i = 0; i < g->n_edge; i++) {
         ric_edge *e = &g->edges[i];
         if (e->from == index || e->to == index || !ric_graph_edge_contains(g->model, e, node, &at))
             continue;
         if (ric_halted()) return RIC_OK; /* it may be none; the caller asks, too */
         d->state = RIC_DEPARTURE_KNOWN;
+        passed[index] = true;
         return ric_graph_edge_attach(e, index, d->choice, at);
     }
     return RIC_OK;
@@ -132,11 +136,12 @@ static void choose_way(ric_graph *g, const ric_edge *e)
 
 ric_status ric_graph_settle(ric_graph *g)
 {
-    ric_status status = RIC_OK;
+    bool *passed = passed_nodes(g);
+    ric_status status = passed ? RIC_OK : ric_no_memory("a graph");
     for (int i = 0; i < g->n_node && !status; i++)
         for (int j = 0; j < g->nodes[i]->n_departure && !status; j++) {
             ric_departure *d = &g->nodes[i]->departures[j];
-            status = ric_trust(find_passage(g, i, d));
+            status = ric_trust(find_passage(g, i, d, passed));
             if (!status && d->state == RIC_DEPARTURE_OPEN) {
                 d->state = RIC_DEPARTURE_OVER_BUDGET;
                 d->budget = RIC_BUDGET_DEPTH;
@@ -145,5 +150,6 @@ ric_status ric_graph_settle(ric_graph *g)
                 d->state = RIC_DEPARTURE_KNOWN;
         }
     for (int i = 0; i < g->n_edge && !status; i++) choose_way(g, &g->edges[i]);
+    free(passed);
     return status;
 }

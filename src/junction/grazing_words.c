@@ -296,8 +296,8 @@ static bool is_listed(const ric_node *node, const unsigned char *table, int n, u
     for (int k = 0; k < n; k++) {
         const unsigned char *row = table + (size_t)k * (size_t)bits;
         unsigned other = 0;
-        for (int bit = 0; bit < bits; bit++)
-            if (choice & 1u << bit) other |= 1u << row[bit];
+        for (unsigned rest = choice; rest; rest &= rest - 1)
+            other |= 1u << row[__builtin_ctz(rest)];
         if (other < choice || (other == choice && k < node->multiple - 1)) return false;
     }
     return true;

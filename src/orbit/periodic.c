@@ -156,9 +156,9 @@ static bool rotate(const ric_model *m, const ric_periodic *c, int shift, ric_per
     if (known && !ric_periodic_oppose(out, over ? c->w : c->opposite)) return false;
     out->closed = c->closed;
     for (int i = 0; i < shift && !over; i++) advance(m, c, i, &out->closed, out->w, out->w);
-    for (int i = 0; i < N; i++) {
-        out->face[i] = c->face[(i + shift) % N];
-        out->tau[i] = c->tau[(i + shift) % N];
+    for (int i = 0, from = shift; i < N; i++, from = from + 1 < N ? from + 1 : 0) {
+        out->face[i] = c->face[from];
+        out->tau[i] = c->tau[from];
     }
     out->pure = c->pure < 0 ? -1 : modulo(c->pure - 2 * shift, N);
     out->flip = c->flip < 0 ? -1 : modulo(c->flip - 2 * shift, N);
@@ -296,9 +296,9 @@ ric_periodic *ric_periodic_repeat(const ric_periodic *c, int q)
     memcpy(out->w, c->w, 2 * (size_t)c->n * sizeof *c->w);
     out->closed = c->closed;
     out->parts = c->parts * q;
-    for (int i = 0; i < out->N; i++) {
-        out->face[i] = c->face[i % c->N];
-        out->tau[i] = c->tau[i % c->N];
+    for (int i = 0; i < out->N; i += c->N) {
+        memcpy(out->face + i, c->face, (size_t)c->N * sizeof *c->face);
+        memcpy(out->tau + i, c->tau, (size_t)c->N * sizeof *c->tau);
     }
     return out;
 }
