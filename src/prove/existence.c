@@ -10,7 +10,7 @@ enum {
     NEWTON = 8,  /* steps at most */
     POWER = 4,   /* steps of the inverse iteration for the least singular value */
     ALPHAS = 6,  /* bounds of it that are tried, each an eighth of the one before */
-    DENSE = 200, /* unknowns of a matrix that is not taken apart */
+    DENSE = 400, /* unknowns of a matrix that is not taken apart */
     DOMAIN = -3, /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a
                     turn of a mode */
 };

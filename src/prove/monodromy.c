@@ -3,7 +3,10 @@
 #include "base/room.h"
 #include "equations.h"
 
-enum { ROOT_STEPS = 0 }; /* of the search for roots: as many as Arb takes */
+enum {
+    ROOT_STEPS = 0, /* of the search for roots: as many as Arb takes */
+    SQUARINGS = 3,  /* of the map, in search of a multiplier outside */
+};
 
 void ric_monodromy_init(ric_monodromy *m)
 {
@@ -177,6 +180,36 @@ static void judge_trace(ric_monodromy *m, const arb_mat_t H, bool symmetric, slo
     arb_clear(x);
 }
 
+/* tr H^k = 2 + the sum of x^k + x^-k over n - 1 pairs: if that is more than 2 (n - 1) in
+ * size, one is off the unit circle. It needs few bits where multipliers are large, and all of them
+ * at once need many. */
+static bool one_is_outside(const arb_mat_t H, slong prec)
+{
+    const slong n = arb_mat_nrows(H) / 2;
+    bool outside = false;
+    arb_mat_t P, Q;
+    arb_t x;
+    arb_init(x);
+    arb_mat_init(P, 2 * n, 2 * n);
+    arb_mat_init(Q, 2 * n, 2 * n);
+    arb_mat_set(P, H);
+    for (int k = 0; k <= SQUARINGS && !outside; k++) {
+        if (k > 0) {
+            arb_mat_sqr(Q, P, prec);
+            arb_mat_swap(P, Q);
+        }
+        arb_mat_trace(x, P, prec);
+        arb_sub_ui(x, x, 2, prec);
+        arb_abs(x, x);
+        arb_sub_ui(x, x, 2 * (ulong)(n - 1), prec);
+        outside = arb_is_positive(x);
+    }
+    arb_mat_clear(P);
+    arb_mat_clear(Q);
+    arb_clear(x);
+    return outside;
+}
+
 /* The polynomial in rho = x + 1/x of a reciprocal one of even degree 2 k: x^j + x^-j is a Chebyshev
  * polynomial of it. */
 static void fold(arb_poly_t out, const arb_poly_t p, slong prec)
@@ -260,6 +293,7 @@ void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclo
     arb_mat_init(H, 2 * c->n, 2 * c->n);
     round_trip(c, e, u, H);
     if (c->n == 2) judge_trace(m, H, ric_chain_symmetric(c), e->prec);
+    else if (one_is_outside(H, e->prec)) m->stable = RIC_STABLE_NO;
     else judge_polynomial(m, H, e->prec);
     arb_mat_clear(H);
 }

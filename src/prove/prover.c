@@ -100,7 +100,8 @@ typedef struct {
     ric_passage passage;
     ric_monodromy monodromy;
     arb_t energy, period;
-    arb_ptr u; /* the orbit: the centre with the radius of existence */
+    arb_ptr u;    /* the orbit: the centre with the radius of existence */
+    bool crowded; /* it is there, but may not be alone as near: what more bits do not change */
 } theorem;
 
 static void theorem_open(theorem *t, const ric_enclosure *e)
@@ -216,7 +217,8 @@ static bool prove(theorem *t, const ric_branch *branch, const double *state, con
 {
     const char *why = ric_chain_create(&t->chain, t->e, branch, state, flights);
     if (!why) why = ric_existence_prove(&t->existence, &t->chain, t->e);
-    if (!why && !t->existence.identified) why = "another orbit may lie as near: a junction";
+    t->crowded = !why && !t->existence.identified;
+    if (t->crowded) why = "another orbit may lie as near: a junction";
     if (why) snprintf(out->why, sizeof out->why, "%s", why);
     if (why) return false;
     if (!(t->existence.moved <= RIC_PROVER_NEAR)) {
@@ -270,7 +272,7 @@ static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *ou
         if (!p->certificate) status = ric_no_memory("a certificate");
         *more = !agree || !p->certificate || !*p->certificate ||
                 (e->n > 1 && out->stable == RIC_STABLE_UNDECIDED);
-    }
+    } else *more = !t.crowded;
     theorem_close(&t);
     free(state);
     return status;
