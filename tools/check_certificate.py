@@ -343,11 +343,12 @@ class System:
         m, (begins, ends), where = self.m, self.path(u, 1)[0], (self.kind, *self.ask[:1])
         if self.general or self.kind == "break" and all(self.ask):
             1 / self.gradient(begins[0], ends[-1])[self.left_out]
-        for k, w in enumerate(begins if self.general else begins + ends[-1:]):
-            if self.faces[k] and where != ("speed", k):
-                speed = (m.speeds[self.faces[k]] @ w)[0]
-                inwards = self.faces[k] in self.closed[k] or k == self.count
-                need((speed if inwards else -speed) > 0, "an impact has no speed")
+        for k in range(self.count):
+            for event, w, out in ((k, begins[k], -1), (k + 1, ends[k], 1)):
+                for face in self.touched[event]:
+                    speed = (m.speeds[face] @ w)[0] * (-out if face in self.closed[k] else out)
+                    need(where == ("time", k) or self.still(event, face) or speed > 0,
+                         "an impact has no speed")
         for k, phase in enumerate(self.phases):
             t = u[(k + 1) * self.width - 1]
             if where == ("time", k):
@@ -365,6 +366,16 @@ class System:
                             or (opens or closes) and bend > 0):
                         half = phase.fly(w, t / Ball(ONE << level + 1))
                         todo += (w, level + 1, opens, False), (half, level + 1, False, closes)
+
+    def still(self, event, face):
+        """Whether a face that is met has exactly no speed: at the slow event, at rest, or where the
+        impact of a mirror point changes nothing that its contact sees."""
+        events = (0, self.count) if self.general and event in (0, self.count) else (event,)
+        own, kind = self.faces[event], self.ends[0 if event == 0 else 1]
+        if face == own:
+            return self.kind == "speed" and self.ask[0] in events
+        mirror = not self.general and event in (0, self.count)
+        return mirror and (kind == "rest" or self.m.speed[face] @ self.m.kick[own] == 0)
 
     def multipliers(self, u):
         """Sums over the pairs of multipliers x, 1/x but 1, 1 of r^k, r = x + 1/x, from traces of
@@ -411,8 +422,8 @@ class System:
             for _ in range(TRIES):
                 box = self.spot + self.along * span + Ball(0, radius)
                 J = self.slopes(box)
-                shrinks = size(C @ J - eye(self.size))
-                least = size(C[:, :-1] @ (at + J @ self.along * span)[:-1]) + (shrinks * radius >> P) + 1
+                off, shrinks = at + J @ self.along * span, size(C @ J - eye(self.size))
+                least = size(C[:, :-1] @ off[:-1]) + (shrinks * radius >> P) + 1
                 need(shrinks < ONE, "the arc between two orbits is not proved to be one")
                 if least < radius:
                     self.stands(box, SHALLOW)
