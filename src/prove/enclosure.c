@@ -64,6 +64,27 @@ static void put_matrix(fmpq_mat_t out, const double *x, int shift)
         }
 }
 
+bool ric_enclosure_orthogonal(const ric_model *m, int a, int b)
+{
+    const slong n = m->n_dof;
+    fmpq_mat_t M, row, x, y;
+    fmpq_mat_init(M, n, n);
+    fmpq_mat_init(row, 1, n);
+    fmpq_mat_init(x, n, 1);
+    fmpq_mat_init(y, 1, 1);
+    put_matrix(M, m->M, 0);
+    put_matrix(x, m->b + (slong)b * n, 0);
+    put_matrix(row, m->b + (slong)a * n, 0);
+    bool orthogonal = fmpq_mat_solve(x, M, x);
+    if (orthogonal) fmpq_mat_mul(y, row, x);
+    orthogonal = orthogonal && fmpq_mat_is_zero(y);
+    fmpq_mat_clear(M);
+    fmpq_mat_clear(row);
+    fmpq_mat_clear(x);
+    fmpq_mat_clear(y);
+    return orthogonal;
+}
+
 /* -------------------------------------------------------------------- basis */
 
 typedef struct {

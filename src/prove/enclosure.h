@@ -51,6 +51,8 @@ void ric_enclosure_free(ric_enclosure *e);
  * finite where there is none. */
 void ric_enclosure_slack(const ric_enclosure *e, const arb_t t, arb_t out);
 
+/* Whether the normals of two contacts are exactly orthogonal in the metric of M^-1. */
+bool ric_enclosure_orthogonal(const ric_model *model, int a, int b);
 /* The exponent of the scale of times: 2^time is near the frequency that the model is scaled by. */
 int ric_enclosure_time(const ric_model *model);
 /* A decimal as it is printed with the fewest digits that give the number back. */

@@ -161,6 +161,7 @@ typedef struct {
     arb_srcptr from, to;
     bool opens, closes;
     bool rests[2];
+    bool still[2]; /* what opens, or closes, has exactly no speed there */
 } part;
 
 /* h, h' and h'' at time `mid`, over all of the family; the parts that a normal takes of q, p and -L
@@ -213,7 +214,8 @@ static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb
     const bool whole = (p->opens && p->closes) || (p->rests[0] && p->closes) ||
                        (p->opens && p->rests[1]);
     const bool open = arb_is_positive(h) || (whole && arb_is_negative(h + 2)) ||
-                      (((one && g->slow) || touches) && arb_is_positive(h + 2)) ||
+                      (((one && (g->slow || p->still[p->closes])) || touches) &&
+                       arb_is_positive(h + 2)) ||
                       (one && p->opens && arb_is_positive(h + 1)) ||
                       (one && p->closes && arb_is_negative(h + 1));
     _arb_vec_clear(h, 3);
@@ -266,12 +268,13 @@ static bool is_open(const gap *g, part p, int depth)
     arb_sub(r, p.to, mid, prec);
     arb_sub(x, mid, p.from, prec);
     arb_max(r, r, x, prec);
-    const bool open = part_is_open(g, &p, mid, r) || part_falls(g, &p, mid, r) ||
-                      (depth < DEEPEST &&
-                       is_open(g, (part){p.from, mid, p.opens, false, {p.rests[0], false}},
-                               depth + 1) &&
-                       is_open(g, (part){mid, p.to, false, p.closes, {false, p.rests[1]}},
-                               depth + 1));
+    const bool open =
+        part_is_open(g, &p, mid, r) || part_falls(g, &p, mid, r) ||
+        (depth < DEEPEST &&
+         is_open(g, (part){p.from, mid, p.opens, false, {p.rests[0], false}, {p.still[0], false}},
+                 depth + 1) &&
+         is_open(g, (part){mid, p.to, false, p.closes, {false, p.rests[1]}, {false, p.still[1]}},
+                 depth + 1));
     arb_clear(mid);
     arb_clear(r);
     arb_clear(x);
@@ -285,15 +288,15 @@ static bool is_at(const gap *g, const ric_enclosure *e, int face)
 }
 
 /* The same of a second contact that is closed at that instant. */
-static bool is_at_corner(const gap *g, const ric_corner *corner, int flight, bool end)
+static const ric_closure *at_corner(const gap *g, const ric_corner *corner, int flight, bool end)
 {
     for (int i = 0; corner && i < corner->n; i++) {
         const ric_closure *at = &corner->at[i];
         if (at->flight == flight && at->end == end && at->contact == g->contact &&
             at->side == g->facing)
-            return true;
+            return at;
     }
-    return false;
+    return NULL;
 }
 
 /* The gap over flight k. Where it touches at a mirror point the flight is longer by what is not
@@ -318,9 +321,16 @@ static bool stays_open(const gap *g, const ric_chain *c, int k, const arb_t tau,
         mag_zero(arb_radref(end));
         arb_max(end, end, x, g->e->prec);
     }
-    const bool opens = is_at(g, g->e, from) || is_at_corner(g, corner, k, false);
-    const bool closes = is_at(g, g->e, to) || is_at_corner(g, corner, k, true);
-    const bool open = is_open(g, (part){start, end, opens, closes, {rests[0], rests[1]}}, 0);
+    const bool own[2] = {is_at(g, g->e, from), is_at(g, g->e, to)};
+    const ric_closure *first = at_corner(g, corner, k, false),
+                      *last = at_corner(g, corner, k, true);
+    const part all = {.from = start,
+                      .to = end,
+                      .opens = own[0] || first,
+                      .closes = own[1] || last,
+                      .rests = {rests[0], rests[1]},
+                      .still = {!own[0] && first && first->still, !own[1] && last && last->still}};
+    const bool open = is_open(g, all, 0);
     arb_clear(start);
     arb_clear(end);
     arb_clear(x);

@@ -29,11 +29,12 @@ typedef struct {
     int flight;
     bool end;
     int contact, side;
+    bool still; /* it has exactly no speed there */
 } ric_closure;
 
 /* Where an orbit closes a second contact at the instant of an event: in which flights that is seen,
  * and the flight that has no length (-1: none). Gaps have to open behind it, and to close before
- * it, with a speed. */
+ * it, with a speed, or where they have exactly none to bend away. */
 typedef struct ric_corner {
     int n, empty;
     ric_closure at[4];

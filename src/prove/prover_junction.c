@@ -285,7 +285,19 @@ static void find_together(ric_augmented *x)
 static void add_closure(ric_corner *corner, int flight, bool end, const ric_wall *wall, bool turned)
 {
     corner->at[corner->n++] = (ric_closure){flight, end, wall->contact,
-                                            turned ? -wall->side : wall->side};
+                                            turned ? -wall->side : wall->side, false};
+}
+
+/* At a mirror point that is an impact all velocities are along what it kicks: a contact whose
+ * normal is orthogonal to that has no speed. */
+static bool is_still(const ric_augmented *x)
+{
+    const ric_chain *c = &x->c;
+    const int k = x->ask.place;
+    const bool mirror = k == 0 ? c->start == RIC_CHAIN_IMPACT
+                               : k == c->m && c->end == RIC_CHAIN_IMPACT;
+    return mirror && ric_enclosure_orthogonal(x->e->model, x->e->wall[c->face[k]].contact,
+                                              x->e->wall[x->ask.face].contact);
 }
 
 /* Where the flights of the chain see a corner; event m of a general chain is event 0, or its image.
@@ -302,6 +314,7 @@ static void find_corner(const ric_augmented *x, ric_corner *corner)
         if (k > 0) add_closure(corner, k - 1, true, &wall[x->ask.face], x->ask.image);
         else if (around)
             add_closure(corner, c->m - 1, true, &wall[x->ask.face], x->ask.image != turned);
+        for (int i = 0; i < corner->n; i++) corner->at[i].still = is_still(x);
         return;
     }
     corner->empty = k;
