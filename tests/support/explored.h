@@ -2,6 +2,8 @@
 #ifndef EXPLORED_H
 #define EXPLORED_H
 
+#include <string.h>
+
 #include "explore/rows.h"
 #include "explore/graph.h"
 
@@ -40,6 +42,15 @@ static inline ric_branch branch_of(const ric_atlas *atlas, int id)
     ric_branch out;
     assert_int_equal(ric_atlas_branch(atlas, id, &out), RIC_OK);
     return out;
+}
+
+/* The id of the first branch of a label. */
+static inline int branch_named(const ric_atlas *atlas, const char *label)
+{
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+        if (!strcmp(branch_of(atlas, id).label, label)) return id;
+    fail_msg("no branch %s", label);
+    return 0;
 }
 
 static inline ric_junction junction_of(const ric_atlas *atlas, int id)

@@ -45,15 +45,6 @@ static const char *const guided =
     "explore: {start: [2], energy: [0, 40], frequency: [0.6, 10], impacts: 12, depth: 0, cascade: "
     "[3, 2]}\n";
 
-static int find_branch(const ric_atlas *atlas, const char *label)
-{
-    ric_branch b;
-    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
-        if (!ric_atlas_branch(atlas, id, &b) && !strcmp(b.label, label)) return id;
-    fail_msg("no branch %s", label);
-    return 0;
-}
-
 static ric_cascade *follow(const ric_atlas *atlas, const char *label, int n, const int *multiple,
                            const int *rotation, bool to_end)
 {
@@ -62,7 +53,7 @@ static ric_cascade *follow(const ric_atlas *atlas, const char *label, int n, con
                                          .multiple = multiple,
                                          .rotation = rotation,
                                          .to_end = to_end};
-    if (ric_cascade_follow(atlas, find_branch(atlas, label), &options, &cascade))
+    if (ric_cascade_follow(atlas, branch_named(atlas, label), &options, &cascade))
         fail_msg("%s", ric_detail());
     return cascade;
 }
@@ -302,11 +293,12 @@ static void requests_are_checked(void **state)
                      RIC_E_RANGE); /* a linear mode */
     assert_int_equal(ric_cascade_follow(atlas, 1000, &options, &cascade), RIC_E_RANGE);
     options.multiple = wrong;
-    assert_int_equal(ric_cascade_follow(atlas, find_branch(atlas, "A5[00101]"), &options, &cascade),
+    assert_int_equal(ric_cascade_follow(atlas, branch_named(atlas, "A5[00101]"), &options,
+                                        &cascade),
                      RIC_E_INPUT);
     /* A3[001] is never stable */
     options.multiple = many;
-    assert_int_equal(ric_cascade_follow(atlas, find_branch(atlas, "A3[001]"), &options, &cascade),
+    assert_int_equal(ric_cascade_follow(atlas, branch_named(atlas, "A3[001]"), &options, &cascade),
                      RIC_E_RANGE);
     assert_non_null(strstr(ric_detail(), "0 of 1"));
     assert_null(cascade);

@@ -223,9 +223,9 @@ static void test_midpoints(void **state)
     ric_orbit **orbits;
     int n = 0;
     double damping, impacts, last = NAN;
-    for (int id = 1; id <= ric_atlas_n_branch(atlas) && !n; id++)
-        if (!strcmp(branch_of(atlas, id).label, "S2+[01]"))
-            assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_ENERGY, 1, &n, &orbits), RIC_OK);
+    assert_int_equal(ric_orbit_find(atlas, branch_named(atlas, "S2+[01]"), RIC_AT_ENERGY, 1, &n,
+                                    &orbits),
+                     RIC_OK);
     assert_int_equal(n, 1);
     by_midpoints(atlas, orbits[0], 400, &damping, &impacts);
     assert_relative(damping, 0.0124734001923, 1e-11);

@@ -201,8 +201,7 @@ static void test_exact_birth(void **state)
     (void)state;
     ric_atlas *atlas = explore_text(rigid);
     double last[2] = {NAN, NAN};
-    int id = 1;
-    while (strcmp(branch_of(atlas, id).label, "S2+[01]") != 0) id++;
+    const int id = branch_named(atlas, "S2+[01]");
     for (int k = 0; k < 4; k++) {
         const double zeta = ldexp(0.002, -k), e = 1 - ldexp(0.02, -k), width = 0.004;
         ric_force *force = shaken(atlas, -0.1, zeta, e);

@@ -288,20 +288,28 @@ static void linear_grazing(void **state)
     assert_true(met > 100);
 }
 
+/* Two modes of nearly commensurate frequencies, and a flight from the centre to an impact. */
+static ric_shooting *one_flight(ric_model **m)
+{
+    double M[] = {1, 0, 0, 1}, K[] = {1, 0, 0, 39.4}, normal[] = {1, 1};
+    ric_contact contact = {.normal = normal, .clearance = 1};
+    int faces[2] = {-1, 0};
+    ric_shooting *chain;
+    assert_int_equal(ric_model_create(2, M, K, 1, &contact, 1, m), RIC_OK);
+    assert_int_equal(ric_shooting_create(*m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces,
+                                         &chain),
+                     RIC_OK);
+    return chain;
+}
+
 /* A needle among the samples: two modes of nearly commensurate frequencies whose highest crest is
  * met only once in a long flight. */
 static void long_flight(void **state)
 {
     (void)state;
-    double M[] = {1, 0, 0, 1}, K[] = {1, 0, 0, 39.4}, normal[] = {1, 1}, u[3] = {0.31, 0.69, 400};
-    ric_contact contact = {.normal = normal, .clearance = 1};
-    ric_model *m = NULL;
-    int faces[2] = {-1, 0};
-    assert_int_equal(ric_model_create(2, M, K, 1, &contact, 1, &m), RIC_OK);
-    ric_shooting *chain = NULL;
-    assert_int_equal(ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces,
-                                         &chain),
-                     RIC_OK);
+    double u[3] = {0.31, 0.69, 400};
+    ric_model *m;
+    ric_shooting *chain = one_flight(&m);
     for (int trial = 0; trial < 5; trial += every()) {
         u[2] = 100 + 80 * trial;
         ric_shooting_fly(chain, u);
@@ -316,15 +324,8 @@ static void no_numbers(void **state)
 {
     (void)state;
     const double hostile[] = {NAN, INFINITY, -INFINITY, 1e300, 1e200};
-    double M[] = {1, 0, 0, 1}, K[] = {1, 0, 0, 39.4}, normal[] = {1, 1};
-    ric_contact contact = {.normal = normal, .clearance = 1};
-    ric_model *m = NULL;
-    int faces[2] = {-1, 0};
-    assert_int_equal(ric_model_create(2, M, K, 1, &contact, 1, &m), RIC_OK);
-    ric_shooting *chain = NULL;
-    assert_int_equal(ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, faces,
-                                         &chain),
-                     RIC_OK);
+    ric_model *m;
+    ric_shooting *chain = one_flight(&m);
     for (int i = 0; i < 3; i++)
         for (size_t k = 0; k < sizeof hostile / sizeof *hostile; k++) {
             double u[3] = {0.31, 0.69, 2};

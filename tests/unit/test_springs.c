@@ -166,14 +166,6 @@ static void stiff_limit(void **state)
     }
 }
 
-static const ric_branch_record *branch_named(const ric_atlas *atlas, const char *label)
-{
-    for (int i = 0; i < atlas->n_branch; i++)
-        if (!strcmp(atlas->branches[i].label, label)) return &atlas->branches[i];
-    fail_msg("no branch %s", label);
-    return NULL;
-}
-
 static void replayed(const ric_atlas *atlas, const char *what)
 {
     for (int b = 1; b <= ric_atlas_n_branch(atlas); b++)
@@ -195,19 +187,19 @@ static void grazings(void **state)
     ric_atlas *atlas =
         two_masses(1e4,
                    "energy: [0, 120], frequency: [0.2, 10], impacts: 6, multiply: 1, depth: 2");
-    const ric_branch *s2 = &branch_named(atlas, "S2+[01]")->row,
-                     *s6 = &branch_named(atlas, "S6[010101]")->row;
-    ric_junction first = junction_of(atlas, s2->from), last = junction_of(atlas, s2->to);
+    const ric_branch s2 = branch_of(atlas, branch_named(atlas, "S2+[01]")),
+                     s6 = branch_of(atlas, branch_named(atlas, "S6[010101]"));
+    ric_junction first = junction_of(atlas, s2.from), last = junction_of(atlas, s2.to);
     assert_true(fabs(first.energy - 0.601588369489) < 1e-11);
     assert_int_equal(last.kind, RIC_KIND_GRAZING);
     assert_int_equal(last.impacts, 2);
     assert_int_equal(last.grazings, 4);
-    assert_true(s6->from == s2->to || s6->to == s2->to);
+    assert_true(s6.from == s2.to || s6.to == s2.to);
     assert_int_equal(last.departures.taken, 1);
     assert_int_equal(last.departures.known, 1);
     assert_int_equal(last.departures.refused, 0);
-    assert_int_equal(s2->letters, 4);
-    assert_int_equal(s2->impacts, 2);
+    assert_int_equal(s2.letters, 4);
+    assert_int_equal(s2.impacts, 2);
     replayed(atlas, "two masses");
     ric_atlas_free(atlas);
 }
@@ -221,7 +213,7 @@ static void stiff(void **state)
         ric_atlas *atlas = two_masses(pow(10, k),
                                       "energy: [0, 1000], frequency: [0.2, 10], impacts: 12, "
                                       "multiply: 1, depth: 2, symmetric: true");
-        assert_int_equal(branch_named(atlas, "S2-[01]")->row.stop, RIC_STOP_WINDOW);
+        assert_int_equal(branch_of(atlas, branch_named(atlas, "S2-[01]")).stop, RIC_STOP_WINDOW);
         branch_named(atlas, "S6[010101]");
         for (int b = 1; b <= ric_atlas_n_branch(atlas); b++)
             if (branch_of(atlas, b).stop == RIC_STOP_FAILED)
@@ -261,14 +253,14 @@ static void quadratic(void **state)
     (void)state;
     ric_atlas *atlas = two_masses(
         100, "start: [1], energy: [0, 2], frequency: [0.2, 10], impacts: 2, multiply: 1, depth: 1");
-    const ric_branch *s2 = &branch_named(atlas, "S2+[01]")->row;
+    const ric_branch s2 = branch_of(atlas, branch_named(atlas, "S2+[01]"));
     ric_point zero, one;
     double flights[4];
-    assert_int_equal(ric_atlas_point(atlas, s2->id, 0, &zero, NULL, flights), RIC_OK);
+    assert_int_equal(ric_atlas_point(atlas, s2.id, 0, &zero, NULL, flights), RIC_OK);
     assert_true(fabs(flights[0]) < 1e-12);
     double least = HUGE_VAL, most = 0;
     for (int i = 1; i <= 3; i++) {
-        assert_int_equal(ric_atlas_point(atlas, s2->id, i, &one, NULL, flights), RIC_OK);
+        assert_int_equal(ric_atlas_point(atlas, s2.id, i, &one, NULL, flights), RIC_OK);
         double ratio = (one.energy - zero.energy) / (flights[0] * flights[0]);
         least = fmin(least, ratio);
         most = fmax(most, ratio);

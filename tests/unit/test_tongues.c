@@ -26,14 +26,6 @@ static ric_atlas *two_modes(double r, double faint, const char *options)
     return explore_text(text);
 }
 
-static int labelled(const ric_atlas *atlas, const char *label)
-{
-    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
-        if (!strcmp(branch_of(atlas, id).label, label)) return id;
-    fail_msg("no branch %s", label);
-    return 0;
-}
-
 /* S2[01] has frequencies above that of its mode. Of the resonances of odd order it meets that next
  * below r first, and climbs along it: up to the energy r^2 / 2 c^2 of the faint mode alone. */
 static void the_first_odd_resonance_is_followed(void **state)
@@ -46,7 +38,7 @@ static void the_first_odd_resonance_is_followed(void **state)
         const int expected = 2 * (int)floor((r - 1) / 2) + 1;
         if (r - expected < 0.05) continue; /* next to it the backbone begins in the tongue */
         ric_atlas *atlas = two_modes(r, faint, "energy: [0, 40], frequency: [0.1, 40]");
-        const int id = labelled(atlas, "S2+[01]");
+        const int id = branch_named(atlas, "S2+[01]");
         int n;
         ric_tongue *t;
         char text[100], asked[100];
@@ -101,7 +93,7 @@ static void the_backbone_goes_on_behind_its_tongues(void **state)
         ric_atlas *atlas =
             two_modes(r, faint,
                       "energy: [0, 8], frequency: [0.1, 40], tongues: cross, tongue_width: 0.05");
-        const int id = labelled(atlas, "S2+[01]");
+        const int id = branch_named(atlas, "S2+[01]");
         const ric_branch b = branch_of(atlas, id);
         int n, expected = 2 * (int)floor((r - 1) / 2) + 1;
         ric_tongue *t;
@@ -163,7 +155,7 @@ static void backbones_agree_away_from_the_tongues(void **state)
                  "multiply: 1, depth: 1, "
                  "tongues: cross}\n");
         ric_atlas *atlas = explore_text(text);
-        const int id = labelled(atlas, n == 2 ? "S2+[01]" : "S2(1)[01]");
+        const int id = branch_named(atlas, n == 2 ? "S2+[01]" : "S2(1)[01]");
         const ric_branch b = branch_of(atlas, id);
         assert_string_equal(b.why, "upper end of the energy window");
         for (int k = 0; k < 8; k++) {
@@ -202,7 +194,7 @@ static void gaps_do_not_depend_on_steps(void **state)
         ric_atlas *atlas = explore_text_with(text, NULL, steps[k]);
         int n;
         ric_tongue *t;
-        assert_int_equal(ric_branch_tongues(atlas, labelled(atlas, "S2+[01]"), &n, &t), RIC_OK);
+        assert_int_equal(ric_branch_tongues(atlas, branch_named(atlas, "S2+[01]"), &n, &t), RIC_OK);
         if (k) assert_int_equal(n, most);
         for (int i = 0; i < n; i++) {
             if (k) assert_int_equal(t[i].turns, turns[i]);
@@ -217,7 +209,7 @@ static void gaps_do_not_depend_on_steps(void **state)
                   "energy: [0, 40], frequency: [0.1, 40], tongues: cross, tongue_width: 1e-5");
     int n;
     ric_tongue *t;
-    assert_int_equal(ric_branch_tongues(atlas, labelled(atlas, "S2+[01]"), &n, &t), RIC_OK);
+    assert_int_equal(ric_branch_tongues(atlas, branch_named(atlas, "S2+[01]"), &n, &t), RIC_OK);
     assert_true(n == 1 && !t->crossed);
     ric_tongues_free(t);
     ric_atlas_free(atlas);

@@ -52,14 +52,6 @@ static int count_users(const ric_atlas *atlas, const ric_branch *b, bool frequen
     return count_near(atlas, b, frequency, value, 1e-13);
 }
 
-static int find_branch(const ric_atlas *atlas, const char *label)
-{
-    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
-        if (!strcmp(branch_of(atlas, id).label, label)) return id;
-    fail_msg("no branch %s", label);
-    return 0;
-}
-
 /* How often the stored points of a branch go from one side of a value to the other; those on it are
  * junctions' own. */
 static int count_passages(const ric_atlas *atlas, int branch, bool frequency, double value)
@@ -111,7 +103,7 @@ static void every_passage_is_a_junction(void **state)
     assert_true(users > 30 && most == 2);
     for (int k = 0; k < 3; k++) {
         static const char *const labels[] = {"S2+[01]", "S2-[01]", "S6[010101]"};
-        ric_branch b = branch_of(atlas, find_branch(atlas, labels[k]));
+        ric_branch b = branch_of(atlas, branch_named(atlas, labels[k]));
         assert_int_equal(count_users(atlas, &b, false, 10), k == 2 ? 2 : 1);
     }
     ric_atlas_free(atlas);
@@ -185,7 +177,7 @@ static void both_sides_of_an_extremum(void **state)
                 snprintf(options, sizeof options, "start: [1], depth: 1, at_energy: [%.17g]",
                          value);
                 ric_atlas *atlas = explore(options, step, NULL);
-                ric_branch b = branch_of(atlas, find_branch(atlas, "S2+[01]"));
+                ric_branch b = branch_of(atlas, branch_named(atlas, "S2+[01]"));
                 /* from 0.6016 down to the extremum and up */
                 int found = count_users(atlas, &b, false, value);
                 if (found != (side > 0 ? 2 : 0))
@@ -212,8 +204,8 @@ static void beside_a_branch_point(void **state)
     strcat(options, "]");
     for (double step = 0.01; step < 1; step *= 1.7) {
         ric_atlas *atlas = explore(options, step, NULL);
-        ric_branch s2 = branch_of(atlas, find_branch(atlas, "S2-[01]")),
-                   s6 = branch_of(atlas, find_branch(atlas, "S6[010101]"));
+        ric_branch s2 = branch_of(atlas, branch_named(atlas, "S2-[01]")),
+                   s6 = branch_of(atlas, branch_named(atlas, "S6[010101]"));
         for (int i = 0; i < N; i++) {
             int on_s2 = count_users(atlas, &s2, false, value[i]),
                 on_s6 = count_near(atlas, &s6, false, value[i], 1e-9);
@@ -233,7 +225,7 @@ static void linear_modes_pass_energies_only(void **state)
                 NULL);
     static const int counts[2] = {1, 2}; /* they touch at 0.60 and 2.96 */
     for (int mode = 0; mode < 2; mode++) {
-        ric_branch b = branch_of(atlas, find_branch(atlas, mode ? "S0-" : "S0+"));
+        ric_branch b = branch_of(atlas, branch_named(atlas, mode ? "S0-" : "S0+"));
         assert_int_equal(b.n_junction, counts[mode]);
         for (int k = 0; k < b.n_junction; k++) {
             ric_junction j = junction_of(atlas, b.junctions[k]);
@@ -258,8 +250,8 @@ static void a_horizontal_branch_passes_nothing(void **state)
         double value = BRANCH_POINT * (1 + off * 2e-16);
         snprintf(options, sizeof options, "depth: 2, at_frequency: [%.17g]", value);
         ric_atlas *atlas = explore(options, 0, NULL);
-        ric_branch a2 = branch_of(atlas, find_branch(atlas, "A2[01]")),
-                   s2 = branch_of(atlas, find_branch(atlas, "S2+[01]"));
+        ric_branch a2 = branch_of(atlas, branch_named(atlas, "A2[01]")),
+                   s2 = branch_of(atlas, branch_named(atlas, "S2+[01]"));
         assert_int_equal(count_users(atlas, &a2, true, value), 0);
         assert_int_equal(count_users(atlas, &s2, true, value), 1);
         ric_atlas_free(atlas);
