@@ -55,20 +55,16 @@ static bool take_count(int *argc, char **argv, const char *name, int min, int *o
 /* One energy, or a window as A,B. */
 static bool take_energies(int *argc, char **argv, double energy[2])
 {
-    const char *text, *comma;
-    char first[64];
+    const char *text;
+    int n;
     if (!cli_take_value(argc, argv, "--energy", &text)) return false;
     if (!text) {
         cli_wrong("hunt: --energy is missing; give the scaled energy at which to look, for example "
-                  "--energy 2.5, or a "
-                  "window, --energy 0.7,40");
+                  "--energy 2.5, or a window, --energy 0.7,40");
         return false;
     }
-    comma = strchr(text, ',');
-    snprintf(first, sizeof first, "%.*s", (int)(comma ? comma - text : (long)strlen(text)), text);
-    if (!cli_parse_number(first, "--energy", &energy[0])) return false;
-    energy[1] = energy[0];
-    if (comma && !cli_parse_number(comma + 1, "--energy", &energy[1])) return false;
+    if (!cli_parse_list(text, "--energy", 2, &n, energy)) return false;
+    if (n == 1) energy[1] = energy[0];
     if (!(energy[0] > 0)) cli_wrong("hunt: --energy '%s' is not positive", text);
     else if (energy[1] < energy[0])
         cli_wrong("hunt: --energy '%s': the window ends before it begins", text);

@@ -358,6 +358,10 @@ bool cli_operands(const cli_command *command, int argc, char **argv, int n)
 bool cli_parse_number(const char *text, const char *what, double *out)
 {
     char *end = NULL;
+    if (!*text) {
+        cli_wrong("%s: a number is missing, as behind a comma at the end", what);
+        return false;
+    }
     /* strtod skips blanks and reads hexadecimal and nan; none of them is a number here */
     bool starts = isdigit((unsigned char)text[0]) ||
                   ((text[0] == '-' || text[0] == '+' || text[0] == '.') && text[1]);

@@ -19,9 +19,9 @@ ric_status ric_losses_check_force(int n, int n_force, const double *force)
     if (n_force != n)
         return ric_fail(
             RIC_E_INPUT,
-            "the force has %d numbers, but the structure has %d displacements; give one number "
+            "the force has %d number%s, but the structure has %d displacement%s; give one number "
             "for each",
-            n_force, n);
+            n_force, n_force == 1 ? "" : "s", n, n == 1 ? "" : "s");
     for (int i = 0; i < n_force; i++) {
         if (!isfinite(force[i]))
             return ric_fail(RIC_E_INPUT, "number %d of the force is not finite", i + 1);

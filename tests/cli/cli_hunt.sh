@@ -90,7 +90,7 @@ sed 's/impacts: 6, multiply: 2/impacts: 4, multiply: 1/' "$folder/study.yaml" >"
 "$ricochet" run "$folder/islands.yaml" -o "$folder/islands.ricochet" >/dev/null 2>&1
 window() { "$ricochet" hunt "$folder/islands.ricochet" --energy "$1" --impacts 4 --lines 4000 --rows 10 --row 200 --random 3000 --starts 20 "${@:2}"; }
 ok "a window that ends before it begins" refused 2 "ends before it begins" "$folder/islands.ricochet" --energy 11,3
-ok "a window without an end" refused 2 "not a finite number" "$folder/islands.ricochet" --energy 3,
+ok "a window without an end" refused 2 "a number is missing" "$folder/islands.ricochet" --energy 3,
 ok "before, every branch is linked to a mode" eval "! '$ricochet' branches '$folder/islands.ricochet' --json | grep -q '\"linked\": false'"
 window 3,11 --add --json >"$folder/window.json" 2>"$folder/window"
 ok "energies between energies are looked at until nothing new is found" grep -q "17 energies from 3 to 11 were looked at; .* found nothing new" "$folder/window"
