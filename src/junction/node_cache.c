@@ -62,7 +62,11 @@ static void pass_node(ric_bytes *b, void *user)
     b->lost |= flat.n_touch < 0 || flat.n_touch > RIC_MAX_TOUCHES || flat.n_departure < 0 ||
                (b->reading && !ric_bytes_have(b, (size_t)flat.n_departure));
     if (b->lost) return;
-    if (b->reading) *n = flat;
+    if (b->reading) {
+        flat.cycle = NULL; /* whatever the bytes have there */
+        flat.departures = NULL;
+        *n = flat;
+    }
     pass_cycle(b, p->model, &n->cycle);
     if (b->reading && !b->lost)
         n->departures = ric_calloc((size_t)n->n_departure + 1, sizeof *n->departures);
