@@ -112,8 +112,49 @@ static void clustered(void **state)
     }
 }
 
+/* A parameter of a structure that C has made: mass, stiffness and clearance grow with it, what is
+ * not named stays, and a value at which there is no such structure is refused. */
+static void a_parameter(void **state)
+{
+    (void)state;
+    const double M[] = {2, 0, 0, 1}, K[] = {9, -1, -1, 1}, normal[] = {-1, 1};
+    const double mass[] = {1, 0, 0, 0}, stiffness[] = {0, 0, 0, 3}, clearance[] = {-0.5};
+    const ric_contact contact = {.normal = normal, .clearance = 1};
+    ric_model *model = NULL, *other = NULL;
+    ric_contact seen;
+    assert_int_equal(ric_model_create(2, M, K, 1, &contact, 1, &model), RIC_OK);
+    const ric_units names = {.length = "mm", .time = "s", .force = "N"};
+    assert_string_equal(ric_model_units(model)->length, "");
+    ric_model_name_units(model, &names);
+    assert_string_equal(ric_model_units(model)->force, "N");
+    ric_vary vary = {.name = "p",
+                     .at = 1,
+                     .from = 0,
+                     .to = 3,
+                     .mass = mass,
+                     .stiffness = stiffness,
+                     .clearance = clearance};
+    assert_int_equal(ric_model_vary(model, &vary, 1.5, &other), RIC_OK);
+    assert_memory_equal(ric_model_mass(other), ((double[]){2.5, 0, 0, 1}), sizeof M);
+    assert_memory_equal(ric_model_stiffness(other), ((double[]){9, -1, -1, 2.5}), sizeof K);
+    assert_int_equal(ric_model_contact(other, 0, &seen), RIC_OK);
+    assert_true(seen.clearance == 0.75);
+    ric_model_free(other);
+    vary.mass = vary.clearance = NULL;
+    assert_int_equal(ric_model_vary(model, &vary, 2, &other), RIC_OK);
+    assert_memory_equal(ric_model_mass(other), M, sizeof M);
+    assert_int_equal(ric_model_contact(other, 0, &seen), RIC_OK);
+    assert_true(seen.clearance == 1);
+    ric_model_free(other);
+    vary.mass = mass;
+    assert_int_equal(ric_model_vary(model, &vary, -2, &other), RIC_E_INPUT);
+    assert_null(other);
+    assert_non_null(strstr(ric_detail(), "not positive definite"));
+    ric_model_free(model);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(clustered)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(clustered), cmocka_unit_test(a_parameter)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
