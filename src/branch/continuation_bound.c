@@ -26,13 +26,14 @@
  * energy, which says nothing of this one, and whose flight may take seconds */
 #define BESIDE 0.1
 /* UNKNOWN: of the size: error of an unknown, in the frame of the modes or as it is stored */
+#define UNKNOWN (4 * DBL_EPSILON)
 /* REFINED: error of a trace, over 1 + its size, from which on its orbit is polished, and others
- * about it in WAYS_ABOUT ways, and KNOWN up to which that says something; LAST is the rounding of
- * the trace itself */
+ * about it in WAYS_ABOUT ways, and KNOWN up to which that says something; PLACED is the rounding,
+ * of the size, of their place on the branch, LAST that of the trace itself */
 #define REFINED 1e-6
+#define PLACED (32 * DBL_EPSILON)
 #define KNOWN 1e-3
 #define LAST (16 * DBL_EPSILON)
-#define UNKNOWN (4 * DBL_EPSILON)
 
 /* UNCLEAR: times its bound by the smallest pivot, and PLAIN times that by the second singular
  * value, from which on a slope is clear of its error */
@@ -238,9 +239,11 @@ static ric_stability side_of(const ric_floquet *f, double error)
  * rounding of extended precision, and so are others that are the same but for rounding of u: what
  * their traces differ by is both what is not known of the place on the branch and what is rounded
  * on the way. The bound of the rounding is larger by up to ten powers of ten where the map has
- * large entries, and so are the traces of orbits that are not solved as well. False: f is as
- * before; also where the polished orbit is farther from u than its equations are met, beside a
- * branch point: then the trace is not that of what is stored. */
+ * large entries, and so are the traces of orbits that are not solved as well. Which orbit is the
+ * nearest depends on what is measured: at a closing, not a mirror point, it was another by
+ * 90 epsilon of the size at most, and RIC_MEASURED times PLACED is told. False: f is as before;
+ * also where the polished orbit is farther from u than its equations are met, beside a branch
+ * point: then the trace is not that of what is stored. */
 static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double known)
 {
     const int size = c->n_unknown;
@@ -253,7 +256,7 @@ static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double know
     const ric_floquet at = *f;
     const double trace = f->rho[0], at_own = f->own[0];
     found = found && moved <= ric_continuation_tolerance(c) * c->scale;
-    const double near = UNKNOWN * c->scale + moved;
+    const double near = PLACED * c->scale + moved;
     for (int way = 1; way <= WAYS_ABOUT && found; way++) {
         unsigned bits = (unsigned)way * 2654435769u;
         for (int i = 0; i < size; i++) v[i] = u[i] + ric_moved(&bits, near);

@@ -11,7 +11,7 @@
 #include "explored.h"
 
 /* Of what is asked for again, over 1 + its size, that is not measured more closely. */
-#define GOOD 1e-5
+#define GOOD 5e-5
 
 /* 250,000 times as stiff as the structure: the map has entries of 1e6 where its trace is 20. */
 static const char stiff[] =
