@@ -405,25 +405,32 @@ class System:
         tube = copy.copy(self)
         tube.kind, tube.ask, tube.start = "plane", [], middle(self.centre)
         tube.along = middle(other.centre - self.centre)
+        tube.spot = tube.start + tube.along * Ball(ONE >> 1)
+        bent = inverse(tube.slopes(tube.spot)) @ tube.equations(tube.spot)
+        tube.shape = each(lambda x: Ball(max(abs(x).mid, size(bent) >> 2, 1)))(bent)
+        tube.shape = middle(tube.shape / Ball(size(tube.shape)))
         radius = tube.follow(-MORE, ONE + MORE)
         for orbit, s in ((u, 0), (v, ONE)):
             off = orbit - tube.start - tube.along * Ball(s)
             share = abs((tube.along.T @ off)[0, 0] / (tube.along.T @ tube.along)[0, 0]).mid
-            far = size(off) + (share * size(tube.along) >> P)
+            far = size(off / tube.shape) + (share * size(tube.along / tube.shape) >> P)
             need(share < MORE and far < radius, "tubes are not proved to meet")
 
     def follow(self, first, last, depth=0):
-        """The least radius of boxes around the line with one zero on each plane, all motions."""
+        """The least size of boxes around the line, of a shape that tells how it bends, with one
+        zero on each plane, all motions."""
         half = (last - first) // 2
         try:
             self.spot = self.start + self.along * Ball(first + half)
             C, at = inverse(self.slopes(self.spot)), self.equations(self.spot)
             span, radius = Ball(0, half + 1), size(self.along) >> FLOOR
+            narrow = lambda A: size(A / self.shape)
             for _ in range(TRIES):
-                box = self.spot + self.along * span + Ball(0, radius)
+                box = self.spot + self.along * span + self.shape * Ball(0, radius)
                 J = self.slopes(box)
-                off, shrinks = at + J @ self.along * span, size(C @ J - eye(self.size))
-                least = size(C[:, :-1] @ off[:-1]) + (shrinks * radius >> P) + 1
+                shrinks = narrow((C @ J - eye(self.size)) * self.shape.T)
+                least = narrow(C[:, :-1] @ (at + J @ self.along * span)[:-1])
+                least += (shrinks * radius >> P) + 1
                 need(shrinks < ONE, "the arc between two orbits is not proved to be one")
                 if least < radius:
                     self.stands(box, SHALLOW)
