@@ -31,9 +31,6 @@
 /* BACK: an orbit that repeats itself is after part of the period where it began, to this part */
 #define BACK 1e-6
 #define IMAGE 1e-9 /* half a period later a symmetric orbit is its image to this part */
-/* STATED: relative: a trace that is off by less is not wrong where the library knows it no better
- */
-#define STATED 1e-9
 /* FAULT: relative, and LEAST: a reach or an approach that is off by this is found, or it is said */
 #define FAULT 1e-6
 #define LEAST 1e-8
@@ -293,15 +290,14 @@ static ric_status move_along(replay *r, const ric_atlas *atlas, int i, const ric
     return status;
 }
 
-/* A trace is stored without its error: by so much as the library states when it is asked, if that
- * is less than STATED, it may be off. */
+/* A trace is stored without its error: by so much as the library states when it is asked it may be
+ * off. Where the orbit was polished that is more than the stored digits, replayed, leave open. */
 static ric_status judge_stated(ric_pairs *p, const ric_atlas *atlas, const ric_point *stored,
                                ric_claims *out)
 {
     ric_verify_asked asked;
     ric_claims again = *out;
     ric_status status = ric_verify_asked_open(atlas, out->branch, out->point, NULL, &asked);
-    asked.error = fmin(asked.error, STATED * hypot(2, 2 * sinh(stored->trace)));
     if (!status && asked.given) {
         p->asked = &asked;
         *again.finding = '\0';

@@ -40,4 +40,15 @@ db.commit()' "$folder/b.ricochet" && tools/attack/atlas_digest.py "$folder/b.ric
     [ $? = 1 ] && [ ! -s "$folder/out" ] && grep -q 'branch 3 ' "$folder/said"
 }
 ok 'verify --quiet: what does not pass is named' planted
+
+# Beside a junction, between springs a million times as stiff as the structure, traces are those of polished orbits.
+cat >"$folder/stiff.yaml" <<'END'
+model:
+  mass: [[1.75, 0], [0, 0.25]]
+  stiffness: [[12.25, -4.5], [-4.5, 10.5]]
+  contacts: [{normal: [0, 1], law: bilinear, clearance: 0.819, sides: both, stiffness: 10740000}]
+explore: {energy: [0, 115.2], frequency: [0.4785, 19.74], impacts: 6, multiply: 2, depth: 2}
+END
+stiff() { "$ricochet" run "$folder/stiff.yaml" -o "$folder/stiff.ricochet" --quiet && "$ricochet" verify "$folder/stiff.ricochet" --all --quiet; }
+ok 'verify: a trace is as exact as the library states' stiff
 finish
