@@ -83,19 +83,25 @@ static void need(bool good, const char *what)
     exit(1);
 }
 
-/* The article's two masses: m1 = 2, m2 = 1, k1 = 8, k2 = 1, |x2 - x1| <= 1. */
-static ric_model *article(void)
+/* A structure with a stop on both sides of normal . x. */
+static ric_model *between_stops(int n, const double *mass, const double *stiffness,
+                                const double *normal)
 {
-    static const double mass[] = {2, 0, 0, 1}, stiffness[] = {9, -1, -1, 1}, normal[] = {-1, 1};
     ric_contact contact = {.name = "stop",
                            .normal = normal,
                            .clearance = 1,
                            .sides = RIC_SIDES_BOTH,
                            .law = RIC_LAW_RIGID};
     ric_model *model;
-    need(!ric_model_create(2, mass, stiffness, 1, &contact, 1, &model),
-         "the article's model is refused");
+    need(!ric_model_create(n, mass, stiffness, 1, &contact, 1, &model), ric_detail());
     return model;
+}
+
+/* The article's two masses: m1 = 2, m2 = 1, k1 = 8, k2 = 1, |x2 - x1| <= 1. */
+static ric_model *article(void)
+{
+    static const double mass[] = {2, 0, 0, 1}, stiffness[] = {9, -1, -1, 1}, normal[] = {-1, 1};
+    return between_stops(2, mass, stiffness, normal);
 }
 
 /* ------------------------------------------------------------------- orbits */
@@ -359,13 +365,7 @@ static ric_model *row_of_masses(int n)
         if (i > 0) stiffness[i * n + i - 1] = stiffness[(i - 1) * n + i] = -1;
     }
     normal[n - 1] = 1;
-    ric_contact contact = {.name = "stop",
-                           .normal = normal,
-                           .clearance = 1,
-                           .sides = RIC_SIDES_BOTH,
-                           .law = RIC_LAW_RIGID};
-    ric_model *model;
-    need(!ric_model_create(n, mass, stiffness, 1, &contact, 1, &model), ric_detail());
+    ric_model *model = between_stops(n, mass, stiffness, normal);
     free(mass);
     free(stiffness);
     free(normal);

@@ -36,6 +36,13 @@ static double crest(const ric_force_reading *r, double a, double b)
     return a + (b - a) / 2;
 }
 
+static void take(hunt *h, double time, double value)
+{
+    if (!(value > h->best)) return;
+    h->best = value;
+    h->time = time;
+}
+
 /* Maxima between a and b, where values and slopes are known. */
 static void seek(hunt *h, double a, double at_a, double up_a, double b, double at_b, double up_b,
                  int depth)
@@ -50,10 +57,7 @@ static void seek(hunt *h, double a, double at_a, double up_a, double b, double a
     if (up_a > 0 && up_b < 0 && (last || depth <= DEEPEST - 4)) {
         double slope;
         const double t = crest(h->r, a, b), top = ric_force_frame_look(h->r, t, &slope);
-        if (top > h->best) {
-            h->best = top;
-            h->time = t;
-        }
+        take(h, t, top);
     }
     if (last) return;
     double slope;
@@ -62,11 +66,14 @@ static void seek(hunt *h, double a, double at_a, double up_a, double b, double a
     seek(h, t, value, slope, b, at_b, up_b, depth - 1);
 }
 
-static void seek_all(hunt *h, double tau)
+/* All of a flight, with the value at its start or at its end if that counts. */
+static void seek_all(hunt *h, double tau, bool start, bool end)
 {
     double up[2],
         at[2] = {ric_force_frame_look(h->r, 0, &up[0]), ric_force_frame_look(h->r, tau, &up[1])};
+    if (start) take(h, 0, at[0]);
     seek(h, 0, at[0], up[0], tau, at[1], up[1], DEEPEST);
+    if (end) take(h, tau, at[1]);
 }
 
 ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, double least,
@@ -88,13 +95,8 @@ ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, d
     if (status) return status;
     if (closed) r.rest += 2;
     hunt h = {&r, least, NAN};
-    seek_all(&h, u[2 * n + 1]);
     /* the impact of another contact may turn the gap round */
-    double slope, last = ric_force_frame_look(&r, u[2 * n + 1], &slope);
-    if (ric_force_orbit_end(o, k) != face && last > h.best) {
-        h.best = last;
-        h.time = u[2 * n + 1];
-    }
+    seek_all(&h, u[2 * n + 1], false, ric_force_orbit_end(o, k) != face);
     *highest = h.best;
     *time = h.time;
     return RIC_OK;
@@ -268,9 +270,8 @@ static ric_status peaks(const ric_force_orbit *o, int k, ric_force_measures *out
         ric_status status = ric_force_frame_read(o->medium, o->closed[k], &o->drive, u[2 * n], u,
                                                  row, room, &r);
         if (status) return status;
-        double slope;
-        hunt h = {&r, fmax(out->peak[j % n], ric_force_frame_look(&r, 0, &slope)), NAN};
-        seek_all(&h, u[2 * n + 1]);
+        hunt h = {&r, out->peak[j % n], NAN};
+        seek_all(&h, u[2 * n + 1], true, false);
         out->peak[j % n] = h.best;
     }
     return RIC_OK;
