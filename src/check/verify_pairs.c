@@ -359,13 +359,15 @@ static real turns_known(const ric_pairs *p)
 
 static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_claims *out)
 {
+    /* on which side of the circle a pair is, the library need not know better than it states */
+    const real stated = p->asked && p->asked->given ? p->asked->error : 0;
     real outside, inside, found = turns(p, creall(own(p, 0, 0))), bound = turns_known(p);
     if (isnan(stored->rotation) && isnan(stored->trace))
         return; /* lost together, which the trace answers for */
     weigh(p, &outside, &inside);
     bool wrong = isnan(stored->rotation)
-                     ? inside > 0
-                     : outside > 0 || !(stored->rotation >= 0 && stored->rotation < 1) ||
+                     ? inside > stated
+                     : outside > stated || !(stored->rotation >= 0 && stored->rotation < 1) ||
                            apart(stored->rotation, found) > bound;
     if (!wrong && !isnan(stored->rotation) && !(bound <= VAGUE_TURN) &&
         out->multipliers == RIC_AGREES_YES)

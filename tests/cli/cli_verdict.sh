@@ -49,6 +49,16 @@ model:
   contacts: [{normal: [0, 1], law: bilinear, clearance: 0.819, sides: both, stiffness: 10740000}]
 explore: {energy: [0, 115.2], frequency: [0.4785, 19.74], impacts: 6, multiply: 2, depth: 2}
 END
-stiff() { "$ricochet" run "$folder/stiff.yaml" -o "$folder/stiff.ricochet" --quiet && "$ricochet" verify "$folder/stiff.ricochet" --all --quiet; }
-ok 'verify: a trace is as exact as the library states' stiff
+passes() { "$ricochet" run "$folder/$1.yaml" -o "$folder/$1.ricochet" --quiet && "$ricochet" verify "$folder/$1.ricochet" --all --quiet; }
+ok 'verify: a trace is as exact as the library states' passes stiff
+
+# A pair that meets -1 is on the unit circle or beside it by less than the library states.
+cat >"$folder/stiffer.yaml" <<'END'
+model:
+  mass: [[0.75, 0], [0, 0.5]]
+  stiffness: [[1562500, -1000000], [-1000000, 1625000]]
+  contacts: [{normal: [-1, 1], law: bilinear, clearance: 0.0012, sides: upper, stiffness: 110900000000}]
+explore: {energy: [0, 83670000], frequency: [193.1, 6293], impacts: 6, multiply: 2, depth: 2}
+END
+ok 'verify: whether a pair turns is as certain as the library states' passes stiffer
 finish
