@@ -1,5 +1,5 @@
-/* Points per second, nanoseconds per impact, cost against the numbers of impacts and of modes, time
- * of the demo, bytes per point.
+/* Points per second, nanoseconds per impact, impacts per second on sections, cost against the
+ * numbers of impacts and of modes, time of the demo, bytes per point.
  *
  *     ricochet-bench [-o FILE] [-t SECONDS] [STUDY]
  *
@@ -522,6 +522,33 @@ static void smooth_paths(double seconds)
     }
 }
 
+/* ------------------------------------------------------------------- sections */
+
+/* Motions of one energy from impact to impact, with exponent and rotation. */
+static void sections(const ric_model *m, double seconds)
+{
+    static const double energies[] = {0.7, 5, 40};
+    say("\nsections: impacts per second (aim 1e+06)\n");
+    for (int i = 0; i < 3; i++) {
+        ric_section_options options;
+        long impacts = 0;
+        double begin = now();
+        ric_section_options_init(&options);
+        options.energy = energies[i];
+        options.starts = 4;
+        options.impacts = 20000;
+        options.rows = false;
+        do {
+            ric_section *section;
+            need(!ric_section_create(m, &options, &section) && !ric_section_run(section),
+                 ric_detail());
+            impacts += options.starts * options.impacts;
+            ric_section_free(section);
+        } while (now() - begin < seconds);
+        say("E = %-4g %10.4g\n", energies[i], (double)impacts / (now() - begin));
+    }
+}
+
 /* ----------------------------------------------------------------------- main */
 
 static void show_machine(void)
@@ -602,6 +629,7 @@ int main(int argc, char **argv)
     repeated(m, seconds);
     nanoseconds(m);
     smooth_paths(seconds);
+    sections(m, seconds);
     many_modes(seconds);
     show_demo(graph, path, demo, bytes);
     show_memory(m->n, &f[0], &f[1]);

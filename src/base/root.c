@@ -91,15 +91,29 @@ ric_root_slope ric_root_slope_between(double low, double high, bool rises, doubl
                             .rises = rises};
 }
 
-bool ric_root_slope_next(ric_root_slope *r, double f, double slope)
+/* To x - move, or to the middle of the bracket where that leaves it or does not shrink. */
+static bool go(ric_root_slope *r, double f, double move)
 {
-    if (f == 0 || r->passes++ == PASSES_MOST) return false;
     if ((f > 0) == r->rises) r->high = r->x;
     else r->low = r->x;
-    double move = f / slope, next = r->x - move;
+    double next = r->x - move;
     bool shrinks = fabs(move) <= r->step / 2 || r->step < SHORT * r->whole;
-    if (!(next > r->low && next < r->high) || !shrinks) next = (r->low + r->high) / 2;
+    r->halved = !(next > r->low && next < r->high) || !shrinks;
+    if (r->halved) next = (r->low + r->high) / 2;
     r->step = fabs(next - r->x);
     r->x = next;
     return r->step > fmax(r->least, r->part * fabs(next));
+}
+
+bool ric_root_slope_next(ric_root_slope *r, double f, double slope)
+{
+    return f != 0 && r->passes++ < PASSES_MOST && go(r, f, f / slope);
+}
+
+/* The zero of the parabola that is the nearer one; of the tangent where the parabola has none. */
+bool ric_root_slope_bent(ric_root_slope *r, double f, double slope, double bend)
+{
+    if (f == 0 || r->passes++ >= PASSES_MOST) return false;
+    double under = slope * slope - 2 * f * bend;
+    return go(r, f, under > 0 ? 2 * f / (slope + copysign(sqrt(under), slope)) : f / slope);
 }

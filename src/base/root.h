@@ -45,10 +45,14 @@ typedef struct {
     double least,
         part; /* a step of no more than `least`, or this part of x, is the last one: 0 unless set */
     int passes;
-    bool rises; /* the function is above 0 at the high end */
+    bool rises;  /* the function is above 0 at the high end */
+    bool halved; /* the last step went to the middle of the bracket */
 } ric_root_slope;
 
 ric_root_slope ric_root_slope_between(double low, double high, bool rises, double first);
 bool ric_root_slope_next(ric_root_slope *root, double f, double slope);
+/* The same by parabolas, with the second derivative `bend` (Cauchy's method): each step cubes the
+ * error, and a zero beside an extremum is met as fast as any other. */
+bool ric_root_slope_bent(ric_root_slope *root, double f, double slope, double bend);
 
 #endif

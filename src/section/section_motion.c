@@ -28,7 +28,7 @@ ric_status ric_section_motion_create(const ric_model *m, double energy, ric_sect
     s->closes = law->closes;
     s->smooth = law->integrated;
     s->energy = energy;
-    size_t search = 4 * n + 9 * contacts;
+    size_t search = 4 * n + 8 * contacts;
     s->store = ric_calloc(8 * n + 4 * n * n + (smooth > search ? smooth : search) + 2,
                           sizeof *s->store);
     if (!s->store) {

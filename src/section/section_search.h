@@ -5,7 +5,8 @@
  * panels of a fixed length h, over which z is turned by a rotation made once. On a part of a panel
  * the cubic Hermite interpolant H of s is off by at most
  *     |s - H| <= D4 h^4 / 384, |s' - H'| <= D4 h^3 sqrt(3) / 216, |s'' - H''| <= D4 h^2 / 12
- * (Birkhoff and Priver 1967), where D4 bounds the fourth derivative, and its Bernstein coefficients
+ * (Birkhoff and Priver 1967), where D4 bounds the fourth derivative (from the
+ * amplitudes of the modes, which a flight keeps), and its Bernstein coefficients
  * bound H, H', H''. So a part holds no impact, or is monotone, convex or concave, or is halved: no
  * impact is missed by more than rounding. Cost: O(n) per panel and contact, and some five
  * evaluations with sines where a face is met. */
@@ -20,10 +21,10 @@ typedef struct {
     const ric_regime *regime; /* NULL: all springs are open */
     const double *omega, *G;  /* [n], [n_contact * n] */
     const double *rest;       /* [n_contact]; NULL: zeros */
-    double panel, *turn; /* scaled time; [3n] as ric_flight_trig has it; panel 0: no mode turns */
-    double *fourth;      /* [n_contact] D4 over the length of z */
-    double *bulge; /* [n_contact] what s is above its chord over a panel at most, over the length of
-                      z */
+    double panel;             /* scaled time; 0: no mode turns */
+    double *turn; /* [3n] as ric_flight_trig has it over one, two and four panels, one by one */
+    double *speed, *bend; /* [n_contact * n] s' = speed . P, s'' = -bend . A */
+    double *low, *high;   /* [n_contact] s meets no face between them */
 } ric_section_phase;
 
 typedef struct {
@@ -36,7 +37,7 @@ ric_status ric_section_phase_create(const ric_model *m, uint64_t closed, ric_sec
 void ric_section_phase_release(ric_section_phase *phase);
 
 /* The first event of the flight from z [2n] that leaves `face` (-1: starts in flight) within
- * `panels` panels. work [2n + 9 n_contact]. */
+ * `panels` panels. work [4n + 8 n_contact]. */
 ric_section_event ric_section_search(const ric_model *m, const ric_section_phase *phase,
                                      const double *z, int face, long panels, double *work);
 

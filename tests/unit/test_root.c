@@ -7,7 +7,9 @@
 #include <cmocka.h>
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 
+#include "base/hermite.h"
 #include "base/root.h"
 
 typedef struct {
@@ -212,6 +214,82 @@ static void zeros_have_all_digits_by_slopes(void **state)
         }
 }
 
+/* Beside an extremum the parabola knows the zero, and the tangent overshoots. */
+static void a_zero_beside_an_extremum_takes_fewer_values_by_parabolas(void **state)
+{
+    (void)state;
+    for (double off = 1e-2; off > 1e-9; off /= 10) {
+        const double zero = -acos(1 - off); /* of cos x - (1 - off), which rises to its top at 0 */
+        int asked[2] = {0};
+        for (int bent = 0; bent < 2; bent++) {
+            ric_root_slope r = ric_root_slope_between(-1, 0, true, -1);
+            r.part = 1e-8;
+            for (bool on = true; on; asked[bent]++) {
+                double f = off - 2 * sin(r.x / 2) * sin(r.x / 2);
+                on = bent ? ric_root_slope_bent(&r, f, -sin(r.x), -cos(r.x))
+                          : ric_root_slope_next(&r, f, -sin(r.x));
+            }
+            assert_true(fabs(r.x - zero) <= 1e-6 * fabs(zero));
+        }
+        assert_true(asked[1] < asked[0]);
+    }
+}
+
+/* --------------------------------------------- samples with two derivatives */
+
+typedef struct {
+    double part, phase, level; /* sin t + part sin(2.7 t + phase) - level */
+    int asked;
+} wave;
+
+static long double wave_at(const wave *w, int order, long double t)
+{
+    const long double o = 2.7L, p = o * t + w->phase, m = w->part;
+    return order == 0   ? sinl(t) + m * sinl(p) - w->level
+           : order == 1 ? cosl(t) + m * o * cosl(p)
+           : order == 2 ? -sinl(t) - m * o * o * sinl(p)
+                        : -cosl(t) - m * o * o * o * cosl(p);
+}
+
+static ric_sample look(const void *of, double t)
+{
+    const wave *w = of;
+    ((wave *)of)->asked++;
+    return (
+        ric_sample){t,
+                    {(double)wave_at(w, 0, t), (double)wave_at(w, 1, t), (double)wave_at(w, 2, t)}};
+}
+
+/* On panels of 0.7 rad of the faster wave: the zero of the wave or of its slope to the rounding of
+ * the values, with 2.2 values on average. */
+static void zeros_between_samples_have_all_digits_after_two_or_three_looks(void **state)
+{
+    (void)state;
+    int found = 0, asked = 0;
+    srand(5);
+    for (int k = 0; k < 20000; k++) {
+        wave w = {rand() / (RAND_MAX + 1.0) - 0.5, 6 * (rand() / (RAND_MAX + 1.0)),
+                  2 * (rand() / (RAND_MAX + 1.0)) - 1, 0};
+        const double from = 6 * (rand() / (RAND_MAX + 1.0)), h = 0.7 / 2.7;
+        const int order = k % 2;
+        ric_sample a = look(&w, from), b = look(&w, from + h);
+        if (a.g[order] * b.g[order] >= 0 || a.g[order + 1] * b.g[order + 1] <= 0) continue;
+        w.asked = 0;
+        ric_sample zero = ric_hermite_zero(look, &w, order, a, b);
+        long double t = zero.t;
+        for (int i = 0; i < 5; i++) t -= wave_at(&w, order, t) / wave_at(&w, order + 1, t);
+        double slope = fabs((double)wave_at(&w, order + 1, t)),
+               known = 4 * DBL_EPSILON * (t + 3 / slope);
+        if (!(fabsl(zero.t - t) <= known))
+            fail_msg("%d: %.3g off, %.3g known", k, (double)fabsl(zero.t - t), known);
+        assert_true(fabsl(zero.g[0] - wave_at(&w, 0, zero.t)) <= 1e-14);
+        asked += w.asked;
+        found++;
+    }
+    assert_true(found > 2000);
+    if (asked > 2.3 * found) fail_msg("%d looks at %d zeros", asked, found);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -223,6 +301,8 @@ int main(void)
         cmocka_unit_test(a_zero_at_an_end_is_found_there),
         cmocka_unit_test(a_function_that_is_no_number_comes_to_an_end),
         cmocka_unit_test(zeros_have_all_digits_by_slopes),
+        cmocka_unit_test(a_zero_beside_an_extremum_takes_fewer_values_by_parabolas),
+        cmocka_unit_test(zeros_between_samples_have_all_digits_after_two_or_three_looks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
