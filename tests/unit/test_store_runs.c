@@ -3,7 +3,9 @@
 #include "stored_atlases.h"
 #include "sample.h"
 
+#include <fcntl.h>
 #include <signal.h>
+#include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 
@@ -142,6 +144,60 @@ static void readers_and_a_run_get_on(void **state)
     ric_atlas_free(atlases[1]);
 }
 
+static volatile sig_atomic_t done;
+
+static void end(int signal)
+{
+    (void)signal;
+    done = 1;
+}
+
+/* A transaction whose journal says by turns that it is finished and that it is not, as one does
+ * once in each commit. */
+static void commit_for_ever(int ready)
+{
+    sqlite3 *db;
+    const unsigned char unfinished[12] = {0},
+                        finished[12] = {0xd9, 0xd5, 5, 0xf9, 0x20, 0xa1, 0x63, 0xd7, 0, 0, 0, 1};
+    signal(SIGTERM, end);
+    int failed = sqlite3_open(in_folder("a"), &db) ||
+                 sqlite3_exec(db, "BEGIN IMMEDIATE; CREATE TABLE more (x)", NULL, NULL, NULL);
+    int journal = open(in_folder("a-journal"), O_RDWR);
+    if (failed || journal < 0 || write(ready, "", 1) != 1) _exit(1);
+    while (!done)
+        if (pwrite(journal, finished, 12, 0) != 12 || pwrite(journal, unfinished, 12, 0) != 12)
+            _exit(2);
+    close(journal);
+    _exit(sqlite3_exec(db, "ROLLBACK", NULL, NULL, NULL) || sqlite3_close(db) ? 3 : 0);
+}
+
+static void a_journal_is_known_while_it_is_written(void **state)
+{
+    (void)state;
+    ric_atlas *made = random_atlas(pair_text, 43, 1, 1);
+    int ready[2], status;
+    char byte;
+    make_file(in_folder("a"), made);
+    assert_int_equal(pipe(ready), 0);
+    pid_t child = fork();
+    if (child == 0) commit_for_ever(ready[1]);
+    close(ready[1]);
+    assert_int_equal(read(ready[0], &byte, 1), 1);
+    for (int i = 0; i < 100; i++) {
+        ric_atlas *read_back = NULL;
+        ric_status read = ric_atlas_read(in_folder("a"), &read_back);
+        if (read) kill(child, SIGKILL);
+        assert_done(read);
+        ric_atlas_free(read_back);
+    }
+    kill(child, SIGTERM);
+    waitpid(child, &status, 0);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+    close(ready[0]);
+    ric_atlas_free(made);
+}
+
 /* Work that waits for its commit is kept in memory, also when it is larger than the cache of
  * SQLite. */
 static void uncommitted_work_blocks_no_reader(void **state)
@@ -264,9 +320,13 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(a_second_run_is_told),         TEST(a_kill_loses_nothing_committed),
-        TEST(readers_and_a_run_get_on),     TEST(uncommitted_work_blocks_no_reader),
-        TEST(read_only_places_can_be_read), TEST(a_full_disk_is_reported),
+        TEST(a_second_run_is_told),
+        TEST(a_kill_loses_nothing_committed),
+        TEST(readers_and_a_run_get_on),
+        TEST(a_journal_is_known_while_it_is_written),
+        TEST(uncommitted_work_blocks_no_reader),
+        TEST(read_only_places_can_be_read),
+        TEST(a_full_disk_is_reported),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);
