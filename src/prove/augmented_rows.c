@@ -158,7 +158,7 @@ static void mirror_rows(const ric_augmented *x, bool last, bool opposite, arb_ma
     arb_mat_zero(B);
     if (!opposite) {
         arb_init(gap);
-        ric_equation_mirror(x->e, kind, face, B, gap);
+        ric_equation_mirror(x->e, &x->c, last, B, gap);
         arb_clear(gap);
         return;
     }

@@ -442,7 +442,7 @@ static void motion_close(motion *z)
 
 /* ---------------------------------------------------------------- the chain */
 
-static void allocate(ric_chain *c, const ric_enclosure *e, int m)
+void ric_chain_allocate(ric_chain *c, const ric_enclosure *e, int m)
 {
     const int n = e->n;
     c->n = n;
@@ -457,7 +457,7 @@ static void allocate(ric_chain *c, const ric_enclosure *e, int m)
 static void fill_general(ric_chain *c, const ric_enclosure *e, const motion *z, bool half)
 {
     c->sign = half ? -1 : 1;
-    allocate(c, e, half ? z->letters / 2 : z->letters);
+    ric_chain_allocate(c, e, half ? z->letters / 2 : z->letters);
     for (int k = 0; k < c->m; k++) {
         c->face[k] = face_of(e, z, k);
         c->phase[k] = z->phase[k];
@@ -475,7 +475,7 @@ static void fill_reversible(ric_chain *c, const ric_enclosure *e, const motion *
     c->end = z->kind[1];
     c->first = from / 2;
     c->half_flight = from % 2;
-    allocate(c, e, (to + 1) / 2 - from / 2);
+    ric_chain_allocate(c, e, (to + 1) / 2 - from / 2);
     for (int k = 0; k < c->m; k++) {
         int impact = c->first + k;
         arb_ptr block = ric_chain_block(c, k), tau = block + 2 * z->n;
@@ -596,7 +596,7 @@ bool ric_chain_mode(ric_chain *c, const ric_enclosure *e, const double *state, d
     *c = (ric_chain){.start = RIC_CHAIN_REST, .end = RIC_CHAIN_CENTRE, .sign = 1, .number = -1};
     if (!all_finite(state, 2 * e->n_dof) || !isfinite(period)) return false;
     ric_chain_state(e, state, w);
-    allocate(c, e, 1);
+    ric_chain_allocate(c, e, 1);
     for (int i = 0; i < n; i++) {
         const double size = hypot(ric_arb_middle(w + i) * ric_arb_middle(e->omega + i),
                                   ric_arb_middle(w + n + i));
@@ -633,7 +633,7 @@ bool ric_chain_like(ric_chain *c, const ric_enclosure *e, const ric_branch *bran
 bool ric_chain_same_class(const ric_chain *a, const ric_chain *b)
 {
     bool same = a->m == b->m && a->start == b->start && a->end == b->end && a->sign == b->sign &&
-                a->first == b->first && a->half_flight == b->half_flight;
+                a->first == b->first && a->half_flight == b->half_flight && a->twin == b->twin;
     for (int k = 0; k <= a->m && same; k++) same = a->face[k] == b->face[k];
     for (int k = 0; k < a->m && same; k++) same = a->phase[k] == b->phase[k];
     return same;

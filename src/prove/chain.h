@@ -19,6 +19,7 @@
 #define RIC_PROVE_CHAIN_H
 
 #include "phase.h"
+#include "twins.h"
 
 /* Decimals of the number that is held, lengths in d and times in 2^-time s: what rounds it moves an
  * orbit by no more than what is stored is off anyway. */
@@ -28,13 +29,16 @@ typedef enum {
     RIC_CHAIN_GENERAL,
     RIC_CHAIN_REST,
     RIC_CHAIN_IMPACT,
-    RIC_CHAIN_CENTRE
+    RIC_CHAIN_CENTRE,
+    RIC_CHAIN_TWIN /* in flight; it goes back as its image under a permutation: of junctions alone
+                    */
 } ric_chain_end;
 
 typedef struct {
     int n, m, size;           /* modes, blocks, numbers in a block */
     ric_chain_end start, end; /* of a general chain both are that */
     int sign;                 /* sigma */
+    const ric_twin *twin;     /* that permutation, borrowed from the enclosure, or NULL */
     int *face;                /* [m + 1] where block k begins, and the end; -1: in flight */
     const ric_phase **phase;  /* [m] of the flight of block k, borrowed from the enclosure */
     int first;        /* the impact of the word, from 0, at or before which the chain begins */
@@ -64,6 +68,8 @@ bool ric_chain_shorten(ric_chain *c, const ric_enclosure *e, const ric_branch *b
 /* Of a linear mode, state [2 n_dof] anywhere on it: from rest to the centre, a quarter of the
  * period. */
 bool ric_chain_mode(ric_chain *c, const ric_enclosure *e, const double *state, double period);
+/* Room for m blocks, all zero. */
+void ric_chain_allocate(ric_chain *c, const ric_enclosure *e, int m);
 void ric_chain_copy(ric_chain *to, const ric_chain *from);
 void ric_chain_free(ric_chain *c);
 /* Whether the same equations hold for both. */
@@ -82,12 +88,22 @@ static inline int ric_chain_width(const ric_chain *c, int k)
 {
     return c->size + (ric_chain_general(c) && k == c->m - 1);
 }
-/* Whether x -> -x takes the orbit to itself: the chain is half of it, or one of two mirror points
- * is a centre. */
-static inline bool ric_chain_symmetric(const ric_chain *c)
+/* Whether the way back from a mirror point is an image of the way there. */
+static inline bool ric_chain_turned(ric_chain_end end)
+{
+    return end == RIC_CHAIN_CENTRE || end == RIC_CHAIN_TWIN;
+}
+/* Whether half of the orbit is an image of the other half: the chain is half of it, or one of two
+ * mirror points turns. */
+static inline bool ric_chain_halved(const ric_chain *c)
 {
     return ric_chain_general(c) ? c->sign < 0
-                                : (c->start == RIC_CHAIN_CENTRE) != (c->end == RIC_CHAIN_CENTRE);
+                                : ric_chain_turned(c->start) != ric_chain_turned(c->end);
+}
+/* Whether x -> -x takes the orbit to itself. */
+static inline bool ric_chain_symmetric(const ric_chain *c)
+{
+    return ric_chain_halved(c) && !c->twin;
 }
 /* Whether images under x -> -x of the chain belong to the orbit. */
 static inline bool ric_chain_imaged(const ric_chain *c)
@@ -98,7 +114,7 @@ static inline bool ric_chain_imaged(const ric_chain *c)
 /* How often the chain lies in a period. */
 static inline int ric_chain_copies(const ric_chain *c)
 {
-    return (ric_chain_general(c) ? 1 : 2) * (ric_chain_symmetric(c) ? 2 : 1);
+    return (ric_chain_general(c) ? 1 : 2) * (ric_chain_halved(c) ? 2 : 1);
 }
 
 /* (q, p) [2n] of x then v [2 n_dof], in d and seconds: midpoints. */

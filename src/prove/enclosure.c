@@ -7,6 +7,7 @@
 #include "base/room.h"
 #include "basis.h"
 #include "phase.h"
+#include "twins.h"
 
 enum {
     EXACT_MODES = 40, /* largest number of modes whose seen part is found in rational numbers */
@@ -298,6 +299,7 @@ bool ric_enclosure_create(ric_enclosure *e, const ric_model *m, slong prec)
     e->mass = 2 * (ilogb(cc) / 2);
     allocate(e);
     e->phases = ric_phase_list_create();
+    e->twins = ric_twins_create();
     basis z;
     arb_t error;
     arb_init(error);
@@ -330,6 +332,7 @@ void ric_enclosure_free(ric_enclosure *e)
     arb_clear(e->top);
     arb_clear(e->spread);
     ric_phase_list_free(e->phases);
+    ric_twins_free(e->twins);
     for (int f = 0; f < e->n_face; f++) {
         arb_clear(e->wall[f].gap);
         arb_clear(e->wall[f].spring);

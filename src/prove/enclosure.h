@@ -39,6 +39,7 @@ typedef struct {
     arb_t spread;                  /* |X|, in the Frobenius norm */
     ric_wall *wall;                /* [n_face] */
     struct ric_phase_list *phases; /* of closed springs, made when they are asked for (phase.h) */
+    struct ric_twin_list *twins;   /* permutations of the structure, too (twins.h) */
     char why[160];                 /* why there is none */
 } ric_enclosure;
 

@@ -184,12 +184,35 @@ static int pivot(const ric_enclosure *e, int face)
     return largest;
 }
 
-void ric_equation_mirror(const ric_enclosure *e, ric_chain_end kind, int face, arb_mat_t B,
+/* x = S x and v = -S v, each coordinate that goes to another one with that. */
+static void twin_rows(const ric_enclosure *e, const ric_twin *twin, arb_mat_t B)
+{
+    slong n = e->n, row = 0;
+    for (slong i = 0; i < n; i++) {
+        const int j = twin->to[i];
+        for (slong part = 0; part < 2 && j >= i; part++) {
+            const int sign = part ? -twin->sign[i] : twin->sign[i];
+            if (j == i && sign > 0) continue;
+            arb_ptr to = arb_mat_entry(B, row++, part * n);
+            _arb_vec_set(to, arb_mat_entry(e->X, i, 0), n);
+            if (j > i && sign > 0) _arb_vec_sub(to, to, arb_mat_entry(e->X, j, 0), n, e->prec);
+            else if (j > i) _arb_vec_add(to, to, arb_mat_entry(e->X, j, 0), n, e->prec);
+        }
+    }
+}
+
+void ric_equation_mirror(const ric_enclosure *e, const ric_chain *chain, bool last, arb_mat_t B,
                          arb_t gap)
 {
+    const ric_chain_end kind = last ? chain->end : chain->start;
+    const int face = chain->face[last ? chain->m : 0];
     slong n = e->n, row = 1;
     arb_mat_zero(B);
     arb_zero(gap);
+    if (kind == RIC_CHAIN_TWIN) {
+        twin_rows(e, chain->twin, B);
+        return;
+    }
     if (kind != RIC_CHAIN_IMPACT) {
         for (slong i = 0; i < n; i++)
             arb_one(arb_mat_entry(B, i, kind == RIC_CHAIN_REST ? n + i : i));
@@ -231,7 +254,7 @@ static void put_start(const ric_enclosure *e, const ric_chain *c, ric_equation_g
     arb_mat_init(B, c->n, 2 * c->n);
     arb_mat_init(D, 2 * c->n, c->size);
     put_unit(D, 2 * c->n);
-    ric_equation_mirror(e, c->start, c->face[0], B, gap);
+    ric_equation_mirror(e, c, false, B, gap);
     put_mirror(e, B, gap, ric_chain_block(c, 0), D, g);
     arb_mat_clear(B);
     arb_mat_clear(D);
@@ -279,7 +302,7 @@ static void put_end(const ric_enclosure *e, const ric_chain *c, ric_equation_gro
     ric_equation_flight(e, c->phase[c->m - 1], block, block + 2 * n, D, flown);
     if (ric_chain_general(c)) put_closure(e, c, D, flown, g);
     else {
-        ric_equation_mirror(e, c->end, c->face[c->m], B, gap);
+        ric_equation_mirror(e, c, true, B, gap);
         put_mirror(e, B, gap, flown, D, g);
     }
     arb_mat_clear(D);
@@ -316,7 +339,7 @@ void ric_equation_evaluate(ric_equations *q, const ric_chain *c, const ric_enclo
 /* -------------------------------------------------------------------- slack */
 
 /* What a row of the group makes of an error of the flown state, at most: impacts turn it, mirror
- * rows are as long as a normal. */
+ * rows are as long as a normal, or as two rows of the modes. */
 static void bound_turned(const ric_chain *c, const ric_enclosure *e, bool inner, arb_t out)
 {
     arb_one(out);
@@ -326,6 +349,7 @@ static void bound_turned(const ric_chain *c, const ric_enclosure *e, bool inner,
         arb_add_ui(out, out, 2, e->prec);
     } else if (c->end == RIC_CHAIN_IMPACT)
         arb_add(out, out, e->cc + e->wall[c->face[c->m]].contact, e->prec);
+    else if (c->end == RIC_CHAIN_TWIN) arb_addmul_ui(out, e->spread, 2, e->prec);
 }
 
 static void loosen_rows(ric_equation_group *g, slong rows, const arb_t error)
@@ -459,7 +483,7 @@ static void second_of_block(ric_equations *q, const ric_chain *c, const ric_encl
     ric_equation_bend(&(ric_equation_span){e, c->phase[k], w, w + 2 * n}, D, v, second);
     if (last && ric_chain_general(c)) second_of_closure(e, c, D, second, along, g);
     else if (last) {
-        ric_equation_mirror(e, c->end, c->face[c->m], B, gap);
+        ric_equation_mirror(e, c, true, B, gap);
         arb_mat_mul(g->J, B, second, e->prec);
     } else {
         reflect_columns(e, c->face[k + 1], second);

@@ -63,9 +63,9 @@ typedef struct {
  * open, by (w, tau), out [2n * 2n + 1]; D: the first ones, of ric_equation_flight. */
 void ric_equation_bend(const ric_equation_span *f, const arb_mat_t D, arb_srcptr along,
                        arb_mat_t out);
-/* The n conditions of a mirror point as rows on (q, p): B [n * 2n]; `gap` is what the first one of
- * an impact equals. */
-void ric_equation_mirror(const ric_enclosure *e, ric_chain_end kind, int face, arb_mat_t B,
+/* The n conditions of the mirror point that a chain begins with, or ends with, as rows on (q, p):
+ * B [n * 2n]; `gap` is what the first one of an impact equals. */
+void ric_equation_mirror(const ric_enclosure *e, const ric_chain *chain, bool last, arb_mat_t B,
                          arb_t gap);
 
 #endif

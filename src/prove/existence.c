@@ -330,10 +330,11 @@ static void bound_flight(const ric_enclosure *e, arb_srcptr w, const arb_t r, bl
 }
 
 /* The norm of the rows that a chain ends with: those of an impact are c and 2 n - 2 numbers of it
- * in the others. */
+ * in the others; those of an image are sums and differences of two rows of the modes. */
 static void bound_rows(const problem *p, arb_t out)
 {
     arb_one(out);
+    if (p->c->end == RIC_CHAIN_TWIN) arb_addmul_ui(out, p->e->spread, 2, p->e->prec);
     if (p->c->end != RIC_CHAIN_IMPACT) return;
     arb_mul_ui(out, p->e->cc + p->e->wall[p->c->face[p->c->m]].contact, (ulong)(2 * p->c->n),
                p->e->prec);

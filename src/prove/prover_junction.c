@@ -11,7 +11,7 @@
 #include "passage.h"
 #include "prover_junction.h"
 #include "story.h"
-#include "twins.h"
+#include "twin_chain.h"
 
 enum { MOST_QUESTIONS = 4 };
 
@@ -494,6 +494,24 @@ static int ask_itself(const ric_junction *row, const ric_chain *c, const ric_enc
     return row->kind == RIC_KIND_GRAZING ? ask_nearest(c, e, ask) : ask_inside(row, c, ask);
 }
 
+/* A grazing that touches stops at different times, of which a permutation of the structure and the
+ * way back make one touch. */
+static void on_twins(const ric_enclosure *e, const ric_junction *row, const ric_chain *general,
+                     ric_augmented *x, ric_junction_proof *out)
+{
+    const ric_twin *twin;
+    for (int i = 0; out->state != RIC_PROOF_DONE && (twin = ric_twins_get(e->twins, e->model, i));
+         i++) {
+        ric_augmented_question ask;
+        ric_chain c;
+        if (ric_twin_chain_create(&c, general, e, twin) && ask_nearest(&c, e, &ask)) {
+            ric_augmented_free(x);
+            if (prove_at(row, &c, e, &ask, x, out)) out->state = RIC_PROOF_DONE;
+        }
+        ric_chain_free(&c);
+    }
+}
+
 /* By what is stored of the junction itself. Of a grazing that is its orbit without touches: in a
  * class with more mirrors than those of the branches that end there, or gone through once where
  * they go through it several times, several touches are one. Of all others it is that of a branch
@@ -515,6 +533,7 @@ static void on_itself(const ric_enclosure *e, const ric_junction *row, ric_augme
             ric_augmented_free(x);
             if (prove_at(row, &c, e, &ask[i], x, out)) out->state = RIC_PROOF_DONE;
         }
+        if (made && !kind && row->kind == RIC_KIND_GRAZING) on_twins(e, row, &c, x, out);
         ric_chain_free(&c);
     }
     out->branch = row->n_branch > 0 ? row->branches[0] : 0;

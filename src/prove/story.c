@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/room.h"
+#include "twin_chain.h"
 
 /* Speed of an impact over 1 + that of the motion: a junction is solved to much more. */
 #define TOUCH 1e-6
@@ -39,21 +40,32 @@ static void negate(const ric_story *s, ric_moment *m)
     _arb_vec_neg(m->w, m->w, 2 * s->n);
 }
 
+/* Under x -> -x, or the permutation of the chain. */
+static void imagine(const ric_story *s, const ric_chain *c, ric_moment *m)
+{
+    if (!c->twin) {
+        negate(s, m);
+        return;
+    }
+    if (m->face >= 0) m->face = c->twin->face[m->face];
+    ric_twin_chain_image(s->e, c->twin, m->w);
+}
+
 /* All that was told once more as its image, half a period later. */
-static void add_image(ric_story *s)
+static void add_image(ric_story *s, const ric_chain *c)
 {
     arb_t time;
     arb_init(time);
     for (int i = 0, last = s->count; i < last; i++) {
         arb_mul_2exp_si(time, s->period, -1);
         arb_add(time, time, s->at[i].time, s->e->prec);
-        negate(s, add(s, &s->at[i], time, s->at[i].w));
+        imagine(s, c, add(s, &s->at[i], time, s->at[i].w));
     }
     arb_clear(time);
 }
 
 /* The way back from the mirror point at the end, without that itself and the beginning. */
-static void add_back(ric_story *s, int first, const arb_t end, bool centre)
+static void add_back(ric_story *s, const ric_chain *c, int first, const arb_t end)
 {
     arb_t time;
     arb_init(time);
@@ -62,7 +74,7 @@ static void add_back(ric_story *s, int first, const arb_t end, bool centre)
         arb_sub(time, time, s->at[i].time, s->e->prec);
         ric_moment *m = add(s, &s->at[i], time, s->at[i].w);
         turn(s, m);
-        if (centre) negate(s, m);
+        if (ric_chain_turned(c->end)) imagine(s, c, m);
     }
     arb_clear(time);
 }
@@ -97,13 +109,14 @@ void ric_story_free(ric_story *s)
     s->at = NULL;
 }
 
-static void fly_last(const ric_enclosure *e, const ric_chain *c, arb_srcptr block, arb_ptr flown)
+/* Along flight k, with what is left open of it. */
+static void fly(const ric_enclosure *e, const ric_chain *c, int k, arb_srcptr block,
+                const arb_t time, arb_ptr flown)
 {
-    const ric_phase *phase = c->phase[c->m - 1];
     arb_t slack;
     arb_init(slack);
-    ric_chain_fly(e, phase, block, block + 2 * e->n, flown);
-    ric_chain_slack(e, phase, block, block + 2 * e->n, slack);
+    ric_chain_fly(e, c->phase[k], block, time, flown);
+    ric_chain_slack(e, c->phase[k], block, time, slack);
     for (slong i = 0; i < 2 * e->n; i++) arb_add_error(flown + i, slack);
     arb_clear(slack);
 }
@@ -115,9 +128,10 @@ static void add_end(ric_story *s, const ric_chain *c, arb_srcptr block, arb_srcp
     const ric_enclosure *e = s->e;
     arb_ptr flown = _arb_vec_init(2 * s->n);
     if (before) _arb_vec_set(flown, before, 2 * s->n);
-    else fly_last(e, c, block, flown);
+    else fly(e, c, c->m - 1, block, block + 2 * s->n, flown);
     if (c->face[c->m] >= 0) ric_chain_reflect(e, c->face[c->m], flown + s->n);
-    add(s, &(ric_moment){.face = c->face[c->m], .touch = touch, .mirror = true}, time, flown);
+    const bool mirror = c->end != RIC_CHAIN_TWIN;
+    add(s, &(ric_moment){.face = c->face[c->m], .touch = touch, .mirror = mirror}, time, flown);
     _arb_vec_clear(flown, 2 * s->n);
 }
 
@@ -168,7 +182,7 @@ static void add_touch(ric_story *s, const ric_chain *c, const ric_story_touch *t
     arb_ptr flown = _arb_vec_init(2 * s->n);
     arb_t at;
     arb_init(at);
-    ric_chain_fly(s->e, c->phase[touch->flight], block, touch->time, flown);
+    fly(s->e, c, touch->flight, block, touch->time, flown);
     arb_add(at, time, first ? at : last ? block + 2 * s->n : touch->time, s->e->prec);
     for (int k = first; k < (spring ? 2 - last : 1); k++)
         add(s,
@@ -191,7 +205,7 @@ static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr befo
         const ric_moment here = {.face = c->face[k],
                                  .opens = ric_chain_opens(c, e, k),
                                  .touch = touch && k == touch->impact,
-                                 .mirror = !general && k == 0};
+                                 .mirror = !general && k == 0 && c->start != RIC_CHAIN_TWIN};
         add(s, &here, time, block);
         if (touch && touch->flight == k) add_touch(s, c, touch, block, time);
         if (touch && touch->flight == k && touches_first(c, touch))
@@ -205,10 +219,10 @@ static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr befo
         const arb_srcptr block = u + (slong)(c->m - 1) * c->size;
         const bool last = touch && touch->flight >= 0 && touches_last(c, touch, block);
         if (last && !e->wall[touch->face].closes) make_impact(&s->at[s->count - 1], touch->face);
-        add_back(s, together, time, c->end == RIC_CHAIN_CENTRE);
+        add_back(s, c, together, time);
     }
     s->symmetric = ric_chain_symmetric(c);
-    if (ric_chain_symmetric(c)) add_image(s);
+    if (ric_chain_halved(c)) add_image(s, c);
     arb_clear(time);
 }
 
