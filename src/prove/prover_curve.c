@@ -142,8 +142,25 @@ static bool leaves(const ric_junction *row)
     return row->kind == RIC_KIND_BRANCH_POINT || row->kind == RIC_KIND_MULTIPLICATION;
 }
 
+/* A grazing at an end: what is proved of it by any branch, or in the class of this one. */
+static ric_status place_grazing(tracing *t, int i, const ric_junction *row, bool own, ric_node *a)
+{
+    ric_augmented x = {0};
+    ric_junction_proof proof = {.state = RIC_PROOF_NONE};
+    ric_status status = own ? ric_prover_junction_end(&t->w, row, i > 0, &x, &proof)
+                            : ric_prover_junction_find(t->p, row, 0, &x, &proof);
+    if (!status && proof.state == RIC_PROOF_DONE) {
+        ric_story story;
+        ric_prover_junction_tell(&x, &story);
+        status = cut_end(t, i, &story, a);
+        ric_story_free(&story);
+    }
+    ric_augmented_free(&x);
+    return status;
+}
+
 /* The orbit of a junction at an end, in the class of the branch: a grazing, or a little beyond
- * where it leaves. */
+ * where it leaves. A grazing may lack mirrors in the class of another branch that this one has. */
 static ric_status place_end(tracing *t, int i, ric_node *a)
 {
     ric_junction row;
@@ -152,14 +169,10 @@ static ric_status place_end(tracing *t, int i, ric_node *a)
     ric_status status = ric_atlas_junction(t->p->atlas, i ? t->w.branch.to : t->w.branch.from,
                                            &row);
     a->why = "the junction at its end is not proved";
-    if (!status && (row.kind == RIC_KIND_GRAZING || leaves(&row)))
-        status = ric_prover_junction_find(t->p, &row, 0, &x, &proof);
-    if (!status && proof.state == RIC_PROOF_DONE && row.kind == RIC_KIND_GRAZING) {
-        ric_story story;
-        ric_prover_junction_tell(&x, &story);
-        status = cut_end(t, i, &story, a);
-        ric_story_free(&story);
-    } else if (!status && proof.state == RIC_PROOF_DONE) status = place_first(t, i, &x, a);
+    for (int own = 0; own < 2 && !status && row.kind == RIC_KIND_GRAZING && !a->c.u; own++)
+        status = place_grazing(t, i, &row, own, a);
+    if (!status && leaves(&row)) status = ric_prover_junction_find(t->p, &row, 0, &x, &proof);
+    if (!status && proof.state == RIC_PROOF_DONE) status = place_first(t, i, &x, a);
     ric_augmented_free(&x);
     return status;
 }

@@ -325,28 +325,41 @@ static ric_status compare_at(ric_walk *w, int i, const ric_junction *row, const 
     return RIC_OK;
 }
 
+/* What is proved of the junction, by any branch or in the class of this one, against point i. */
+static ric_status look_at(ric_prover *p, ric_walk *w, int i, const ric_junction *row, bool own,
+                          ric_proof *out)
+{
+    ric_augmented x = {0};
+    ric_junction_proof proof = {.state = RIC_PROOF_NONE};
+    ric_status status = own ? ric_walk_class(w) : RIC_OK;
+    if (!own) status = ric_prover_junction_find(p, row, 0, &x, &proof);
+    else if (!status && w->like.u) status = ric_prover_junction_end(w, row, i > 0, &x, &proof);
+    if (!status && proof.state == RIC_PROOF_DONE) {
+        ric_proof found = *out;
+        status = compare_at(w, i, row, &x, &proof, &found);
+        if (!status && found.state == RIC_PROOF_DONE) *out = found;
+    }
+    ric_augmented_free(&x);
+    return status;
+}
+
+/* A corner has two orders; a grazing may lack mirrors in the class of another branch that this one
+ * has. */
 ric_status ric_prover_at_junction(ric_prover *p, const ric_branch *branch, int i, ric_proof *out)
 {
     ric_walk w;
     ric_point stored;
     ric_junction row;
-    ric_augmented x = {0};
-    ric_junction_proof proof = {.state = RIC_PROOF_NONE};
     ric_status status = ric_atlas_point(p->atlas, branch->id, i, &stored, NULL, NULL);
     const int junction = status ? 0 : junction_of(branch, i, stored.arclength);
     if (!junction || !p->at[0].good) return status;
     status = ric_walk_open(&w, p, branch->id, 0);
     if (!status) status = ric_atlas_junction(p->atlas, junction, &row);
-    if (!status && row.kind == RIC_KIND_CORNER) {
-        status = ric_walk_class(&w);
-        if (!status && w.like.u) status = ric_prover_junction_end(&w, &row, i > 0, &x, &proof);
-    } else if (!status) status = ric_prover_junction_find(p, &row, 0, &x, &proof);
-    if (!status && proof.state == RIC_PROOF_DONE) {
-        ric_proof found = *out;
-        status = compare_at(&w, i, &row, &x, &proof, &found);
-        if (!status && found.state == RIC_PROOF_DONE) *out = found;
-    }
-    ric_augmented_free(&x);
+    const bool corner = !status && row.kind == RIC_KIND_CORNER,
+               grazes = !status && row.kind == RIC_KIND_GRAZING && branch->letters > 0;
+    if (!status && !corner) status = look_at(p, &w, i, &row, false, out);
+    if (!status && (corner || grazes) && out->state != RIC_PROOF_DONE)
+        status = look_at(p, &w, i, &row, true, out);
     ric_walk_close(&w);
     return status;
 }

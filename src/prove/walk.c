@@ -21,6 +21,7 @@ ric_status ric_walk_class(ric_walk *w)
 {
     ric_point stored;
     const ric_status status = ric_walk_point(w, w->branch.n_point / 2, &stored);
+    ric_chain_free(&w->like);
     if (!status) ric_chain_create(&w->like, w->e, &w->branch, w->state, w->state + 2 * w->e->n_dof);
     return status;
 }
