@@ -370,8 +370,8 @@ ric_status ric_model_create_near(const ric_model *near, int n_dof, const double 
         m->law = contacts[i].law > m->law ? contacts[i].law : m->law;
     m->restitution = restitution;
     const bool taken = near && ric_modes_take(m, near);
-    if (taken && !m->n_part) status = ric_no_memory("a model");
-    if (status || (!taken && (status = ric_modes_find(m)))) goto out;
+    if (!taken && (status = ric_modes_find(m))) goto out;
+    if ((status = ric_modes_see(m))) goto out;
     if (near && !taken && (status = ric_modes_orient(m, near))) goto out;
     if ((status = allocate_scaled(m))) goto out;
     scale_modes(m);

@@ -12,6 +12,9 @@
 
 /* A modal normal below this fraction of |c_f| is rounding: the mode is not seen by the contact. */
 #define UNSEEN 1e-12
+/* Of c.c: beyond it, and below its inverse, squares and products of three leave what a double can
+ * hold. */
+#define EXTREME 1e100
 /* Frequencies closer than this (relative, in omega^2) may count as equal, where rounding of the
  * entries of M and K makes as much: their eigenvectors are not determined by M and K. */
 #define EQUAL 1e-11
@@ -285,7 +288,7 @@ static void fix_signs(ric_model *m)
     }
 }
 
-static void find_seen(ric_model *m)
+static ric_status find_seen(ric_model *m)
 {
     int n = m->n_dof;
     for (int f = 0; f < m->n_contact; f++) {
@@ -296,12 +299,18 @@ static void find_seen(ric_model *m)
             m->normal[f * n + i] = c;
             cc += c * c;
         }
+        if (!(cc >= 1 / EXTREME && cc <= EXTREME))
+            return ric_fail(RIC_E_INPUT,
+                            "contact %d: c.c = b M^-1 b is %.3g, and %g to %g are taken; choose "
+                            "another unit of mass, or divide normal and clearance by one number",
+                            f + 1, cc, 1 / EXTREME, EXTREME);
         for (int i = 0; i < n; i++) {
             if (fabs(m->normal[f * n + i]) <= UNSEEN * sqrt(cc)) m->normal[f * n + i] = 0;
             else m->seen[i] = true;
         }
     }
     for (int i = 0; i < n; i++) m->n += m->seen[i];
+    return RIC_OK;
 }
 
 /* Groups of modes that no contact joins vibrate independently: several conserved energies, no
@@ -343,9 +352,7 @@ ric_status ric_modes_find(ric_model *m)
     if (!status) status = separate_equal(m);
     if (status) return status;
     fix_signs(m);
-    find_seen(m);
-    m->n_part = count_parts(m);
-    return m->n_part ? RIC_OK : ric_no_memory("a model");
+    return RIC_OK;
 }
 
 bool ric_modes_distinct(const ric_model *m)
@@ -366,9 +373,15 @@ bool ric_modes_take(ric_model *m, const ric_model *same)
     memcpy(m->frequency, same->frequency, n * sizeof *m->frequency);
     memcpy(m->frequency_low, same->frequency_low, n * sizeof *m->frequency_low);
     memcpy(m->Phi, same->Phi, square);
-    find_seen(m);
-    m->n_part = count_parts(m);
     return true;
+}
+
+ric_status ric_modes_see(ric_model *m)
+{
+    ric_status status = find_seen(m);
+    if (status) return status;
+    m->n_part = count_parts(m);
+    return m->n_part ? RIC_OK : ric_no_memory("a model");
 }
 
 #define SAME_SHAPE                                                                                 \

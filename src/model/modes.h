@@ -6,16 +6,19 @@
 #include "model.h"
 
 /* K phi = lambda M phi: frequencies (rigid-body modes have exactly 0) with what rounding took from
- * them, shapes, modal normals, seen modes and their number n, and n_part of a model with its raw
- * data. Modes whose frequencies rounding of the matrices alone tells apart have one, to the last
- * bit, and the basis in which most are unseen; every shape has its largest component positive.
- * O(n_dof^3). */
+ * them, and shapes of a model with its raw data. Modes whose frequencies rounding of the matrices
+ * alone tells apart have one, to the last bit, and the basis in which most are unseen; every shape
+ * has its largest component positive. O(n_dof^3). */
 ric_status ric_modes_find(ric_model *model);
 
 /* The same for a model with the mass and stiffness of another one, whose modes it takes: of one
  * frequency none are, as their basis depends on the contacts. False: they are not alike, and
  * nothing is done. */
 bool ric_modes_take(ric_model *model, const ric_model *same);
+
+/* Of a model with its modes: modal normals, seen modes and their number n, and n_part. A contact
+ * whose c.c is beyond what doubles can square is refused. */
+ric_status ric_modes_see(ric_model *model);
 /* Whether no two modes have one frequency. */
 bool ric_modes_distinct(const ric_model *model);
 

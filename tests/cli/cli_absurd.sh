@@ -56,6 +56,12 @@ study fast "$mass" "$spring" "$(contact '[-1, 1]' 1)" "energy: [0, 20], frequenc
 ok "a frequency window with nothing in it" ends 0 "2 branches" run "$folder/fast.yaml"
 study unseen '[[1, 0, 0], [0, 1, 0], [0, 0, 1]]' '[[2, 0, 0], [0, 3, 0], [0, 0, 1.0e12]]' "$(contact '[0, 0, 1]' 1)" "$window, frequency: [10, 1.0e7]"
 ok "the only mode that is seen lies far above" ends 0 "3 branches" run "$folder/unseen.yaml"
+for normal in 1.0e+200 1.0e-200; do
+    study "n$normal" "$mass" "$spring" "$(contact "[$normal, $normal]" 1)" "$window"
+    ok "a normal of $normal" ends 2 "contact 1: c.c = .* divide normal and clearance by one number" run "$folder/n$normal.yaml"
+done
+study light '[[1.0e-320, 0], [0, 1.0e-320]]' "$spring" "$(contact '[-1, 1]' 1)" "$window"
+ok "masses that are no more than rounding" ends 2 "contact 1: c.c = .* choose another unit of mass" run "$folder/light.yaml"
 study faint '[[1, 0], [0, 1]]' '[[2, 0], [0, 3]]' "$(contact '[1, 1.0e-15]' 1)" "$window"
 ok "a mode seen at rounding level" ends 0 branches run "$folder/faint.yaml"
 ok "is said to be unseen" grep -q "no contact sees" <("$ricochet" branches "$folder/faint.ricochet" --csv)
