@@ -549,13 +549,16 @@ static int draw_panels(fep *f, double legend, bool final, int *missing)
 static void report_idle(const fep *f)
 {
     const double unit = f->panels[0].y.unit;
+    const double low = f->idle[0] * unit, high = f->idle[1] * unit;
     const bool one = f->n_idle == 1;
+    char where[64];
     if (f->n_idle == 0 || f->options->has_frequency) return;
-    cli_say("ricochet: %d linear mode%s no contact in the windows and %s not shown, at %g to %g "
-            "%s; --frequency shows "
-            "%s\n",
-            f->n_idle, one ? " touches" : "s touch", one ? "is" : "are", f->idle[0] * unit,
-            f->idle[1] * unit, f->options->common->hertz ? "Hz" : "rad/s", one ? "it" : "them");
+    if (one) snprintf(where, sizeof where, "%g", low);
+    else snprintf(where, sizeof where, "%g to %g", low, high);
+    cli_say("ricochet: %d linear mode%s no contact in the windows and %s not shown, at %s %s; "
+            "--frequency shows %s\n",
+            f->n_idle, one ? " touches" : "s touch", one ? "is" : "are", where,
+            f->options->common->hertz ? "Hz" : "rad/s", one ? "it" : "them");
 }
 
 static int draw(fep *f)

@@ -255,6 +255,9 @@ static bool sample_flight(plot_motion *o, const modal *m, double begin, double l
     return true;
 }
 
+/* Part of a flight at its end: stored times of flight are known better. */
+#define END 1e-10
+
 static bool touches_of_flight(plot_motion *o, const modal *m, double begin, double length,
                               double *work)
 {
@@ -264,10 +267,12 @@ static bool touches_of_flight(plot_motion *o, const modal *m, double begin, doub
      * earlier. */
     const double shift = o->impacts ? 0 : -length / n / 2;
     for (int contact = 0; contact < ric_model_n_contact(o->model); contact++)
-        for (int i = 0; i < n; i++)
-            if (!find_touches(o, m, contact, begin, shift + length * i / n,
-                              shift + length * (i + 1) / n, work))
+        for (int i = 0; i < n; i++) {
+            /* At the end a simulator may have reflected the motion: no extremum, but the impact. */
+            const double to = i + 1 < n || !m->springs ? length * (i + 1) / n : length * (1 - END);
+            if (!find_touches(o, m, contact, begin, shift + length * i / n, shift + to, work))
                 return false;
+        }
     return true;
 }
 

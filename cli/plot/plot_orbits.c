@@ -243,10 +243,28 @@ typedef struct {
     int rows;
     double width, height; /* of a cell */
     double head, foot;    /* of it, beside the panels themselves */
-    double portrait;      /* width of one, with its numbers; 0: none */
+    double numbers;       /* room left of a portrait for its numbers and title */
+    double portrait;      /* width of one, with that; 0: none */
 } grid;
 
 enum { LEFT = 60, RIGHT = 12, FOOT = 24, TITLE = 22, LEGEND = 26 };
+/* Beside the numbers of an axis: its title, and what keeps that from the panel before. */
+enum { TITLED = 33 };
+
+/* Speeds of a structure in seconds may have four digits. */
+static double portrait_numbers(const orbits_figure *f, double height)
+{
+    double widest = 0;
+    for (int i = 0; i < f->n; i++)
+        for (int k = 0; k < f->n_shown; k++) {
+            double x[2], v[2];
+            ranges(f, i, f->shown[k], x, v);
+            plot_axis axis = plot_axis_linear(v[0], v[1], 0, height);
+            axis.unit = plot_units_of(f->common, f->panels[i].choice.motion.model).length;
+            widest = fmax(widest, plot_axis_widest(&axis));
+        }
+    return fmax(LEFT, widest + TITLED);
+}
 
 /* Portraits are square; the history has what is left of the row. */
 static grid make_grid(const orbits_figure *f)
@@ -264,7 +282,9 @@ static grid make_grid(const orbits_figure *f)
         g.height = (plot_layout_height(f->common, top + TITLE + g.rows * (usual + g.head + FOOT)) -
                     top - TITLE) /
                    g.rows;
-        g.portrait = f->histories ? 0 : g.height - g.head - FOOT + LEFT + 4;
+        const double side = g.height - g.head - FOOT;
+        g.numbers = portrait_numbers(f, side);
+        g.portrait = f->histories ? 0 : side + g.numbers + 4;
         lines = 1;
         for (int i = 0; i < f->n; i++) {
             const caption c = make_caption(f, i, g.width - LEFT - RIGHT - g.portrait * f->n_shown);
@@ -282,9 +302,9 @@ static void draw_cell(orbits_figure *f, const grid *g, int i, double left, doubl
     const bool last = i + columns >= f->n;
     draw_history(f, i, (plot_box){left + LEFT, bottom, right, upper}, last);
     for (int k = 0; !f->histories && k < f->n_shown; k++) {
-        const double from = right + LEFT + k * g->portrait;
-        draw_portrait(f, i, f->shown[k], (plot_box){from, bottom, from + g->portrait - LEFT, upper},
-                      last);
+        const double from = right + g->numbers + k * g->portrait,
+                     to = right + (k + 1) * g->portrait;
+        draw_portrait(f, i, f->shown[k], (plot_box){from, bottom, to, upper}, last);
     }
 }
 

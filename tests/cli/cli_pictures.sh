@@ -41,6 +41,26 @@ times = {line[0][0] for line in p.lines["grid"]}
 check(len(times) == 6, times) # 0 closing stop, -1, 2, its opening, 1, and the stop again
 END
 
+untouched() { # BRANCH...
+    local branch
+    for branch; do
+        for point in 3 6 9 12; do
+            draw untouched orbit "$folder/mixed.ricochet" --branch "$branch" --point $point || return 1
+            ! grep '>touch<' "$folder/untouched.svg" || return 1
+        done
+    done
+}
+ok 'the impact at the end of a flight is no touch besides' untouched 3 7
+sed -e 's/energy: .*/energy: [0, 5.0e+6]/; s/frequency: .*/frequency: [200, 10000]/; s/\[\[9, -1\], \[-1, 1\]\]/[[9.0e+6, -1.0e+6], [-1.0e+6, 1.0e+6]]/' \
+    -e '/^names:/,$d' examples/elementary/study.yaml >"$folder/quick.yaml"
+atlas quick "$folder/quick.yaml"
+ok 'speeds of four digits in portraits' draw quick orbits "$folder/quick.ricochet" --branch 'S2+[01]'
+ok 'and their titles stay out of the panel before' sees quick <<'END'
+right = max(x for line in p.lines["grid"] for x, y in line) # the end of the period
+titles = [x for x, y, text, size in p.texts if text == "v_1"]
+check(p.has("1000") and len(titles) == 5 and min(titles) > right + 12, titles, right)
+END
+
 # --------------------------------------------------------------------- axes
 ok 'a large picture' draw large fep "$folder/two.ricochet" --size 2400x1680 --labels none --linear-frequency
 ok 'has tics and numbers up to the end of its axis' sees large <<'END'
