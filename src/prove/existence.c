@@ -7,12 +7,14 @@
 #include "factor.h"
 
 enum {
-    NEWTON = 8,  /* steps at most */
-    POWER = 4,   /* steps of the inverse iteration for the least singular value */
-    ALPHAS = 6,  /* bounds of it that are tried, each an eighth of the one before */
-    DENSE = 400, /* unknowns of a matrix that is not taken apart */
-    DOMAIN = -3, /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a
-                    turn of a mode */
+    NEWTON = 8,   /* steps at most */
+    POWER = 4,    /* steps of the inverse iteration for the least singular value */
+    ALPHAS = 6,   /* bounds of it that are tried, each an eighth of the one before */
+    DENSE = 400,  /* unknowns of a matrix that is not taken apart */
+    WEIGHTS = 24, /* weights of the unknowns that are tried in it */
+    NARROW = -9,  /* 2^-9 of what all have moved by: the least radius of a box that is narrow */
+    DOMAIN = -3,  /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a
+                     turn of a mode */
 };
 
 typedef struct {
@@ -479,40 +481,71 @@ static void evaluate_box(problem *p, const ric_chain *box, arb_mat_t J)
     _arb_vec_set(arb_mat_entry(J, n - 1, (slong)box->at * box->size), box->row, box->size);
 }
 
-/* That no other orbit is near, number by number: bounds of norms are too coarse where frequencies
- * are far apart. With any C, Z b < b on a box of radii b leaves no two zeros in it (contraction.h).
- * Dense, so only for what is not large. */
-static bool alone_in_box(problem *p, ric_existence *x)
+/* Whether a box around the centre, whose radii are the weights of k, holds no other orbit. With any
+ * C and Z >= |1 - C D| on it two zeros in it differ by at most Z times what they differ by, number
+ * by number: by nothing, if Z b < b for weights b > 0, which need not be the radii. */
+static bool box_is_alone(problem *p, ric_contraction *k)
 {
-    const ric_chain *c = p->c;
-    const slong count = (slong)c->m * c->size, n = count + ric_chain_general(c);
-    const double radius = 2 * x->shift;
-    if (n > DENSE || !(radius > 0) || !isfinite(radius)) return false;
-    ric_contraction k;
     ric_chain box;
     arb_mat_t J;
-    mag_t r;
-    mag_init(r);
-    mag_set_d(r, radius);
-    arb_mat_init(J, n, n);
-    ric_chain_copy(&box, c);
-    ric_contraction_create(&k, n, p->e->prec);
+    bool alone = false;
+    arb_mat_init(J, k->n, k->n);
+    ric_chain_copy(&box, p->c);
+    for (slong i = 0; i < k->n; i++) arb_add_error_mag(box.u + i, k->b + i);
     evaluate_box(p, &box, J);
-    bool alone = ric_contraction_invert(&k, J);
-    for (slong i = 0; i < n; i++) arb_add_error_mag(box.u + (i < count ? i : count), r);
-    for (slong i = 0; i < n; i++) mag_set(k.b + i, r);
-    evaluate_box(p, &box, J);
-    ric_contraction_defect(&k, J);
-    alone = alone && ric_contraction_holds(&k);
-    if (alone) arb_set_d(x->unique, radius);
-    arb_mat_clear(J);
-    mag_clear(r);
+    ric_contraction_defect(k, J);
+    for (int i = 0; i < WEIGHTS && !alone; i++) alone = ric_contraction_holds(k);
     ric_chain_free(&box);
-    ric_contraction_free(&k);
+    arb_mat_clear(J);
     return alone;
 }
 
-static const char *prove(problem *p, ric_existence *x)
+/* Radii of at least `least`, and at least twice what each number has moved by from `start`. */
+static void lay_radii(const problem *p, ric_contraction *k, arb_srcptr start, double least)
+{
+    const slong count = (slong)p->c->m * p->c->size;
+    arb_t moved;
+    mag_t twice;
+    arb_init(moved);
+    mag_init(twice);
+    for (slong i = 0; i < k->n; i++) {
+        mag_set_d(k->b + i, least);
+        if (i == count || !start) continue;
+        arb_sub(moved, p->c->u + i, start + i, p->e->prec);
+        arb_get_mag(twice, moved);
+        mag_mul_2exp_si(twice, twice, 1);
+        mag_max(k->b + i, k->b + i, twice);
+    }
+    arb_clear(moved);
+    mag_clear(twice);
+}
+
+/* That no other orbit is near, number by number: bounds of norms are too coarse where frequencies
+ * are far apart. The first box has one radius, the other one is as narrow as what is stored allows.
+ * Dense, so only for what is not large. start [m * size]: the centre as it was stored. */
+static bool alone_in_box(problem *p, ric_existence *x, arb_srcptr start)
+{
+    const slong n = (slong)p->c->m * p->c->size + ric_chain_general(p->c);
+    const double radius[2] = {2 * x->shift, ldexp(x->shift, NARROW)};
+    if (n > DENSE || !(radius[1] > 0) || !isfinite(radius[0])) return false;
+    ric_contraction k;
+    arb_mat_t J;
+    arb_mat_init(J, n, n);
+    ric_contraction_create(&k, n, p->e->prec);
+    evaluate_box(p, p->c, J);
+    bool alone = ric_contraction_invert(&k, J), done = false;
+    for (int i = 0; i < 2 && alone && !done; i++) {
+        lay_radii(p, &k, i ? start : NULL, radius[i]);
+        done = arf_cmp_d(arb_midref(x->exists), radius[i]) < 0 && box_is_alone(p, &k);
+        if (done) arb_set_d(x->unique, radius[i]);
+    }
+    arb_mat_clear(J);
+    ric_contraction_free(&k);
+    return done;
+}
+
+/* start [m * size]: the centre as it is stored. */
+static const char *prove(problem *p, ric_existence *x, arb_srcptr start)
 {
     arb_t least;
     if (!find_plane(p)) return "the equations are singular there: a junction";
@@ -523,7 +556,7 @@ static const char *prove(problem *p, ric_existence *x)
                       : !conclude(p, x, least)
                           ? "the equations are too near to singular for what is left of them"
                           : NULL;
-    x->identified = !why && (identifies(x) || alone_in_box(p, x));
+    x->identified = !why && (identifies(x) || alone_in_box(p, x, start));
     arb_clear(least);
     return why;
 }
@@ -535,7 +568,11 @@ const char *ric_existence_prove(ric_existence *x, ric_chain *c, const ric_enclos
     ric_factor_create(&p.f, c, e->prec);
     p.x = flint_calloc((size_t)c->m, sizeof *p.x);
     for (int k = 0; k < c->m; k++) arb_mat_init(p.x[k], ric_chain_width(c, k), 1);
-    const char *why = prove(&p, x);
+    const slong count = (slong)c->m * c->size;
+    arb_ptr start = _arb_vec_init(count);
+    _arb_vec_set(start, c->u, count);
+    const char *why = prove(&p, x, start);
+    _arb_vec_clear(start, count);
     for (int k = 0; k < c->m; k++) arb_mat_clear(p.x[k]);
     flint_free(p.x);
     ric_factor_free(&p.f);

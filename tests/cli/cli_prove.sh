@@ -205,6 +205,13 @@ cp examples/beam-lumped/*.mtx "$folder/lumped"
 sed 's/depth: 6/depth: 2/; s/impacts: 8/impacts: 2/; s/start: \[1, 2, 3\]/start: [1, 2]/' examples/beam-lumped/study.yaml >"$folder/lumped/study.yaml"
 "$ricochet" run "$folder/lumped/study.yaml" -o "$folder/lumped.ricochet" --quiet
 ok 'orbits of twenty modes are told apart' bash -c 'for i in 2 25; do "$0" prove "$1" --branch 5 --point $i 2>&1 | grep -q "^1 of 1" || exit 1; done' "$ricochet" "$folder/lumped.ricochet"
+# Chains without mirrors have larger numbers in their inverse: weights of the unknowns that are not the radii of the box.
+sed 's/depth: 6/depth: 2/; s/impacts: 8/impacts: 3/; s/start: \[1, 2, 3\]/start: [1]/; s/energy: \[0, 100\]/energy: [0, 24]/' examples/beam-lumped/study.yaml >"$folder/lumped/study.yaml"
+"$ricochet" run "$folder/lumped/study.yaml" -o "$folder/lumped.ricochet" --quiet
+ok 'so are those without mirrors' bash -c 'for i in 1 3; do "$0" prove "$1" --branch 4 --point $i 2>&1 | grep -q "^1 of 1" || exit 1; done' "$ricochet" "$folder/lumped.ricochet"
+# The point behind its branch point, in a box that is wide along what rounding moves alone
+"$ricochet" run examples/symmetric-path/study.yaml -o "$folder/path.ricochet" --quiet
+ok 'a point right behind a branch point' bash -c '"$0" prove "$1" --branch 37 --point 1 | grep -q "^1 of 1"' "$ricochet" "$folder/path.ricochet"
 
 # One of its branches ends where a gap touches in flight, and another one goes on from there with an impact.
 "$ricochet" run examples/corner/study.yaml -o "$folder/corner.ricochet" --quiet
