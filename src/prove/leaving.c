@@ -6,8 +6,9 @@
 #include "passage.h"
 #include "story.h"
 
-/* NEAR: the stored orbit is that near to the junction, to be cut at the same places */
-#define NEAR 1e-5
+/* NEAR: the chord beside it is that near to the junction, to be cut at the same places: what is
+ * found there is proved, and joined with the orbits on both sides */
+#define NEAR 1e-3
 /* CONVERGED: step of Newton's method from which on the test of the box says more than it */
 #define CONVERGED 1e-12
 

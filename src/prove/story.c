@@ -7,9 +7,6 @@
 #include "base/room.h"
 #include "twin_chain.h"
 
-/* Speed of an impact over 1 + that of the motion: a junction is solved to much more. */
-#define TOUCH 1e-6
-
 /* ------------------------------------------------------------------ telling */
 
 /* A moment of what `like` says, at another time and in another state. */
@@ -320,18 +317,10 @@ static int count_images(const ric_enclosure *e)
 
 /* --------------------------------------------------------------- comparing */
 
+/* Impacts, or those of exactly no speed: how slow others are says nothing. */
 static bool is_counted(const ric_story *s, int i, bool touches)
 {
-    const ric_moment *m = &s->at[i];
-    double speed = 0;
-    arb_t x;
-    if (m->face < 0) return false;
-    for (int j = s->n; j < 2 * s->n; j++) speed = fmax(speed, fabs(ric_arb_middle(m->w + j)));
-    arb_init(x);
-    ric_chain_along(s->e, m->face, m->w + s->n, x);
-    const bool slow = fabs(ric_arb_middle(x)) <= TOUCH * (1 + speed);
-    arb_clear(x);
-    return slow == touches;
+    return s->at[i].face >= 0 && s->at[i].touch == touches;
 }
 
 /* The next moment that counts behind moment i, which may be that itself. */

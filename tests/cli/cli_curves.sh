@@ -109,4 +109,10 @@ family 4.85 5.83
 ok 'a family of one impact is a curve where it is one' bash -c '[[ $1 =~ ^proved ]]' . "$(curve "$folder/p.ricochet" 4)"
 family 5.5 6.2
 ok 'it is a ghost beyond T = 5.840, and no curve' refuses 4 'between points 27 and 28: the first impact is not proved to approach'
+
+# A branch that crosses one of a third of its period half way between stored points, a hundredth apart: in the long form, six seconds
+if long_form; then
+    "$ricochet" run examples/fractal-base/study.yaml -o "$folder/base.ricochet" --quiet
+    ok 'a curve is crossed where stored points are not near' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/base.ricochet" 38)"
+fi
 finish
