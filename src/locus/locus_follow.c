@@ -436,6 +436,22 @@ static ric_status go(walk *w, stand now, bool *closed)
     return status;
 }
 
+/* The orbit that the equations of the junction lead to has to be that of the junction, and a
+ * motion.
+ */
+static ric_status check_start(const ric_locus_orbit *rough, const ric_locus_orbit *exact)
+{
+    if (!(fabs(exact->energy / rough->energy - 1) <= RIC_SAME_LOCATED &&
+          fabs(exact->frequency / rough->frequency - 1) <= RIC_SAME_LOCATED))
+        return ric_fail(RIC_E_NUMERIC,
+                        "the junction is not found again: what its kind demands leads from E %.9g "
+                        "to another orbit at E %.9g",
+                        rough->energy, exact->energy);
+    return exact->spare[SPARE_GAP] > -RIC_SAME_LOCATED
+               ? RIC_OK
+               : ric_fail(RIC_E_NUMERIC, "the orbit of the junction passes a stop");
+}
+
 static ric_status stand_at_start(walk *w, const ric_periodic *cycle, const double *before,
                                  stand *out)
 {
@@ -447,6 +463,7 @@ static ric_status stand_at_start(walk *w, const ric_periodic *cycle, const doubl
     if (!status && !(status = ric_locus_chart_make(w->q, &rough, NULL, &chart))) {
         status = ric_locus_orbit_solve(w->q, &chart, here, along, &exact);
         ric_locus_chart_free(&chart);
+        if (!status && (status = check_start(&rough, &exact))) ric_locus_orbit_free(&exact);
         if (!status) exact.p = w->q->vary.at;
         if (!status) status = stand_make(w, 0, &exact, before, out);
     }

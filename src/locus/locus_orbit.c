@@ -10,8 +10,11 @@
 
 /* HALF_OPEN: reach, of the clearance: gaps that open less are no touches, nor near one */
 #define HALF_OPEN 0.5
-/* TOGETHER: of the clearance: touches that symmetry brings about together differ by less */
+/* TOGETHER: of the clearance: touches that symmetry brings about together differ by less. SAME: a
+ * touch that goes with the one that is followed may be larger by that, which is rounding; what
+ * breaks the symmetry makes it more */
 #define TOGETHER 1e-6
+#define SAME 1e-9
 #define DIRECTION 0.01 /* part by which two measurements of a direction may differ */
 #define SHORTEST 1e-7  /* half step of a difference, of the orbit and of the range */
 #define STEP_LAST                                                                                  \
@@ -35,6 +38,27 @@ static int by_value(const void *a, const void *b)
 {
     const ric_touch *x = a, *y = b;
     return x->value < y->value ? 1 : x->value > y->value ? -1 : x->time < y->time ? -1 : 1;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = fabs(*(const double *)a), y = fabs(*(const double *)b);
+    return x < y ? -1 : x > y;
+}
+
+/* What other touches leave: by how much they are smaller than the one that is followed, `own`, but
+ * for those `together` with it, itself among them, which are as large: none of them may be larger
+ * by more than rounding. */
+static double spare_of(int n, const ric_touch *touches, int own, int together)
+{
+    double off[TOUCHES_MOST], spare = 1 - HALF_OPEN;
+    int others = 0;
+    for (int i = 0; i < n; i++)
+        if (i != own) off[others++] = touches[i].value - touches[own].value;
+    qsort(off, (size_t)others, sizeof *off, by_size);
+    for (int i = 0; i < others; i++)
+        spare = fmin(spare, i < together - 1 ? TOGETHER * fmin(1, 1 - off[i] / SAME) : -off[i]);
+    return spare;
 }
 
 /* How far a touch is from the one that is followed. */
@@ -72,10 +96,7 @@ static double measure_gaps(const ric_locus_problem *q, const ric_locus_touch *fr
     const ric_touch *touch = &touches[own];
     o->touch = (ric_locus_touch){touch->flight, touch->face,
                                  touch->time / o->u[o->chain->n_start + touch->flight]};
-    for (int i = 0; i < n && i <= *n_touch; i++) {
-        const double off = touches[i].value - touch->value;
-        o->spare[0] = fmin(o->spare[0], i < *n_touch ? TOGETHER - fabs(off) : -off);
-    }
+    o->spare[0] = spare_of(n, touches, own, *n_touch);
     return touch->value - 1;
 }
 

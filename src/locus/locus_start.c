@@ -80,13 +80,29 @@ static int kernel_of(const ric_model *m, const ric_periodic *cycle)
     return RIC_N_TEST;
 }
 
+/* Of a corner: whether the flight between its two contacts is one of the orbit. One that only
+ * touches, as where normals are orthogonal, is not in the word. */
+static bool has_its_flight(const ric_periodic *cycle)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < cycle->N; i++) least = fmin(least, fabs(cycle->tau[i]));
+    return least <= RIC_SAME_LOCATED * ric_periodic_period(cycle);
+}
+
 static ric_status criterion_of(const ric_junction *j, const ric_model *m, const ric_periodic *cycle,
                                ric_criterion *out)
 {
     *out = (ric_criterion){.rotation = {j->rotation[0], j->rotation[1]}};
     switch (j->kind) {
     case RIC_KIND_GRAZING: out->test = RIC_TEST_TOUCH; return RIC_OK;
-    case RIC_KIND_CORNER: out->test = RIC_TEST_FLIGHT; return RIC_OK;
+    case RIC_KIND_CORNER:
+        out->test = RIC_TEST_FLIGHT;
+        if (has_its_flight(cycle)) return RIC_OK;
+        return ric_fail(
+            RIC_E_INPUT,
+            "corner %s: one of the two contacts is met without an impact, and no flight "
+            "between them vanishes: there is no locus of it",
+            j->label);
     case RIC_KIND_EXTREMUM: out->test = RIC_TEST_SLOPE; return RIC_OK;
     case RIC_KIND_PERIOD_EXTREMUM: out->test = RIC_TEST_PERIOD; return RIC_OK;
     case RIC_KIND_MULTIPLICATION: out->test = RIC_TEST_ROTATION; return RIC_OK;

@@ -50,6 +50,8 @@ for seed in 130022 $(some_of '' '130004 130017 130012'); do
     ok "no orbit of structure $seed is lost" \
         tools/attack/attack --program "$ricochet" -n 1 --seed "$seed" --small --points 1 --brute $(some_of 1 2)
 done
+# Junctions that are followed while a parameter changes: grazings that end where a second gap touches.
+ok "loci of structure 2500008" env ATTACK_PART=loci tools/attack/attack "$ricochet" mixed $(some_of 1 3) 2500008 $(some_of 1 12)
 # The error of multipliers is within what the library states of it; a sanitizer's library is not for Python to load.
 library=$(dirname "$ricochet")/src/libricochet.so
 if [ -f "$library" ] && python3 -S -c 'import ctypes, sys; ctypes.CDLL(sys.argv[1])' "$library" 2>/dev/null; then

@@ -249,6 +249,44 @@ for law in bilinear power; do
     ok "law $law" judge law $law
 done
 
+# A grazing ends where another gap touches, too: both do there, flown in closed form.
+cat >"$folder/g.yaml" <<'END'
+model:
+  mass: [[1, 0], [0, 1]]
+  stiffness: [[3, -1], [-1, 2]]
+  contacts: [{normal: [1, 0], clearance: 1, sides: both, law: rigid}, {normal: [0, 1], clearance: 0.8, sides: both, law: rigid}]
+explore: {energy: [0, 20], frequency: [0.2, 6], impacts: 4, multiply: 1, depth: 1}
+vary: {name: d, at: 1, from: 0.4, to: 1.9, clearance: [0, 1]}
+END
+cat >"$folder/both.py" <<'P'
+import json, math, subprocess, sys
+program, folder = sys.argv[1:]
+rows = json.loads(subprocess.run([program, "locus", f"{folder}/g.ricochet", "--junction", "G1_1,1", "--json"], capture_output=True, text=True).stdout)
+end = next(r for r in rows if "another gap" in r["what"])
+d, T, (x1, x2, v1, v2) = 0.8 + end["value"] - 1, sum(end["flights"]), end["state"]
+root = math.sqrt(5) / 2
+modes = []
+for square in (2.5 - root, 2.5 + root): # of [[3, -1], [-1, 2]]
+    a, b = 1, 3 - square
+    size, w = math.hypot(a, b), math.sqrt(square)
+    a, b = a / size, b / size
+    modes.append((w, a, b, a * x1 + b * x2, (a * v1 + b * v2) / w))
+def x(t, i):
+    return sum(m[1 + i] * (m[3] * math.cos(m[0] * t) + m[4] * math.sin(m[0] * t)) for m in modes)
+def most(i, sign):
+    n = 20000
+    k = max(range(1, n), key=lambda k: sign * x(k * T / n, i))
+    lo, hi = (k - 1) * T / n, (k + 1) * T / n
+    for _ in range(60):
+        a, b = lo + (hi - lo) * 0.381966, hi - (hi - lo) * 0.381966
+        lo, hi = (a, hi) if sign * x(a, i) < sign * x(b, i) else (lo, b)
+    return sign * x(lo, i)
+first, second = max(most(0, 1), most(0, -1)), most(1, -1) / d
+assert abs(first - 1) < 1e-11 and abs(second - 1) < 1e-11, (end["value"], first - 1, second - 1)
+P
+ok "an atlas of two walls" "$ricochet" run "$folder/g.yaml" -o "$folder/g.ricochet" --quiet
+ok "where a second gap touches both do" python3 -S "$folder/both.py" "$ricochet" "$folder"
+
 # ends CODE WORDS ARGUMENT...: the exit code, and the message
 ends() {
     local code=$1 words=$2 got=0
@@ -258,6 +296,18 @@ ends() {
 }
 ok "no junction named" ends 2 "junction is missing" locus "$folder/v.ricochet"
 ok "a value outside the range" ends 2 "outside the range" locus "$folder/v.ricochet" --junction 11 --values 3
+cat >"$folder/k.yaml" <<'END'
+model:
+  mass: [[1.25, 0, 0], [0, 0.5, 0], [0, 0, 0.25]]
+  stiffness: [[8, -5.5, 0], [-5.5, 11.75, -6.25], [0, -6.25, 7.25]]
+  contacts:
+    - {normal: [0, 1, 0], law: bilinear, clearance: 1.7, sides: both, stiffness: 1960000}
+    - {normal: [1, 0, 0], law: rigid, clearance: 1.16, sides: upper}
+explore: {energy: [0, 5], frequency: [0.2619, 20.05], impacts: 4, multiply: 1, depth: 1}
+vary: {name: k, at: 1, from: 0.7, to: 1.3, stiffness: [[0, 0, 0], [0, 0, 0], [0, 0, 2.9]]}
+END
+ok "an atlas with a corner of one impact" "$ricochet" run "$folder/k.yaml" -o "$folder/k.ricochet" --quiet
+ok "a corner without a flight that vanishes" ends 2 "no flight between them vanishes" locus "$folder/k.ricochet" --junction K1
 ok "no section vary" ends 2 "no section vary" locus "$folder/w0.6.ricochet" --junction 11
 ok "one from a study of another structure" ends 2 "another structure" locus "$folder/w0.6.ricochet" --junction 11 --study "$folder/v.yaml"
 ok "a step that is none" ends 2 "max-step" locus "$folder/v.ricochet" --junction 11 --max-step 0
