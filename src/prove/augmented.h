@@ -51,6 +51,7 @@ typedef struct {
     int place, face;
     bool image;
     double time; /* t to begin with */
+    double slow; /* what is stored may have impacts of that speed as touches */
 } ric_augmented_question;
 
 typedef struct {

@@ -147,6 +147,7 @@ static ric_status place_grazing(tracing *t, int i, const ric_junction *row, bool
 {
     ric_augmented x = {0};
     ric_junction_proof proof = {.state = RIC_PROOF_NONE};
+    t->w.slow = own ? RIC_PROVER_SLOW : 0;
     ric_status status = own ? ric_prover_junction_end(&t->w, row, i > 0, &x, &proof)
                             : ric_prover_junction_find(t->p, row, 0, &x, &proof);
     if (!status && proof.state == RIC_PROOF_DONE) {

@@ -372,15 +372,18 @@ void ric_prover_junction_tell(const ric_augmented *x, ric_story *out)
 /* What is stored is the orbit that was proved. */
 static bool agrees(const ric_augmented *x, const ric_junction *row, ric_junction_proof *out)
 {
+    const ric_augmented_question *a = &x->ask;
     const double turn = 8 * atan(1), multiple = row->multiple;
     const double period[2] = {turn / out->period[1] / multiple, turn / out->period[0] / multiple};
     ric_story story;
     tell_once(x, &story);
-    out->distance = ric_story_distance(&story, row->letters, row->word, row->state, row->flights);
+    out->distance = ric_story_distance(&story, a->slow, row->letters, row->word, row->state,
+                                       row->flights);
     if (row->kind == RIC_KIND_CORNER) { /* it is stored in one order of the two */
         ric_story_exchange(&story);
-        out->distance = fmin(out->distance, ric_story_distance(&story, row->letters, row->word,
-                                                               row->state, row->flights));
+        out->distance = fmin(out->distance,
+                             ric_story_distance(&story, a->slow, row->letters, row->word,
+                                                row->state, row->flights));
     }
     ric_story_free(&story);
     const bool near = ric_prover_near(out->energy, row->energy) &&
@@ -449,6 +452,7 @@ ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool la
     if (made && (corner ? ask_corner(&c, w->e, &ask)
                         : ask_slowest(&c, w->e, &ask) || ask_nearest(&c, w->e, &ask))) {
         ric_augmented_free(x);
+        ask.slow = w->slow;
         if (prove_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
     } else if (corner)
         snprintf(out->why, sizeof out->why, "no two contacts close at all but one instant");

@@ -7,6 +7,10 @@
 #include "story.h"
 #include "walk.h"
 
+/* Speed, over 1 + that of the motion, of impacts beside a touch that may be stored as touches: each
+ * may be as slow as the square of the next one. */
+#define RIC_PROVER_SLOW 1e-6
+
 /* At an arclength of a branch, and at one of its ends where it grazes. Where out->state is
  * RIC_PROOF_DONE then `x` is the proof; it is 0 or another one before, and to be freed in any case.
  */

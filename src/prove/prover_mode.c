@@ -308,7 +308,8 @@ static ric_status compare_at(ric_walk *w, int i, const ric_junction *row, const 
     out->unique = proof->unique;
     if (w->branch.letters > 0) status = compare(w, i, &story, out);
     else {
-        out->distance = ric_story_distance(&story, 0, NULL, w->state, w->state + 2 * w->e->n_dof);
+        out->distance = ric_story_distance(&story, 0, 0, NULL, w->state,
+                                           w->state + 2 * w->e->n_dof);
         out->symmetric = out->reversible = true;
         for (int k = 0; k < 2; k++) out->energy[k] = proof->energy[k];
         for (int k = 0; k < 2; k++) out->period[k] = proof->period[k];
@@ -332,6 +333,7 @@ static ric_status look_at(ric_prover *p, ric_walk *w, int i, const ric_junction 
     ric_augmented x = {0};
     ric_junction_proof proof = {.state = RIC_PROOF_NONE};
     ric_status status = own ? ric_walk_class(w) : RIC_OK;
+    w->slow = own ? RIC_PROVER_SLOW : 0;
     if (!own) status = ric_prover_junction_find(p, row, 0, &x, &proof);
     else if (!status && w->like.u) status = ric_prover_junction_end(w, row, i > 0, &x, &proof);
     if (!status && proof.state == RIC_PROOF_DONE) {

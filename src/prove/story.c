@@ -317,10 +317,20 @@ static int count_images(const ric_enclosure *e)
 
 /* --------------------------------------------------------------- comparing */
 
-/* Impacts, or those of exactly no speed: how slow others are says nothing. */
+/* Impacts, or touches: those of exactly no speed, or all that are that slow. */
 static bool is_counted(const ric_story *s, int i, bool touches)
 {
-    return s->at[i].face >= 0 && s->at[i].touch == touches;
+    const ric_moment *m = &s->at[i];
+    double speed = 0;
+    arb_t x;
+    if (m->face < 0) return false;
+    if (m->touch || s->slow == 0) return m->touch == touches;
+    for (int j = s->n; j < 2 * s->n; j++) speed = fmax(speed, fabs(ric_arb_middle(m->w + j)));
+    arb_init(x);
+    ric_chain_along(s->e, m->face, m->w + s->n, x);
+    const bool slow = fabs(ric_arb_middle(x)) <= s->slow * (1 + speed);
+    arb_clear(x);
+    return slow == touches;
 }
 
 /* The next moment that counts behind moment i, which may be that itself. */
@@ -354,14 +364,12 @@ static double compare(const ric_story *s, int first, int letters, const int *wor
     return worst / size;
 }
 
-double ric_story_distance(ric_story *s, int letters, const int *word, const double *state,
+static double compare_all(ric_story *s, int letters, const int *word, arb_srcptr w,
                           const double *flights)
 {
     double least = HUGE_VAL;
     int count = 0;
     const int images = count_images(s->e);
-    arb_ptr w = _arb_vec_init(2 * s->n);
-    ric_chain_state(s->e, state, w);
     for (int i = 0; i < s->count; i++) count += is_counted(s, i, false);
     for (int back = 0; back < 2; back++) {
         for (int image = 0; image < images; image++) {
@@ -372,6 +380,16 @@ double ric_story_distance(ric_story *s, int letters, const int *word, const doub
         }
         reverse(s);
     }
+    return least;
+}
+
+double ric_story_distance(ric_story *s, double slow, int letters, const int *word,
+                          const double *state, const double *flights)
+{
+    arb_ptr w = _arb_vec_init(2 * s->n);
+    ric_chain_state(s->e, state, w);
+    s->slow = slow;
+    const double least = compare_all(s, letters, word, w, flights);
     _arb_vec_clear(w, 2 * s->n);
     return least;
 }

@@ -19,6 +19,7 @@ typedef struct {
     int n, count, most;
     ric_moment *at;
     bool symmetric; /* exactly z(t + T/2) = -z(t) */
+    double slow;    /* while it is compared: speed, over 1 + that of the motion, of a touch */
     arb_ptr period;
 } ric_story;
 
@@ -50,11 +51,12 @@ void ric_story_free(ric_story *s);
 
 /* The largest difference from a stored orbit, over 1 + the size of its state: states behind impacts
  * and flight times, begun at any impact, forwards or backwards, or as the image under x -> -x;
- * impacts of no speed count only where there is no other. Not finite where no beginning fits. A
- * comparison of doubles: it says what is meant, and proves nothing. word [letters] (openings n_face
- * more), state [2 n_dof], flights [max(letters, 1)] as they are stored. */
-double ric_story_distance(ric_story *s, int letters, const int *word, const double *state,
-                          const double *flights);
+ * impacts of no speed count only where there is no other, nor do those of `slow` over 1 + the speed
+ * of the motion. Not finite where no beginning fits. A comparison of doubles: it says what is
+ * meant, and proves nothing. word [letters] (openings n_face more), state [2 n_dof], flights
+ * [max(letters, 1)] as they are stored. */
+double ric_story_distance(ric_story *s, double slow, int letters, const int *word,
+                          const double *state, const double *flights);
 
 /* The same motion in the class and with the word of another chain, near its centre: u [m * size +
  * 1] balls; impacts of exactly no speed that its word lacks are passed over, and no others. What is

@@ -11,6 +11,7 @@ typedef struct {
     ric_branch branch;
     ric_chain like; /* the class of the branch */
     double *state;  /* [2 n_dof + letters] scratch */
+    double slow;    /* of questions at its ends (augmented.h) */
 } ric_walk;
 
 /* To be closed in any case. */
