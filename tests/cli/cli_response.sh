@@ -219,6 +219,20 @@ c.execute("UPDATE point SET numbers = ? WHERE curve = ? AND i = ?", (struct.pack
 c.commit()
 END
 ok "and not one that was changed" bash -c "'$ricochet' verify '$folder/c' --quiet 2>'$folder/err'; test \$? = 1 && grep -q '1 of .* are not confirmed' '$folder/err'"
+cat >"$folder/spring.yaml" <<'END'
+model:
+  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 2]]
+  stiffness: [[3, -1, 0], [-1, 2, -1], [0, -1, 2]]
+  contacts:
+    - {normal: [1, 0, 0], clearance: 0.3, sides: lower, law: rigid}
+    - {normal: [0, -1, 1], clearance: 0.4, sides: upper, law: bilinear, stiffness: 5}
+explore: {energy: [0, 20], impacts: 5, depth: 1, multiply: 2}
+END
+"$ricochet" run "$folder/spring.yaml" -o "$folder/spring.ricochet" >/dev/null 2>&1
+"$ricochet" response "$folder/spring.ricochet" --force 0,1,0 --damping 0.01 --level 0.2 --omega 1.19,1.42 --impacts 1 --periods 1 \
+    -o "$folder/slow" >"$folder/slow.txt" 2>/dev/null
+ok "a curve ends where a spring closes at 2e-6" grep -q '^ *[0-9]*  1 .*grazing  *grazing' "$folder/slow.txt"
+ok "the times of such slow closings are known less well, and its orbits are confirmed" "$ricochet" verify "$folder/slow" --all --quiet
 ok "a picture" "$ricochet" plot response "$folder/a" --output x2 -o "$folder/a.svg"
 ok "says what it shows" bash -c "grep -q grazing '$folder/a.svg' && grep -q 'with impacts, stable' '$folder/a.svg'"
 "$ricochet" plot response "$folder/u.response" --output x1 --window 1.9094:1.9099,1.05:1.08 -o "$folder/u.gp"
