@@ -35,12 +35,12 @@ ric_status ric_regimes_create(ric_model *m)
     for (int f = 0; f < m->n_face; f++) {
         const ric_face *face = &m->face[f];
         if (!(face->spring > 0)) continue;
-        if (f >= RIC_FACES_MAX)
+        if (m->n_face > RIC_FACES_MAX)
             return ric_fail(RIC_E_INPUT,
                             "face %d belongs to a contact of law bilinear; this version takes such "
-                            "contacts among the "
-                            "first %d faces only: list them first",
-                            f, RIC_FACES_MAX);
+                            "contacts in structures of %d faces at most, and there are %d, two of "
+                            "a contact with both sides: leave out some, or make all contacts rigid",
+                            f, RIC_FACES_MAX, m->n_face);
         bool second = f > 0 && m->face[f - 1].contact == face->contact;
         if (second) {
             p->place[f] = p->place[f - 1];

@@ -408,7 +408,7 @@ static bool all_left(course *q, const real *u, double *left)
         const int at = c->face[k], to = c->face[k + 1];
         const real tau = u[c->n_start + k];
         q->closed = c->closed[k];
-        if (at >= 0 && q->closed >> at & 1) begin_on(q, &faces[at]);
+        if (at >= 0 && q->closed && q->closed >> at & 1) begin_on(q, &faces[at]);
         const real from = to >= 0 ? beyond(q, &faces[to], q->w) : 0;
         if (!fly(q, tau, q->w, NULL)) return false;
         const real over = to >= 0 ? beyond(q, &faces[to], q->w) : 0;

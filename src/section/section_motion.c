@@ -167,8 +167,9 @@ static void fly_closed(ric_section_motion *s, const ric_section_phase *p, double
 {
     int size = 2 * s->n, parts = s->measure.turning && p->panel > 0 ? 1 + (int)(tau / p->panel) : 1;
     double begin[size], before[2], after[2];
-    const ric_face *closing = s->face >= 0 && s->closed >> s->face & 1 ? &s->m->face[s->face]
-                                                                       : NULL;
+    const ric_face *closing = s->closed && s->face >= 0 && s->closed >> s->face & 1
+                                  ? &s->m->face[s->face]
+                                  : NULL;
     memcpy(begin, s->w, sizeof begin);
     ric_regime_matrix(p->regime, tau / parts, s->matrix);
     if (s->measure.turning) ric_section_measure_number(s->m, s->w, s->rate, s->u, before);

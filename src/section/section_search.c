@@ -37,7 +37,7 @@ static void tabulate_turn(const ric_section_phase *p, int n, double time, double
 /* The side on which a face is met: from behind where its spring is closed. */
 static double side_of(const ric_section_phase *p, const ric_model *m, int f)
 {
-    return p->closed >> f & 1 ? -m->face[f].side : m->face[f].side;
+    return p->closed && p->closed >> f & 1 ? -m->face[f].side : m->face[f].side;
 }
 
 ric_status ric_section_phase_create(const ric_model *m, uint64_t closed, ric_section_phase *p)
@@ -95,8 +95,8 @@ typedef struct {
     double fourth, band;
 } gap;
 
-/* g by its change since the start, so that a short flight keeps its relative accuracy. */
-/* g = sign * s - level of a face, negative before the event. */
+/* g = sign * s - level of a face, negative before the event: by its change since the start, so that
+ * a short flight keeps its relative accuracy. */
 static ric_sample look(const void *of, double t)
 {
     const gap *g = of;

@@ -44,6 +44,16 @@ ok "it can be looked at in the window that is chosen" ends 0 "2 degrees of freed
 study heavy '[[1.0e16, 0], [0, 1]]' "$spring" "$(contact '[-1, 1]' 1)" "$window"
 ok "mass ratio 1e16" ends 2 "singular to rounding" run "$folder/heavy.yaml"
 
+many() { for ((i = 0; i < $1; i++)); do printf ', {normal: [1, 0.001], clearance: %d, sides: upper, law: rigid}' $((1000 + i)); done; }
+study many "$mass" '[[3, -1], [-1, 2]]' "$(contact '[0, 1]' 0.6)$(many 70)" "$window"
+ok "more faces than a set of closed springs can hold" ends 0 branches run "$folder/many.yaml"
+ok "their section" ends 0 "2 starts, 40 impacts" section "$folder/many.yaml" --energy 6 --starts 2 --impacts 20
+ok "their forced motions" ends 0 "threshold" force "$folder/many.ricochet" --force 1,0 --damping 0.01
+spring_behind='{normal: [1, 0], clearance: 0.5, sides: upper, law: bilinear, stiffness: 5}'
+study most "$mass" '[[3, -1], [-1, 2]]' "$spring_behind, $(contact '[0, 1]' 0.6)$(many 61)" "$window"
+ok "as many with a spring as it can hold" ends 0 branches run "$folder/most.yaml"
+study toomany "$mass" '[[3, -1], [-1, 2]]' "$spring_behind$(many 63), $(contact '[0, 1]' 0.6)" "$window"
+ok "one more is refused" ends 2 "64 faces at most, and there are 66" run "$folder/toomany.yaml"
 study twice "$mass" "$spring" "$(contact '[-1, 1]' 1), $(contact '[-1, 1]' 1)" "$window"
 ok "one contact twice" ends 0 "2 branches" run "$folder/twice.yaml"
 ok "with the reason why nothing leaves" grep -q -i -e "one instant\|together\|coincid\|same" <("$ricochet" junctions "$folder/twice.ricochet" --json)
