@@ -127,22 +127,31 @@ def change_field(rng, db, table):
     return f"{table}.{name} {keys} = {repr(new)[:60]}"
 
 
+def scaled(by, blob):
+    """The numbers of a row of doubles times `by`; what another change has made no row of them is left."""
+    if not isinstance(blob, bytes) or len(blob) % 8:
+        return blob
+    return struct.pack(f"<{len(blob) // 8}d", *(by * x for x in struct.unpack(f"<{len(blob) // 8}d", blob)))
+
+
+def times(by, number):
+    return by * number if isinstance(number, float) else number
+
+
 def scale_together(rng, db):
     """Numbers that agree with each other and are absurd all the same: an orbit that is slow, fast, large or small."""
     by = rng.choice([1e-30, 1e-9, 1e-4, 1e4, 1e9, 1e30])
     for branch, point, frequency, flights in db.execute("SELECT branch, point, frequency, flights FROM point").fetchall():
-        times = struct.unpack(f"<{len(flights) // 8}d", flights)
         db.execute("UPDATE point SET frequency = ?, flights = ? WHERE branch = ? AND point = ?",
-                   [frequency / by, struct.pack(f"<{len(times)}d", *(by * t for t in times)), branch, point])
+                   [times(1 / by, frequency), scaled(by, flights), branch, point])
     return f"all flights times {by}"
 
 
 def scale_energy(rng, db):
     by = rng.choice([1e-30, 1e-9, 1e-3, 1e3, 1e9, 1e30])
     for branch, point, energy, state in db.execute("SELECT branch, point, energy, state FROM point").fetchall():
-        numbers = struct.unpack(f"<{len(state) // 8}d", state)
         db.execute("UPDATE point SET energy = ?, state = ? WHERE branch = ? AND point = ?",
-                   [energy * by * by, struct.pack(f"<{len(numbers)}d", *(by * x for x in numbers)), branch, point])
+                   [times(by * by, energy), scaled(by, state), branch, point])
     return f"all states times {by}"
 
 
