@@ -229,9 +229,40 @@ static bool sharpen(const ric_model *m, ric_node **node, int multiple)
     return listed;
 }
 
+/* Whether a face feels a displacement along a mode. */
+static bool sees(const ric_model *m, const ric_face *face, int mode)
+{
+    return fabs(face->g[mode]) > RIC_TIE * sqrt(ric_dot(m->n, face->g, face->g));
+}
+
+/* Whether a free structure drifts: its touches see a free mode that none of its impacts sees.
+ * Without the touches the whole orbit may be anywhere along that mode, and where it touches is a
+ * curve, not a place. */
+static bool drifts(const ric_model *m, const ric_node *node)
+{
+    const ric_periodic *c = node->cycle;
+    bool touches[c->N];
+    memset(touches, 0, sizeof touches);
+    for (int i = 0; i < node->n_touch; i++) {
+        touches[node->touch[i]] = true;
+        if (ric_node_soft(node, i)) touches[(node->touch[i] + 1) % c->N] = true;
+    }
+    for (int mode = 0; mode < m->n && m->omega[mode] == 0; mode++) {
+        bool touched = false, held = false;
+        for (int i = 0; i < c->N; i++) {
+            if (!sees(m, &m->face[c->face[i]], mode)) continue;
+            if (touches[i]) touched = true;
+            else held = true;
+        }
+        if (touched && !held) return true;
+    }
+    return false;
+}
+
 static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple,
                                  ric_node **out)
 {
+    const int events = full ? full->N : 0; /* the node may get another cycle */
     ric_node *node = ric_node_create(m, RIC_KIND_GRAZING, full);
     ric_status status = RIC_OK;
     if (!node) return ric_no_memory("a junction");
@@ -253,7 +284,12 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
                           "a grazing orbit of %d impacts passes a stop, does not come back, or "
                           "keeps a spring closed "
                           "without end, which no word says",
-                          full->N);
+                          events);
+    else if (!is_bare(node) && drifts(m, node))
+        status = ric_fail(RIC_E_NUMERIC,
+                          "a grazing orbit of %d impacts may be anywhere along a free mode, which "
+                          "none but its touches sees",
+                          events);
     if (status) {
         ric_node_free(node);
         return status;

@@ -626,6 +626,29 @@ static void four_touches_of_one_flight(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Four masses that nothing holds, between springs that see their shape alone; a wall that they
+ * touch is the first thing that sees where they are. Where they touch it is a curve, of which each
+ * step found another place, with energies apart in the fifth digit: it is no junction, and the
+ * branch says so. */
+static void no_place_along_a_free_mode(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = same_for_all_steps(
+        "model:\n  mass: [[0.75, 0, 0, 0], [0, 1.5, 0, 0], [0, 0, 0.5, 0], [0, 0, 0, 1]]\n"
+        "  stiffness: [[4.75, -4.75, 0, 0], [-4.75, 9, -4.25, 0], [0, -4.25, 6.25, -2], [0, 0, -2, "
+        "2]]\n"
+        "  contacts: [{normal: [-2, 1, 2, -2], law: rigid, clearance: 1.31, sides: lower},\n"
+        "             {normal: [1, 0, 0, -1], law: bilinear, clearance: 0.776, sides: both, "
+        "stiffness: 159300}]\n"
+        "explore: {energy: [0, 0.8329], frequency: [0.2748, 12.03], impacts: 5, multiply: 2, "
+        "depth: 1}\n");
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        const ric_junction j = junction_of(atlas, id);
+        assert_false(j.kind == RIC_KIND_GRAZING && j.impacts > 0);
+    }
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(to_and_fro),
@@ -646,6 +669,7 @@ int main(void)
                                        cmocka_unit_test(pairs_to_and_fro_in_a_step),
                                        cmocka_unit_test(junctions_that_are_one_are_said),
                                        cmocka_unit_test(level_at_a_multiplication),
-                                       cmocka_unit_test(four_touches_of_one_flight)};
+                                       cmocka_unit_test(four_touches_of_one_flight),
+                                       cmocka_unit_test(no_place_along_a_free_mode)};
     return cmocka_run_group_tests_name("steps", tests, NULL, NULL);
 }
