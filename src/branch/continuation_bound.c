@@ -58,7 +58,7 @@ double ric_continuation_approach(const ric_shooting *c, bool springs)
     for (int k = 1; k <= c->n_flight; k++) {
         if (c->face[k] < 0) continue;
         bool spring = m->face[c->face[k]].spring > 0,
-             closes = spring && c->closed[k] >> c->face[k] & 1;
+             closes = spring && ric_face_in(c->closed[k], c->face[k]);
         if (!spring || springs)
             least = fmin(least, !spring || closes ? c->approach[k] : -c->approach[k]);
     }

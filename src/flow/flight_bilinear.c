@@ -14,7 +14,7 @@ static const ric_regime *regime_of(const ric_model *m, uint64_t closed, double *
 
 static const ric_face *closing(const ric_model *m, uint64_t closed, int event)
 {
-    return event >= 0 && closed >> event & 1 ? &m->face[event] : NULL;
+    return ric_face_in(closed, event) ? &m->face[event] : NULL;
 }
 
 static void go(const ric_model *m, uint64_t closed, int event, double tau, const double *w,
@@ -52,7 +52,7 @@ static double over(const ric_model *m, const ric_face *face, const double *w)
 static void push(const ric_model *m, uint64_t closed, const double *w, double *rate)
 {
     for (int f = 0; closed >> f && f < m->n_face; f++) {
-        if (!(closed >> f & 1)) continue;
+        if (!ric_face_in(closed, f)) continue;
         double force = m->face[f].spring * over(m, &m->face[f], w);
         for (int i = 0; i < m->n; i++) rate[m->n + i] -= force * m->face[f].c[i];
     }
@@ -62,7 +62,7 @@ static double store(const ric_model *m, uint64_t closed, const double *w)
 {
     double springs = 0;
     for (int f = 0; closed >> f && f < m->n_face; f++) {
-        if (!(closed >> f & 1)) continue;
+        if (!ric_face_in(closed, f)) continue;
         double s = over(m, &m->face[f], w);
         springs += m->face[f].spring * s * s;
     }
@@ -73,7 +73,7 @@ static void secant(const ric_model *m, uint64_t closed, const double *w0, const 
                    double *h)
 {
     for (int f = 0; closed >> f && f < m->n_face; f++) {
-        if (!(closed >> f & 1)) continue;
+        if (!ric_face_in(closed, f)) continue;
         const ric_face *face = &m->face[f];
         double force = face->spring *
                        (ric_gap(m->n, face, w0) + ric_gap(m->n, face, w1) - 2 * face->gap);
@@ -124,6 +124,7 @@ uint64_t ric_flight_mirror(const ric_model *m, uint64_t closed)
 {
     uint64_t image = 0;
     for (int f = 0; closed >> f && f < m->n_face; f++)
-        if (closed >> f & 1 && m->face[f].mirror >= 0) image |= (uint64_t)1 << m->face[f].mirror;
+        if (ric_face_in(closed, f) && m->face[f].mirror >= 0)
+            image |= (uint64_t)1 << m->face[f].mirror;
     return image;
 }

@@ -43,7 +43,7 @@ static void first_order(const ric_force_medium *m, uint64_t closed, double *A)
         for (int j = 0; j < n; j++) A[(n + i) * ld + n + j] = -m->C[i * n + j];
     }
     for (int f = 0; f < m->model->n_face; f++) {
-        if (!closed || !(closed >> f & 1)) continue;
+        if (!ric_face_in(closed, f)) continue;
         const double *c = ric_force_medium_normal(m, f), k = m->spring[m->model->face[f].contact];
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++) A[(n + i) * ld + j] -= k * c[i] * c[j];
@@ -93,7 +93,7 @@ static ric_status find_rest(const ric_force_medium *m, ric_force_frame *f)
     if (!K) return ric_no_memory("an equilibrium");
     for (int i = 0; i < n; i++) K[i * n + i] = m->omega[i] * m->omega[i];
     for (int face = 0; face < m->model->n_face; face++) {
-        if (!f->closed || !(f->closed >> face & 1)) continue;
+        if (!ric_face_in(f->closed, face)) continue;
         const double *c = ric_force_medium_normal(m, face),
                      k = m->spring[m->model->face[face].contact];
         for (int i = 0; i < n; i++) {
@@ -139,7 +139,7 @@ static ric_status solve_steady(const ric_force_medium *m, ric_force_frame *f, do
         push = fmax(push, fabs(m->push[i]));
     }
     for (int face = 0; face < m->model->n_face; face++) {
-        if (!f->closed || !(f->closed >> face & 1)) continue;
+        if (!ric_face_in(f->closed, face)) continue;
         const double *c = ric_force_medium_normal(m, face),
                      k = m->spring[m->model->face[face].contact];
         for (int i = 0; i < n; i++)

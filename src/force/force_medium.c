@@ -122,7 +122,7 @@ void ric_force_medium_rate(const ric_force_medium *m, uint64_t closed, const ric
                       ric_dot(n, m->C + i * n, p);
     }
     for (int f = 0; f < m->model->n_face; f++) {
-        if (!closed || !(closed >> f & 1)) continue;
+        if (!ric_face_in(closed, f)) continue;
         const double *c = ric_force_medium_normal(m, f),
                      beyond = ric_force_medium_towards(m, f, z) - m->gap[f],
                      pull = m->spring[m->model->face[f].contact] * m->model->face[f].side * beyond;

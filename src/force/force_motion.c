@@ -83,7 +83,7 @@ ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, d
     const int n = o->n;
     double row[2 * n], room[4 * n];
     const double *u = ric_force_orbit_node(o, k), *c = ric_force_medium_normal(m, face);
-    const bool closed = o->closed[k] && o->closed[k] >> face & 1;
+    const bool closed = ric_face_in(o->closed[k], face);
     const double sign = (closed ? -1 : 1) * m->model->face[face].side / m->gap[face];
     ric_force_reading r;
     for (int i = 0; i < n; i++) {
@@ -109,7 +109,7 @@ double ric_force_motion_speed(const ric_force_orbit *o, int k)
     const int face = o->face[k];
     const double v = ric_force_medium_towards(o->medium, face, ric_force_orbit_node(o, k) + o->n);
     if (ric_force_medium_rigid(o->medium, face)) return -v / o->drive.restitution;
-    return o->closed[k] >> face & 1 ? v : -v;
+    return ric_face_in(o->closed[k], face) ? v : -v;
 }
 
 ric_status ric_force_motion_fault(const ric_force_orbit *o, const char **fault)

@@ -379,7 +379,7 @@ ric_status ric_node_arrival(const ric_model *m, const ric_periodic *cycle, ric_n
 bool ric_node_soft(const ric_node *node, int touch)
 {
     return node->kind == RIC_KIND_GRAZING &&
-           node->springs >> node->cycle->face[node->touch[touch]] & 1;
+           ric_face_in(node->springs, node->cycle->face[node->touch[touch]]);
 }
 
 bool ric_node_chooses(const ric_node *node)

@@ -13,6 +13,13 @@
 
 #define RIC_FACES_MAX 64 /* faces that a set of closed springs can hold, one bit each */
 
+/* Whether a set of faces, as of closed springs, holds one; -1 and those that it has no bit for are
+ * in none. */
+static inline bool ric_face_in(uint64_t set, int face)
+{
+    return face >= 0 && face < RIC_FACES_MAX && set >> face & 1;
+}
+
 typedef struct {
     int contact, side; /* side +1: s = +d, -1: s = -d */
     int mirror;        /* face on the other side of the contact, -1 if none */

@@ -82,9 +82,9 @@ void ric_regimes_free(ric_model *m)
 bool ric_regime_exists(const ric_model *m, uint64_t closed)
 {
     for (int f = 0; closed >> f; f++) {
-        if (!(closed >> f & 1)) continue;
+        if (!ric_face_in(closed, f)) continue;
         if (f >= m->n_face || !(m->face[f].spring > 0)) return false;
-        if (m->face[f].mirror >= 0 && closed >> m->face[f].mirror & 1) return false;
+        if (ric_face_in(closed, m->face[f].mirror)) return false;
     }
     return true;
 }
@@ -94,7 +94,7 @@ static int index_of(const ric_model *m, uint64_t closed)
 {
     int index = 0;
     for (int f = 0; closed >> f; f++)
-        if (closed >> f & 1) index += (m->face[f].side > 0 ? 1 : 2) * m->phases->place[f];
+        if (ric_face_in(closed, f)) index += (m->face[f].side > 0 ? 1 : 2) * m->phases->place[f];
     return index;
 }
 
@@ -150,7 +150,7 @@ static void assemble(const ric_model *m, uint64_t closed, long double *K, long d
     }
     for (int g = 0; closed >> g; g++) {
         const ric_face *face = &m->face[g];
-        if (!(closed >> g & 1)) continue;
+        if (!ric_face_in(closed, g)) continue;
         for (int i = 0; i < n; i++) {
             f[i] += (long double)face->spring * face->c[i] * face->gap;
             for (int j = 0; j < n; j++)

@@ -81,7 +81,7 @@ static void pulls(const course *q, real *out)
     for (int i = 0; i < q->n; i++) out[i] = q->stiff[i] * q->w[i];
     for (int g = 0; q->closed >> g; g++) {
         const ric_face *f = &m->face[g];
-        if (!(q->closed >> g & 1)) continue;
+        if (!ric_face_in(q->closed, g)) continue;
         real over = beyond(q, f, q->w);
         for (int i = 0; i < q->n; i++) out[i] += f->spring * over * f->c[i];
     }
@@ -326,7 +326,7 @@ static bool flights(course *q)
         real tau = (q->tau ? q->tau[k] : c->tau[k]) + early, meant = tau;
         q->closed = c->closed[k];
         const bool spring = next && next->spring > 0,
-                   closes = spring && c->closed[k + 1] >> c->face[k + 1] & 1;
+                   closes = spring && ric_face_in(c->closed[k + 1], c->face[k + 1]);
         if (spring && !closes && !meet(q, next, &tau)) return false;
         early = meant - tau;
         if (!fly(q, tau, q->w, q->V)) return false;
@@ -408,7 +408,7 @@ static bool all_left(course *q, const real *u, double *left)
         const int at = c->face[k], to = c->face[k + 1];
         const real tau = u[c->n_start + k];
         q->closed = c->closed[k];
-        if (at >= 0 && q->closed && q->closed >> at & 1) begin_on(q, &faces[at]);
+        if (ric_face_in(q->closed, at)) begin_on(q, &faces[at]);
         const real from = to >= 0 ? beyond(q, &faces[to], q->w) : 0;
         if (!fly(q, tau, q->w, NULL)) return false;
         const real over = to >= 0 ? beyond(q, &faces[to], q->w) : 0;

@@ -103,7 +103,7 @@ int ric_periodic_impacts(uint64_t springs, const ric_periodic *c)
 {
     int switches = 0;
     if (ric_periodic_letters(c) == 0) return 0;
-    for (int i = 0; springs && i < c->N; i++) switches += (int)(springs >> c->face[i] & 1);
+    for (int i = 0; springs && i < c->N; i++) switches += (int)ric_face_in(springs, c->face[i]);
     return c->N - switches / 2;
 }
 
@@ -212,7 +212,7 @@ bool ric_periodic_mirrors(const ric_model *m, const ric_periodic *c)
     for (int i = 0; i < c->N; i++)
         if (c->face[i] >= 0 && m->face[c->face[i]].mirror < 0) return false;
     for (int f = 0; c->closed >> f && f < m->n_face; f++) /* also what never opens */
-        if (c->closed >> f & 1 && m->face[f].mirror < 0) return false;
+        if (ric_face_in(c->closed, f) && m->face[f].mirror < 0) return false;
     return true;
 }
 
@@ -528,7 +528,7 @@ void ric_periodic_word(const ric_model *m, const ric_periodic *c, int *word)
     uint64_t closed = c->closed;
     for (int i = 0; i < ric_periodic_letters(c); i++) {
         if (i > 0) closed = ric_flight_toggle(m, closed, c->face[i]);
-        word[i] = m->face[c->face[i]].spring > 0 && !(closed >> c->face[i] & 1)
+        word[i] = m->face[c->face[i]].spring > 0 && !ric_face_in(closed, c->face[i])
                       ? m->n_face + c->face[i]
                       : c->face[i];
     }
@@ -542,7 +542,7 @@ void ric_periodic_spell(const ric_model *m, ric_periodic *c, const int *word)
         bool opens = word[i] >= m->n_face;
         int f = c->face[i] = opens ? word[i] - m->n_face : word[i];
         /* what it is after event 0: what that made of it, or the other of what comes first */
-        if (m->face[f].spring > 0 && !(met >> f & 1) && opens == (i > 0))
+        if (m->face[f].spring > 0 && !ric_face_in(met, f) && opens == (i > 0))
             c->closed |= (uint64_t)1 << f;
         if (m->face[f].spring > 0) met |= (uint64_t)1 << f;
     }

@@ -103,7 +103,7 @@ int ric_periodic_start(const ric_model *m, const ric_periodic *c)
         const ric_face *face = &m->face[c->face[i]];
         if (i > 0) closed = ric_flight_toggle(m, closed, c->face[i]);
         if (face->spring == 0 || c->face[modulo(i - 1, c->N)] != c->face[i]) return i;
-        if (closing < 0 && closed >> c->face[i] & 1) closing = i;
+        if (closing < 0 && ric_face_in(closed, c->face[i])) closing = i;
     }
     return closing < 0 ? 0 : closing;
 }

@@ -348,7 +348,7 @@ static void choose_faces(search *q, int first)
     q->lower = face->side < 0 ? first : other;
     q->closed = false;
     for (int f = first; closed && f >= 0 && !q->closed; f = f == first ? face->mirror : -1)
-        if (closed >> f & 1) {
+        if (ric_face_in(closed, f)) {
             q->closed = true;
             q->upper = q->lower = f;
         }

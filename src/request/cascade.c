@@ -122,8 +122,8 @@ static ric_status simulate(const ric_model *m, const ric_periodic *orbit, const 
         if (fabs(impact.approach) < TOUCH || (found == 0 && impact.time < margin)) continue;
         found++;
         agree = impact.face == orbit->face[found % orbit->N] &&
-                impact.opens == (closed && closed >> impact.face & 1);
-        if (springs && springs >> impact.face & 1) closed ^= (uint64_t)1 << impact.face;
+                impact.opens == ric_face_in(closed, impact.face);
+        if (ric_face_in(springs, impact.face)) closed ^= (uint64_t)1 << impact.face;
     }
     *error = NAN;
     if (!status && agree && found == orbit->N) {

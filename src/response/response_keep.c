@@ -94,7 +94,7 @@ int *ric_response_keep_word(const ric_force_orbit *o)
     int *word = ric_calloc((size_t)o->N + 1, sizeof *word);
     for (int k = 0; word && k < o->N && o->events; k++) {
         const bool opens = !ric_force_medium_rigid(o->medium, o->face[k]) &&
-                           !(o->closed[k] >> o->face[k] & 1);
+                           !ric_face_in(o->closed[k], o->face[k]);
         word[k] = o->face[k] + (opens ? o->medium->model->n_face : 0);
     }
     return word;
@@ -104,7 +104,8 @@ int ric_response_keep_impacts(const ric_force_orbit *o)
 {
     int count = 0;
     for (int k = 0; k < o->N && o->events; k++)
-        count += ric_force_medium_rigid(o->medium, o->face[k]) || (o->closed[k] >> o->face[k] & 1);
+        count += ric_force_medium_rigid(o->medium, o->face[k]) ||
+                 ric_face_in(o->closed[k], o->face[k]);
     return count;
 }
 

@@ -167,9 +167,7 @@ static void fly_closed(ric_section_motion *s, const ric_section_phase *p, double
 {
     int size = 2 * s->n, parts = s->measure.turning && p->panel > 0 ? 1 + (int)(tau / p->panel) : 1;
     double begin[size], before[2], after[2];
-    const ric_face *closing = s->closed && s->face >= 0 && s->closed >> s->face & 1
-                                  ? &s->m->face[s->face]
-                                  : NULL;
+    const ric_face *closing = ric_face_in(s->closed, s->face) ? &s->m->face[s->face] : NULL;
     memcpy(begin, s->w, sizeof begin);
     ric_regime_matrix(p->regime, tau / parts, s->matrix);
     if (s->measure.turning) ric_section_measure_number(s->m, s->w, s->rate, s->u, before);
@@ -245,7 +243,7 @@ static bool meet(ric_section_motion *s, int f)
     ric_section_motion_onto(s->n, face->g, face->gap, s->w);
     level(s);
     s->face = f;
-    bool opens = face->spring > 0 && s->closed >> f & 1;
+    bool opens = face->spring > 0 && ric_face_in(s->closed, f);
     if (face->spring > 0) s->closed ^= (uint64_t)1 << f;
     ric_flight_rate(s->m, s->closed, s->w, s->rate);
     if (opens) return false;

@@ -37,7 +37,7 @@ static void tabulate_turn(const ric_section_phase *p, int n, double time, double
 /* The side on which a face is met: from behind where its spring is closed. */
 static double side_of(const ric_section_phase *p, const ric_model *m, int f)
 {
-    return p->closed && p->closed >> f & 1 ? -m->face[f].side : m->face[f].side;
+    return ric_face_in(p->closed, f) ? -m->face[f].side : m->face[f].side;
 }
 
 ric_status ric_section_phase_create(const ric_model *m, uint64_t closed, ric_section_phase *p)
@@ -246,13 +246,6 @@ static bool stays_open(const search *q, int c, double h, const double *a, const 
            smaller(least, smaller(left, right)) - off > low;
 }
 
-static bool all_stay_open(const search *q, double h, const double *from, const double *to)
-{
-    for (int c = 0; c < q->m->n_contact; c++)
-        if (!stays_open(q, c, h, from + 2 * c, to + 2 * c)) return false;
-    return true;
-}
-
 /* Over the panel that begins at time t, with states z, s and s' at its ends: the first event of
  * each face of a contact that is s at the start of the flight. */
 static void look_at_faces(const search *q, int contact, double t, double s,
@@ -334,15 +327,18 @@ static void look_ahead(const search *q, const double *begin, long panels, double
         const double h = (double)(1L << k) * p->panel;
         ric_flight(n, p->turn + 3 * n * k, z, next);
         look_here(p, n, contacts, next, to);
-        bool open = all_stay_open(q, h, from, to);
+        bool open = true;
+        for (int c = 0; c < contacts; c++) {
+            if (stays_open(q, c, h, from + 2 * c, to + 2 * c)) continue;
+            open = false;
+            if (k > 0) break;
+            look_at_faces(q, c, (double)done * p->panel, begin[2 * c], (const double *[]){z, next},
+                          (const double *[]){from, to});
+        }
         if (!open && k > 0) {
             k = 0;
             continue;
         }
-        for (int c = 0; c < contacts && !open; c++)
-            if (!stays_open(q, c, h, from + 2 * c, to + 2 * c))
-                look_at_faces(q, c, (double)done * p->panel, begin[2 * c],
-                              (const double *[]){z, next}, (const double *[]){from, to});
         done += 1L << k;
         k = !open ? 0 : k + 1 < STRETCHES ? k + 1 : k;
         swap(&z, &next);
