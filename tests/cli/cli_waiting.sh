@@ -9,6 +9,7 @@ row = lambda f: "[" + ", ".join(map(str, f)) + "]"
 print("model:\n  mass:", row(row(int(i == j) for j in range(n)) for i in range(n)))
 print("  stiffness:", row(row(2 * (i == j) - (abs(i - j) == 1) for j in range(n)) for i in range(n)))
 print("  contacts:\n    - {normal:", row(int(i == n // 2) for i in range(n)) + ", clearance: 1}")
+print("explore: {points: 0, step: 0.0005}") # minutes on any machine: a first look may take less than the four seconds
 P
 stops() { # CODE OPTION...: a run that is stopped by its time, or by Ctrl-C
     local code=$1
