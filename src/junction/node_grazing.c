@@ -49,6 +49,104 @@ static bool list_touches(const ric_model *m, ric_node *node, double slow)
     return true;
 }
 
+/* Whether a touch of a stop has more speed than Newton's method leaves. */
+static bool is_hardly(const ric_model *m, const ric_node *node)
+{
+    const ric_periodic *c = node->cycle;
+    double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n, sizeof *W), most = 0;
+    bool stops = W;
+    if (W) ric_periodic_states(m, c, W);
+    for (int i = 0; i < node->n_touch && stops; i++) {
+        stops = m->face[c->face[node->touch[i]]].spring == 0;
+        if (stops) most = fmax(most, fabs(impact_speed(m, c, W, node->touch[i])));
+    }
+    free(W);
+    return stops && most > NO_SPEED;
+}
+
+/* The events of the cycle without its touches but for the first and its images. Whether any is left
+ * out. */
+static bool keep_one_touch(const ric_node *node, bool *keep)
+{
+    const ric_periodic *c = node->cycle;
+    const int N = c->N;
+    int kept = 0;
+    for (int i = 0; i < N; i++) keep[i] = true;
+    for (int i = 1; i < node->n_touch; i++) keep[node->touch[i]] = false;
+    for (bool more = true; more;) {
+        more = false;
+        for (int i = 0; i < N; i++) {
+            const int image[] = {c->half ? (i + N / 2) % N : i,
+                                 c->pure < 0 ? i : (c->pure - i + 2 * N) % N,
+                                 c->flip < 0 ? i : (c->flip - i + 2 * N) % N};
+            for (int k = 0; k < 3 && keep[i]; k++)
+                if (!keep[image[k]]) more = keep[image[k]] = true;
+        }
+    }
+    for (int i = 0; i < N; i++) kept += keep[i];
+    return kept < N;
+}
+
+/* Newton's method for the instants of touches that were put into a cycle, as which its maxima are
+ * known to the root of rounding: `kept` are the other events, the first among them. False: no
+ * memory. */
+static bool time_touches(const ric_model *m, const bool *kept, ric_periodic *c)
+{
+    enum { STEPS = 3 }; /* each squares what is left */
+    const int n = c->n;
+    double rate[2 * n], *W = ric_calloc((size_t)c->N * 2 * (size_t)n, sizeof *W);
+    for (int step = 0; step < STEPS && W; step++) {
+        ric_periodic_states(m, c, W);
+        for (int i = 1; i < c->N; i++) {
+            const ric_face *f = &m->face[c->face[i]];
+            ric_flight_rate(m, ric_periodic_closed(m, c, i), W + 2 * n * i, rate);
+            const double by = -impact_speed(m, c, W, i) / (f->side * ric_dot(n, f->c, rate + n));
+            if (kept[i] || !isfinite(by)) continue;
+            c->tau[i - 1] += by;
+            c->tau[i] -= by;
+        }
+    }
+    const bool good = W;
+    free(W);
+    return good;
+}
+
+/* The cycle with all that it touches as events, read off its flights. NULL: no memory, or too many.
+ */
+static ric_periodic *read_off(const ric_model *m, const ric_periodic *cycle)
+{
+    bool *kept = NULL;
+    ric_periodic *full = ric_grazing_words_touches(m, cycle, &kept);
+    const bool timed = full && kept && time_touches(m, kept, full);
+    free(kept);
+    if (timed) return full;
+    ric_periodic_free(full);
+    return NULL;
+}
+
+/* One flight may touch several times with one amplitude, and these touches are no images of each
+ * other. As impacts that all have to close they are known to the root of rounding only, and kick
+ * the orbit by as much. It is solved with one of them and its images as impacts, and the others are
+ * read off the flights. NULL: it does not touch there then. */
+static ric_periodic *solve_one_touch(const ric_model *m, const ric_node *node)
+{
+    const ric_periodic *c = node->cycle;
+    bool keep[c->N];
+    if (!keep_one_touch(node, keep)) return NULL;
+    ric_periodic *part = ric_periodic_keep(m, c, keep),
+                 *solved = part ? ric_node_solve(m, part,
+                                                 (ric_criterion){.test = RIC_TEST_APPROACH}, NULL)
+                                : NULL,
+                 *full = solved ? read_off(m, solved) : NULL;
+    const bool same = full && full->N == c->N &&
+                      ric_periodic_find_symmetries(m, full, RIC_SAME_LOCATED) == 1;
+    ric_periodic_free(part);
+    ric_periodic_free(solved);
+    if (same) return full;
+    ric_periodic_free(full);
+    return NULL;
+}
+
 /* Whether a grazing orbit is without impacts. */
 static bool is_bare(const ric_node *node)
 {
@@ -126,13 +224,35 @@ static bool is_motion(const ric_model *m, const ric_node *node)
     return motion;
 }
 
+/* Puts the cycle in which touches are read off in the place of that of the node, where some of them
+ * are hardly known and it has as many. False: no memory. */
+static bool sharpen(const ric_model *m, ric_node **node, int multiple)
+{
+    if (!list_touches(m, *node, HARDLY)) return false;
+    if ((*node)->refusal || is_bare(*node) || !is_hardly(m, *node)) return !ric_memory_failed();
+    ric_periodic *full = solve_one_touch(m, *node);
+    ric_node *sharp = full ? ric_node_create(m, RIC_KIND_GRAZING, full) : NULL;
+    if (!sharp) return !ric_memory_failed();
+    sharp->multiple = multiple;
+    const bool listed = list_touches(m, sharp, HARDLY),
+               better = listed && sharp->n_touch == (*node)->n_touch;
+    ric_node_free(better ? *node : sharp);
+    if (better) *node = sharp;
+    return listed;
+}
+
 static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple,
                                  ric_node **out)
 {
+    const int events = full ? full->N : 0; /* the node may get another cycle */
     ric_node *node = ric_node_create(m, RIC_KIND_GRAZING, full);
     ric_status status = RIC_OK;
     if (!node) return ric_no_memory("a junction");
     node->multiple = multiple;
+    if (!sharpen(m, &node, multiple)) {
+        ric_node_free(node);
+        return ric_no_memory("a junction");
+    }
     /* no impact at all, else as few touches as can be, else more */
     static const double slow[] = {HARDLY, NO_SPEED, HARDLY};
     bool listed = true, motion = false;
@@ -146,7 +266,7 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
                           "a grazing orbit of %d impacts passes a stop, does not come back, or "
                           "keeps a spring closed "
                           "without end, which no word says",
-                          full->N);
+                          events);
     if (status) {
         ric_node_free(node);
         return status;

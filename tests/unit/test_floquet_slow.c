@@ -43,9 +43,32 @@ static void slow_impact_within_contact(void **state)
     ric_atlas_free(atlas);
 }
 
+/* The trace at one end of a branch, as the polynomial through the five points next to it has it
+ * (Neville). */
+static double trace_from_within(const ric_atlas *atlas, int branch, int end)
+{
+    enum { POINTS = 5 };
+    const int way = end == 0 ? 1 : -1;
+    double at[POINTS], trace[POINTS];
+    ric_point p;
+    assert_int_equal(ric_atlas_point(atlas, branch, end, &p, NULL, NULL), RIC_OK);
+    const double to = p.arclength;
+    for (int i = 0; i < POINTS; i++) {
+        assert_int_equal(ric_atlas_point(atlas, branch, end + way * (i + 1), &p, NULL, NULL),
+                         RIC_OK);
+        at[i] = p.arclength - to;
+        trace[i] = 2 * sinh(p.trace);
+    }
+    for (int order = 1; order < POINTS; order++)
+        for (int i = 0; i + order < POINTS; i++)
+            trace[i] = (trace[i] * at[i + order] - trace[i + 1] * at[i]) / (at[i + order] - at[i]);
+    return trace[0];
+}
+
 /* Two touches on one side of the near stop, at 1e-11 of the speed of the others: the map of the
  * orbit as it is written down has all its digits, but the speed that it divides by is known to two.
- */
+ * A4[0222] begins where it touches at a mirror point: there the trace does not go with 1 / speed,
+ * and is that of the points beside it, to a part in a million of itself. */
 static void no_trace_of_an_unknown_speed(void **state)
 {
     (void)state;
@@ -58,18 +81,23 @@ static void no_trace_of_an_unknown_speed(void **state)
         "    - {normal: [1, 0, 0], law: rigid, clearance: 0.000862, sides: lower}\n"
         "explore: {energy: [0, 6.71], frequency: [0.2828, 5.196], impacts: 4, multiply: 3, depth: "
         "2}\n");
-    int slow = 0;
+    int unknown = 0, known = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
         for (int i = 0; i < branch_of(atlas, id).n_point; i++) {
             ric_point p;
             assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
             if (!(p.approach > 0 && p.approach < 1e-11)) continue;
-            slow++;
-            if (!isnan(p.trace))
-                fail_msg("branch %d, point %d: asinh(trace / 2) %g at speed %g", id, i, p.trace,
-                         p.approach);
+            unknown += isnan(p.trace);
+            if (isnan(p.trace)) continue;
+            assert_true(i == 0 || i == branch_of(atlas, id).n_point - 1);
+            const double limit = trace_from_within(atlas, id, i);
+            if (!(fabs(2 * sinh(p.trace) / limit - 1) < 1e-6))
+                fail_msg("branch %d, point %d: trace %.12g at speed %g, beside it %.12g", id, i,
+                         2 * sinh(p.trace), p.approach, limit);
+            known++;
         }
-    assert_true(slow > 0);
+    assert_true(unknown > 20);
+    assert_int_equal(known, 1);
     ric_atlas_free(atlas);
 }
 
