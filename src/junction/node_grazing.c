@@ -338,6 +338,48 @@ ric_status ric_node_mode_together(const ric_model *m, const ric_periodic *cycle,
     return status || !once ? status : gone_through(m, once, times, out);
 }
 
+/* Whether a face feels a displacement along a mode. */
+static bool sees(const ric_model *m, const ric_face *face, int mode)
+{
+    return fabs(face->g[mode]) > RIC_TIE * sqrt(ric_dot(m->n, face->g, face->g));
+}
+
+static bool any_sees(const ric_model *m, const ric_periodic *c, int mode)
+{
+    bool seen = false;
+    for (int i = 0; i < c->N; i++) seen |= sees(m, &m->face[c->face[i]], mode);
+    return seen;
+}
+
+/* Whether a free structure drifts: its touches see a free mode that none of its impacts sees.
+ * Without them the whole orbit may be anywhere along that mode, and where it touches is a curve of
+ * motions, each with its energy. */
+static bool drifts(const ric_model *m, const ric_periodic *cycle, const ric_periodic *full)
+{
+    for (int mode = 0; mode < m->n && m->omega[mode] == 0 && cycle->N > 0; mode++)
+        if (!any_sees(m, cycle, mode) && any_sees(m, full, mode)) return true;
+    return false;
+}
+
+/* The orbit of a grazing with its touches as events: the solution of its equations, but for one
+ * that drifts. Of that the branch which comes there holds the place, by its symmetry or its start,
+ * and the orbit is the one at its end. */
+static ric_periodic *solve_grazing(const ric_model *m, const ric_periodic *cycle,
+                                   const ric_periodic *full)
+{
+    if (!drifts(m, cycle, full))
+        return ric_node_solve(m, full, (ric_criterion){.test = RIC_TEST_APPROACH}, NULL);
+    ric_periodic *end = ric_node_solve_again(m, cycle), *touching = end ? read_off(m, end) : NULL,
+                 *out = NULL;
+    if (touching) {
+        ric_periodic_find_symmetries(m, touching, RIC_SAME_LOCATED);
+        out = ric_periodic_canonical(m, touching);
+    }
+    ric_periodic_free(end);
+    ric_periodic_free(touching);
+    return out;
+}
+
 ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_node **out)
 {
     ric_status mixed = arrived_mixture(m, cycle, out);
@@ -352,7 +394,7 @@ ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_n
         if (!(full = shorter)) return ric_no_memory("a junction");
         ric_periodic_find_symmetries(m, full, RIC_SAME_LOCATED);
     }
-    solved = ric_node_solve(m, full, (ric_criterion){.test = RIC_TEST_APPROACH}, NULL);
+    solved = solve_grazing(m, cycle, full);
     ric_periodic_free(full);
     if (!solved)
         return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
