@@ -458,3 +458,12 @@ void ric_border_solve(ric_border *q, int count, const double *r, const double *s
                 x[j * count + c] += q->K[(size_t)j * (size_t)m + (size_t)l] * rhs[l * count + c];
     to_fractions(q, count, r, x);
 }
+
+void ric_border_conditions(ric_border *q, int count, const double *r, double *start, double *end)
+{
+    const int m = 2 * q->n;
+    double pinned[q->N * count], y[q->unknowns * count];
+    forward(q, count, r, pinned, end);
+    lift(q, count, NULL, pinned, y);
+    memcpy(start, y, (size_t)(m * count) * sizeof *start);
+}

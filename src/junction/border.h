@@ -57,6 +57,10 @@ bool ric_border_set(ric_border *border, const ric_border *frame, int b);
  * in the order of J; s, g [b * count]. x NULL: only g is wanted. */
 void ric_border_solve(ric_border *border, int count, const double *r, const double *s, double *x,
                       double *g);
+/* What conditions r [N * count] make of the start state and of the end, [2n * count] each, while
+ * the combinations that are left stay 0. */
+void ric_border_conditions(ric_border *border, int count, const double *r, double *start,
+                           double *end);
 /* Column i of the last b of K by singular values, in the unknowns of the chain, [unknowns]. */
 void ric_border_kernel(const ric_border *border, int i, double *du);
 

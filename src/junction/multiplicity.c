@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "border.h"
+#include "one_period.h"
 #include "base/room.h"
 
 #define ROUNDING (2 * DBL_EPSILON) /* of entries of J and of the unknowns, relative */
@@ -395,7 +396,11 @@ ric_status ric_multiplicity(const ric_model *m, const ric_node *node, int *a, in
 {
     gauge t = {.multiplied = node->kind == RIC_KIND_MULTIPLICATION};
     expected(node, &t.a, &t.b);
-    ric_status status = gauge_make(m, node, &t);
+    ric_status status = ric_one_period_tells(m, node, decided);
+    *a = t.a;
+    *b = t.b;
+    if (status || *decided) return status;
+    status = gauge_make(m, node, &t);
     *decided = !status && t.chain->n_unknown == 2 * m->n + t.chain->n_flight && measure(&t, a, b);
     if (!*decided) {
         *a = t.a;

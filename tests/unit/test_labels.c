@@ -12,6 +12,7 @@
 #include "junction/border.h"
 #include "explored.h"
 #include "junction/multiplicity.h"
+#include "junction/one_period.h"
 #include "random_models.h"
 
 enum { LARGEST = 64, WANTED = 8 };
@@ -206,6 +207,56 @@ static void two_masses(void **state)
     assert_true(t.kinds[3][3] > 20 && t.kinds[2][2] > 5 && t.decided == t.all);
 }
 
+/* An orbit a little beside the junction, and another root of unity: nothing to be clear about. */
+static void doubts(const ric_model *m, const ric_node *node)
+{
+    bool clear;
+    ric_node *other = ric_node_copy(node);
+    assert_non_null(other);
+    other->rotation[0] = node->rotation[0] == 1 ? node->multiple - 1 : 1;
+    if (2 * (node->rotation[0] % node->multiple) != node->multiple &&
+        (node->rotation[0] + other->rotation[0]) % node->multiple != 0) {
+        assert_int_equal(ric_one_period_tells(m, other, &clear), RIC_OK);
+        assert_false(clear);
+    }
+    other->rotation[0] = node->rotation[0];
+    for (int i = 0; i < 2 * m->n; i++) other->cycle->w[i] *= 1 + 1e-6;
+    assert_int_equal(ric_one_period_tells(m, other, &clear), RIC_OK);
+    assert_false(clear);
+    ric_node_free(other);
+}
+
+/* A multiplication by three or more needs one period of its orbit, unless something is close by;
+ * what is said then is what the dense matrix of all periods says. */
+static void one_period(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    int all = 0, told = 0, checked = 0;
+    assert_int_equal(ric_study_parse(TWO_MASSES
+                                     "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 6, "
+                                     "depth: 2, multiply: 5}\n",
+                                     "test", ".", &study),
+                     RIC_OK);
+    ric_graph *graph = explored_graph(study);
+    for (int i = 0; i < graph->n_node; i++) {
+        const ric_node *node = graph->nodes[i];
+        bool clear;
+        assert_int_equal(ric_one_period_tells(graph->model, node, &clear), RIC_OK);
+        if (node->kind != RIC_KIND_MULTIPLICATION || node->multiple < 3) assert_false(clear);
+        else all++;
+        told += clear;
+        if (!clear) continue;
+        doubts(graph->model, node);
+        if (4 + node->cycle->N * node->multiple > LARGEST) continue;
+        checked += check_dense(graph->model, node, 3, 3);
+    }
+    printf("# %d multiplications, %d of them told by one period, %d checked\n", all, told, checked);
+    assert_true(told > 20 && 10 * told >= 8 * all && checked >= 20);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
 /* Bilinear and power law: the same structure with springs. */
 static void springs(void **state)
 {
@@ -376,6 +427,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(solves),
                                        cmocka_unit_test(cost),
                                        cmocka_unit_test(two_masses),
+                                       cmocka_unit_test(one_period),
                                        cmocka_unit_test(springs),
                                        cmocka_unit_test(doublings),
                                        cmocka_unit_test(random_structures)};
