@@ -68,7 +68,8 @@ bool cli_take_cascade(int *argc, char **argv, cli_cascade_request *out)
 static bool show_progress(int step, int impacts, int points, void *user)
 {
     if (cli_progress_due(user))
-        fprintf(stderr, "multiplication %d, %d impacts, %d points", step, impacts, points);
+        fprintf(stderr, "multiplication %d, %d impact%s, %d point%s", step, impacts,
+                cli_plural(impacts), points, cli_plural(points));
     return cli_stopped();
 }
 

@@ -161,11 +161,6 @@ static int print_rows(const facts *f, const ric_study *study, cli_format format)
 
 /* -------------------------------------------------------------------- text */
 
-static const char *plural(int n)
-{
-    return n == 1 ? "" : "s";
-}
-
 /* A text of the study, between two others; nothing if it has none. */
 static void print_quoted(const char *before, const char *text, const char *after)
 {
@@ -191,7 +186,7 @@ static void print_head(const facts *f, const ric_study *study)
         ric_contact first;
         bool own = !ric_model_contact(model, 0, &first) && first.length > 0;
         printf("%d degree%s of freedom, %d of them seen by the springs; %d power-law contact%s\n",
-               f->n, plural(f->n), ric_model_n_mode(model), f->m, plural(f->m));
+               f->n, cli_plural(f->n), ric_model_n_mode(model), f->m, cli_plural(f->m));
         printf("scale: lengths by %g, %s; scaled energies times %g are physical ones\n",
                ric_model_length(model),
                own ? "the length of contact 1" : "as contact 1 is given by its stiffness",
@@ -206,8 +201,8 @@ static void print_head(const facts *f, const ric_study *study)
     }
     printf("%d degree%s of freedom, %d of them seen by the stops; %d contact%s, %d face%s; "
            "restitution %g\n",
-           f->n, plural(f->n), ric_model_n_mode(model), f->m, plural(f->m), ric_model_n_face(model),
-           plural(ric_model_n_face(model)), restitution_of(study));
+           f->n, cli_plural(f->n), ric_model_n_mode(model), f->m, cli_plural(f->m),
+           ric_model_n_face(model), cli_plural(ric_model_n_face(model)), restitution_of(study));
     printf("scale: lengths by %g, the clearance of contact 1; energies by its square\n",
            ric_model_length(model));
     puts(ric_model_symmetric(model) ? "symmetry: x -> -x maps the structure to itself"
@@ -333,14 +328,14 @@ static void print_remarks(const facts *f)
     if (unseen)
         printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact "
                "orbits\n",
-               unseen, plural(unseen), unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
+               unseen, cli_plural(unseen), unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
     if (unseen_rigid)
         puts("a rigid motion that no stop sees is taken out together with its momentum: orbits are "
              "given in the frame "
              "that moves along");
     if (seen_rigid)
         printf("%d rigid motion%s a stop sees: it has no linear touch; %s\n", seen_rigid,
-               plural(seen_rigid),
+               cli_plural(seen_rigid),
                f->m == 1 && two_sided(f)
                    ? "its family starts at the lower edge of the energy window"
                    : "no family starts from it, which takes a single contact, rigid and with both "

@@ -30,7 +30,8 @@ typedef struct {
 
 static bool show_progress(const char *what, double part, int found, void *user)
 {
-    if (cli_progress_due(user)) fprintf(stderr, "%s: %.0f %%, %d orbits", what, 100 * part, found);
+    if (cli_progress_due(user))
+        fprintf(stderr, "%s: %.0f %%, %d orbit%s", what, 100 * part, found, cli_plural(found));
     return cli_stopped();
 }
 
@@ -161,9 +162,9 @@ static void tell_missed(const ric_comparison *c, int n_missed)
     for (int i = 0; i < n_missed; i++) {
         ric_missed m;
         if (ric_comparison_missed(c, i, &m)) continue;
-        cli_say("not found again: %d impacts on branch %d, period %.10g, trace %.6g, slowest "
+        cli_say("not found again: %d impact%s on branch %d, period %.10g, trace %.6g, slowest "
                 "impact %.3g\n",
-                m.impacts, m.branch, m.period, m.trace, m.approach);
+                m.impacts, cli_plural(m.impacts), m.branch, m.period, m.trace, m.approach);
     }
 }
 
@@ -172,19 +173,21 @@ static int summarise(const ric_hunt *h, const ric_hunt_options *options, double 
                      const ric_comparison *c, int added)
 {
     int counts[4] = {0}, n = ric_hunt_n_found(h), n_atlas, n_again, n_missed;
-    cli_say("%d orbits of up to %d impacts and period up to %g s at energy %g\n", n,
-            options->impacts, options->period[1], unit * options->energy);
+    cli_say("%d orbit%s of up to %d impact%s and period up to %g s at energy %g\n", n,
+            cli_plural(n), options->impacts, cli_plural(options->impacts), options->period[1],
+            unit * options->energy);
     if (!c) return CLI_DONE;
     for (int i = 0; i < n; i++) {
         ric_finding finding;
         if (!ric_comparison_finding(c, i, &finding)) counts[finding.state]++;
     }
     ric_comparison_count(c, &n_atlas, &n_again, &n_missed);
-    cli_say("of the atlas's %d orbits there, %d were found again; it lacks %d: %d beyond its "
+    cli_say("of the atlas's %d orbit%s there, %d %s found again; it lacks %d: %d beyond its "
             "budgets, %d isolated, %d "
             "unexplained\n",
-            n_atlas, n_again, n - counts[RIC_FOUND_KNOWN], counts[RIC_FOUND_BUDGET],
-            counts[RIC_FOUND_ISOLATED], counts[RIC_FOUND_UNEXPLAINED]);
+            n_atlas, cli_plural(n_atlas), n_again, n_again == 1 ? "was" : "were",
+            n - counts[RIC_FOUND_KNOWN], counts[RIC_FOUND_BUDGET], counts[RIC_FOUND_ISOLATED],
+            counts[RIC_FOUND_UNEXPLAINED]);
     tell_missed(c, n_missed);
     if (added)
         cli_say("%d start%s added; the next `ricochet run` follows %s\n", added,

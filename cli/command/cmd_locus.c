@@ -35,7 +35,8 @@ static void summarise(const cli_locus *x)
     if (!n || ric_locus_point_at(x->locus, 0, &ends[0]) ||
         ric_locus_point_at(x->locus, n - 1, &ends[1]))
         return;
-    cli_say("%d points, %d folds; from %s = %.9g", n, folds, x->vary.name, ends[0].value);
+    cli_say("%d point%s, %d fold%s; from %s = %.9g", n, cli_plural(n), folds, cli_plural(folds),
+            x->vary.name, ends[0].value);
     cli_say(" (%s) to %.9g", ends[0].what, ends[1].value);
     cli_say(" (%s)\n", ends[1].what);
 }

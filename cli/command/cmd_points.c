@@ -94,8 +94,8 @@ static ric_status add_ghost(const listing *l, const ric_ghost *ghost)
         }
         json_array_append_new(l->rows, row);
     }
-    cli_say("ricochet: ghost beyond '%s': %d points; stopped: %s%s%s\n", end, data.n_point,
-            ric_stop_text(data.stop), *data.why ? ", " : "", data.why);
+    cli_say("ricochet: ghost beyond '%s': %d point%s; stopped: %s%s%s\n", end, data.n_point,
+            cli_plural(data.n_point), ric_stop_text(data.stop), *data.why ? ", " : "", data.why);
     if (data.again >= 0)
         cli_say("ricochet: ghost beyond '%s': admissible again from point %d on\n", end,
                 data.again);

@@ -51,8 +51,9 @@ typedef struct {
 static void say_progress(const display *d, double passed)
 {
     const ric_progress *now = &d->last;
-    cli_say("%d branches, %d junctions, ", now->branches, now->junctions);
-    if (now->labels) cli_say("%d labels left, ", now->labels);
+    cli_say("%d branch%s, %d junction%s, ", now->branches, now->branches == 1 ? "" : "es",
+            now->junctions, cli_plural(now->junctions));
+    if (now->labels) cli_say("%d label%s left, ", now->labels, cli_plural(now->labels));
     else {
         cli_say("depth %d", now->depth);
         if (d->depth) cli_say(" of %d", d->depth);
@@ -182,8 +183,10 @@ static int print_summary(const char *path, const ric_atlas *atlas, const display
             return CLI_FAILED;
         }
     } else if (!status) {
-        cli_tell(stdout, "%s: %d branches, %d junctions, %.1f s\n", path, ric_atlas_n_branch(atlas),
-                 ric_atlas_n_junction(atlas), cli_seconds_since(&d->start));
+        const int branches = ric_atlas_n_branch(atlas), junctions = ric_atlas_n_junction(atlas);
+        cli_tell(stdout, "%s: %d branch%s, %d junction%s, %.1f s\n", path, branches,
+                 branches == 1 ? "" : "es", junctions, cli_plural(junctions),
+                 cli_seconds_since(&d->start));
         if (!(status = cli_report_rows(atlas, rows)) && cli_lost_memory()) status = RIC_E_NOMEM;
         if (!status) print_report(rows, ric_study_options(ric_atlas_study(atlas)));
         if (!status && !stopped) status = cli_windows_tell(atlas);
@@ -277,6 +280,8 @@ static void tell_smaller(const char *path, const ric_study *old, const ric_study
 static int tell_stopped(const char *path, const char *study, const ric_atlas *atlas,
                         const display *d)
 {
+    const int branches = ric_atlas_n_branch(atlas), junctions = ric_atlas_n_junction(atlas),
+              unmeasured = cli_unmeasured(atlas);
     const int report = d->kept ? CLI_DONE : print_summary(path, atlas, d, true);
     if (report) return report;
     fflush(stdout);
@@ -286,17 +291,19 @@ static int tell_stopped(const char *path, const char *study, const ric_atlas *at
             "ricochet: stopped before it came as far as an earlier run, whose tables stay in %s;",
             path);
     else
-        cli_say("ricochet: stopped; what was found so far is in %s: %d branches, %d junctions;",
-                path, ric_atlas_n_branch(atlas), ric_atlas_n_junction(atlas));
+        cli_say("ricochet: stopped; what was found so far is in %s: %d branch%s, %d junction%s;",
+                path, branches, branches == 1 ? "" : "es", junctions, cli_plural(junctions));
     if (d->last.open > 0)
-        cli_say(" %d departures of depth %d are left, and what follows from them", d->last.open,
-                d->last.depth);
+        cli_say(" %d departure%s of depth %d %s left, and what follows from %s", d->last.open,
+                cli_plural(d->last.open), d->last.depth, d->last.open == 1 ? "is" : "are",
+                d->last.open == 1 ? "it" : "them");
     else fputs(" all departures are done", stderr);
-    const int unmeasured = cli_unmeasured(atlas);
-    if (unmeasured) cli_say(", %d labels are not measured yet", unmeasured);
+    if (unmeasured)
+        cli_say(", %d label%s not measured yet", unmeasured, unmeasured == 1 ? " is" : "s are");
     /* a branch under way is in no table, and may be all that the time went into */
     if (d->last.fresh > 0)
-        cli_say("; %d steps of this run are kept, those of unfinished branches too", d->last.fresh);
+        cli_say("; %d step%s of this run %s kept, those of unfinished branches too", d->last.fresh,
+                cli_plural(d->last.fresh), d->last.fresh == 1 ? "is" : "are");
     cli_say("\nricochet: the same command continues there: ricochet run %s -o %s\n", study, path);
     return d->over ? CLI_LIMIT : CLI_INTERRUPTED;
 }

@@ -162,12 +162,16 @@ static void summarise(const cli_section *s, const cli_section_request *r, int co
         grow += t.lyapunov > 2 * t.lyapunov_error;
         worst = fmax(worst, t.energy_error);
         if (t.why[0] && !code && ended++ < MOST_TOLD)
-            cli_say("start %d ends after %ld impacts: %s\n", i + 1, t.impacts, t.why);
+            cli_say("start %d ends after %ld impact%s: %s\n", i + 1, t.impacts,
+                    cli_plural(t.impacts), t.why);
     }
-    if (ended > MOST_TOLD) cli_say("and %d more starts end before their time\n", ended - MOST_TOLD);
-    cli_say("%d starts, %ld impacts at energy %.12g; neighbours part exponentially in %d; the "
+    if (ended > MOST_TOLD)
+        cli_say("and %d more start%s before %s time\n", ended - MOST_TOLD,
+                ended - MOST_TOLD == 1 ? " ends" : "s end",
+                ended - MOST_TOLD == 1 ? "its" : "their");
+    cli_say("%d start%s, %ld impact%s at energy %.12g; neighbours part exponentially in %d; the "
             "energy stayed within %.1e\n",
-            n, impacts, r->energy, grow, worst);
+            n, cli_plural(n), impacts, cli_plural(impacts), r->energy, grow, worst);
     if (code)
         cli_say("ricochet: stopped %s: %.3g %% of the impacts were not reached\n",
                 code == CLI_LIMIT ? "when the time given was over" : "on request",

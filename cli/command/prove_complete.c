@@ -203,12 +203,13 @@ static int check_by_hunt(const request *r, const ric_census *census, const ric_c
         if (is_counted(census, &found)) continue;
         missing++;
         cli_say(
-            "ricochet: an orbit of %d impacts and period %.12g that the hunt finds is not there\n",
-            found.impacts, found.period);
+            "ricochet: an orbit of %d impact%s and period %.12g that the hunt finds is not there\n",
+            found.impacts, cli_plural(found.impacts), found.period);
     }
     if (!status)
-        cli_tell(out, "a hunt finds %d orbits there, of which %d are missing here\n",
-                 ric_hunt_n_found(hunt), missing);
+        cli_tell(out, "a hunt finds %d orbit%s there, of which %d %s missing here\n",
+                 ric_hunt_n_found(hunt), cli_plural(ric_hunt_n_found(hunt)), missing,
+                 missing == 1 ? "is" : "are");
     ric_hunt_free(hunt);
     return status ? cli_report(status) : missing ? CLI_FAILED : CLI_DONE;
 }

@@ -52,10 +52,12 @@ int cli_verify_response(const char *path, bool all, bool quiet, cli_format forma
     int code = status ? cli_report(status) : CLI_DONE;
     if (!code && !(quiet && format == CLI_TEXT)) code = cli_print_rows(a.rows, columns, format);
     if (!code && a.failed) {
-        cli_say("ricochet: %d of %d orbits of %d curves are not confirmed\n", a.failed, a.n,
-                curves);
+        cli_say("ricochet: %d of %d orbits of %d curve%s are not confirmed\n", a.failed, a.n,
+                curves, cli_plural(curves));
         code = CLI_FAILED;
-    } else if (!code) cli_say("ricochet: %d orbits of %d curves are confirmed\n", a.n, curves);
+    } else if (!code)
+        cli_say("ricochet: %d orbit%s of %d curve%s %s confirmed\n", a.n, cli_plural(a.n), curves,
+                cli_plural(curves), a.n == 1 ? "is" : "are");
     json_decref(a.rows);
     ric_response_free(r);
     return code;

@@ -147,6 +147,8 @@ bool cli_choose(json_t *rows, const cli_choice *choice);
 
 /* Frequencies of rows, all columns that are called so, in Hz instead of rad/s. */
 void cli_in_hertz(json_t *rows);
+/* The end of a word that stands behind the number n: "s", or nothing for 1. */
+const char *cli_plural(long n);
 /* What lengths of a list are multiplied by, energies by its square: 1, or where numbers of the
  * study are asked for d of the structure; then what the units are called, if the study says so, is
  * a line on stderr. */

@@ -38,7 +38,8 @@ typedef struct {
 static bool show_progress(int points, double value, void *user)
 {
     display *d = user;
-    if (cli_progress_due(&d->line)) fprintf(stderr, "%d points, %s = %.6g", points, d->name, value);
+    if (cli_progress_due(&d->line))
+        fprintf(stderr, "%d point%s, %s = %.6g", points, cli_plural(points), d->name, value);
     return cli_stopped();
 }
 

@@ -644,6 +644,11 @@ char *cli_table_names(const ric_table *table, cli_format format)
     return b.failed ? NULL : b.text;
 }
 
+const char *cli_plural(long n)
+{
+    return n == 1 ? "" : "s";
+}
+
 double cli_unit_of_lengths(const ric_model *model, bool physical)
 {
     const ric_units *names = ric_model_units(model);

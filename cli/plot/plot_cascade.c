@@ -298,10 +298,11 @@ static bool draw_shape(picture *p, int step, plot_box row, const double range[2]
             snprintf(what, sizeof what, "p/q = %d/%d", s.rotation[0], s.rotation[1]);
         if (smooth(p)) snprintf(text, sizeof text, "%s,  %s", what, place);
         else if (s.multiple > 1)
-            snprintf(text, sizeof text, "%s,  %d impacts,  %s", what, s.impacts, place);
+            snprintf(text, sizeof text, "%s,  %d impact%s,  %s", what, s.impacts,
+                     cli_plural(s.impacts), place);
         else
-            snprintf(text, sizeof text, "%s,  %d impacts, %d touches,  %s", what, s.impacts,
-                     s.grazings, place);
+            snprintf(text, sizeof text, "%s,  %d impact%s, %d touch%s,  %s", what, s.impacts,
+                     cli_plural(s.impacts), s.grazings, s.grazings == 1 ? "" : "es", place);
         char whole[340], own[64];
         const bool named = s.multiple > 1 && name_of(p, s.energy, s.multiple, sizeof own, own);
         snprintf(whole, sizeof whole, "(%c)  %s%s%s", 'a' + step % 26, named ? own : "",

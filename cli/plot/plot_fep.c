@@ -580,10 +580,10 @@ static int draw(fep *f)
                 "make more\n",
                 missing, missing == 1 ? "" : "s");
     if (f->unmarked > 0)
-        cli_say("ricochet: %d junctions are not marked, where they would hide the curve; --marks "
-                "all draws them, "
+        cli_say("ricochet: %d junction%s not marked, which would hide the curve; --marks "
+                "all draws %s, "
                 "--zoom and --energy make room\n",
-                f->unmarked);
+                f->unmarked, f->unmarked == 1 ? " is" : "s are", f->unmarked == 1 ? "it" : "them");
     report_idle(f);
     report_unused(f);
     plot_page_title(f->page, common, NULL);

@@ -46,8 +46,8 @@ P
 run_slow() { "$ricochet" run "$folder/slow.yaml" -o "$folder/slow.ricochet" --seconds 1; }
 
 ok 'a run that is in the midst of one branch stops in time' stops 3 'the 1 s given are over' 10 run_slow
-ok 'it says what is left and how to go on' grep -q 'departures of depth 0 are left' "$folder/out"
-ok 'and that the branch under way is kept' grep -q '[1-9][0-9]* steps of this run are kept' "$folder/out"
+ok 'it says what is left and how to go on' grep -q 'departures* of depth 0 [a-z]* left' "$folder/out"
+ok 'and that the branch under way is kept' grep -q '[1-9][0-9]* steps* of this run [a-z]* kept' "$folder/out"
 before=$(points)
 run_slow 2>/dev/null
 further() { echo "$before, then $(points)"; [ "$before" -gt 0 ] && [ "$(points)" -gt "$before" ]; }
@@ -66,7 +66,7 @@ before=$(points)
 ok 'so is one with workers' further
 ok 'Ctrl-C ends it at once, with another exit code' stops 130 'continues there' 10 interrupted
 
-ok 'a run with many branches stops in time' stops 3 'labels are not measured yet' 10 "$ricochet" run "$folder/many.yaml" -o "$folder/many.ricochet" --seconds 1
+ok 'a run with many branches stops in time' stops 3 'labels* [a-z]* not measured yet' 10 "$ricochet" run "$folder/many.yaml" -o "$folder/many.ricochet" --seconds 1
 shown() {
     "$ricochet" report "$folder/many.ricochet" | grep 'not measured yet' || return 1
     "$ricochet" junctions "$folder/many.ricochet" --json | python3 -S -c '
