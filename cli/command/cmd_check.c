@@ -374,8 +374,13 @@ static int run(int argc, char **argv)
     f.hertz = hertz;
     f.physical = physical;
     f.names = ric_model_units(ric_study_model(study));
-    f.unit = physical ? ric_model_length(f.model) * ric_model_length(f.model) : 1;
-    if (!status && format == CLI_TEXT) code = cli_report(print_text(&f, study));
+    f.unit = physical ? cli_unit_of_energies(ric_model_length(f.model)) : 1;
+    if (!status && isnan(f.unit))
+        code =
+            cli_wrong("check: --physical: lengths go by %g, and energies by its square, which no "
+                      "double holds; choose another unit of length, or leave it out",
+                      ric_model_length(f.model));
+    else if (!status && format == CLI_TEXT) code = cli_report(print_text(&f, study));
     else if (!status) code = print_rows(&f, study, format);
     facts_free(&f);
     ric_study_free(study);

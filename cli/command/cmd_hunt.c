@@ -127,7 +127,7 @@ static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, do
     json_t *row = json_object();
     ric_hunt_found(h, i, &p, word, state, flights);
     json_object_set_new(row, "orbit", json_integer(i + 1));
-    json_object_set_new(row, "energy", cli_number(d * d * energy));
+    json_object_set_new(row, "energy", cli_number(cli_unit_of_energies(d) * energy));
     json_object_set_new(row, "word", cli_word(m, p.impacts, word));
     json_object_set_new(row, "impacts", json_integer(p.impacts));
     json_object_set_new(row, "period", cli_number(p.period));
@@ -392,7 +392,7 @@ static int run(int argc, char **argv)
         return CLI_WRONG;
     ric_status status = read_files(&r, argv[1], &study, &atlas);
     r.d = status ? 1 : cli_unit_of_lengths(ric_study_model(study), r.physical);
-    for (int i = 0; i < 2; i++) r.energy[i] /= r.d * r.d;
+    for (int i = 0; i < 2; i++) r.energy[i] /= cli_unit_of_energies(r.d);
     r.options.energy = r.energy[0];
     if (status) code = cli_report(status);
     else if (r.add && !atlas)

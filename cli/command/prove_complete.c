@@ -79,7 +79,8 @@ static json_t *make_row(const request *r, const ric_census *census, int i)
     const double period = (z.period[0] + z.period[1]) / 2;
     json_t *row = json_object();
     json_object_set_new(row, "orbit", json_integer(i + 1));
-    json_object_set_new(row, "energy", cli_number(r->length * r->length * r->options.energy));
+    json_object_set_new(row, "energy",
+                        cli_number(cli_unit_of_energies(r->length) * r->options.energy));
     json_object_set_new(row, "word", cli_word(r->model, z.impacts, word));
     json_object_set_new(row, "impacts", json_integer(z.impacts));
     json_object_set_new(row, "period", cli_number(period));
@@ -144,10 +145,11 @@ static void tell_account(const request *r, const ric_census *census, const ric_c
                          FILE *out)
 {
     const bool complete = !a->undecided && !a->open;
-    const double energy = r->length * r->length * r->options.energy;
-    cli_tell(out, "%s: %d orbits of up to %d impacts at energy %g, ",
-             complete ? "complete" : "not complete", ric_census_n_orbit(census), r->options.impacts,
-             energy);
+    const double energy = cli_unit_of_energies(r->length) * r->options.energy;
+    cli_tell(out, "%s: %d orbit%s of up to %d impact%s at energy %g, ",
+             complete ? "complete" : "not complete", ric_census_n_orbit(census),
+             cli_plural(ric_census_n_orbit(census)), r->options.impacts,
+             cli_plural(r->options.impacts), energy);
     tell_periods(a, out);
     cli_tell(out, "%ld boxes of flight times in %d words; %d solutions are no motions\n", a->boxes,
              a->words, a->ghosts);
@@ -267,7 +269,7 @@ int prove_complete(int argc, char **argv)
     cli_forcing_warn(study, argv[1], "the census");
     r.model = ric_study_model(study);
     if (r.physical) r.length = cli_unit_of_lengths(r.model, true);
-    r.options.energy /= r.length * r.length;
+    r.options.energy /= cli_unit_of_energies(r.length);
     ric_hunt_options_init(&window);
     ric_hunt_options_bound(&window, study);
     if (!r.bounded) r.options.period[1] = window.period[1];

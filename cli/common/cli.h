@@ -153,6 +153,9 @@ const char *cli_plural(long n);
  * study are asked for d of the structure; then what the units are called, if the study says so, is
  * a line on stderr. */
 double cli_unit_of_lengths(const ric_model *model, bool physical);
+/* Its square; NAN where that leaves the range of doubles, so that no energy is shown as 0 or
+ * infinite. */
+double cli_unit_of_energies(double d);
 #define CLI_ITEM_HZ                                                                                \
     {                                                                                              \
         .name = "--hz",                                                                            \

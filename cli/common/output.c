@@ -581,7 +581,7 @@ int cli_print_rows(const json_t *rows, const char *columns, cli_format format)
 static double scale_of(ric_unit unit, double d)
 {
     switch (unit) {
-    case RIC_UNIT_ENERGY: return d * d;
+    case RIC_UNIT_ENERGY: return cli_unit_of_energies(d);
     case RIC_UNIT_SPEED:
     case RIC_UNIT_STATE: return d;
     default: return 1;
@@ -655,7 +655,18 @@ double cli_unit_of_lengths(const ric_model *model, bool physical)
     if (physical && *names->length)
         cli_say("ricochet: lengths in %s, speeds in %s/%s, energies in %s %s\n", names->length,
                 names->length, names->time, names->force, names->length);
-    return physical ? ric_model_length(model) : 1;
+    const double d = physical ? ric_model_length(model) : 1;
+    if (isnan(cli_unit_of_energies(d)))
+        cli_say("ricochet: lengths go by %g here, and energies by its square, which no double "
+                "holds: they are left out; "
+                "without --physical they are scaled\n",
+                d);
+    return d;
+}
+
+double cli_unit_of_energies(double d)
+{
+    return isnormal(d * d) ? d * d : NAN;
 }
 
 static ric_status add_rows(json_t *rows, const cli_listing *listing, const ric_atlas *atlas,

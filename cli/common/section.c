@@ -167,7 +167,7 @@ int cli_section_follow(cli_section_request *r, double d, cli_section *s)
 {
     display shown = {.line = cli_progress_begin(), .seconds = r->seconds};
     ric_section_options *o = &r->options;
-    o->energy = d > 0 ? r->energy / (d * d) : r->energy;
+    o->energy = d > 0 ? r->energy / cli_unit_of_energies(d) : r->energy;
     const int code = find_given(r, s);
     if (code) return code;
     o->n_given = s->given.n;

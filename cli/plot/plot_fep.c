@@ -595,6 +595,10 @@ static int draw_page(fep *f)
 {
     span energy, frequency;
     int total = 0;
+    const double unit = plot_units_of(f->options->common, f->sources[0].model).energy;
+    if (isnan(unit))
+        return cli_wrong("plot fep: --physical: no double holds the square of the clearance, by "
+                         "which energies go; leave it out");
     ric_status status = find_window(f, &energy, &frequency);
     if (status != RIC_OK) return cli_report(status);
     for (int i = 0; i < f->n_source; i++) total += ric_atlas_n_branch(f->sources[i].atlas);

@@ -29,7 +29,7 @@ typedef struct {
 static plot_point place(const picture *p, const cli_locus *x, const ric_locus_point *at)
 {
     const double d = at->length / ric_model_length(ric_atlas_model(x->atlas));
-    const double energy = p->common->physical ? at->energy * d * d : at->energy;
+    const double energy = p->common->physical ? cli_unit_of_energies(d) * at->energy : at->energy;
     return (plot_point){at->value, p->frequency ? at->frequency : energy};
 }
 

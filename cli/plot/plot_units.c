@@ -7,8 +7,9 @@
 plot_units plot_units_of(const plot_options *options, const ric_model *model)
 {
     const double d = options->physical ? ric_model_length(model) : 1;
-    return (
-        plot_units){.length = d, .energy = d * d, .frequency = options->hertz ? 1 / CLI_TWO_PI : 1};
+    return (plot_units){.length = d,
+                        .energy = cli_unit_of_energies(d),
+                        .frequency = options->hertz ? 1 / CLI_TWO_PI : 1};
 }
 
 /* E_s of the article is the energy of the masses and springs, H_s adds that of contacts that give

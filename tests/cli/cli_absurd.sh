@@ -33,6 +33,10 @@ for clearance in 1.0e-300 1.0e+300; do
     branches "c$clearance"
     ok "has the same branches" same "$folder/usual.csv" "$folder/c$clearance.csv"
     ok "that verify" ends 0 "agree with" verify "$folder/c$clearance.ricochet"
+    ok "energies in its units are none" ends 0 "no double holds: they are left out" branches "$folder/c$clearance.ricochet" --physical --csv
+    ok "and not shown as 0" test "$(tail -n 1 "$folder/out" | cut -d, -f11-12)" = ,
+    ok "and none is asked for" ends 2 "no double holds" check "$folder/c$clearance.yaml" --physical
+    ok "or drawn" ends 2 "no double holds" plot fep "$folder/c$clearance.ricochet" --physical -o "$folder/fep.svg"
 done
 
 study stiff "$mass" '[[1.0e16, -1], [-1, 1]]' "$(contact '[-1, 1]' 1)" "$window, frequency: [0.01, 1.0e9]"
