@@ -366,8 +366,8 @@ typedef struct {
     int letters;     /* of the word: impacts, and the openings of springs */
     const int *word; /* [letters] */
     bool symmetric, reversible;
-    const char *mirror; /* mirror points, e.g. "centre-impact", "" if not reversible */
-    double stable_fraction;
+    const char *mirror;     /* mirror points, e.g. "centre-impact", "" if not reversible */
+    double stable_fraction; /* 0 and 1 below and above rounding, 1e-12 */
     int n_point;
     double energy_min, energy_max, frequency_min, frequency_max;
     int from, to;    /* junction ids, 0 = none */

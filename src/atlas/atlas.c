@@ -13,6 +13,10 @@
 static_assert(sizeof(ric_point) % sizeof(double) == 0,
               "points lie one after the other in an array of doubles");
 
+/* NO_SHARE: of an arclength: that of a trace which rounding takes over its border, at the end of a
+ * branch */
+#define NO_SHARE 1e-12
+
 /* ----------------------------------------------------------------- records */
 
 void ric_atlas_branch_record_free(ric_branch_record *branch)
@@ -124,8 +128,11 @@ static ric_status check_id(const char *what, int id, int n)
 ric_status ric_atlas_branch(const ric_atlas *atlas, int id, ric_branch *out)
 {
     ric_status status = check_id("branch", id, atlas->n_branch);
-    if (!status) *out = atlas->branches[id - 1].row;
-    return status;
+    if (status) return status;
+    *out = atlas->branches[id - 1].row;
+    if (out->stable_fraction < NO_SHARE) out->stable_fraction = 0;
+    if (out->stable_fraction > 1 - NO_SHARE) out->stable_fraction = 1;
+    return RIC_OK;
 }
 
 ric_status ric_atlas_junction(const ric_atlas *atlas, int id, ric_junction *out)

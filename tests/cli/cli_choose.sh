@@ -31,6 +31,16 @@ ok 'branches: energy' rows branches "r['energy_max'] >= 20 and r['energy_min'] <
 ok 'branches: frequency' rows branches "r['frequency_max'] >= 3 and r['frequency_min'] <= 4" --frequency 3,4
 ok 'branches: stable' rows branches "r['stable_fraction'] == 0" --stable no
 ok 'branches: partly' rows branches "0 < r['stable_fraction'] < 1" --stable partly
+planted() { # a share that is a rounding error is none
+    python3 -S -c '
+import sqlite3, sys
+db = sqlite3.connect(sys.argv[1])
+db.execute("UPDATE branch SET stable_fraction = 3e-14 WHERE id = 3")
+db.commit()' "$folder/p.ricochet" && tools/attack/atlas_digest.py "$folder/p.ricochet" >/dev/null
+}
+cp "$atlas" "$folder/p.ricochet"
+ok 'a share of rounding is planted' planted
+ok 'and is none' test "$("$ricochet" branches "$folder/p.ricochet" --stable no --csv | grep '^3,' | cut -d, -f9)" = 0
 ok 'branches: impacts and word' rows branches "r['impacts'] == 2 and r['word'] == '01'" --impacts 2 --word 01
 ok 'branches: limit' rows branches "r['id'] <= 3" --limit 3
 ok 'junctions: kind' rows junctions "r['kind'] == 'grazing'" --kind grazing
