@@ -89,20 +89,20 @@ static bool take_integer(int *argc, char **argv, const char *name, long most, lo
 
 bool cli_section_take(int *argc, char **argv, const char *what, long starts, cli_section_request *r)
 {
-    long impacts, workers = 1;
+    long impacts, workers = 1, asked = 0;
     *r = (cli_section_request){.seconds = HUGE_VAL, .energy = NAN};
     ric_section_options_init(&r->options);
     impacts = r->options.impacts;
     r->orbits = cli_take_flag(argc, argv, "--orbits");
     if (!cli_take_positive(argc, argv, what, "--energy", HUGE_VAL, &r->energy) ||
-        !take_integer(argc, argv, "--starts", MOST_STARTS, &starts) ||
+        !take_integer(argc, argv, "--starts", MOST_STARTS, &asked) ||
         !take_integer(argc, argv, "--impacts", MOST_IMPACTS, &impacts) ||
         !take_integer(argc, argv, "--branch", INT_MAX, &r->branch) ||
         !cli_take_positive(argc, argv, what, "--radius", 1, &r->options.radius) ||
         !cli_take_positive(argc, argv, what, "--seconds", HUGE_VAL, &r->seconds) ||
         !cli_take_workers(argc, argv, MOST_WORKERS, &workers))
         return false;
-    r->options.starts = (int)starts;
+    r->options.starts = (int)(asked ? asked : starts);
     r->options.impacts = impacts;
     r->options.workers = (int)workers;
     const char *wrong =
@@ -111,6 +111,9 @@ bool cli_section_take(int *argc, char **argv, const char *what, long starts, cli
         : r->branch && r->orbits ? "--branch and --orbits are both given; choose one"
         : r->options.radius > 0 && !r->branch && !r->orbits
             ? "--radius is about orbits of an atlas; give --branch ID or --orbits too"
+        : asked && !(r->options.radius > 0) && (r->branch || r->orbits)
+            ? "--starts is the number of motions about orbits, which start at these themselves; "
+              "give --radius R too, or leave --starts out"
             : NULL;
     if (wrong) cli_wrong("%s: %s", what, wrong);
     return !wrong;

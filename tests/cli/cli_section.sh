@@ -27,6 +27,7 @@ ok "no impacts" refused 2 "whole number" "$folder/study.yaml" --energy 1 --impac
 ok "more than there is memory for" refused 2 "exponents only" "$folder/study.yaml" --energy 1 --starts 1000000 --impacts 1000000
 ok "orbits of a study" refused 2 "of an atlas" "$folder/study.yaml" --energy 1 --orbits
 ok "a radius about nothing" refused 2 "about orbits" "$folder/study.yaml" --energy 1 --radius 0.1
+ok "starts about no radius" refused 2 "give --radius R too" "$folder/study.yaml" --energy 1 --branch 1 --starts 2
 ok "losses" refused 2 "restitution" "$folder/lossy.yaml" --energy 5
 ok "no such file" refused 2 "No such file" "$folder/none.yaml" --energy 5
 ok "both formats" refused 2 "csv" "$folder/study.yaml" --energy 5 --json --csv
