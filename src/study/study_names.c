@@ -54,6 +54,25 @@ static ric_status read_name(const ric_yaml *r, const ric_yaml_node *map, const c
     return status;
 }
 
+/* Entry i against those before it: one name calls one junction, and a junction has one name. */
+static ric_status check_once(const ric_yaml *r, const ric_yaml_node *list, const ric_name *name,
+                             int i)
+{
+    char key[RIC_KEY_MAX];
+    for (int k = 0; k < i; k++) {
+        const bool place = name[k].energy == name[i].energy &&
+                           name[k].frequency == name[i].frequency &&
+                           !strcmp(name[k].kind, name[i].kind);
+        if (!place && strcmp(name[k].name, name[i].name) != 0) continue;
+        snprintf(key, sizeof key, "names[%d]", i + 1);
+        return ric_yaml_wrong(r, ric_yaml_item(r, list, i), key,
+                              "%s '%.40s' is given twice, first in line %zu; keep one of the two",
+                              place ? "the junction of" : "the name", name[i].name,
+                              ric_yaml_item(r, list, k)->start_mark.line + 1);
+    }
+    return RIC_OK;
+}
+
 ric_status ric_study_names_read(const ric_yaml *r, const ric_yaml_slot *from, ric_study_names *out)
 {
     char key[RIC_KEY_MAX];
@@ -73,6 +92,7 @@ ric_status ric_study_names_read(const ric_yaml *r, const ric_yaml_slot *from, ri
         snprintf(key, sizeof key, "names[%d]", i + 1);
         out->n = i + 1;
         ric_status status = read_name(r, ric_yaml_item(r, from->value, i), key, &out->name[i]);
+        if (!status) status = check_once(r, from->value, out->name, i);
         if (status) return status;
     }
     return RIC_OK;

@@ -257,6 +257,10 @@ static void keys_given_twice(void **state)
                  SAYS("given twice", "line 8"));
     line_refused(20, "title: again", "title", SAYS("given twice", "line 1"));
     line_refused(16, "  impacts: 13", "explore.impacts", SAYS("given twice", "line 15"));
+    line_refused(20, "  - {name: C1_32, kind: extremum, energy: 3, frequency: 1.5}", "names[2]",
+                 SAYS("the name 'C1_32' is given twice", "line 19", "keep one"));
+    line_refused(20, "  - {name: C, kind: branch-point, energy: 1.9013, frequency: 1.382}",
+                 "names[2]", SAYS("the junction of 'C' is given twice", "line 19", "keep one"));
 }
 
 static void wrong_shapes(void **state)
