@@ -4,6 +4,9 @@
 
 #include "atlas.h"
 
+/* Of another file of ours, so that it can be told what it is: that of curves (response_store.c). */
+enum { RIC_RESPONSE_ID = 0x52435250 /* "RCRP" */ };
+
 typedef struct ric_store ric_store;
 
 /* Creates or opens `path` for a run of `study` and takes the lock. Refuses a foreign, damaged,

@@ -48,6 +48,11 @@ ric_status ric_store_check_identity(const char *path)
     int code = ric_store_sqlite_ask(file.db, "PRAGMA application_id", &application);
     if (!code) code = ric_store_sqlite_ask(file.db, "PRAGMA user_version", &version);
     if (code) status = (code & 0xff) == SQLITE_CORRUPT ? RIC_OK : ric_store_sqlite_fail(file, code);
+    else if (application == RIC_RESPONSE_ID)
+        status = ric_fail(RIC_E_FORMAT,
+                          "%s: not an atlas but curves of `ricochet response`; `ricochet plot "
+                          "response` draws them, and `ricochet response FILE` lists them",
+                          path);
     else if (application != RIC_APPLICATION_ID) status = ric_store_fail_foreign(path);
     else if (version > RIC_FORMAT_VERSION)
         status = ric_fail(RIC_E_FORMAT,

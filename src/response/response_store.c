@@ -8,9 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "atlas/room.h"
 #include "base/room.h"
 
-enum { APPLICATION_ID = 0x52435250 /* "RCRP" */, VERSION = 1, LETTERS_MOST = 100000 };
+enum { VERSION = 1, LETTERS_MOST = 100000 };
 
 struct ric_response_file {
     sqlite3 *db;
@@ -364,7 +365,7 @@ static ric_status open_file(const char *path, int flags, ric_response_file **out
 
 static ric_status check_identity(const ric_response_file *f)
 {
-    if (number_of(f->db, "PRAGMA application_id") != APPLICATION_ID)
+    if (number_of(f->db, "PRAGMA application_id") != RIC_RESPONSE_ID)
         return ric_fail(RIC_E_FORMAT,
                         "%s: not a response; name a file made by `ricochet response`, or a new one",
                         f->path);
@@ -445,7 +446,7 @@ static ric_status begin_file(const ric_response_file *f, const char *text, const
     char sql[160];
     snprintf(sql, sizeof sql,
              "BEGIN IMMEDIATE; PRAGMA application_id = %d; PRAGMA user_version = %d;",
-             APPLICATION_ID, VERSION);
+             RIC_RESPONSE_ID, VERSION);
     ric_status status = run(f, sql);
     if (!status) status = run(f, schema);
     if (!status) status = put_meta(f, "study", study);
