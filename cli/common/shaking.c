@@ -148,13 +148,17 @@ bool cli_take_drive(int *argc, char **argv, cli_drive *d, int *code)
            (!omega || cli_parse_number(omega, "--omega", &d->omega)) &&
            (!level || cli_parse_number(level, "--level", &d->level)) &&
            (!phase || cli_parse_number(phase, "--phase", &d->phase)) &&
-           ((d->phased = omega || level || phase), true);
+           ((d->phased = omega || level || phase), (d->still = omega && d->omega == 0), true);
 }
 
 /* The one frequency and the one level of the force: of the options, or of the study. */
 static int place_force(cli_drive *d, const char *command)
 {
     const cli_shaking *h = &d->shaking;
+    if (d->still)
+        return cli_wrong("%s: --omega 0 is a force that does not change; give its frequency in "
+                         "rad/s, above 0, or --level 0 alone for no force",
+                         command);
     if (d->omega == 0 && h->frequency[0] == h->frequency[1]) d->omega = h->frequency[0];
     if (isnan(d->level) && h->amplitude.n > 1)
         return cli_wrong("%s: the study has %d amplitudes of the force; --level L says which",

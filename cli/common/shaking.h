@@ -36,6 +36,7 @@ typedef struct {
     cli_shaking shaking;
     bool is_shaken;             /* under damping or force, or a restitution that was given */
     bool phased, own_force;     /* --omega, --level or --phase; --force */
+    bool still;                 /* --omega 0 */
     double omega, level, phase; /* level NaN: not given */
 } cli_drive;
 

@@ -61,6 +61,8 @@ bad() { study "$2" >"$folder/bad.yaml" && ends 2 "bad.yaml:6: $1" run "$folder/b
 ok "negative damping" bad 'damping: .*negative' 'damping: -0.01\n'
 ok "a force of the wrong length" bad 'forcing.vector: .*3 numbers' 'forcing: {vector: [1, 0, 0]}\n'
 ok "restitution above 1" bad 'restitution' 'restitution: 1.5\n'
+ok "curves are no atlas, and are called what they are" ends 1 'not an atlas but curves' plot fep "$folder/r" -o "$folder/fep.svg"
+ok "a force that does not change" ends 2 'omega 0 is a force that does not change' simulate "$folder/bare.yaml" --state 0 0 1 2 --time 9 --force 1,0 --omega 0
 ok "a window without a frequency" ends 2 'omega' simulate "$folder/s.yaml" --state 0 0 1 2 --time 9
 study 'restitution: 0\nforcing: {coordinate: 1, amplitude: 0.2, frequency: [1, 2]}\n' >"$folder/z.yaml"
 ok "restitution 0, where bodies would stay together" ends 2 'restitution 0' force "$folder/a" --study "$folder/z.yaml"
