@@ -130,14 +130,13 @@ static int dispatch(int argc, char **argv)
         cli_print_program_help(stderr);
         return CLI_WRONG;
     }
-    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
-        cli_print_program_help(stdout);
-        return CLI_DONE;
-    }
-    if (!strcmp(argv[1], "--version") || !strcmp(argv[1], "-V")) {
-        printf("ricochet %s\n", ric_version());
-        return CLI_DONE;
-    }
+    const bool help = !strcmp(argv[1], "--help") || !strcmp(argv[1], "-h"),
+               version = !strcmp(argv[1], "--version") || !strcmp(argv[1], "-V");
+    if ((help || version) && argc > 2)
+        return cli_wrong("%s: '%s' is one argument too many", argv[1], argv[2]);
+    if (help) cli_print_program_help(stdout);
+    if (version) printf("ricochet %s\n", ric_version());
+    if (help || version) return CLI_DONE;
     if (!strcmp(argv[1], "--man") || !strcmp(argv[1], "--completion"))
         return print_made(argc, argv);
     const cli_command *command = find_command(argv[1]);

@@ -94,6 +94,8 @@ expect 2 "unknown command 'braches'; did you mean 'branches'" braches
 expect 2 "unknown command 'xyzzy'" xyzzy
 expect 2 'argument is missing' check
 expect 2 'one argument too many' check s.yaml s.yaml
+expect 2 "'extra' is one argument too many" --version extra
+expect 2 "'extra' is one argument too many" --help extra
 expect 2 'argument 1 is empty' check ''
 expect 2 "option '--jsno' is unknown" check s.yaml --jsno
 expect 2 'choose one' check s.yaml --json --csv
