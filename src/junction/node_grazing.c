@@ -338,27 +338,34 @@ ric_status ric_node_mode_together(const ric_model *m, const ric_periodic *cycle,
     return status || !once ? status : gone_through(m, once, times, out);
 }
 
-/* Whether a face feels a displacement along a mode. */
-static bool sees(const ric_model *m, const ric_face *face, int mode)
+/* How many displacements along free modes the events of a cycle see: the rank of the free parts of
+ * their faces, of the size of these (Gram and Schmidt). */
+static int seen_free(const ric_model *m, const ric_periodic *c)
 {
-    return fabs(face->g[mode]) > RIC_TIE * sqrt(ric_dot(m->n, face->g, face->g));
+    int free_modes = 0, rank = 0;
+    while (free_modes < m->n && m->omega[free_modes] == 0) free_modes++;
+    double basis[free_modes * free_modes + 1], row[free_modes + 1];
+    for (int i = 0; i < c->N && rank < free_modes; i++) {
+        const double *g = m->face[c->face[i]].g, size = sqrt(ric_dot(m->n, g, g));
+        for (int j = 0; j < free_modes; j++) row[j] = g[j] / size;
+        for (int known = 0; known < rank; known++) {
+            const double *q = basis + known * free_modes, along = ric_dot(free_modes, q, row);
+            for (int j = 0; j < free_modes; j++) row[j] -= along * q[j];
+        }
+        const double left = sqrt(ric_dot(free_modes, row, row));
+        if (left <= RIC_RANK) continue;
+        for (int j = 0; j < free_modes; j++) basis[rank * free_modes + j] = row[j] / left;
+        rank++;
+    }
+    return rank;
 }
 
-static bool any_sees(const ric_model *m, const ric_periodic *c, int mode)
-{
-    bool seen = false;
-    for (int i = 0; i < c->N; i++) seen |= sees(m, &m->face[c->face[i]], mode);
-    return seen;
-}
-
-/* Whether a free structure drifts: its touches see a free mode that none of its impacts sees.
- * Without them the whole orbit may be anywhere along that mode, and where it touches is a curve of
- * motions, each with its energy. */
+/* Whether a free structure drifts: its touches see a displacement along free modes that none of its
+ * impacts sees. Without them the whole orbit may be anywhere along it, and where it touches is a
+ * curve of motions, each with its energy. */
 static bool drifts(const ric_model *m, const ric_periodic *cycle, const ric_periodic *full)
 {
-    for (int mode = 0; mode < m->n && m->omega[mode] == 0 && cycle->N > 0; mode++)
-        if (!any_sees(m, cycle, mode) && any_sees(m, full, mode)) return true;
-    return false;
+    return cycle->N > 0 && seen_free(m, full) > seen_free(m, cycle);
 }
 
 /* The orbit of a grazing with its touches as events: the solution of its equations, but for one

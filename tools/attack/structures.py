@@ -161,6 +161,59 @@ def near(seed, kind=None):
     return kind, f"{n} dof, {text}, {'+'.join(c['law'] for c in contacts)}", {"title": f"near {seed}", "model": model, "explore": explore}
 
 
+def _body(rng, size):
+    """(masses, stiffness) of a chain that nothing holds: its rows add up to zero exactly."""
+    k = rng.integers(4, 33, size - 1) / 4.0
+    stiffness = np.zeros((size, size))
+    for i in range(size - 1):
+        stiffness[i:i + 2, i:i + 2] += k[i] * np.array([[1, -1], [-1, 1]])
+    return rng.integers(2, 9, size) / 4.0, stiffness
+
+
+def bodies(seed, kind=None):
+    """(kind, what it is, study) of a seed: two free bodies or three, contacts within them, between them, and with a wall."""
+    rng = np.random.default_rng([seed, 2])
+    kind = kind or ("rigid", "bilinear", "mixed")[seed % 3]
+    sizes = [int(rng.choice([1, 2, 2, 3])) for _ in range(int(rng.choice([2, 2, 3])))]
+    sizes[0] = max(sizes[0], 2)  # one that vibrates
+    n, first = sum(sizes), np.concatenate([[0], np.cumsum(sizes)])
+    mass, stiffness = np.zeros(n), np.zeros((n, n))
+    for b, size in enumerate(sizes):
+        part = slice(first[b], first[b + 1])
+        mass[part], stiffness[part, part] = _body(rng, size)
+    mass = np.diag(mass)
+    normals = []
+    for body in range(len(sizes)):
+        one = np.zeros(n)
+        i = first[body] + int(rng.integers(sizes[body]))
+        if sizes[body] > 1 and (body == 0 or rng.random() < 0.6):  # within the body
+            one[first[body] + sizes[body] - 1], one[first[body]] = 1, -1
+            normals.append(one.copy())
+        if body + 1 < len(sizes):  # and between this one and the next
+            one[i], one[first[body + 1] + int(rng.integers(sizes[body + 1]))] = 1, -1
+            normals.append(one.copy())
+    wall = np.zeros(n)
+    wall[rng.integers(n)] = 1
+    if rng.random() < 0.5:
+        wall[rng.integers(n)] = 1
+    normals.append(wall)
+    laws = ["rigid", "bilinear"] if kind == "mixed" else [kind]
+    laws = [laws[i % len(laws)] for i in range(len(normals))]
+    length = _round(rng.uniform(0.6, 1.5), 3)
+    typical = float(np.median(np.diag(stiffness)[np.diag(stiffness) > 0]))
+    share = [rng.uniform(0.5, 1)] + [rng.uniform(0.5, 2.5) for _ in normals[1:]]
+    contacts = [_contact(rng, kind, law, b, length * x, typical) for law, b, x in zip(laws, normals, share)]
+    contacts[-1]["sides"] = str(rng.choice(["lower", "upper", "both"]))
+    omega = np.sqrt(np.maximum(np.linalg.eigvalsh(_standard(mass, stiffness)), 0))
+    zero = omega < 1e-6 * omega.max()
+    window = _windows(rng, mass, stiffness, omega, zero, contacts, kind)
+    explore = {"start": "modes", "energy": window[0], "frequency": window[1], "impacts": int(rng.choice([4, 5])),
+               "multiply": int(rng.choice([1, 2])), "depth": int(rng.choice([1, 2])) if n < 5 else 1}
+    model = {"mass": mass.tolist(), "stiffness": stiffness.tolist(), "contacts": contacts}
+    text = f"{n} dof, bodies of {'+'.join(map(str, sizes))}, {'+'.join(laws)}"
+    return kind, text, {"title": f"bodies {seed}", "model": model, "explore": explore}
+
+
 def _standard(mass, stiffness):
     low = np.linalg.cholesky(mass)
     return np.linalg.solve(low, np.linalg.solve(low, stiffness).T)
