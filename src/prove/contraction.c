@@ -1,53 +1,223 @@
 #include "contraction.h"
 
+#include <math.h>
+#include <string.h>
+
+#include "ball.h"
 #include "base/room.h"
+
+/* FINE: of 1 - C J that doubles leave: 2^-10 where radii are as 1 : 2^14, the most of tubes */
+#define FINE 0x1p-18
 
 void ric_contraction_create(ric_contraction *k, slong n, slong prec)
 {
     *k = (ric_contraction){.n = n, .prec = prec};
-    arb_mat_init(k->C, n, n);
-    k->Z = _mag_vec_init(n * n);
+    k->C = flint_malloc(2 * (size_t)n * (size_t)n * sizeof *k->C);
+    k->size = k->C + n * n;
+    k->Z = flint_malloc((size_t)n * (size_t)n * sizeof *k->Z);
     k->y = _mag_vec_init(n);
     k->b = _mag_vec_init(n);
+}
+
+static void go_wide(ric_contraction *k, bool wide)
+{
+    if (wide && !k->wide) arb_mat_init(k->own, k->n, k->n);
+    if (!wide && k->wide) arb_mat_clear(k->own);
+    k->wide = wide;
 }
 
 void ric_contraction_free(ric_contraction *k)
 {
     if (!k->Z) return;
-    arb_mat_clear(k->C);
-    _mag_vec_clear(k->Z, k->n * k->n);
+    go_wide(k, false);
+    flint_free(k->C);
+    flint_free(k->Z);
     _mag_vec_clear(k->y, k->n);
     _mag_vec_clear(k->b, k->n);
     k->Z = NULL;
 }
 
+/* ------------------------------------------------------------------ inverse */
+
+/* x [n] -= f y. */
+static void take(slong n, double *x, double f, const double *y)
+{
+    for (slong i = 0; i < n; i++) x[i] -= f * y[i];
+}
+
+static void swap(slong n, double *x, double *y)
+{
+    for (slong i = 0; i < n; i++) {
+        const double t = x[i];
+        x[i] = y[i];
+        y[i] = t;
+    }
+}
+
+/* Gauss with row pivots, in a band but for some rows: what is zero is passed over. a [n * n] is
+ * lost, b [n * n], 1 before, is its inverse. */
+static bool invert(slong n, double *a, double *b)
+{
+    for (slong p = 0; p < n; p++) {
+        slong best = p;
+        for (slong i = p + 1; i < n; i++)
+            if (fabs(a[i * n + p]) > fabs(a[best * n + p])) best = i;
+        if (!(fabs(a[best * n + p]) > 0)) return false;
+        if (best != p) swap(n - p, a + p * n + p, a + best * n + p);
+        if (best != p) swap(n, b + p * n, b + best * n);
+        for (slong i = p + 1; i < n; i++) {
+            const double f = a[i * n + p] / a[p * n + p];
+            if (f == 0) continue;
+            take(n - p, a + i * n + p, f, a + p * n + p);
+            take(n, b + i * n, f, b + p * n);
+        }
+    }
+    for (slong p = n - 1; p >= 0; p--) {
+        for (slong i = 0; i < n; i++) b[p * n + i] /= a[p * n + p];
+        for (slong i = 0; i < p; i++)
+            if (a[i * n + p] != 0) take(n, b + i * n, a[i * n + p], b + p * n);
+    }
+    return true;
+}
+
+static bool invert_middle(ric_contraction *k, const arb_mat_t J)
+{
+    const slong n = k->n;
+    double *a = k->size, *b = flint_calloc((size_t)(n * n), sizeof *b);
+    for (slong i = 0; i < n; i++) {
+        b[i * n + i] = 1;
+        for (slong j = 0; j < n; j++) {
+            const bool zero = arb_is_zero(arb_mat_entry(J, i, j));
+            a[i * n + j] = zero ? 0 : ric_arb_middle(arb_mat_entry(J, i, j));
+        }
+    }
+    const bool done = invert(n, a, b);
+    for (slong i = 0; i < n && done; i++)
+        for (slong j = 0; j < n; j++) {
+            k->C[j * n + i] = b[i * n + j];
+            k->size[j * n + i] = fabs(b[i * n + j]);
+        }
+    flint_free(b);
+    return done;
+}
+
+/* Whether what C is off the inverse by is of no account; Z is that. */
+static bool is_fine(ric_contraction *k, const arb_mat_t J)
+{
+    double most = 0;
+    arb_mat_t middle;
+    arb_mat_init(middle, k->n, k->n);
+    arb_mat_get_mid(middle, J);
+    ric_contraction_defect(k, middle);
+    arb_mat_clear(middle);
+    for (slong i = 0; i < k->n; i++) {
+        double sum = 0;
+        for (slong j = 0; j < k->n; j++) sum += k->Z[i * k->n + j];
+        if (!(sum <= most)) most = sum;
+    }
+    return most < FINE;
+}
+
+bool ric_contraction_invert_quickly(ric_contraction *k, const arb_mat_t J)
+{
+    go_wide(k, false);
+    return invert_middle(k, J);
+}
+
 bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J)
 {
+    if (ric_contraction_invert_quickly(k, J) && is_fine(k, J)) return true;
     arb_mat_t mid;
+    go_wide(k, true);
     arb_mat_init(mid, k->n, k->n);
     arb_mat_get_mid(mid, J);
-    const bool done = arb_mat_approx_inv(k->C, mid, k->prec);
-    arb_mat_get_mid(k->C, k->C);
+    const bool done = arb_mat_approx_inv(k->own, mid, k->prec);
+    arb_mat_get_mid(k->own, k->own);
     arb_mat_clear(mid);
     return done;
 }
 
+/* ----------------------------------------------------------------- products */
+
+/* What a sum of `count` products of which the sizes add up to 1 is off by. */
+static double rounding(slong count)
+{
+    return (double)(count + 4) * 2 * RIC_BALL_UNIT;
+}
+
+/* sum += C_l x and bound += |C_l| (|x| unit + r): C_l x is known to that. */
+static void add_column(const ric_contraction *k, slong l, ric_ball x, double unit, double *sum,
+                       double *bound)
+{
+    const double *C = k->C + l * k->n, *size = k->size + l * k->n;
+    const double more = fabs(x.m) * unit + x.r;
+    for (slong i = 0; i < k->n; i++) {
+        sum[i] += C[i] * x.m;
+        bound[i] += size[i] * more;
+    }
+}
+
+/* A bound that is itself a sum of fewer than 2^20 terms, rounded. */
+static double round_up(double bound)
+{
+    return bound * (1 + 0x1p-30) + 0x1p-900;
+}
+
 void ric_contraction_apply(const ric_contraction *k, arb_srcptr x, arb_ptr out)
 {
-    for (slong i = 0; i < k->n; i++)
-        arb_dot(out + i, NULL, 0, arb_mat_entry(k->C, i, 0), 1, x, 1, k->n, k->prec);
+    const slong n = k->n;
+    if (k->wide) {
+        for (slong i = 0; i < n; i++)
+            arb_dot(out + i, NULL, 0, arb_mat_entry(k->own, i, 0), 1, x, 1, n, k->prec);
+        return;
+    }
+    double *sum = flint_calloc(2 * (size_t)n, sizeof *sum), *bound = sum + n;
+    for (slong j = 0; j < n; j++)
+        if (!arb_is_zero(x + j)) add_column(k, j, ric_ball_of(x + j), rounding(n), sum, bound);
+    for (slong i = 0; i < n; i++) {
+        arb_set_d(out + i, sum[i]);
+        mag_set_d(arb_radref(out + i), round_up(bound[i]));
+    }
+    flint_free(sum);
+}
+
+/* Rows of a column that are not zero. */
+static slong count_rows(const arb_mat_t J, slong j)
+{
+    slong count = 0;
+    for (slong l = 0; l < arb_mat_nrows(J); l++) count += !arb_is_zero(arb_mat_entry(J, l, j));
+    return count;
+}
+
+static void find_defect(ric_contraction *k, const arb_mat_t J)
+{
+    const slong n = k->n;
+    double *sum = flint_malloc(2 * (size_t)n * sizeof *sum), *bound = sum + n;
+    for (slong j = 0; j < n; j++) {
+        const double unit = rounding(count_rows(J, j));
+        memset(sum, 0, 2 * (size_t)n * sizeof *sum);
+        sum[j] = -1;
+        bound[j] = unit;
+        for (slong l = 0; l < n; l++)
+            if (!arb_is_zero(arb_mat_entry(J, l, j)))
+                add_column(k, l, ric_ball_of(arb_mat_entry(J, l, j)), unit, sum, bound);
+        for (slong i = 0; i < n; i++) k->Z[i * n + j] = round_up(fabs(sum[i]) + bound[i]);
+    }
+    flint_free(sum);
 }
 
 /* A column of J has few numbers that are not zero: those are gathered, as they are, without a copy
  * of their own. */
-void ric_contraction_defect(ric_contraction *k, const arb_mat_t J)
+static void find_wide_defect(ric_contraction *k, const arb_mat_t J)
 {
     const slong n = k->n;
     arb_ptr column = flint_malloc((size_t)n * sizeof *column),
             row = flint_malloc((size_t)n * sizeof *row);
     slong *at = flint_malloc((size_t)n * sizeof *at);
     arb_t x;
+    mag_t size;
     arb_init(x);
+    mag_init(size);
     for (slong j = 0; j < n; j++) {
         slong count = 0;
         for (slong i = 0; i < n; i++) {
@@ -56,23 +226,37 @@ void ric_contraction_defect(ric_contraction *k, const arb_mat_t J)
             at[count++] = i;
         }
         for (slong i = 0; i < n; i++) {
-            for (slong l = 0; l < count; l++) row[l] = *arb_mat_entry(k->C, i, at[l]);
+            for (slong l = 0; l < count; l++) row[l] = *arb_mat_entry(k->own, i, at[l]);
             arb_dot(x, NULL, 0, row, 1, column, 1, count, k->prec);
             if (i == j) arb_sub_ui(x, x, 1, k->prec);
-            arb_get_mag(k->Z + i * n + j, x);
+            arb_get_mag(size, x);
+            k->Z[i * n + j] = mag_get_d(size); /* rounded up */
         }
     }
+    mag_clear(size);
     arb_clear(x);
     flint_free(column);
     flint_free(row);
     flint_free(at);
 }
 
-/* out = (Z x)_i */
-static void defect_row(const ric_contraction *k, slong i, mag_srcptr x, mag_t out)
+void ric_contraction_defect(ric_contraction *k, const arb_mat_t J)
 {
-    mag_zero(out);
-    for (slong j = 0; j < k->n; j++) mag_addmul(out, k->Z + i * k->n + j, x + j);
+    if (k->wide) find_wide_defect(k, J);
+    else find_defect(k, J);
+}
+
+void ric_contraction_map(const ric_contraction *k, mag_srcptr x, mag_ptr out)
+{
+    const slong n = k->n;
+    double *size = flint_malloc((size_t)n * sizeof *size);
+    for (slong j = 0; j < n; j++) size[j] = mag_get_d(x + j); /* rounded up */
+    for (slong i = 0; i < n; i++) {
+        double sum = 0;
+        for (slong j = 0; j < n; j++) sum += k->Z[i * n + j] * size[j];
+        mag_set_d(out + i, round_up(sum));
+    }
+    flint_free(size);
 }
 
 bool ric_contraction_holds(ric_contraction *k)
@@ -81,8 +265,8 @@ bool ric_contraction_holds(ric_contraction *k)
     mag_t eighth;
     mag_init(eighth);
     bool holds = true;
+    ric_contraction_map(k, k->b, next);
     for (slong i = 0; i < k->n; i++) {
-        defect_row(k, i, k->b, next + i);
         mag_add(next + i, next + i, k->y + i);
         holds = holds &&
                 mag_cmp(next + i, k->b + i) < 0; /* what is no number is infinite, and not less */
@@ -96,4 +280,28 @@ bool ric_contraction_holds(ric_contraction *k)
     _mag_vec_clear(next, k->n);
     mag_clear(eighth);
     return holds;
+}
+
+/* sqrt(|x|_1 |x|_inf) of x [n * n] */
+static double bound_norm(slong n, const double *x)
+{
+    double rows = 0, columns = 0;
+    for (slong i = 0; i < n; i++) {
+        double row = 0, column = 0;
+        for (slong j = 0; j < n; j++) {
+            row += x[i * n + j];
+            column += x[j * n + i];
+        }
+        if (!(row <= rows)) rows = row;
+        if (!(column <= columns)) columns = column;
+    }
+    return round_up(sqrt(round_up(rows * columns)));
+}
+
+double ric_contraction_least(const ric_contraction *k)
+{
+    const slong n = k->n;
+    if (k->wide) return 0;
+    const double defect = bound_norm(n, k->Z), size = bound_norm(n, k->size);
+    return ric_down(ric_down(1 - defect) / size);
 }

@@ -2,7 +2,8 @@
  * inverse of their derivative J. Where y >= |C F| at a centre, Z >= |1 - C J| on the box of radii b
  * around it, and y + Z b < b number by number, the map u - C F(u) takes the box into itself and
  * contracts it: there is one zero in it, and J is regular. Bounds are numbers that are rounded up.
- */
+ * C is in doubles, and products with it are bounded as in quick.h, unless 1 - C J is then larger
+ * than what a box may do to it: it is in Arb's numbers where J is that near to singular. */
 #ifndef RIC_PROVE_CONTRACTION_H
 #define RIC_PROVE_CONTRACTION_H
 
@@ -12,20 +13,29 @@
 
 typedef struct {
     slong n, prec;
-    arb_mat_t C; /* exact */
-    mag_ptr Z;   /* [n * n] */
-    mag_ptr y;   /* [n] */
-    mag_ptr b;   /* [n] */
+    double *C, *size; /* [n * n] column by column, exact, and |C| number by number */
+    bool wide;        /* it is this one: */
+    arb_mat_t own;    /* exact */
+    double *Z;        /* [n * n] */
+    mag_ptr y;        /* [n] */
+    mag_ptr b;        /* [n] */
 } ric_contraction;
 
 void ric_contraction_create(ric_contraction *k, slong n, slong prec);
 void ric_contraction_free(ric_contraction *k);
 /* C from the middle of J; false where that is singular. */
 bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J);
+/* The same in doubles alone, however well they do. */
+bool ric_contraction_invert_quickly(ric_contraction *k, const arb_mat_t J);
 /* out = C x. */
 void ric_contraction_apply(const ric_contraction *k, arb_srcptr x, arb_ptr out);
+/* A lower bound of the least singular value of all that Z was found from: |J^-1| <= |C| / (1 - |1 -
+ * C J|). Nothing where C is not in doubles. */
+double ric_contraction_least(const ric_contraction *k);
 /* Z from J on the box. */
 void ric_contraction_defect(ric_contraction *k, const arb_mat_t J);
+/* out = Z x, rounded up. */
+void ric_contraction_map(const ric_contraction *k, mag_srcptr x, mag_ptr out);
 /* Whether y + Z b < b; if not, b is made that times 1 + 1/8 where it is too small, to be tried
  * again. */
 bool ric_contraction_holds(ric_contraction *k);

@@ -14,6 +14,13 @@ static void open_group(ric_equation_group *g, const ric_chain *c, int rows, int 
     arb_mat_init(g->F, rows, 1);
 }
 
+static void close_group(ric_equation_group *g)
+{
+    arb_mat_clear(g->J);
+    arb_mat_clear(g->K);
+    arb_mat_clear(g->F);
+}
+
 void ric_equation_create(ric_equations *q, const ric_chain *c)
 {
     const bool general = ric_chain_general(c);
@@ -28,11 +35,7 @@ void ric_equation_create(ric_equations *q, const ric_chain *c)
 
 void ric_equation_free(ric_equations *q)
 {
-    for (int k = 0; k < q->n; k++) {
-        arb_mat_clear(q->group[k].J);
-        arb_mat_clear(q->group[k].K);
-        arb_mat_clear(q->group[k].F);
-    }
+    for (int k = 0; k < q->n; k++) close_group(&q->group[k]);
     flint_free(q->group);
     q->group = NULL;
     q->n = 0;
@@ -40,25 +43,20 @@ void ric_equation_free(ric_equations *q)
 
 /* ------------------------------------------------------------------ flights */
 
-static void fly_mode(const ric_enclosure *e, slong i, const arb_t tau, arb_mat_t out)
+void ric_equation_turn(const ric_enclosure *e, slong i, const arb_t tau, arb_t c, arb_t s,
+                       arb_t back)
 {
-    slong n = e->n;
-    arb_ptr aa = arb_mat_entry(out, i, i), ap = arb_mat_entry(out, i, n + i),
-            pa = arb_mat_entry(out, n + i, i);
-    arb_ptr pp = arb_mat_entry(out, n + i, n + i);
     if (arb_is_zero(e->omega + i)) {
-        arb_one(aa);
-        arb_set(ap, tau);
-        arb_zero(pa);
-        arb_one(pp);
+        arb_one(c);
+        arb_set(s, tau);
+        arb_zero(back);
         return;
     }
-    arb_mul(ap, e->omega + i, tau, e->prec + 32);
-    arb_sin_cos(pa, aa, ap, e->prec + 16);
-    arb_set(pp, aa);
-    arb_div(ap, pa, e->omega + i, e->prec);
-    arb_mul(pa, pa, e->omega + i, e->prec);
-    arb_neg(pa, pa);
+    arb_mul(s, e->omega + i, tau, e->prec + 32);
+    arb_sin_cos(back, c, s, e->prec + 16);
+    arb_div(s, back, e->omega + i, e->prec);
+    arb_mul(back, back, e->omega + i, e->prec);
+    arb_neg(back, back);
 }
 
 static void fly_modes(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb_mat_t out,
@@ -66,7 +64,9 @@ static void fly_modes(const ric_enclosure *e, arb_srcptr w, const arb_t tau, arb
 {
     slong n = e->n;
     for (slong i = 0; i < n; i++) {
-        fly_mode(e, i, tau, out);
+        ric_equation_turn(e, i, tau, arb_mat_entry(out, i, i), arb_mat_entry(out, i, n + i),
+                          arb_mat_entry(out, n + i, i));
+        arb_set(arb_mat_entry(out, n + i, n + i), arb_mat_entry(out, i, i));
         for (slong half = 0; half < 2; half++) {
             arb_ptr to = flown + half * n + i;
             arb_mul(to, arb_mat_entry(out, half * n + i, i), w + i, e->prec);
@@ -126,14 +126,15 @@ static void reflect_columns(const ric_enclosure *e, int face, arb_mat_t J)
     _arb_vec_clear(p, n);
 }
 
-/* c.q = d for block k, as row `row` of J and of F. */
-static void put_gap(const ric_enclosure *e, const ric_chain *c, int k, slong row,
-                    ric_equation_group *g, arb_mat_t J)
+/* c.q - d of block k, and as row `row` of J. */
+static void value_gap(const ric_enclosure *e, const ric_chain *c, int k, arb_t out)
+{
+    ric_chain_along(e, c->face[k], ric_chain_block(c, k), out);
+    arb_sub(out, out, e->wall[c->face[k]].gap, e->prec);
+}
+static void put_gap(const ric_enclosure *e, const ric_chain *c, int k, slong row, arb_mat_t J)
 {
     arb_srcptr normal = ric_enclosure_c(e, e->wall[c->face[k]].contact);
-    ric_chain_along(e, c->face[k], ric_chain_block(c, k), arb_mat_entry(g->F, row, 0));
-    arb_sub(arb_mat_entry(g->F, row, 0), arb_mat_entry(g->F, row, 0), e->wall[c->face[k]].gap,
-            e->prec);
     for (slong i = 0; i < c->n; i++) arb_set(arb_mat_entry(J, row, i), normal + i);
 }
 
@@ -143,25 +144,33 @@ static void put_unit(arb_mat_t J, slong n)
         arb_add_ui(arb_mat_entry(J, i, i), arb_mat_entry(J, i, i), 1, ARF_PREC_EXACT);
 }
 
-/* w_k+1 - Q F(tau_k) w_k and the gap. */
+/* Of w_k+1 - Q F(tau_k) w_k and the gap: F. */
+static void value_link(const ric_enclosure *e, const ric_chain *c, int k, arb_ptr flown,
+                       ric_equation_group *g)
+{
+    arb_srcptr next = ric_chain_block(c, k + 1);
+    ric_chain_reflect(e, c->face[k + 1], flown + c->n);
+    for (slong i = 0; i < 2 * c->n; i++)
+        arb_sub(arb_mat_entry(g->F, i, 0), next + i, flown + i, e->prec);
+    value_gap(e, c, k + 1, arb_mat_entry(g->F, 2 * c->n, 0));
+}
+
+/* F and its derivatives. */
 static void put_link(const ric_enclosure *e, const ric_chain *c, int k, ric_equation_group *g)
 {
     slong n = c->n;
-    arb_ptr block = ric_chain_block(c, k), next = ric_chain_block(c, k + 1),
-            flown = _arb_vec_init(2 * n);
+    arb_ptr block = ric_chain_block(c, k), flown = _arb_vec_init(2 * n);
     arb_mat_t D;
     arb_mat_init(D, 2 * n, 2 * n + 1);
     ric_equation_flight(e, c->phase[k], block, block + 2 * n, D, flown);
-    ric_chain_reflect(e, c->face[k + 1], flown + n);
     reflect_columns(e, c->face[k + 1], D);
     arb_mat_zero(g->K);
     put_unit(g->K, 2 * n);
-    put_gap(e, c, k + 1, 2 * n, g, g->K);
-    for (slong i = 0; i < 2 * n; i++) {
-        arb_sub(arb_mat_entry(g->F, i, 0), next + i, flown + i, e->prec);
+    put_gap(e, c, k + 1, 2 * n, g->K);
+    for (slong i = 0; i < 2 * n; i++)
         for (slong j = 0; j <= 2 * n; j++)
             arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(D, i, j));
-    }
+    value_link(e, c, k, flown, g);
     arb_mat_clear(D);
     _arb_vec_clear(flown, 2 * n);
 }
@@ -230,11 +239,10 @@ void ric_equation_mirror(const ric_enclosure *e, const ric_chain *chain, bool la
     }
 }
 
-/* B w - gap, and its derivatives B D. */
-static void put_mirror(const ric_enclosure *e, const arb_mat_t B, const arb_t gap, arb_srcptr w,
-                       const arb_mat_t D, ric_equation_group *g)
+/* B w - gap. */
+static void value_mirror(const ric_enclosure *e, const arb_mat_t B, const arb_t gap, arb_srcptr w,
+                         ric_equation_group *g)
 {
-    arb_mat_mul(g->J, B, D, e->prec);
     for (slong i = 0; i < g->rows; i++)
         arb_dot(arb_mat_entry(g->F, i, 0), NULL, 0, arb_mat_entry(B, i, 0), 1, w, 1, 2 * e->n,
                 e->prec);
@@ -243,40 +251,59 @@ static void put_mirror(const ric_enclosure *e, const arb_mat_t B, const arb_t ga
 
 static void put_start(const ric_enclosure *e, const ric_chain *c, ric_equation_group *g)
 {
+    arb_mat_zero(g->J);
     if (ric_chain_general(c)) {
-        arb_mat_zero(g->J);
-        put_gap(e, c, 0, 0, g, g->J);
+        value_gap(e, c, 0, arb_mat_entry(g->F, 0, 0));
+        put_gap(e, c, 0, 0, g->J);
         return;
     }
-    arb_mat_t B, D;
+    arb_mat_t B;
     arb_t gap;
     arb_init(gap);
     arb_mat_init(B, c->n, 2 * c->n);
-    arb_mat_init(D, 2 * c->n, c->size);
-    put_unit(D, 2 * c->n);
     ric_equation_mirror(e, c, false, B, gap);
-    put_mirror(e, B, gap, ric_chain_block(c, 0), D, g);
+    for (slong i = 0; i < c->n; i++)
+        _arb_vec_set(arb_mat_entry(g->J, i, 0), arb_mat_entry(B, i, 0), 2 * c->n);
+    value_mirror(e, B, gap, ric_chain_block(c, 0), g);
     arb_mat_clear(B);
-    arb_mat_clear(D);
     arb_clear(gap);
 }
 
-/* w_0 - sigma (1 + lambda) Q F(tau) w of the last block. */
+/* sigma (1 + lambda) */
+static void closing_factor(const ric_enclosure *e, const ric_chain *c, arb_t out)
+{
+    arb_add_ui(out, c->u + (slong)c->m * c->size, 1, e->prec);
+    if (c->sign < 0) arb_neg(out, out);
+}
+
+/* Of w_0 - sigma (1 + lambda) Q F(tau) w of the last block: F; `flown` becomes Q F(tau) w. */
+static void value_closure(const ric_enclosure *e, const ric_chain *c, arb_ptr flown,
+                          ric_equation_group *g)
+{
+    arb_srcptr start = ric_chain_block(c, 0);
+    arb_t factor;
+    arb_init(factor);
+    closing_factor(e, c, factor);
+    ric_chain_reflect(e, c->face[c->m], flown + c->n);
+    for (slong i = 0; i < 2 * c->n; i++) {
+        arb_ptr F = arb_mat_entry(g->F, i, 0);
+        arb_mul(F, factor, flown + i, e->prec);
+        arb_sub(F, start + i, F, e->prec);
+    }
+    arb_clear(factor);
+}
+
 static void put_closure(const ric_enclosure *e, const ric_chain *c, arb_mat_t D, arb_ptr flown,
                         ric_equation_group *g)
 {
     slong n = c->n;
-    arb_ptr start = ric_chain_block(c, 0);
     arb_t factor;
     arb_init(factor);
-    arb_add_ui(factor, c->u + (slong)c->m * c->size, 1, e->prec);
-    if (c->sign < 0) arb_neg(factor, factor);
-    ric_chain_reflect(e, c->face[c->m], flown + n);
+    closing_factor(e, c, factor);
     reflect_columns(e, c->face[c->m], D);
     arb_mat_scalar_mul_arb(D, D, factor, e->prec);
+    value_closure(e, c, flown, g);
     for (slong i = 0; i < 2 * n; i++) {
-        arb_mul(arb_mat_entry(g->F, i, 0), factor, flown + i, e->prec);
-        arb_sub(arb_mat_entry(g->F, i, 0), start + i, arb_mat_entry(g->F, i, 0), e->prec);
         for (slong j = 0; j <= 2 * n; j++)
             arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(D, i, j));
         if (c->sign > 0) arb_neg(arb_mat_entry(g->J, i, 2 * n + 1), flown + i);
@@ -303,12 +330,32 @@ static void put_end(const ric_enclosure *e, const ric_chain *c, ric_equation_gro
     if (ric_chain_general(c)) put_closure(e, c, D, flown, g);
     else {
         ric_equation_mirror(e, c, true, B, gap);
-        put_mirror(e, B, gap, flown, D, g);
+        arb_mat_mul(g->J, B, D, e->prec);
+        value_mirror(e, B, gap, flown, g);
     }
     arb_mat_clear(D);
     arb_mat_clear(B);
     arb_clear(gap);
     _arb_vec_clear(flown, 2 * n);
+}
+
+static void value_end(const ric_enclosure *e, const ric_chain *c, ric_equation_group *g)
+{
+    arb_srcptr block = ric_chain_block(c, c->m - 1);
+    arb_ptr flown = _arb_vec_init(2 * c->n);
+    arb_mat_t B;
+    arb_t gap;
+    arb_init(gap);
+    arb_mat_init(B, c->n, 2 * c->n);
+    ric_chain_fly(e, c->phase[c->m - 1], block, block + 2 * c->n, flown);
+    if (ric_chain_general(c)) value_closure(e, c, flown, g);
+    else {
+        ric_equation_mirror(e, c, true, B, gap);
+        value_mirror(e, B, gap, flown, g);
+    }
+    arb_mat_clear(B);
+    arb_clear(gap);
+    _arb_vec_clear(flown, 2 * c->n);
 }
 
 /* A first plane that holds no number yet goes through the centre. */
@@ -317,7 +364,7 @@ static void put_plane(const ric_enclosure *e, const ric_chain *c, ric_equation_g
     arb_t held;
     arb_mat_zero(g->J);
     arb_mat_zero(g->F);
-    for (slong i = 0; i < c->size; i++) arb_set(arb_mat_entry(g->J, 0, i), c->row + i);
+    _arb_vec_set(arb_mat_entry(g->J, 0, 0), c->row, c->size);
     if (c->number < 0) return;
     arb_init(held);
     ric_chain_held(c, e->prec, held);
@@ -333,6 +380,27 @@ void ric_equation_evaluate(ric_equations *q, const ric_chain *c, const ric_enclo
     for (int k = 0; k + 1 < c->m; k++) put_link(e, c, k, &q->group[k]);
     put_start(e, c, ric_equation_start(q));
     put_end(e, c, ric_equation_end(q));
+    put_plane(e, c, ric_equation_plane(q));
+}
+
+void ric_equation_values(ric_equations *q, const ric_chain *c, const ric_enclosure *e)
+{
+    arb_ptr flown = _arb_vec_init(2 * c->n);
+    for (int k = 0; k + 1 < c->m; k++) {
+        arb_srcptr block = ric_chain_block(c, k);
+        ric_chain_fly(e, c->phase[k], block, block + 2 * c->n, flown);
+        value_link(e, c, k, flown, &q->group[k]);
+    }
+    put_start(e, c, ric_equation_start(q));
+    value_end(e, c, ric_equation_end(q));
+    put_plane(e, c, ric_equation_plane(q));
+    _arb_vec_clear(flown, 2 * c->n);
+}
+
+void ric_equation_move_plane(ric_equations *q, const ric_chain *c, const ric_enclosure *e)
+{
+    close_group(ric_equation_plane(q));
+    open_group(ric_equation_plane(q), c, 1, c->at, -1);
     put_plane(e, c, ric_equation_plane(q));
 }
 

@@ -21,6 +21,10 @@ void ric_equation_free(ric_equations *q);
 /* Everything at the centre of the chain but for the slack of the flights, which `existence` weighs.
  */
 void ric_equation_evaluate(ric_equations *q, const ric_chain *c, const ric_enclosure *e);
+/* F alone; J and K stay those of where they were evaluated. */
+void ric_equation_values(ric_equations *q, const ric_chain *c, const ric_enclosure *e);
+/* The plane is another one now: F and derivatives of that, all else stays. */
+void ric_equation_move_plane(ric_equations *q, const ric_chain *c, const ric_enclosure *e);
 
 /* Adds to all of it what the slack of the flights may be, so that F and its derivatives hold those
  * of the structure: of `evaluate`, with NULL, or of `second`, with its direction. */
@@ -48,6 +52,9 @@ static inline ric_equation_group *ric_equation_plane(const ric_equations *q)
     return &q->group[q->n - 1];
 }
 
+/* (q, p) <- (c q + s p, back q + c p) is the flight of mode i. */
+void ric_equation_turn(const ric_enclosure *e, slong i, const arb_t tau, arb_t c, arb_t s,
+                       arb_t back);
 /* The derivatives of F0(tau) w in a phase by w and tau, out [2n * 2n + 1], and the flown state
  * [2n]. */
 void ric_equation_flight(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w,

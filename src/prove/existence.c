@@ -1,30 +1,59 @@
 #include "existence.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/room.h"
 #include "contraction.h"
 #include "factor.h"
+#include "quick.h"
 
 enum {
-    NEWTON = 8,   /* steps at most */
-    POWER = 4,    /* steps of the inverse iteration for the least singular value */
-    ALPHAS = 6,   /* bounds of it that are tried, each an eighth of the one before */
-    DENSE = 400,  /* unknowns of a matrix that is not taken apart */
-    WEIGHTS = 24, /* weights of the unknowns that are tried in it */
-    NARROW = -9,  /* 2^-9 of what all have moved by: the least radius of a box that is narrow */
-    DOMAIN = -3,  /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a
-                     turn of a mode */
+    NEWTON = 8,    /* steps at most */
+    CHORD = 16,    /* the same with derivatives of an earlier centre */
+    SLOW = -12,    /* a step of 2^-12 of the one before, or more, has the next one take its own */
+    WIDEST = 1024, /* numbers of a block whose sums quick.h bounds */
+    POWER = 4,     /* steps of the inverse iteration for the least singular value */
+    ALPHAS = 6,    /* bounds of it that are tried, each an eighth of the one before */
+    DENSE = 400,   /* unknowns of a matrix that is not taken apart */
+    WEIGHTS = 24,  /* weights of the unknowns that are tried in it */
+    NARROW = -9,   /* 2^-9 of what all have moved by: the least radius of a box that is narrow */
+    DOMAIN = -3,   /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a
+                      turn of a mode */
 };
+
+/* Of what numbers change along the curve: no difference. */
+#define ALIKE 1e-9
+
+/* In which numbers D is looked at: D'D in doubles, an inverse in doubles, which bears more and is
+ * for what is not large, and D'D in balls. */
+typedef enum { QUICK, INVERSE, BALLS } way;
 
 typedef struct {
     ric_chain *c;
     const ric_enclosure *e;
     ric_equations q;
-    ric_factor f;
-    arb_mat_t *x; /* [m] a vector, block by block */
+    way way;
+    slong n;           /* unknowns */
+    ric_quick d;       /* of QUICK */
+    ric_contraction k; /* of INVERSE, and of a box */
+    arb_mat_t J;       /* [n * n], of the same */
+    arb_ptr F, z;      /* [n] */
+    double *y;         /* [n] a vector of doubles */
+    ric_factor f;      /* of BALLS */
+    arb_mat_t *x;      /* [m] a vector, block by block, of balls */
     arb_t zero;
 } problem;
+
+/* Room for a whole matrix. */
+static void open_dense(problem *p)
+{
+    if (p->F) return;
+    ric_contraction_create(&p->k, p->n, p->e->prec);
+    arb_mat_init(p->J, p->n, p->n);
+    p->F = _arb_vec_init(p->n);
+    p->z = _arb_vec_init(p->n);
+}
 
 /* ------------------------------------------------------------------ vectors */
 
@@ -68,12 +97,20 @@ static double block_size(const arb_mat_t x)
 static double size_of(const problem *p)
 {
     double sum = 0;
+    if (p->way != BALLS) {
+        for (slong i = 0; i < p->n; i++) sum += p->y[i] * p->y[i];
+        return sqrt(sum);
+    }
     for (int k = 0; k < p->c->m; k++) sum += pow(block_size(p->x[k]), 2);
     return sqrt(sum);
 }
 
 static void scale(const problem *p, double by)
 {
+    if (p->way != BALLS) {
+        for (slong i = 0; i < p->n; i++) p->y[i] *= by;
+        return;
+    }
     arb_t factor;
     arb_init(factor);
     arb_set_d(factor, by);
@@ -82,6 +119,13 @@ static void scale(const problem *p, double by)
         arb_mat_get_mid(p->x[k], p->x[k]);
     }
     arb_clear(factor);
+}
+
+/* (D'D - alpha)^-1 of the vector. */
+static void solve(const problem *p)
+{
+    if (p->way == QUICK) ric_quick_solve(&p->d, p->y);
+    else ric_factor_solve(&p->f, p->x);
 }
 
 /* -------------------------------------------------------------------- plane */
@@ -93,13 +137,6 @@ static double size_of_vector(arb_srcptr x, slong n)
     return sqrt(sum);
 }
 
-static void lay_plane(problem *p, int at)
-{
-    p->c->at = at;
-    ric_equation_free(&p->q);
-    ric_equation_create(&p->q, p->c);
-}
-
 /* The first plane: across the state of block 0. */
 static bool lay_first(problem *p)
 {
@@ -109,25 +146,46 @@ static bool lay_first(problem *p)
     _arb_vec_set(c->row, ric_chain_block(c, 0), 2 * c->n);
     arb_zero(c->row + 2 * c->n);
     _arb_vec_scalar_mul_2exp_si(c->row, c->row, c->size, -ilogb(size));
-    lay_plane(p, 0);
+    c->at = 0;
+    if (p->q.group) ric_equation_free(&p->q);
+    ric_equation_create(&p->q, c);
     return true;
+}
+
+/* J of all equations, the plane last. */
+static void gather(problem *p)
+{
+    const ric_chain *c = p->c;
+    ric_equation_gather(&p->q, c, p->J, p->F);
+    _arb_vec_set(arb_mat_entry(p->J, p->n - 1, (slong)c->at * c->size), c->row, c->size);
+    arb_set(p->F + p->n - 1, arb_mat_entry(ric_equation_plane(&p->q)->F, 0, 0));
+}
+
+/* y <- C F. */
+static void invert_rows(problem *p)
+{
+    ric_contraction_apply(&p->k, p->F, p->z);
+    for (slong i = 0; i < p->n; i++) p->y[i] = ric_arb_middle(p->z + i);
+}
+
+static bool take_apart(problem *p)
+{
+    if (p->way == QUICK) {
+        ric_quick_assemble(&p->d, &p->q);
+        return ric_quick_make(&p->d, 0);
+    }
+    if (p->way == INVERSE) {
+        gather(p);
+        return ric_contraction_invert_quickly(&p->k, p->J);
+    }
+    ric_factor_assemble(&p->f, &p->q);
+    return ric_factor_make(&p->f, p->zero);
 }
 
 static bool factorise(problem *p)
 {
     ric_equation_evaluate(&p->q, p->c, p->e);
-    ric_factor_assemble(&p->f, &p->q);
-    return ric_factor_make(&p->f, p->zero);
-}
-
-/* How much number i of block k changes along x, over the size of its derivative. */
-static double change(const problem *p, int k, int i, arb_ptr row, arb_t x)
-{
-    const ric_chain *c = p->c;
-    ric_chain_number_row(p->e, i, row);
-    arb_dot(x, NULL, 0, row, 1, arb_mat_entry(p->x[k], 0, 0), 1, c->size, p->e->prec);
-    const double size = size_of_vector(row, c->size);
-    return size > 0 ? fabs(arf_get_d(arb_midref(x), ARF_RND_NEAR)) / size : 0;
+    return take_apart(p);
 }
 
 /* Holds number i of block k at what it is, rounded. */
@@ -145,36 +203,70 @@ static void hold(problem *p, int k, int i)
     ric_chain_number_row(p->e, i, c->row);
     c->scale = ilogb(size_of_vector(c->row, c->size));
     _arb_vec_scalar_mul_2exp_si(c->row, c->row, c->size, -c->scale);
-    lay_plane(p, k);
+    c->at = k;
+    ric_equation_move_plane(&p->q, c, p->e);
     arb_clear(x);
     arb_clear(unit);
 }
 
-/* The tangent of the curve of orbits, from a plane that need not be a good one: D v = (0, .., 0,
- * 1). The number that changes most along it is held: a plane that a decimal says, and that turns
- * away from no curve. */
+/* y: the tangent of the curve of orbits, D v = (0, .., 0, 1). */
+static bool find_tangent(problem *p)
+{
+    const ric_chain *c = p->c;
+    if (!factorise(p)) return false;
+    if (p->way == INVERSE) {
+        _arb_vec_zero(p->F, p->n - 1);
+        arb_one(p->F + p->n - 1);
+        invert_rows(p);
+        return true;
+    }
+    memset(p->y, 0, (size_t)p->n * sizeof *p->y);
+    vector_zero(p);
+    for (slong i = 0; i < c->size; i++) {
+        p->y[i] = ric_arb_middle(c->row + i);
+        arb_get_mid_arb(arb_mat_entry(p->x[0], i, 0), c->row + i);
+    }
+    solve(p);
+    for (slong i = 0; i < (slong)c->m * c->size && p->way == BALLS; i++)
+        p->y[i] = ric_arb_middle(arb_mat_entry(p->x[i / c->size], i % c->size, 0));
+    return true;
+}
+
+/* The derivatives of all numbers of a block, as units, out [numbers * size]. */
+static void number_rows(const problem *p, double *out)
+{
+    const slong size = p->c->size;
+    arb_ptr row = _arb_vec_init(size);
+    for (int i = 0; i <= 2 * p->e->n_dof; i++) {
+        ric_chain_number_row(p->e, i, row);
+        const double length = size_of_vector(row, size);
+        for (slong j = 0; j < size; j++)
+            out[i * size + j] = length > 0 ? ric_arb_middle(row + j) / length : 0;
+    }
+    _arb_vec_clear(row, size);
+}
+
+/* From a plane that need not be a good one: the number that changes most along the curve is held, a
+ * plane that a decimal says, and that turns away from no curve. Of those that change alike it is
+ * the first. */
 static bool find_plane(problem *p)
 {
     const ric_chain *c = p->c;
-    if (!lay_first(p) || !factorise(p)) return false;
-    vector_zero(p);
-    for (slong i = 0; i < c->size; i++) arb_get_mid_arb(arb_mat_entry(p->x[0], i, 0), c->row + i);
-    ric_factor_solve(&p->f, p->x);
-    arb_ptr row = _arb_vec_init(c->size);
-    arb_t x;
-    arb_init(x);
-    double most = 0;
+    if (!lay_first(p) || !find_tangent(p)) return false;
+    const int numbers = 2 * p->e->n_dof + 1;
+    double *rows = flint_malloc((size_t)numbers * (size_t)c->size * sizeof *rows), most = 0;
     int block = 0, number = -1;
+    number_rows(p, rows);
     for (int k = 0; k < c->m; k++)
-        for (int i = 0; i <= 2 * p->e->n_dof; i++) {
-            const double here = change(p, k, i, row, x);
-            if (!(here > most)) continue;
-            most = here;
+        for (int i = 0; i < numbers; i++) {
+            double here = 0;
+            for (int j = 0; j < c->size; j++) here += rows[i * c->size + j] * p->y[k * c->size + j];
+            if (!(fabs(here) > most * (1 + ALIKE))) continue;
+            most = fabs(here);
             block = k;
             number = i;
         }
-    arb_clear(x);
-    _arb_vec_clear(row, c->size);
+    flint_free(rows);
     if (number < 0 || !isfinite(most)) return false;
     hold(p, block, number);
     return true;
@@ -187,10 +279,31 @@ static void step_back(problem *p)
     ric_chain *c = p->c;
     for (int k = 0; k < c->m; k++)
         for (slong i = 0; i < c->size; i++) {
-            arb_ptr u = ric_chain_block(c, k) + i;
-            arb_sub(u, u, arb_mat_entry(p->x[k], i, 0), p->e->prec);
+            arb_ptr u = ric_chain_block(c, k) + i, x = arb_mat_entry(p->x[k], i, 0);
+            if (p->way != BALLS) arb_set_d(x, p->y[k * c->size + i]);
+            arb_sub(u, u, x, p->e->prec);
             arb_get_mid_arb(u, u);
         }
+}
+
+/* The first step has the equations where they were evaluated already. */
+static bool find_step(problem *p, int step, bool slow)
+{
+    if (p->way != BALLS) {
+        if (step > 0 && !slow) ric_equation_values(&p->q, p->c, p->e);
+        else if (step > 0 ? !factorise(p) : !take_apart(p)) return false;
+        if (p->way == QUICK) {
+            ric_quick_step(&p->d, &p->q, p->y);
+            return true;
+        }
+        gather(p);
+        invert_rows(p);
+        return true;
+    }
+    if (!factorise(p)) return false;
+    gradient(p);
+    solve(p);
+    return true;
 }
 
 /* Newton's method from the stored orbit until steps no longer shrink; lambda stays 0. */
@@ -203,15 +316,15 @@ static bool refine(problem *p, double *shift, double *moved)
         largest = fmax(largest, block_size(p->x[k]));
     }
     *shift = 0;
-    for (int step = 0; step < NEWTON; step++) {
-        if (!factorise(p)) return false;
-        gradient(p);
-        ric_factor_solve(&p->f, p->x);
+    bool slow = false;
+    for (int step = 0; step < (p->way != BALLS ? CHORD : NEWTON); step++) {
+        if (!find_step(p, step, slow)) return false;
         double size = size_of(p);
         if (!isfinite(size)) return false;
         if (size > before / 2) break;
         step_back(p);
         *shift += size;
+        slow = size > ldexp(before, SLOW);
         before = size;
         if (size == 0 || size < ldexp(1 + largest, 4 - (int)p->e->prec)) break;
     }
@@ -225,12 +338,14 @@ static bool refine(problem *p, double *shift, double *moved)
 static double guess_least(problem *p)
 {
     for (int k = 0; k < p->c->m; k++)
-        for (slong i = 0; i < arb_mat_nrows(p->x[k]); i++)
+        for (slong i = 0; i < arb_mat_nrows(p->x[k]); i++) {
+            p->y[k * p->c->size + i] = (double)(1 + (i + k) % 3);
             arb_set_si(arb_mat_entry(p->x[k], i, 0), 1 + (i + k) % 3);
+        }
     double size = size_of(p);
     for (int step = 0; step < POWER; step++) {
         scale(p, 1 / size);
-        ric_factor_solve(&p->f, p->x);
+        solve(p);
         size = size_of(p);
     }
     return 1 / size;
@@ -239,14 +354,21 @@ static double guess_least(problem *p)
 /* beta, without what the slack of the flights takes away: 1 / sqrt(alpha - delta) = 1 / `least`. */
 static bool bound_inverse(problem *p, arb_t least)
 {
+    if (p->way == INVERSE) {
+        ric_contraction_defect(&p->k, p->J);
+        arb_set_d(least, ric_contraction_least(&p->k));
+        return arb_is_positive(least);
+    }
     double guess = guess_least(p) / 2;
     arb_t alpha;
     arb_init(alpha);
     bool done = false;
     for (int i = 0; i < ALPHAS && !done && guess > 0 && isfinite(guess); i++, guess /= 8) {
         arb_set_d(alpha, guess);
-        if (!ric_factor_make(&p->f, alpha)) continue;
-        ric_factor_residual(&p->f, alpha, least);
+        if (!(p->way == QUICK ? ric_quick_make(&p->d, guess) : ric_factor_make(&p->f, alpha)))
+            continue;
+        if (p->way == QUICK) arb_set_d(least, ric_quick_residual(&p->d, guess));
+        else ric_factor_residual(&p->f, alpha, least);
         arb_sub(least, alpha, least, p->e->prec);
         done = arb_is_positive(least);
     }
@@ -468,42 +590,39 @@ static bool identifies(const ric_existence *x)
     return x->shift < arf_get_d(arb_midref(x->unique), ARF_RND_FLOOR);
 }
 
-/* J of all equations on the box of one radius around the centre; the plane is the last row. */
-static void evaluate_box(problem *p, const ric_chain *box, arb_mat_t J)
+/* J of all equations on a box around the centre; the plane is the last row. */
+static void evaluate_box(problem *p, const ric_chain *box)
 {
-    const slong n = arb_mat_nrows(J);
     ric_equations q;
     ric_equation_create(&q, box);
     ric_equation_evaluate(&q, box, p->e);
     ric_equation_loosen(&q, box, p->e, NULL);
-    ric_equation_gather(&q, box, J, NULL);
+    ric_equation_gather(&q, box, p->J, NULL);
     ric_equation_free(&q);
-    _arb_vec_set(arb_mat_entry(J, n - 1, (slong)box->at * box->size), box->row, box->size);
+    _arb_vec_set(arb_mat_entry(p->J, p->n - 1, (slong)box->at * box->size), box->row, box->size);
 }
 
 /* Whether a box around the centre, whose radii are the weights of k, holds no other orbit. With any
  * C and Z >= |1 - C D| on it two zeros in it differ by at most Z times what they differ by, number
  * by number: by nothing, if Z b < b for weights b > 0, which need not be the radii. */
-static bool box_is_alone(problem *p, ric_contraction *k)
+static bool box_is_alone(problem *p)
 {
     ric_chain box;
-    arb_mat_t J;
     bool alone = false;
-    arb_mat_init(J, k->n, k->n);
     ric_chain_copy(&box, p->c);
-    for (slong i = 0; i < k->n; i++) arb_add_error_mag(box.u + i, k->b + i);
-    evaluate_box(p, &box, J);
-    ric_contraction_defect(k, J);
-    for (int i = 0; i < WEIGHTS && !alone; i++) alone = ric_contraction_holds(k);
+    for (slong i = 0; i < p->n; i++) arb_add_error_mag(box.u + i, p->k.b + i);
+    evaluate_box(p, &box);
+    ric_contraction_defect(&p->k, p->J);
+    for (int i = 0; i < WEIGHTS && !alone; i++) alone = ric_contraction_holds(&p->k);
     ric_chain_free(&box);
-    arb_mat_clear(J);
     return alone;
 }
 
 /* Radii of at least `least`, and at least twice what each number has moved by from `start`. */
-static void lay_radii(const problem *p, ric_contraction *k, arb_srcptr start, double least)
+static void lay_radii(problem *p, arb_srcptr start, double least)
 {
     const slong count = (slong)p->c->m * p->c->size;
+    const ric_contraction *k = &p->k;
     arb_t moved;
     mag_t twice;
     arb_init(moved);
@@ -525,22 +644,20 @@ static void lay_radii(const problem *p, ric_contraction *k, arb_srcptr start, do
  * Dense, so only for what is not large. start [m * size]: the centre as it was stored. */
 static bool alone_in_box(problem *p, ric_existence *x, arb_srcptr start)
 {
-    const slong n = (slong)p->c->m * p->c->size + ric_chain_general(p->c);
     const double radius[2] = {2 * x->shift, ldexp(x->shift, NARROW)};
-    if (n > DENSE || !(radius[1] > 0) || !isfinite(radius[0])) return false;
-    ric_contraction k;
-    arb_mat_t J;
-    arb_mat_init(J, n, n);
-    ric_contraction_create(&k, n, p->e->prec);
-    evaluate_box(p, p->c, J);
-    bool alone = ric_contraction_invert(&k, J), done = false;
+    if (p->n > DENSE || !(radius[1] > 0) || !isfinite(radius[0])) return false;
+    open_dense(p);
+    bool alone = true, done = false;
+    if (p->way != INVERSE) {
+        evaluate_box(p, p->c);
+        alone = p->way == BALLS ? ric_contraction_invert(&p->k, p->J)
+                                : ric_contraction_invert_quickly(&p->k, p->J);
+    }
     for (int i = 0; i < 2 && alone && !done; i++) {
-        lay_radii(p, &k, i ? start : NULL, radius[i]);
-        done = arf_cmp_d(arb_midref(x->exists), radius[i]) < 0 && box_is_alone(p, &k);
+        lay_radii(p, i ? start : NULL, radius[i]);
+        done = arf_cmp_d(arb_midref(x->exists), radius[i]) < 0 && box_is_alone(p);
         if (done) arb_set_d(x->unique, radius[i]);
     }
-    arb_mat_clear(J);
-    ric_contraction_free(&k);
     return done;
 }
 
@@ -561,22 +678,52 @@ static const char *prove(problem *p, ric_existence *x, arb_srcptr start)
     return why;
 }
 
+static void open_problem(problem *p)
+{
+    const ric_chain *c = p->c;
+    arb_init(p->zero);
+    ric_factor_create(&p->f, c, p->e->prec);
+    ric_quick_create(&p->d, c);
+    p->n = ric_quick_unknowns(&p->d);
+    p->y = flint_calloc((size_t)p->n, sizeof *p->y);
+    p->x = flint_calloc((size_t)c->m, sizeof *p->x);
+    for (int k = 0; k < c->m; k++) arb_mat_init(p->x[k], ric_chain_width(c, k), 1);
+}
+
+static void close_problem(problem *p)
+{
+    for (int k = 0; k < p->c->m; k++) arb_mat_clear(p->x[k]);
+    flint_free(p->x);
+    flint_free(p->y);
+    ric_factor_free(&p->f);
+    ric_quick_free(&p->d);
+    if (p->q.group) ric_equation_free(&p->q);
+    arb_clear(p->zero);
+    if (!p->F) return;
+    ric_contraction_free(&p->k);
+    arb_mat_clear(p->J);
+    _arb_vec_clear(p->F, p->n);
+    _arb_vec_clear(p->z, p->n);
+}
+
+/* In each way, until one proves it and tells it apart from others. */
 const char *ric_existence_prove(ric_existence *x, ric_chain *c, const ric_enclosure *e)
 {
     problem p = {.c = c, .e = e};
-    arb_init(p.zero);
-    ric_factor_create(&p.f, c, e->prec);
-    p.x = flint_calloc((size_t)c->m, sizeof *p.x);
-    for (int k = 0; k < c->m; k++) arb_mat_init(p.x[k], ric_chain_width(c, k), 1);
+    open_problem(&p);
     const slong count = (slong)c->m * c->size;
     arb_ptr start = _arb_vec_init(count);
     _arb_vec_set(start, c->u, count);
-    const char *why = prove(&p, x, start);
+    const char *why = NULL;
+    for (p.way = QUICK; p.way <= BALLS; p.way++) {
+        if (p.way == QUICK && p.d.wide > WIDEST) continue;
+        if (p.way == INVERSE && p.n > DENSE) continue;
+        if (p.way == INVERSE) open_dense(&p);
+        _arb_vec_set(c->u, start, count);
+        why = prove(&p, x, start);
+        if (!why && x->identified) break;
+    }
     _arb_vec_clear(start, count);
-    for (int k = 0; k < c->m; k++) arb_mat_clear(p.x[k]);
-    flint_free(p.x);
-    ric_factor_free(&p.f);
-    if (p.q.group) ric_equation_free(&p.q);
-    arb_clear(p.zero);
+    close_problem(&p);
     return why;
 }

@@ -255,8 +255,8 @@ void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out)
     for (slong i = 0; i < n - 1; i++)
         arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->chord, 1, n, e->prec);
     ric_contraction_apply(&t->k, F, x);
+    ric_contraction_map(&t->k, t->k.b, zb);
     for (slong i = 0; i < n; i++) {
-        for (slong j = 0; j < n; j++) mag_addmul(zb + i, t->k.Z + i * n + j, t->k.b + j);
         mag_div(y, zb + i, t->k.b + i);
         mag_max(theta, theta, y);
         arb_get_mag(y, x + i);
