@@ -90,14 +90,11 @@ void ric_chain_along(const ric_enclosure *e, int face, arb_srcptr x, arb_t out)
 void ric_chain_reflect(const ric_enclosure *e, int face, arb_ptr p)
 {
     if (e->wall[face].closes) return;
-    int contact = e->wall[face].contact;
-    arb_srcptr c = ric_enclosure_c(e, contact);
+    arb_srcptr turn = arb_mat_entry(e->turn, e->wall[face].contact, 0);
     arb_t sum;
     arb_init(sum);
     ric_chain_along(e, face, p, sum);
-    arb_mul_2exp_si(sum, sum, 1);
-    arb_div(sum, sum, e->cc + contact, e->prec);
-    for (slong i = 0; i < e->n; i++) arb_submul(p + i, sum, c + i, e->prec);
+    for (slong i = 0; i < e->n; i++) arb_submul(p + i, sum, turn + i, e->prec);
     arb_clear(sum);
 }
 

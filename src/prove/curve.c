@@ -108,7 +108,7 @@ static void judge_part(ric_curve *x, const ric_tube *t, double at, double part, 
     arb_ptr hull = _arb_vec_init(count);
     ric_monodromy_init(&multipliers);
     ric_tube_part(t, at, at + part, hull);
-    ric_monodromy_enclose(&multipliers, &t->hull, x->e, hull);
+    ric_monodromy_judge(&multipliers, &t->hull, x->e, hull);
     if (multipliers.stable != RIC_STABLE_UNDECIDED || depth == 0)
         x->length[multipliers.stable] += part * size_of(t);
     else

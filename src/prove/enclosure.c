@@ -11,6 +11,7 @@
 
 enum {
     EXACT_MODES = 40, /* largest number of modes whose seen part is found in rational numbers */
+    COARSE = 64       /* bits: one limb */
 };
 
 /* ----------------------------------------------------------------- decimals */
@@ -236,6 +237,11 @@ static void normals(ric_enclosure *e, const basis *z)
     for (slong i = 0; i < m->n_contact; i++)
         arb_dot(e->cc + i, NULL, 0, arb_mat_entry(e->C, i, 0), 1, arb_mat_entry(e->C, i, 0), 1,
                 e->n, prec);
+    for (slong i = 0; i < m->n_contact * e->n; i++) {
+        arb_ptr turn = arb_mat_entry(e->turn, i / e->n, i % e->n);
+        arb_mul_2exp_si(turn, arb_mat_entry(e->C, i / e->n, i % e->n), 1);
+        arb_div(turn, turn, e->cc + i / e->n, prec);
+    }
     arb_mat_transpose(xt, e->X);
     arb_mat_mul(e->back, xt, z->modes.M, prec);
     arb_mat_frobenius_norm(e->spread, e->X, prec);
@@ -276,6 +282,7 @@ static void allocate(ric_enclosure *e)
     arb_mat_init(e->X, e->n_dof, e->n);
     arb_mat_init(e->back, e->n, e->n_dof);
     arb_mat_init(e->C, e->n_contact, e->n);
+    arb_mat_init(e->turn, e->n_contact, e->n);
     e->cc = _arb_vec_init(e->n_contact);
     e->omega = _arb_vec_init(e->n);
     e->square = _arb_vec_init(e->n);
@@ -325,6 +332,7 @@ void ric_enclosure_free(ric_enclosure *e)
     arb_mat_clear(e->X);
     arb_mat_clear(e->back);
     arb_mat_clear(e->C);
+    arb_mat_clear(e->turn);
     _arb_vec_clear(e->cc, e->n_contact);
     _arb_vec_clear(e->omega, e->n);
     _arb_vec_clear(e->square, e->n);
@@ -339,6 +347,13 @@ void ric_enclosure_free(ric_enclosure *e)
     }
     flint_free(e->wall);
     e->wall = NULL;
+}
+
+ric_enclosure ric_enclosure_coarse(const ric_enclosure *e)
+{
+    ric_enclosure coarse = *e;
+    coarse.prec = COARSE;
+    return coarse;
 }
 
 /* With C = cos(sqrt(A) t), S its integral and C0, S0 those of L: C - C0 = -int S0(t - s) R C(s) ds

@@ -33,6 +33,7 @@ typedef struct {
     arb_mat_t back;                /* [n * n_dof] X' M: q = back x */
     arb_mat_t C;                   /* [n_contact * n] rows c */
     arb_ptr cc;                    /* [n_contact] c . c */
+    arb_mat_t turn;                /* [n_contact * n] 2 c / (c . c) */
     arb_ptr omega;                 /* [n] 0 for a zero mode */
     arb_ptr square;                /* [n] L, exact; omega^2 is what it encloses */
     arb_t rho, top;                /* |R|; 1 + largest L */
@@ -47,6 +48,9 @@ typedef struct {
  * case. */
 bool ric_enclosure_create(ric_enclosure *e, const ric_model *model, slong prec);
 void ric_enclosure_free(ric_enclosure *e);
+
+/* The same structure, borrowed, for what is computed with few bits: balls that are wide anyway. */
+ric_enclosure ric_enclosure_coarse(const ric_enclosure *e);
 
 /* An upper bound, for 0 <= t, of |F(t) - F0(t)|, |F'(t) - F0'(t)| and |F''(t) - F0''(t)|; not
  * finite where there is none. */

@@ -1,12 +1,18 @@
 #include "monodromy.h"
 
+#include <math.h>
+
 #include "base/room.h"
 #include "equations.h"
+#include "monodromy_quick.h"
 
 enum {
     ROOT_STEPS = 0, /* of the search for roots: as many as Arb takes */
     SQUARINGS = 3,  /* of the map, in search of a multiplier outside */
 };
+
+/* MUCH: of what roundings come to: radii beyond that are the width of balls */
+#define MUCH 64
 
 void ric_monodromy_init(ric_monodromy *m)
 {
@@ -44,9 +50,62 @@ static void flight_matrix(const ric_enclosure *e, const ric_phase *phase, arb_sr
     _arb_vec_clear(flown, 2 * n);
 }
 
+/* The slack in every number of F, times the columns that were flown. */
+static void loosen_columns(arb_mat_t P, const arb_mat_t before, const arb_t slack)
+{
+    mag_t sum, x;
+    mag_init(sum);
+    mag_init(x);
+    for (slong j = 0; j < arb_mat_ncols(P); j++) {
+        mag_zero(sum);
+        for (slong i = 0; i < arb_mat_nrows(P); i++) {
+            arb_get_mag(x, arb_mat_entry(before, i, j));
+            mag_add(sum, sum, x);
+        }
+        arb_get_mag(x, slack);
+        mag_mul(sum, sum, x);
+        for (slong i = 0; i < arb_mat_nrows(P); i++) arb_add_error_mag(arb_mat_entry(P, i, j), sum);
+    }
+    mag_clear(sum);
+    mag_clear(x);
+}
+
+/* P <- F P, mode by mode. */
+static void fly(const ric_enclosure *e, arb_srcptr w, arb_mat_t P)
+{
+    const slong n = e->n;
+    arb_srcptr tau = w + 2 * n;
+    arb_mat_t before;
+    arb_t c, s, back, x;
+    arb_init(c);
+    arb_init(s);
+    arb_init(back);
+    arb_init(x);
+    arb_mat_init(before, 2 * n, 2 * n);
+    arb_mat_swap(before, P);
+    for (slong i = 0; i < n; i++) {
+        ric_equation_turn(e, i, tau, c, s, back);
+        for (slong j = 0; j < 2 * n; j++) {
+            arb_srcptr q = arb_mat_entry(before, i, j), p = arb_mat_entry(before, n + i, j);
+            arb_mul(arb_mat_entry(P, i, j), c, q, e->prec);
+            arb_addmul(arb_mat_entry(P, i, j), s, p, e->prec);
+            arb_mul(arb_mat_entry(P, n + i, j), back, q, e->prec);
+            arb_addmul(arb_mat_entry(P, n + i, j), c, p, e->prec);
+        }
+    }
+    ric_enclosure_slack(e, tau, x);
+    loosen_columns(P, before, x);
+    arb_mat_clear(before);
+    arb_clear(c);
+    arb_clear(s);
+    arb_clear(back);
+    arb_clear(x);
+}
+
 /* 2 (c.q'') / ((c.c) (c.p-)) of an impact with the state w behind it: c.p- = -c.p, q'' = -(L + R) q
  * - sum k (c.q - d) c. */
-static void kick(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w, arb_t out)
+void ric_monodromy_kick(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w,
+                        arb_t out)
 {
     const int contact = e->wall[face].contact;
     arb_ptr pull = _arb_vec_init(e->n);
@@ -70,31 +129,26 @@ static void salt(const ric_enclosure *e, const ric_phase *phase, int face, arb_s
 {
     slong n = e->n;
     if (e->wall[face].closes) return;
-    arb_ptr q = _arb_vec_init(n), p = _arb_vec_init(n);
-    arb_srcptr c = ric_enclosure_c(e, e->wall[face].contact);
-    arb_t factor, along;
+    const int contact = e->wall[face].contact;
+    arb_srcptr c = ric_enclosure_c(e, contact), turn = arb_mat_entry(e->turn, contact, 0);
+    arb_t factor, q, p;
     arb_init(factor);
-    arb_init(along);
-    kick(e, phase, face, w, factor);
+    arb_init(q);
+    arb_init(p);
+    ric_monodromy_kick(e, phase, face, w, factor);
     for (slong j = 0; j < 2 * n; j++) {
+        arb_dot(q, NULL, 0, c, 1, arb_mat_entry(P, 0, j), 2 * n, n, e->prec);
+        arb_dot(p, NULL, 0, c, 1, arb_mat_entry(P, n, j), 2 * n, n, e->prec);
         for (slong i = 0; i < n; i++) {
-            arb_set(q + i, arb_mat_entry(P, i, j));
-            arb_set(p + i, arb_mat_entry(P, n + i, j));
+            arb_submul(arb_mat_entry(P, i, j), q, turn + i, e->prec);
+            arb_submul(arb_mat_entry(P, n + i, j), p, turn + i, e->prec);
         }
-        ric_chain_along(e, face, q, along);
-        arb_mul(along, along, factor, e->prec);
-        ric_chain_reflect(e, face, q);
-        ric_chain_reflect(e, face, p);
-        for (slong i = 0; i < n; i++) {
-            arb_addmul(p + i, along, c + i, e->prec);
-            arb_set(arb_mat_entry(P, i, j), q + i);
-            arb_set(arb_mat_entry(P, n + i, j), p + i);
-        }
+        arb_mul(q, q, factor, e->prec);
+        for (slong i = 0; i < n; i++) arb_addmul(arb_mat_entry(P, n + i, j), q, c + i, e->prec);
     }
     arb_clear(factor);
-    arb_clear(along);
-    _arb_vec_clear(q, n);
-    _arb_vec_clear(p, n);
+    arb_clear(q);
+    arb_clear(p);
 }
 
 /* P along the chain, from behind its first impact to before its last. */
@@ -106,8 +160,11 @@ static void along_chain(const ric_chain *c, const ric_enclosure *e, arb_srcptr u
     for (int k = 0; k < c->m; k++) {
         arb_srcptr w = u + (slong)k * c->size;
         if (k > 0) salt(e, c->phase[k], c->face[k], w, P);
-        flight_matrix(e, c->phase[k], w, F);
-        arb_mat_mul(P, F, P, e->prec);
+        if (!c->phase[k]) fly(e, w, P);
+        else {
+            flight_matrix(e, c->phase[k], w, F);
+            arb_mat_mul(P, F, P, e->prec);
+        }
     }
     arb_mat_clear(F);
 }
@@ -139,12 +196,12 @@ static void behind_end(const ric_chain *c, const ric_enclosure *e, arb_srcptr u,
     arb_clear(slack);
 }
 
-/* The map over the period, or over half of it, turned round, if the orbit is symmetric. */
+/* P, along the chain, becomes the map over the period, or over half of it, turned round, if the
+ * orbit is symmetric. */
 static void round_trip(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_mat_t H)
 {
     arb_mat_t back;
     arb_mat_init(back, 2 * c->n, 2 * c->n);
-    along_chain(c, e, u, H);
     if (!ric_chain_general(c)) {
         turn_back(H, back);
         if (c->end == RIC_CHAIN_IMPACT) {
@@ -284,6 +341,13 @@ static void judge_polynomial(ric_monodromy *m, const arb_mat_t H, slong prec)
     arb_poly_clear(rho);
 }
 
+static void judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, arb_mat_t H)
+{
+    if (c->n == 2) judge_trace(m, H, ric_chain_symmetric(c), e->prec);
+    else if (one_is_outside(H, e->prec)) m->stable = RIC_STABLE_NO;
+    else judge_polynomial(m, H, e->prec);
+}
+
 void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
                            arb_srcptr u)
 {
@@ -291,9 +355,41 @@ void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclo
     if (c->n < 2) return;
     arb_mat_t H;
     arb_mat_init(H, 2 * c->n, 2 * c->n);
+    along_chain(c, e, u, H);
     round_trip(c, e, u, H);
-    if (c->n == 2) judge_trace(m, H, ric_chain_symmetric(c), e->prec);
-    else if (one_is_outside(H, e->prec)) m->stable = RIC_STABLE_NO;
-    else judge_polynomial(m, H, e->prec);
+    judge(m, c, e, H);
     arb_mat_clear(H);
+}
+
+/* The largest radius of a matrix. */
+static double radius_of(const arb_mat_t H)
+{
+    mag_t most;
+    mag_init(most);
+    for (slong i = 0; i < arb_mat_nrows(H); i++)
+        for (slong j = 0; j < arb_mat_ncols(H); j++)
+            mag_max(most, most, arb_radref(arb_mat_entry(H, i, j)));
+    const double radius = mag_get_d(most);
+    mag_clear(most);
+    return radius;
+}
+
+void ric_monodromy_judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
+{
+    bool springs = c->n < 2;
+    for (int k = 0; k < c->m; k++) springs = springs || c->phase[k];
+    for (int k = 0; k <= c->m; k++)
+        springs = springs || (c->face[k] >= 0 && e->wall[c->face[k]].closes);
+    bool wide = false;
+    if (!springs) {
+        arb_mat_t H;
+        arb_mat_init(H, 2 * c->n, 2 * c->n);
+        double noise = ric_monodromy_quick(c, e, u, H);
+        if (!ric_chain_general(c)) noise *= noise / (c->m * 0x1p-53);
+        round_trip(c, e, u, H);
+        judge(m, c, e, H);
+        wide = radius_of(H) > MUCH * noise;
+        arb_mat_clear(H);
+    }
+    if (m->stable == RIC_STABLE_UNDECIDED && !wide) ric_monodromy_enclose(m, c, e, u);
 }

@@ -15,5 +15,9 @@ void ric_monodromy_clear(ric_monodromy *m);
 /* u: balls that hold the orbit, whose impacts approach. */
 void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
                            arb_srcptr u);
+/* `stable` alone, of the wide balls of an arc: in doubles, where roundings are nothing beside them.
+ */
+void ric_monodromy_judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
+                         arb_srcptr u);
 
 #endif
