@@ -171,11 +171,30 @@ class Model:
         e, speed = self.kick[face], self.speed[face]
         return balls(eye(2 * self.n + 1) - 2 * np.outer(e, speed) / (speed @ e))
 
+    def twin(self, to):
+        """The matrix that takes coordinate i to |to[i]|, with its sign: it undoes itself, and takes
+        the structure and the set of its faces to themselves."""
+        n = self.n
+        need(sorted(map(abs, to)) == [*range(1, n + 1)] and not any(self.soft), "no permutation")
+        S = eye(2 * n + 1)
+        S[:n, :n] = sum(np.outer(eye(n)[abs(j) - 1], eye(n)[i]) * (1 if j > 0 else -1)
+                        for i, j in enumerate(to))
+        S[n:-1, n:-1] = S[:n, :n]
+        rows = lambda S: sorted(tuple(self.exact[face] @ S) for face in self.faces)
+        need((S @ S == eye(2 * n + 1)).all() and (S.T @ self.G @ S == self.G).all()
+             and rows(S) == rows(eye(2 * n + 1)), "the structure is not taken to itself")
+        return S
+
     def mirror(self, kind, face, shift, odd):
         """Rows that vanish at a mirror point; of odd motions, which it turns into their opposite,
-        one more, which forbids a shift in time."""
+        one more, which forbids a shift in time. The motion may go back as its image."""
         n, one = self.n, eye(2 * self.n + 1)
         x, v = one[:n], one[n:-1]
+        if type(kind) is np.ndarray:
+            need(not odd, "a twin is broken")
+            pairs = [i for i in range(n) if not any(kind[i, :i])]
+            rows = np.vstack([(one - kind)[pairs], (one + kind)[n:][pairs]])
+            return rows[[any(row) for row in rows]]
         if kind != "impact":
             return np.vstack([x if (kind == "centre") != bool(odd) else v, *[shift] * odd])
         e = self.kick[face]
@@ -200,11 +219,18 @@ class System:
         begin, end, self.count = self.faces[0], self.faces[-1], len(self.faces) - 1
         self.size, self.touched = self.count * self.width, [{f} - {None} for f in self.faces]
         need(len(self.said) == self.size, "the states do not fit to the faces")
-        need([e in ("rest", "centre") for e in self.ends] == [not begin, not end], "a wrong end")
+        flight = ("rest", "centre", "twin")
+        need([e in flight for e in self.ends] == [not begin, not end], "a wrong end")
+        need(("twin" in self.ends) == ("twin" in line), "a twin is missing")
+        self.twin = model.twin(line["twin"]) if "twin" in line else eye(self.width)
         self.general, self.sigma = "general" in self.ends, 1 if begin == end else -1
         need(not self.general or (self.ends[0], begin[0]) == (self.ends[1], end[0]), "it is open")
         need(self.general or not any(f and model.soft[f[0]] for f in (begin, end)), "no mirror")
-        self.symmetric = self.sigma < 0 if self.general else self.ends.count("centre") == 1
+        turned = {"centre": -eye(self.n), "twin": self.twin[:self.n, :self.n]}
+        around = [turned.get(e, eye(self.n)) for e in self.ends]
+        around = around[0] @ around[1] * (self.sigma if self.general else 1)
+        self.symmetric = bool((around == -eye(self.n)).all())
+        self.copies = (1 if self.general else 2) * (1 if (around == eye(self.n)).all() else 2)
         self.images = (1, -1) if self.symmetric or "centre" in self.ends else (1,)
         self.watched = {(c, s * i) for c, s in model.faces for i in self.images}
         need({(c, s * i) for c, s in filter(None, self.faces) for i in self.images}
@@ -244,8 +270,9 @@ class System:
         self.beside, (begins, ends) = len(beside), self.path(self.centre, 1)[0]
         g = self.gradient(begins[0], ends[-1])
         self.left_out, self.rows = max(range(2 * n), key=lambda i: abs(g[i] + Ball(0)).mid), []
-        places = [(self.ends[0], self.faces[0], middle(self.phases[0].A @ begins[0])[:, 0]),
-                  (self.ends[1], self.faces[-1], middle(self.phases[-1].A @ ends[-1])[:, 0])]
+        kinds = [self.twin if e == "twin" else e for e in self.ends]
+        places = [(kinds[0], self.faces[0], middle(self.phases[0].A @ begins[0])[:, 0]),
+                  (kinds[1], self.faces[-1], middle(self.phases[-1].A @ ends[-1])[:, 0])]
         for i, odd in enumerate([(0, 0), *beside]):
             first, last, gone = one[:0], one[:-1], [self.left_out]
             gone *= (i, self.kind) != (1, "double")
@@ -472,10 +499,10 @@ def check(model, line, points=None):
                 a.join(u, b, v)
         return
     s, point = System(model, line), line["type"] == "point"
-    need(point == (s.kind == "held"), "it is no junction")
+    need(point == (s.kind == "held") and not (point and "twin" in line), "it is no junction")
     u = s.prove()
     s.stands(u)
-    w, copies = s.path(u, 1)[0][0][0], (1 if s.general else 2) * (2 if s.symmetric else 1)
+    w, copies = s.path(u, 1)[0][0][0], s.copies
     numbers = {"energy": (w.T @ s.phases[0].G @ w)[0, 0] * balls(model.scale**2 / 2)[()],
                "period": sum(u[s.width - 1:s.size:s.width, 0]) * balls(copies / model.scale)[()]}
     sums = s.multipliers(u) if point else None

@@ -13,7 +13,7 @@ enum {
         12, /* digits of energy, period and trace, with no more than DECIMALS behind the point */
 };
 
-static const char *const ends[] = {"general", "rest", "impact", "centre"};
+static const char *const ends[] = {"general", "rest", "impact", "centre", "twin"};
 static const char *const flags[] = {"no", "yes", "undecided"};
 
 /* FNV-1a with 64 bits (Fowler, Noll, Vo) of the line so far: one changed byte always changes it. */
@@ -161,12 +161,17 @@ static void print_states(writing *w, const char *name, int first)
     fputs("]", w->file);
 }
 
-/* Faces, and n_face more where a spring opens. */
+/* Faces, and n_face more where a spring opens; where coordinates go, from 1, with their signs. */
 static void print_class(FILE *f, const ric_chain *c, const ric_enclosure *e)
 {
     fprintf(f, ", \"start\": \"%s\", \"end\": \"%s\", \"faces\": [", ends[c->start], ends[c->end]);
     for (int k = 0; k <= c->m; k++)
         fprintf(f, "%s%d", k ? ", " : "", c->face[k] + (ric_chain_opens(c, e, k) ? e->n_face : 0));
+    fputs("]", f);
+    if (!c->twin) return;
+    fputs(", \"twin\": [", f);
+    for (int i = 0; i < e->n_dof; i++)
+        fprintf(f, "%s%d", i ? ", " : "", c->twin->sign[i] * (c->twin->to[i] + 1));
     fputs("]", f);
 }
 
@@ -381,7 +386,7 @@ char *ric_certificate_junction(const ric_augmented *x, const ric_junction_proof 
     ric_chain c;
     bool together = false;
     for (int i = 0; i < x->e->n_contact; i++) together = together || x->together[i];
-    if (together || x->c.twin || ric_augmented_has_factor(x)) return ric_strdup("");
+    if (together || ric_augmented_has_factor(x)) return ric_strdup("");
     if (!ric_buffer_open(&b)) return NULL;
     writing w = {.file = b.file, .chain = &c, .e = x->e, .unique = write_touch(x, &c)};
     w.u = c.u;

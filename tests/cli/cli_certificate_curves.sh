@@ -5,7 +5,7 @@ set -u
 . tests/support/proofs.sh
 
 needs_checker
-for name in elementary three-masses corner stop-and-spring; do
+for name in elementary three-masses corner stop-and-spring symmetric-chain; do
     "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
     if "$ricochet" prove "$folder/$name.ricochet" --junctions -o "$folder/$name-j.jsonl" 2>&1 | grep -q 'left out of this program'; then
         echo '1..0 # SKIP the program was built without FLINT'
@@ -25,6 +25,9 @@ some stop-and-spring "$(every_of 2)"
 ok 'junctions beside a spring' accepted "$folder/some.jsonl" "$folder/stop-and-spring.ricochet"
 some three-masses "$(every_of 6)"
 ok 'and those of three masses' accepted "$folder/some.jsonl" "$folder/three-masses.ricochet"
+
+count=13
+ok 'and those that a permutation and the way back take to themselves' accepted "$folder/symmetric-chain-j.jsonl" "$folder/symmetric-chain.ricochet"
 
 # lies CODE: Python over the certificates; refused(LINE): why the checker refuses what a liar signs, or None
 lies() {
@@ -110,6 +113,30 @@ for line in [line for line in lines if line["where"][0] != "speed"][::every and 
     for where in others:
         if where != line["where"] and not where[0] == line["where"][0] == "turn":
             assert refused({**line, "where": where}), (line, where)'
+ok 'no other permutation, none that the structure has not, and none of a point' lies '
+model, lines = read("symmetric-chain-j")
+twins = [line for line in lines if "twin" in line]
+assert len(twins) == 3 and not any(refused(line, model) for line in twins)
+for line in twins:
+    for twin in ([3, 2, 1], [-3, -2, -1], [3, -2, 1], [1, 3, 2], [2, 3, 1], [1, 2, 3], [-1, -2, -3], [3, 2], [3, 2, 2], [0, 2, 3]):
+        assert twin == line["twin"] or refused({**line, "twin": twin}, model), (twin, line)
+    ends = ["twin", "rest", "centre", "impact", "general"]
+    for start in ends[1:]:
+        assert refused({**line, "start": start}, model), (start, line)
+    assert refused({key: line[key] for key in line if key != "twin"}, model)
+    assert refused({**line, "type": "point", "point": 3}, model) and refused({**line, "where": ["break", 1, 0]}, model)
+    lie = copy.deepcopy(line)
+    lie["x"][0][0] += 1
+    assert refused(lie, model), lie
+first = checker.read_line(open(f"{folder}/symmetric-chain-j.jsonl").readline().rstrip())
+for key, i in (("mass", 0), ("stiffness", 2)):
+    other = copy.deepcopy(first)
+    other[key][i][i] += 1e-12
+    assert refused(twins[0], checker.Model(other)) == "the structure is not taken to itself"
+for sides, clearance in (("upper", 1.0), ("both", 1.0000001)):
+    other = copy.deepcopy(first)
+    other["sides"][1], other["clearances"][1] = sides, clearance
+    assert refused(twins[0], checker.Model(other))'
 ok 'nor a corner at another event, of another contact, or whose flight lasts' lies '
 model, lines = read("corner-j")
 corners = [line for line in lines if line["where"][0] in ("gap", "time")]
