@@ -226,14 +226,22 @@ void ric_chain_slack(const ric_enclosure *e, const ric_phase *phase, arb_srcptr 
                      arb_t out)
 {
     arb_ptr own = phase ? _arb_vec_init(2 * e->n) : NULL;
-    arb_t size;
-    arb_init(size);
+    mag_t size, x;
+    mag_init(size);
+    mag_init(x);
     if (phase) ric_phase_enter(phase, w, own);
     ric_enclosure_slack(ric_phase_enclosure(phase, e), tau, out);
-    ric_chain_norm(2 * e->n, phase ? own : w, e->prec, size);
-    arb_add_ui(size, size, 1, e->prec);
-    arb_mul(out, out, size, e->prec);
-    arb_clear(size);
+    for (slong i = 0; i < 2 * e->n; i++) {
+        arb_get_mag(x, (phase ? own : w) + i);
+        mag_addmul(size, x, x);
+    }
+    mag_sqrt(size, size);
+    mag_add_ui(size, size, 1);
+    arb_get_mag(x, out);
+    mag_mul(size, size, x);
+    if (arb_is_finite(out)) arf_set_mag(arb_midref(out), size);
+    mag_clear(size);
+    mag_clear(x);
     if (phase) _arb_vec_clear(own, 2 * e->n);
 }
 

@@ -363,19 +363,28 @@ ric_enclosure ric_enclosure_coarse(const ric_enclosure *e)
 void ric_enclosure_slack(const ric_enclosure *e, const arb_t t, arb_t out)
 {
     enum { TERMS = 4 }; /* 2^TERMS >= 8, times 2 for |C| and |S| */
-    arb_t valid;
-    arb_init(valid);
-    arb_abs(out, t);
-    arb_mul(valid, out, out, e->prec);
-    arb_mul(valid, valid, e->rho, e->prec);
-    arb_sub_ui(valid, valid, 1, e->prec);
-    const bool small = arb_is_negative(valid);
-    arb_add_ui(out, out, 1, e->prec);
-    arb_pow_ui(out, out, 3, e->prec);
-    arb_mul(out, out, e->rho, e->prec);
-    arb_mul(out, out, e->top, e->prec);
-    arb_mul(out, out, e->top, e->prec);
-    arb_mul_2exp_si(out, out, TERMS);
+    mag_t time, rho, top, bound;
+    mag_init(time);
+    mag_init(rho);
+    mag_init(top);
+    mag_init(bound);
+    arb_get_mag(time, t);
+    arb_get_mag(rho, e->rho);
+    arb_get_mag(top, e->top);
+    mag_mul(bound, time, time);
+    mag_mul(bound, bound, rho);
+    const bool small = mag_cmp_2exp_si(bound, 0) < 0;
+    mag_add_ui(time, time, 1);
+    mag_pow_ui(bound, time, 3);
+    mag_mul(bound, bound, rho);
+    mag_mul(bound, bound, top);
+    mag_mul(bound, bound, top);
+    mag_mul_2exp_si(bound, bound, TERMS);
+    arb_zero(out);
+    arf_set_mag(arb_midref(out), bound);
     if (!small) arb_indeterminate(out);
-    arb_clear(valid);
+    mag_clear(time);
+    mag_clear(rho);
+    mag_clear(top);
+    mag_clear(bound);
 }

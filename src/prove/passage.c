@@ -7,7 +7,16 @@
 
 enum {
     DEEPEST = 32, /* bisections of a flight: a gap that is not told from closed then touches */
+    READINGS =
+        16, /* times of a flight whose states are kept: faces are asked about the same ones */
 };
+
+/* What a flight has at a time, whatever the face: q, p and L q of the middle of the family, and of
+ * its line. */
+typedef struct {
+    arb_t time;
+    arb_ptr at; /* [2 * 3n] */
+} reading;
 
 /* A gap along a flight: h = d - side c.q, in the modes of its phase; of a closed spring how far it
  * is pressed in, which is the same with the other signs. */
@@ -30,13 +39,22 @@ typedef struct {
     arb_t open;       /* what the flight leaves open of the state and its derivatives */
     arb_t bend, jerk,
         slack; /* bounds of |h''|, |h'''|; of what flights leave open of h and its derivatives */
-    arb_ptr flown, other; /* [2n] scratch */
+    arb_ptr flown;     /* [2n] scratch */
+    arb_ptr swing;     /* [n] bounds of |q_i''| */
+    reading *readings; /* [READINGS + 1] of this flight; the last one is not kept */
+    int *n_reading;
 } gap;
 
 static void gap_init(gap *g, const ric_enclosure *e)
 {
     *g = (gap){.e = e, .own = _arb_vec_init(8 * e->n), .flown = _arb_vec_init(2 * e->n)};
-    g->other = _arb_vec_init(2 * e->n);
+    g->swing = _arb_vec_init(e->n);
+    g->readings = flint_calloc(READINGS + 1, sizeof *g->readings);
+    g->n_reading = flint_calloc(1, sizeof *g->n_reading);
+    for (int i = 0; i <= READINGS; i++) {
+        arb_init(g->readings[i].time);
+        g->readings[i].at = _arb_vec_init(6 * e->n);
+    }
     arb_init(g->d);
     arb_init(g->open);
     arb_init(g->bend);
@@ -48,7 +66,13 @@ static void gap_clear(gap *g)
 {
     _arb_vec_clear(g->own, 8 * g->e->n);
     _arb_vec_clear(g->flown, 2 * g->e->n);
-    _arb_vec_clear(g->other, 2 * g->e->n);
+    _arb_vec_clear(g->swing, g->e->n);
+    for (int i = 0; i <= READINGS; i++) {
+        arb_clear(g->readings[i].time);
+        _arb_vec_clear(g->readings[i].at, 6 * g->e->n);
+    }
+    flint_free(g->readings);
+    flint_free(g->n_reading);
     arb_clear(g->d);
     arb_clear(g->open);
     arb_clear(g->bend);
@@ -56,8 +80,24 @@ static void gap_clear(gap *g)
     arb_clear(g->slack);
 }
 
-/* |h''| <= sum |c_i| omega_i sqrt(omega_i^2 q_i^2 + p_i^2) + |c| slack |w|; h''' has an omega_i
- * more. */
+/* |q_i''| <= omega_i sqrt(omega_i^2 q_i^2 + p_i^2) in flight. */
+static void find_swing(gap *g)
+{
+    const ric_enclosure *e = g->modes;
+    const slong n = e->n;
+    arb_t x;
+    arb_init(x);
+    for (slong i = 0; i < n; i++) {
+        arb_mul(x, g->w + i, g->w + i, e->prec);
+        arb_mul(x, x, e->square + i, e->prec);
+        arb_addmul(x, g->w + n + i, g->w + n + i, e->prec);
+        arb_sqrtpos(x, x, e->prec);
+        arb_mul(g->swing + i, x, e->omega + i, e->prec);
+    }
+    arb_clear(x);
+}
+
+/* |h''| <= sum |c_i q_i''| + |c| slack |w|; h''' has an omega_i more. */
 static void gap_bend(gap *g)
 {
     const ric_enclosure *e = g->modes;
@@ -67,12 +107,7 @@ static void gap_bend(gap *g)
     arb_zero(g->bend);
     arb_zero(g->jerk);
     for (slong i = 0; i < n; i++) {
-        arb_mul(x, g->w + i, g->w + i, e->prec);
-        arb_mul(x, x, e->square + i, e->prec);
-        arb_addmul(x, g->w + n + i, g->w + n + i, e->prec);
-        arb_sqrtpos(x, x, e->prec);
-        arb_mul(x, x, e->omega + i, e->prec);
-        arb_mul(x, x, g->c + i, e->prec);
+        arb_mul(x, g->swing + i, g->c + i, e->prec);
         arb_abs(x, x);
         arb_add(g->bend, g->bend, x, e->prec);
         arb_addmul(g->jerk, x, e->omega + i, e->prec);
@@ -125,6 +160,8 @@ static void gap_board(gap *g, const ric_chain *c, int k, const ric_family *u)
     g->half = u->half ? u->half + at : NULL;
     g->slope = u->arrival ? u->arrival->slope + at : NULL;
     if (g->phase) gap_enter(g);
+    find_swing(g);
+    *g->n_reading = 0;
     g->slow = u->half || u->touch;
     g->last = u->arrival ? u->arrival->last + at + 2 * c->n : NULL;
     g->mirrored = c->face[k + 1] < 0;
@@ -164,24 +201,39 @@ typedef struct {
     bool still[2]; /* what opens, or closes, has exactly no speed there */
 } part;
 
+/* The flight at a time, exact. */
+static arb_srcptr read_at(const gap *g, const arb_t time)
+{
+    const ric_enclosure *e = g->modes;
+    const slong n = e->n;
+    for (int i = 0; i < *g->n_reading; i++)
+        if (arb_equal(g->readings[i].time, time)) return g->readings[i].at;
+    reading *fresh = &g->readings[*g->n_reading];
+    *g->n_reading += *g->n_reading < READINGS;
+    arb_set(fresh->time, time);
+    for (int line = 0; line < (g->half ? 2 : 1); line++) {
+        arb_ptr at = fresh->at + 3 * n * line;
+        ric_chain_fly(e, NULL, line ? g->half : g->middle, time, at);
+        for (slong i = 0; i < n; i++) arb_mul(at + 2 * n + i, at + i, e->square + i, e->prec);
+    }
+    return fresh->at;
+}
+
 /* h, h' and h'' at time `mid`, over all of the family; the parts that a normal takes of q, p and -L
  * q. */
 static void gap_at(const gap *g, const arb_t mid, arb_ptr h)
 {
-    const ric_enclosure *e = g->modes;
-    const slong n = e->n;
+    const slong n = g->e->n;
+    arb_srcptr at = read_at(g, mid);
     arb_t x;
     arb_init(x);
-    for (int line = 0; line < (g->half ? 2 : 1); line++) {
-        ric_chain_fly(e, NULL, line ? g->half : g->middle, mid, g->flown);
-        for (slong i = 0; i < n; i++) arb_mul(g->other + i, g->flown + i, e->square + i, e->prec);
+    for (int line = 0; line < (g->half ? 2 : 1); line++)
         for (int k = 0; k < 3; k++) {
-            gap_along(g, k == 0 ? g->flown : k == 1 ? g->flown + n : g->other, x);
+            gap_along(g, at + (3 * line + k) * n, x);
             if (line) arb_add_error(h + k, x);
             else arb_set(h + k, x);
         }
-    }
-    arb_sub(h, g->d, h, e->prec);
+    arb_sub(h, g->d, h, g->modes->prec);
     arb_neg(h + 1, h + 1);
     for (int k = 0; k < 3; k++) arb_add_error(h + k, g->slack);
     arb_clear(x);
