@@ -234,16 +234,25 @@ static bool strays(const ric_node *node, const ric_periodic *cycle)
 }
 
 /* A function that vanishes twice has two zeros: where their orbits count as one junction the branch
- * says so. */
-static void tell_crowded(ric_edge *e, const ric_event *event, double energy)
+ * says so. One of the two may be rounding beside it, and that of another place be missing: it lies
+ * between the points on both sides. */
+static void tell_crowded(ric_edge *e, const ric_event *event)
 {
     ric_continuation *tr = e->trace;
     const ric_event *other = tr->events;
     while (other < event && !(other->test == event->test && at_one_place(other->s, event))) other++;
     if (other == event) return;
-    const bool first = tr->unresolved++ == 0;
-    tr->crowded_at[0] = first ? energy : fmin(tr->crowded_at[0], energy);
-    tr->crowded_at[1] = first ? energy : fmax(tr->crowded_at[1], energy);
+    bool first = tr->unresolved++ == 0;
+    const ric_point *before = (const ric_point *)tr->points, *after = before;
+    for (int i = 1; i < tr->n_point && after->arclength <= event->s; i++) {
+        before = after;
+        after = (const ric_point *)(tr->points + (size_t)i * tr->stride);
+    }
+    for (int side = 0; side < 2; side++, first = false) {
+        const double energy = side ? after->energy : before->energy;
+        tr->crowded_at[0] = first ? energy : fmin(tr->crowded_at[0], energy);
+        tr->crowded_at[1] = first ? energy : fmax(tr->crowded_at[1], energy);
+    }
 }
 
 static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
@@ -273,6 +282,7 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
                                               .q = resonance->q}
                              : (ric_defining){.kind = RIC_DEFINING_INTERIOR, .test = event->test};
     status = ric_node_cache_solve(g->model, g->recall, solve, cycle, &node);
+    aside |= node && solve.kind == RIC_DEFINING_INTERIOR && node->kind == RIC_KIND_MULTIPLICATION;
     bool off = node && event->test == RIC_TEST_PERIOD && strays(node, cycle);
     if (off) {
         ric_node_free(node);
@@ -289,7 +299,7 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     for (int i = 0; i < e->n_inner;
          i++) /* at a q-fold repeated orbit several tests vanish at once */
         if (e->inner[i].node == index && at_one_place(e->inner[i].at, event)) {
-            tell_crowded(e, event, g->nodes[index]->energy * g->model->energy_unit);
+            tell_crowded(e, event);
             return RIC_OK;
         }
     unsigned choice;

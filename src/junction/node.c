@@ -194,6 +194,13 @@ ric_status ric_node_interior(const ric_model *m, const ric_periodic *cycle, int 
         ric_periodic_free(solved);
         return RIC_OK;
     }
+    /* where an orbit of several periods crosses that of one, all its functions vanish: seen from
+     * beside, one of them may be taken for a branch point of its own */
+    if (kind == RIC_KIND_BRANCH_POINT && ric_periodic_repeats(m, solved, RIC_SAME_LOCATED)) {
+        ric_status status = ric_node_arrival(m, solved, out);
+        ric_periodic_free(solved);
+        return status;
+    }
     ric_node *node;
     ric_status status = create_solved(m, kind, solved, &node);
     if (status) return status;

@@ -19,6 +19,7 @@
 #define HARDLY 1e-7
 #define NO_TIME 1e-7 /* scaled: a contact that lasts no longer is a touch of a spring */
 #define BEYOND 1e-9  /* of its size: what is open by more does not come back */
+#define AT_END 1e-10 /* of its energy: the end of a branch is located to less */
 
 static double impact_speed(const ric_model *m, const ric_periodic *c, const double *W, int i)
 {
@@ -338,53 +339,38 @@ ric_status ric_node_mode_together(const ric_model *m, const ric_periodic *cycle,
     return status || !once ? status : gone_through(m, once, times, out);
 }
 
-/* How many displacements along free modes the events of a cycle see: the rank of the free parts of
- * their faces, of the size of these (Gram and Schmidt). */
-static int seen_free(const ric_model *m, const ric_periodic *c)
+/* The orbit at the end of a branch that comes to a touch, with all that it touches as events:
+ * solved as the branch has it, and moved along it to the touch. */
+static ric_periodic *solve_end(const ric_model *m, const ric_periodic *cycle)
 {
-    int free_modes = 0, rank = 0;
-    while (free_modes < m->n && m->omega[free_modes] == 0) free_modes++;
-    double basis[free_modes * free_modes + 1], row[free_modes + 1];
-    for (int i = 0; i < c->N && rank < free_modes; i++) {
-        const double *g = m->face[c->face[i]].g, size = sqrt(ric_dot(m->n, g, g));
-        for (int j = 0; j < free_modes; j++) row[j] = g[j] / size;
-        for (int known = 0; known < rank; known++) {
-            const double *q = basis + known * free_modes, along = ric_dot(free_modes, q, row);
-            for (int j = 0; j < free_modes; j++) row[j] -= along * q[j];
-        }
-        const double left = sqrt(ric_dot(free_modes, row, row));
-        if (left <= RIC_RANK) continue;
-        for (int j = 0; j < free_modes; j++) basis[rank * free_modes + j] = row[j] / left;
-        rank++;
+    ric_periodic *end = ric_node_solve_again(m, cycle), *full = end ? read_off(m, end) : NULL,
+                 *out = NULL;
+    if (full) {
+        ric_periodic_find_symmetries(m, full, RIC_SAME_LOCATED);
+        out = ric_periodic_canonical(m, full);
     }
-    return rank;
+    ric_periodic_free(end);
+    ric_periodic_free(full);
+    return out;
 }
 
-/* Whether a free structure drifts: its touches see a displacement along free modes that none of its
- * impacts sees. Without them the whole orbit may be anywhere along it, and where it touches is a
- * curve of motions, each with its energy. */
-static bool drifts(const ric_model *m, const ric_periodic *cycle, const ric_periodic *full)
-{
-    return cycle->N > 0 && seen_free(m, full) > seen_free(m, cycle);
-}
-
-/* The orbit of a grazing with its touches as events: the solution of its equations, but for one
- * that drifts. Of that the branch which comes there holds the place, by its symmetry or its start,
- * and the orbit is the one at its end. */
+/* The orbit of a grazing with its touches as events: the solution of its equations where these are
+ * as good as those of the branch. A touch may be the first that sees where a free structure is:
+ * then the branch holds the place, by its symmetry or its start, and without that the orbits which
+ * touch are a curve, each with its energy. And where frequencies nearly fit, they are one but for
+ * little. There the orbit is that at the end of the branch. */
 static ric_periodic *solve_grazing(const ric_model *m, const ric_periodic *cycle,
                                    const ric_periodic *full)
 {
-    if (!drifts(m, cycle, full))
-        return ric_node_solve(m, full, (ric_criterion){.test = RIC_TEST_APPROACH}, NULL);
-    ric_periodic *end = ric_node_solve_again(m, cycle), *touching = end ? read_off(m, end) : NULL,
-                 *out = NULL;
-    if (touching) {
-        ric_periodic_find_symmetries(m, touching, RIC_SAME_LOCATED);
-        out = ric_periodic_canonical(m, touching);
-    }
-    ric_periodic_free(end);
-    ric_periodic_free(touching);
-    return out;
+    ric_periodic *solved = ric_node_solve(m, full, (ric_criterion){.test = RIC_TEST_APPROACH},
+                                          NULL);
+    if (cycle->N == 0 || full->N == cycle->N) return solved; /* touches are impacts of the branch */
+    const double end = ric_periodic_energy(m, cycle);
+    if (solved && fabs(ric_periodic_energy(m, solved) - end) <= AT_END * end) return solved;
+    ric_periodic *at_end = solve_end(m, cycle);
+    if (!at_end) return solved;
+    ric_periodic_free(solved);
+    return at_end;
 }
 
 ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_node **out)

@@ -113,11 +113,37 @@ static void the_place_along_two_free_modes(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Two frequencies as one to three, but for little: A2[11] ends at a touch, and with the touch as an
+ * event the orbit was 4e-10 or 1.4e-9 of its energy away from there, for two steps. It is known to
+ * 4e-11. */
+static void the_end_beside_a_resonance(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = same_for_all_steps_to(
+        1e-10, "model:\n  mass: [[0.515625, -0.03125], [-0.03125, 2.0625]]\n"
+               "  stiffness: [[0.5187597405510036, 0.09571239200907587], [0.09571239200907587, "
+               "8.229355825714082]]\n"
+               "  contacts: [{normal: [0, 1], law: bilinear, clearance: 0.00162, sides: upper, "
+               "stiffness: 34.65},\n"
+               "             {normal: [-1, 1], law: rigid, clearance: 0.00162, sides: upper}]\n"
+               "explore: {energy: [0, 18.15], frequency: [0.2001, 6.004], impacts: 4, multiply: 3, "
+               "depth: 1}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        const ric_junction j = junction_of(atlas, id);
+        found += j.kind == RIC_KIND_GRAZING && j.impacts == 2 &&
+                 agrees(j.energy, 0.264317142, 1e-10);
+    }
+    assert_int_equal(found, 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(four_touches_of_one_flight),
                                        cmocka_unit_test(the_place_along_a_free_mode),
                                        cmocka_unit_test(a_touch_while_a_spring_is_closed),
-                                       cmocka_unit_test(the_place_along_two_free_modes)};
+                                       cmocka_unit_test(the_place_along_two_free_modes),
+                                       cmocka_unit_test(the_end_beside_a_resonance)};
     return cmocka_run_group_tests_name("touches", tests, NULL, NULL);
 }

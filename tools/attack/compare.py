@@ -10,6 +10,7 @@ from judge import Atlas
 from shared import Curves, shared
 
 SAME = 1e-9  # relative: energies and frequencies of junctions that are one, where nothing near makes them uncertain
+OPEN = 1e-7  # the same of a junction whose label is open
 MATRICES = 16 * 2.2e-16  # of a squared frequency: what rounding of the matrices makes of it
 ROUGHEST = 1e-4  # and of a place on a branch, at most, where two frequencies differ by little more
 
@@ -50,10 +51,11 @@ def rounded(model):
 
 
 def known(curves, row, same):
-    """To what the energy of a row is known. Where a branch changes its frequency by little over a range of energies, what happens at
+    """To what the energy of a row is known. Of a junction whose label is open the ranks are lost in rounding, and its place is known to
+    the root of it. Where a branch changes its frequency by little over a range of energies, what happens at
     a frequency happens at an energy that is known to the rounding of the frequencies over that little."""
     on = [row[7]] if isinstance(row[0], tuple) else _passes(curves.atlas, row[7])
-    worst = same
+    worst = max(same, OPEN) if row[6].endswith("?") else same
     for branch in on:
         slope = curves.slope(branch, row[4])
         worst = max(worst, MATRICES / max(slope, 1e-300))
