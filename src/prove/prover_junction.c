@@ -13,7 +13,7 @@
 #include "story.h"
 #include "twin_chain.h"
 
-enum { MOST_QUESTIONS = 4 };
+enum { MOST_QUESTIONS = 4, PARTS = 64, NEARER = 24 };
 
 #define CLOSE 1e-6 /* a gap, in the first clearance, that is looked at as one that touches */
 /* SLOW: speed of an impact, in d and 2^-time s, that is looked at as a touch; the equations decide
@@ -119,21 +119,31 @@ static void gap_at(const ric_enclosure *e, const ric_chain *c, const ric_augment
     _arb_vec_clear(flown, 2 * e->n);
 }
 
+/* Instants from .. to of a flight, which has PARTS equal parts: these, or what divides the first
+ * part, or the last one, towards the event there in steps that shrink by sqrt(2). */
+typedef struct instants {
+    enum { ALL, BEHIND_EVENT, BEFORE_EVENT } where;
+    int from, to;
+} instants;
+
+static double instant(const instants *all, int i, double tau)
+{
+    if (all->where == ALL) return i * tau / PARTS;
+    return all->where == BEHIND_EVENT ? tau / PARTS * pow(2, i / 2.)
+                                      : tau - tau / PARTS * pow(2, -i / 2.);
+}
+
 /* The least gap of a face in a flight where it is a minimum, if less than *least: `ask` then says
  * when. */
-static void look_at(const ric_chain *c, const ric_enclosure *e, ric_augmented_question here,
-                    double *least, ric_augmented_question *ask)
+static void look_at(const ric_chain *c, const ric_enclosure *e, const instants *all,
+                    ric_augmented_question here, double *least, ric_augmented_question *ask)
 {
-    enum { PARTS = 64, HALVINGS = 60 };
+    enum { HALVINGS = 60 };
     const double tau = ric_arb_middle(ric_chain_block(c, here.place) + 2 * e->n);
-    const int first = here.place == 0 && c->face[0] < 0
-                          ? -1
-                          : 1; /* a mirror point may be where it touches */
-    const int last = c->face[here.place + 1] < 0 ? PARTS + 1 : PARTS;
     double h[2], before[2];
-    gap_at(e, c, &here, first * tau / PARTS, before);
-    for (int i = first + 1; i <= last; i++) {
-        double from = (i - 1) * tau / PARTS, to = i * tau / PARTS;
+    gap_at(e, c, &here, instant(all, all->from, tau), before);
+    for (int i = all->from + 1; i <= all->to; i++) {
+        double from = instant(all, i - 1, tau), to = instant(all, i, tau);
         gap_at(e, c, &here, to, h);
         const bool minimum = before[1] < 0 && h[1] >= 0;
         memcpy(before, h, sizeof h);
@@ -149,19 +159,34 @@ static void look_at(const ric_chain *c, const ric_enclosure *e, ric_augmented_qu
     }
 }
 
-/* The flight, face and time at which a gap is least away from the events of its own face. */
+/* The same of all faces and their images. */
+static void look_at_all(const ric_chain *c, const ric_enclosure *e, int flight, instants all,
+                        double *least, ric_augmented_question *ask)
+{
+    for (int f = 0; f < e->n_face; f++)
+        for (int image = 0; image <= ric_chain_imaged(c); image++)
+            look_at(c, e, &all,
+                    (ric_augmented_question){.kind = RIC_AUGMENTED_TOUCH,
+                                             .place = flight,
+                                             .face = f,
+                                             .image = image},
+                    least, ask);
+}
+
+/* The flight, face and time at which a gap is least away from the events of its own face; a mirror
+ * point may be where it touches. What touches nowhere else may do so right behind an event, or
+ * before one: G1_6,4 of beam-lumped in the first 1/145 of a flight. */
 static bool ask_nearest(const ric_chain *c, const ric_enclosure *e, ric_augmented_question *ask)
 {
     double least = CLOSE;
-    for (int k = 0; k < c->m; k++)
-        for (int f = 0; f < e->n_face; f++)
-            for (int image = 0; image <= ric_chain_imaged(c); image++)
-                look_at(c, e,
-                        (ric_augmented_question){.kind = RIC_AUGMENTED_TOUCH,
-                                                 .place = k,
-                                                 .face = f,
-                                                 .image = image},
-                        &least, ask);
+    for (int k = 0; k < c->m; k++) {
+        const bool mirrored = k == 0 && c->face[0] < 0, mirrors = c->face[k + 1] < 0;
+        look_at_all(c, e, k, (instants){ALL, mirrored ? -1 : 1, PARTS + mirrors}, &least, ask);
+    }
+    for (int k = 0; k < c->m && !(least < CLOSE); k++) {
+        look_at_all(c, e, k, (instants){BEHIND_EVENT, -NEARER, 0}, &least, ask);
+        look_at_all(c, e, k, (instants){BEFORE_EVENT, 0, NEARER}, &least, ask);
+    }
     return least < CLOSE;
 }
 

@@ -206,9 +206,11 @@ sed 's/depth: 6/depth: 2/; s/impacts: 8/impacts: 2/; s/start: \[1, 2, 3\]/start:
 "$ricochet" run "$folder/lumped/study.yaml" -o "$folder/lumped.ricochet" --quiet
 ok 'orbits of twenty modes are told apart' bash -c 'for i in 2 25; do "$0" prove "$1" --branch 5 --point $i 2>&1 | grep -q "^1 of 1" || exit 1; done' "$ricochet" "$folder/lumped.ricochet"
 # Chains without mirrors have larger numbers in their inverse: weights of the unknowns that are not the radii of the box.
-sed 's/depth: 6/depth: 2/; s/impacts: 8/impacts: 3/; s/start: \[1, 2, 3\]/start: [1]/; s/energy: \[0, 100\]/energy: [0, 24]/' examples/beam-lumped/study.yaml >"$folder/lumped/study.yaml"
+sed 's/depth: 6/depth: 2/; s/impacts: 8/impacts: 6/; s/start: \[1, 2, 3\]/start: [1]/; s/energy: \[0, 100\]/energy: [0, 24]/' examples/beam-lumped/study.yaml >"$folder/lumped/study.yaml"
 "$ricochet" run "$folder/lumped/study.yaml" -o "$folder/lumped.ricochet" --quiet
 ok 'so are those without mirrors' bash -c 'for i in 1 3; do "$0" prove "$1" --branch 4 --point $i 2>&1 | grep -q "^1 of 1" || exit 1; done' "$ricochet" "$folder/lumped.ricochet"
+# Three impacts on one side, and 1/145 of the flight behind them a touch.
+ok 'a touch right behind an impact' bash -c '"$0" prove "$1" --branch 9 --point 0 | grep -q "^1 of them as the junctions"' "$ricochet" "$folder/lumped.ricochet"
 # The point behind its branch point, in a box that is wide along what rounding moves alone
 "$ricochet" run examples/symmetric-path/study.yaml -o "$folder/path.ricochet" --quiet
 ok 'a point right behind a branch point' bash -c '"$0" prove "$1" --branch 37 --point 1 | grep -q "^1 of 1"' "$ricochet" "$folder/path.ricochet"
