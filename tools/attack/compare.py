@@ -102,7 +102,8 @@ def gaps(curves):
 
 
 def _is_kind(said, kind):
-    return said in (None, "event") or kind == KINDS.get(said, said)
+    """At a multiplication all functions vanish: what did not converge there may have been taken for a branch point."""
+    return said in (None, "event") or kind == KINDS.get(said, said) or (said, kind) == ("branch point", "multiplication")
 
 
 def _passes(atlas, junction):
