@@ -26,6 +26,9 @@ for kind in rigid bilinear mixed power; do
     ok "$few structures of all but equal frequencies, $kind" \
         tools/attack/attack --program "$ricochet" -n $few --near --kind $kind --points 8 --verify
 done
+# Several bodies that nothing holds, whose places only some of their contacts see.
+ok "$few structures of free bodies, with three steps" \
+    tools/attack/attack --program "$ricochet" -n $few --bodies --seed 30 --points 8 --verify --compare step
 # Seed, points: orbits that repeat themselves but for a difference that some of their events do not have; clusters of near
 # frequencies, of which all multipliers want many digits; orbits that are all but their own images, and go on otherwise, or for another time.
 while read -r seed points; do
