@@ -17,9 +17,10 @@
  * there. */
 #define NO_SPEED 1e-10
 #define HARDLY 1e-7
-#define NO_TIME 1e-7 /* scaled: a contact that lasts no longer is a touch of a spring */
-#define BEYOND 1e-9  /* of its size: what is open by more does not come back */
-#define AT_END 1e-10 /* of its energy: the end of a branch is located to less */
+#define NO_TIME 1e-7  /* scaled: a contact that lasts no longer is a touch of a spring */
+#define BEYOND 1e-9   /* of its size: what is open by more does not come back */
+#define AT_END 1e-10  /* of its energy: the end of a branch is located to less */
+#define TOUCHES 1e-12 /* of the clearance: an end that lies so near to a stop touches it */
 
 static double impact_speed(const ric_model *m, const ric_periodic *c, const double *W, int i)
 {
@@ -340,11 +341,11 @@ ric_status ric_node_mode_together(const ric_model *m, const ric_periodic *cycle,
 }
 
 /* The orbit at the end of a branch that comes to a touch, with all that it touches as events:
- * solved as the branch has it, and moved along it to the touch. */
+ * solved as the branch has it, and moved along it to the touch. NULL: it does not come there. */
 static ric_periodic *solve_end(const ric_model *m, const ric_periodic *cycle)
 {
-    ric_periodic *end = ric_node_solve_again(m, cycle), *full = end ? read_off(m, end) : NULL,
-                 *out = NULL;
+    ric_periodic *end = ric_node_solve_again(m, cycle), *full = NULL, *out = NULL;
+    if (end && fabs(ric_node_solve_beyond(m, end)) <= TOUCHES) full = read_off(m, end);
     if (full) {
         ric_periodic_find_symmetries(m, full, RIC_SAME_LOCATED);
         out = ric_periodic_canonical(m, full);

@@ -138,12 +138,43 @@ static void the_end_beside_a_resonance(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Two frequencies as one to two: A2[11] ends 3e-7 of the clearance short of its touch, and is lost
+ * on the way there. The junction is the solution with the touch as an event, which touches. */
+static void an_end_that_is_short_of_its_touch(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n"
+        "  mass: [[1.515625, 0.0625, -0.1875], [0.0625, 1.640625, 0.046875], [-0.1875, 0.046875, "
+        "1.78125]]\n"
+        "  stiffness: [[12.547851293979528, 4.056076943841447, -2.0775034357814324],\n"
+        "    [4.056076943841447, 3.514265290770568, 0.8135200919515737],\n"
+        "    [-2.0775034357814324, 0.8135200919515737, 7.02294651279666]]\n"
+        "  contacts: [{normal: [0, 1, 0], law: rigid, clearance: 1.3, sides: lower},\n"
+        "             {normal: [1, -1, 1], law: bilinear, clearance: 0.649, sides: lower, "
+        "stiffness: 106.9},\n"
+        "             {normal: [0, 0, 1], law: rigid, clearance: 1.91, sides: both}]\n"
+        "explore: {energy: [0, 8.635], frequency: [0.2, 9], impacts: 4, multiply: 2, depth: 2}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        const ric_junction j = junction_of(atlas, id);
+        ric_claims claims;
+        if (j.kind != RIC_KIND_GRAZING || j.impacts != 2) continue;
+        assert_int_equal(ric_verify_junction(atlas, id, &claims), RIC_OK);
+        if (claims.numbers == RIC_AGREES_NO) fail_msg("%s: %s", j.label, claims.finding);
+        found += agrees(j.energy, 3.770511, 1e-6);
+    }
+    assert_int_equal(found, 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(four_touches_of_one_flight),
                                        cmocka_unit_test(the_place_along_a_free_mode),
                                        cmocka_unit_test(a_touch_while_a_spring_is_closed),
                                        cmocka_unit_test(the_place_along_two_free_modes),
-                                       cmocka_unit_test(the_end_beside_a_resonance)};
+                                       cmocka_unit_test(the_end_beside_a_resonance),
+                                       cmocka_unit_test(an_end_that_is_short_of_its_touch)};
     return cmocka_run_group_tests_name("touches", tests, NULL, NULL);
 }
