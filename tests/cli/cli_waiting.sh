@@ -24,7 +24,7 @@ in_out() { cat "$folder/out"; grep -q -e "$1" "$folder/out"; }
 several_cores() { [ "$(getconf _NPROCESSORS_ONLN)" -gt 1 ]; }
 
 ok 'a run stopped by its time' stops 3
-ok 'its log says how far it is' in_said '^ricochet: [0-9]* branches, [0-9]* junctions, depth [0-9]* of 3: [0-9]* of [0-9]* departures ([0-9]* %), [0-9]* steps/s, 1 at a time, [1-9][0-9]* s$'
+ok 'its log says how far it is' in_said '^ricochet: [0-9]* branch[es]*, [0-9]* junctions*, depth [0-9]* of 3: [0-9]* of [0-9]* departures* ([0-9]* %), [0-9]* steps*/s, 1 at a time, [1-9][0-9]* s$'
 ok 'a line now and then' test "$(grep -c 'steps/s' "$folder/said")" -le 4
 ok 'the report of what there is' in_out '^branches: '
 ok 'and no reasons for what is not there yet' test -z "$(grep 'no orbit that meets' "$folder/out")"
