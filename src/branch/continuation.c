@@ -376,8 +376,7 @@ ric_status ric_continuation_end_at(ric_continuation *tr, const double *u)
     ric_station p = {.u = own};
     ric_status status = ric_continuation_fill(tr, tr->end.s, &p);
     if (!status && p.solved) status = without_negative_flights(tr, &p);
-    const ric_point *last = (const ric_point *)(tr->points +
-                                                (size_t)(tr->n_point - 1) * tr->stride);
+    const ric_point *last = ric_continuation_row(tr, tr->n_point - 1);
     if (status || !p.solved || ric_continuation_goes_wrong(tr, &p)) return status;
     p.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
     memcpy(tr->end.u, own, sizeof own);

@@ -196,6 +196,14 @@ typedef struct {
     long evaluations;
 } ric_continuation;
 
+/* Point i; its unknowns follow it. */
+static inline const ric_point *ric_continuation_row(const ric_continuation *trace, int i)
+{
+    return (const ric_point *)(trace->points + (size_t)i * trace->stride);
+}
+/* How many points lie up to an arclength. */
+int ric_continuation_points_until(const ric_continuation *trace, double s);
+
 /* What is kept of a point of a step: tests, resonances, the factors A, B, D, smooth where their
  * tests jump, and pairs. */
 int ric_continuation_watched(const ric_continuation *trace);
@@ -217,8 +225,9 @@ typedef struct {
 } ric_continuation_place;
 
 ric_continuation_place ric_continuation_mark(const ric_continuation *trace);
-/* Takes the energies of the step at work into a range; first: the range is that of the step. */
-void ric_continuation_widen(const ric_continuation *trace, bool first, double range[2]);
+/* Takes the energies a and b at both ends of a step into a range; first: the range is that of the
+ * step. */
+void ric_continuation_widen(bool first, double a, double b, double range[2]);
 /* Undoes what a step has done that was broken off. */
 void ric_continuation_return(ric_continuation *trace, const ric_continuation_place *place);
 

@@ -33,10 +33,16 @@ void ric_continuation_return(ric_continuation *tr, const ric_continuation_place 
     tr->n_gap = to->n_gap;
 }
 
-void ric_continuation_widen(const ric_continuation *tr, bool first, double range[2])
+void ric_continuation_widen(bool first, double a, double b, double range[2])
 {
-    double least = fmin(tr->now.row.energy, tr->next.row.energy),
-           largest = fmax(tr->now.row.energy, tr->next.row.energy);
+    const double least = fmin(a, b), largest = fmax(a, b);
     range[0] = first ? least : fmin(range[0], least);
     range[1] = first ? largest : fmax(range[1], largest);
+}
+
+int ric_continuation_points_until(const ric_continuation *tr, double s)
+{
+    int n = 0;
+    while (n < tr->n_point && ric_continuation_row(tr, n)->arclength <= s) n++;
+    return n;
 }

@@ -598,7 +598,9 @@ static ric_status inner_events(ric_continuation *tr, double h, int test, double 
     if (!status && !*retry) status = ric_event_asked_find(tr, true, to, h, roots, &list.n, retry);
     if (status || *retry) return status;
     double lost = lost_length(tr);
-    if (lost > 0) ric_continuation_widen(tr, tr->blind == 0, tr->blind_at);
+    if (lost > 0)
+        ric_continuation_widen(tr->blind == 0, tr->now.row.energy, tr->next.row.energy,
+                               tr->blind_at);
     tr->blind += lost;
     qsort(roots, (size_t)list.n, sizeof *roots, ric_event_by_place);
     for (int i = 0; i < list.n && !status; i++)
@@ -617,8 +619,7 @@ static ric_status keep_end(ric_continuation *tr)
     const ric_status whole = ric_trust(RIC_OK);
     if (whole) return whole;
     while (tr->n_point > 1) {
-        const ric_point *last = (const ric_point *)(tr->points +
-                                                    (size_t)(tr->n_point - 1) * tr->stride);
+        const ric_point *last = ric_continuation_row(tr, tr->n_point - 1);
         if (!tr->mid.solved || last->arclength <= tr->mid.row.arclength) break;
         tr->n_point--;
     }

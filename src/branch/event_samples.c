@@ -318,7 +318,9 @@ ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool p
             if (status) return status;
             if (good && i > q->now) i--; /* what is new tells more of the neighbour, too */
         }
-        if (!fine && !good) ric_continuation_widen(tr, tr->unresolved++ == 0, tr->crowded_at);
+        if (!fine && !good)
+            ric_continuation_widen(tr->unresolved++ == 0, tr->now.row.energy, tr->next.row.energy,
+                                   tr->crowded_at);
         if (!good) i++;
     }
     return RIC_OK;

@@ -359,8 +359,7 @@ ric_status ric_leap_try(ric_continuation *tr, bool *over)
     if (tr->leap_at <= 0) return RIC_OK;
     const bool there = at_border(tr, here);
     tr->leap_at = 0;
-    const ric_point *last = (const ric_point *)(tr->points +
-                                                (size_t)(tr->n_point - 1) * tr->stride);
+    const ric_point *last = ric_continuation_row(tr, tr->n_point - 1);
     if (!there || last->arclength != tr->now.row.arclength) return RIC_OK;
     ric_shooting_fly(c, tr->now.u);
     const cluster all = cluster_ahead(tr, tr->now.u, tr->now.t, list);

@@ -48,7 +48,7 @@ static int range_text(const ric_continuation *tr, const double range[2], size_t 
 {
     double low = HUGE_VAL, high = -HUGE_VAL;
     for (int i = 0; i < tr->n_point; i++) {
-        double energy = ((const ric_point *)(tr->points + (size_t)i * tr->stride))->energy;
+        double energy = ric_continuation_row(tr, i)->energy;
         low = fmin(low, energy);
         high = fmax(high, energy);
     }
@@ -64,8 +64,7 @@ char *ric_branch_row_why(const ric_edge *e)
 {
     const ric_continuation *tr = e->trace;
     const char *why = ric_continuation_why_text(tr->why);
-    double length = ((const ric_point *)(tr->points + (size_t)(tr->n_point - 1) * tr->stride))
-                        ->arclength;
+    double length = ric_continuation_row(tr, tr->n_point - 1)->arclength;
     size_t size = strlen(why) + FIXED + EACH * (size_t)e->n_unplaced;
     char *text = ric_malloc(size);
     if (!text) return NULL;

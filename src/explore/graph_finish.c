@@ -37,8 +37,8 @@ bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_no
         !ric_periodic_alike(m, node->cycle, e->first))
         return false;
     for (int i = 0; i + 1 < tr->n_point && !found; i++) {
-        const ric_point *a = (const ric_point *)(tr->points + (size_t)i * tr->stride);
-        const ric_point *b = (const ric_point *)(tr->points + (size_t)(i + 1) * tr->stride);
+        const ric_point *a = ric_continuation_row(tr, i);
+        const ric_point *b = ric_continuation_row(tr, i + 1);
         if ((a->energy - target) * (b->energy - target) > 0 || a->energy == b->energy ||
             ric_leap_behind(tr, i))
             continue;

@@ -39,9 +39,8 @@ static ric_status ring_choice(const ric_graph *g, const ric_continuation *tr, co
                               unsigned *choice)
 {
     int side, last = tr->n_point - 1;
-    const ric_point *row = (const ric_point *)(tr->points + (size_t)last * tr->stride);
-    if (last > 0 && row->arclength >= tr->end.s)
-        row = (const ric_point *)(tr->points + (size_t)(last - 1) * tr->stride);
+    const ric_point *row = ric_continuation_row(tr, last);
+    if (last > 0 && row->arclength >= tr->end.s) row = ric_continuation_row(tr, last - 1);
     ric_periodic *near = ric_continuation_cycle(tr, (const double *)(row + 1));
     if (!near) return ric_no_memory("a junction");
     ric_status status = ric_multiplication_class(g->model, node, near, choice, &side);
@@ -242,30 +241,23 @@ static void tell_crowded(ric_edge *e, const ric_event *event)
     const ric_event *other = tr->events;
     while (other < event && !(other->test == event->test && at_one_place(other->s, event))) other++;
     if (other == event) return;
-    bool first = tr->unresolved++ == 0;
-    const ric_point *before = (const ric_point *)tr->points, *after = before;
-    for (int i = 1; i < tr->n_point && after->arclength <= event->s; i++) {
-        before = after;
-        after = (const ric_point *)(tr->points + (size_t)i * tr->stride);
-    }
-    for (int side = 0; side < 2; side++, first = false) {
-        const double energy = side ? after->energy : before->energy;
-        tr->crowded_at[0] = first ? energy : fmin(tr->crowded_at[0], energy);
-        tr->crowded_at[1] = first ? energy : fmax(tr->crowded_at[1], energy);
-    }
+    const int beyond = ric_continuation_points_until(tr, event->s),
+              after = beyond < tr->n_point ? beyond : tr->n_point - 1,
+              before = after > 0 ? after - 1 : 0;
+    ric_continuation_widen(tr->unresolved++ == 0, ric_continuation_row(tr, before)->energy,
+                           ric_continuation_row(tr, after)->energy, tr->crowded_at);
 }
 
 static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
 {
     ric_status status;
     ric_node *node = NULL;
-    const double *last = e->trace->points + (size_t)(e->trace->n_point - 1) * e->trace->stride;
     bool twin, doubling = doubles(e->trace->chain, event->test);
     const ric_resonance *resonance = resonance_of(e->trace, event, &twin);
     if (doubling && (twin || !resonance)) return RIC_OK;
     /* the ends of a branch are junctions of their own, but for the place where a closed one begins
      * and ends */
-    double length = ((const ric_point *)last)->arclength;
+    double length = ric_continuation_row(e->trace, e->trace->n_point - 1)->arclength;
     if (event->s < AT_END || (event->s > length - AT_END && e->trace->stop != RIC_STOP_CLOSED))
         return RIC_OK;
     ric_periodic *cycle = ric_continuation_cycle(e->trace, event->u);
@@ -342,7 +334,7 @@ static ric_status note_orbits(ric_edge *e)
     e->energy[0] = HUGE_VAL;
     e->energy[1] = -HUGE_VAL;
     for (int i = 0; i < e->trace->n_point; i++) {
-        const ric_point *p = (const ric_point *)(e->trace->points + (size_t)i * e->trace->stride);
+        const ric_point *p = ric_continuation_row(e->trace, i);
         e->energy[0] = fmin(e->energy[0], p->energy);
         e->energy[1] = fmax(e->energy[1], p->energy);
     }

@@ -167,8 +167,7 @@ static ric_status set_out(const ric_model *m, const course *way, const ric_node 
 /* A branch that is lost before it has left its start. */
 static ric_status not_left(const ric_continuation *tr)
 {
-    const ric_point *last = (const ric_point *)(tr->points +
-                                                (size_t)(tr->n_point - 1) * tr->stride);
+    const ric_point *last = ric_continuation_row(tr, tr->n_point - 1);
     double length = last->arclength, least = NO_BRANCH * tr->chain->scale;
     if (tr->stop != RIC_STOP_FAILED || length > least) return RIC_OK;
     return ric_fail(RIC_E_NUMERIC,

@@ -195,16 +195,6 @@ static ric_status advance(ric_cascade *c, ric_continuation *tr, int level, int f
     }
 }
 
-/* Points of the trace up to the event. */
-static int points_until(const ric_continuation *tr, double s)
-{
-    int n = 0;
-    while (n < tr->n_point &&
-           ((const ric_point *)(tr->points + (size_t)n * tr->stride))->arclength <= s)
-        n++;
-    return n;
-}
-
 /* The multiplication at an event of a trace, as the next stage; *found = false where it does not
  * converge. */
 static ric_status add_multiplication(ric_cascade *c, const ric_continuation *tr, int event,
@@ -277,7 +267,8 @@ static ric_status search_along(ric_cascade *c, ric_continuation *tr, bool keep, 
         status = last ? add_end(c, tr) : add_multiplication(c, tr, event, &good);
         if (status || !good) continue;
         stage *s = &c->stages[level];
-        s->n_point = last || !keep ? tr->n_point : points_until(tr, tr->events[event].s);
+        s->n_point = last || !keep ? tr->n_point
+                                   : ric_continuation_points_until(tr, tr->events[event].s);
         double step = c->limits.max_step;
         if (keep && !last)
             c->limits.max_step = fmax(LEAST_STEP, fmin(c->study_step, PART * tr->events[event].s /
@@ -504,8 +495,7 @@ int ric_cascade_impacts(const ric_cascade *c, int step)
     if (!ric_periodic_has_events(c->model)) return periods_to(c, step);
     ric_continuation *tr = c->stages[step].trace;
     ric_periodic *cycle = ric_continuation_cycle(tr,
-                                                 (const double *)((const ric_point *)tr->points +
-                                                                  1));
+                                                 (const double *)(ric_continuation_row(tr, 0) + 1));
     int N = cycle ? cycle->N : 0;
     ric_periodic_free(cycle);
     return N;
@@ -519,7 +509,7 @@ ric_status ric_cascade_point(const ric_cascade *c, int step, int i, ric_point *p
     if (i < 0 || i >= s->n_point)
         return ric_fail(RIC_E_RANGE, "no point %d: the family followed to step %d has %d points", i,
                         step, s->n_point);
-    const ric_point *p = (const ric_point *)(s->trace->points + (size_t)i * s->trace->stride);
+    const ric_point *p = ric_continuation_row(s->trace, i);
     if (point) *point = *p;
     if (!x) return RIC_OK;
     int n = c->model->n_dof;

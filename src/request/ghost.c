@@ -129,7 +129,7 @@ out:
 
 static const ric_point *row(const ric_ghost *g, int i)
 {
-    return (const ric_point *)(g->trace->points + (size_t)i * g->trace->stride);
+    return ric_continuation_row(g->trace, i);
 }
 
 /* What the tracer says of branches, said of a ghost. */
