@@ -17,10 +17,9 @@
  * there. */
 #define NO_SPEED 1e-10
 #define HARDLY 1e-7
-#define NO_TIME 1e-7  /* scaled: a contact that lasts no longer is a touch of a spring */
-#define BEYOND 1e-9   /* of its size: what is open by more does not come back */
-#define AT_END 1e-10  /* of its energy: the end of a branch is located to less */
-#define TOUCHES 1e-12 /* of the clearance: an end that lies so near to a stop touches it */
+#define NO_TIME 1e-7 /* scaled: a contact that lasts no longer is a touch of a spring */
+#define BEYOND 1e-9  /* of its size: what is open by more does not come back */
+#define AT_END 1e-10 /* of its energy: the end of a branch is located to less */
 
 static double impact_speed(const ric_model *m, const ric_periodic *c, const double *W, int i)
 {
@@ -98,10 +97,12 @@ static bool time_touches(const ric_model *m, const bool *kept, ric_periodic *c)
     const int n = c->n;
     double rate[2 * n], *W = ric_calloc((size_t)c->N * 2 * (size_t)n, sizeof *W);
     for (int step = 0; step < STEPS && W; step++) {
+        uint64_t closed = c->closed;
         ric_periodic_states(m, c, W);
         for (int i = 1; i < c->N; i++) {
             const ric_face *f = &m->face[c->face[i]];
-            ric_flight_rate(m, ric_periodic_closed(m, c, i), W + 2 * n * i, rate);
+            closed = ric_flight_toggle(m, closed, c->face[i]);
+            ric_flight_rate(m, closed, W + 2 * n * i, rate);
             const double by = -impact_speed(m, c, W, i) / (f->side * ric_dot(n, f->c, rate + n));
             if (kept[i] || !isfinite(by)) continue;
             c->tau[i - 1] += by;
@@ -345,7 +346,7 @@ ric_status ric_node_mode_together(const ric_model *m, const ric_periodic *cycle,
 static ric_periodic *solve_end(const ric_model *m, const ric_periodic *cycle)
 {
     ric_periodic *end = ric_node_solve_again(m, cycle), *full = NULL, *out = NULL;
-    if (end && fabs(ric_node_solve_beyond(m, end)) <= TOUCHES) full = read_off(m, end);
+    if (end && ric_node_solve_touches(m, end)) full = read_off(m, end);
     if (full) {
         ric_periodic_find_symmetries(m, full, RIC_SAME_LOCATED);
         out = ric_periodic_canonical(m, full);

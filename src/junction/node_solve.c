@@ -482,14 +482,15 @@ ric_periodic *ric_node_solve_again(const ric_model *m, const ric_periodic *cycle
     return out;
 }
 
-double ric_node_solve_beyond(const ric_model *m, const ric_periodic *cycle)
+bool ric_node_solve_touches(const ric_model *m, const ric_periodic *cycle)
 {
     ric_shooting *chain = NULL;
     double *u = NULL;
-    const double out = ric_periodic_to_chain(m, cycle, &chain, &u) ? NAN : beyond(chain, u);
+    const bool touches = !ric_periodic_to_chain(m, cycle, &chain, &u) &&
+                         fabs(beyond(chain, u)) <= 10 * TOUCHES;
     ric_shooting_free(chain);
     free(u);
-    return out;
+    return touches;
 }
 
 bool ric_node_solve_admissible(const ric_model *m, const ric_periodic *cycle)

@@ -12,9 +12,8 @@ ric_periodic *ric_node_solve(const ric_model *model, const ric_periodic *cycle, 
 /* Without its touches an orbit is one of fewer events; what their speeds were beside zero is
  * missing from it, and it is solved once more. NULL: it does not converge. */
 ric_periodic *ric_node_solve_again(const ric_model *model, const ric_periodic *cycle);
-/* How far an orbit reaches beyond the stop that it comes nearest to, of its clearance; NAN where it
- * does not become a chain. */
-double ric_node_solve_beyond(const ric_model *model, const ric_periodic *cycle);
+/* Whether an orbit touches the stop that it comes nearest to. */
+bool ric_node_solve_touches(const ric_model *model, const ric_periodic *cycle);
 /* Whether an orbit is a motion that closes. Newton's method knows the equations only: beyond the
  * end of a branch it solves them with flights of less than no time, or through a stop. What does
  * not become a chain is none. */
