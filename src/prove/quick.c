@@ -58,12 +58,18 @@ static int width(const ric_quick *f, int k)
 
 /* -------------------------------------------------------------------- sizes */
 
-/* At least sqrt(sum x^2): roundings of up to 2^20 squares, and those that underflow. */
+/* At least the root of a sum of up to 2^20 squares: their roundings, and those that underflow. */
+static double root_up(double sum)
+{
+    return sqrt(sum) * (1 + 0x1p-30) + 0x1p-500;
+}
+
+/* At least sqrt(sum x^2). */
 static double norm(size_t n, const double *x)
 {
     double sum = 0;
     for (size_t i = 0; i < n; i++) sum += x[i] * x[i];
-    return sqrt(sum) * (1 + 0x1p-30) + 0x1p-500;
+    return root_up(sum);
 }
 
 static double block_norm(const ric_quick *f, const double *block)
@@ -116,7 +122,7 @@ static double take_middle(const ric_quick *f, const arb_mat_t from, double *to)
             to[i * f->wide + j] = x.m;
             sum += x.r * x.r;
         }
-    return sqrt(sum) * (1 + 0x1p-30) + 0x1p-500;
+    return root_up(sum);
 }
 
 /* |left' right - what doubles say|, where both are off by what is given. */
