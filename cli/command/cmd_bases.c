@@ -53,8 +53,8 @@ json_t *cli_base_row(const ric_atlas *atlas, const ric_base *base, double d)
     json_object_set_new(row, "branches", cli_integers(base->n_branch, base->branches));
     json_object_set_new(row, "labels", labels(atlas, base));
     json_object_set_new(row, "duplicates", duplicates(atlas, base));
-    json_object_set_new(row, "energy_min", cli_number(cli_unit_of_energies(d) * base->energy[0]));
-    json_object_set_new(row, "energy_max", cli_number(cli_unit_of_energies(d) * base->energy[1]));
+    json_object_set_new(row, "energy_min", cli_energy(base->energy[0], d));
+    json_object_set_new(row, "energy_max", cli_energy(base->energy[1], d));
     json_object_set_new(row, "frequency_min", cli_number(base->frequency[0]));
     json_object_set_new(row, "frequency_max", cli_number(base->frequency[1]));
     return row;

@@ -90,8 +90,8 @@ static ric_status list_resonances(const ric_atlas *atlas, int id, double d, json
         json_object_set_new(one, "m", json_integer(t->turns));
         json_object_set_new(one, "n", json_integer(t->per));
         json_object_set_new(one, "mode", json_integer(t->mode));
-        json_object_set_new(one, "energy_from", cli_number(cli_unit_of_energies(d) * t->energy[0]));
-        json_object_set_new(one, "energy_to", cli_number(cli_unit_of_energies(d) * t->energy[1]));
+        json_object_set_new(one, "energy_from", cli_energy(t->energy[0], d));
+        json_object_set_new(one, "energy_to", cli_energy(t->energy[1], d));
         json_object_set_new(one, "crossed", json_boolean(t->crossed));
         json_array_append_new(list, one);
     }
@@ -123,8 +123,8 @@ static json_t *tongue_row(const ric_branch *branch, const ric_tongue *t, double 
     json_object_set_new(row, "of_mode", json_integer(t->mode));
     json_object_set_new(row, "crossed", json_boolean(t->crossed));
     json_object_set_new(row, "others", json_integer(t->others));
-    json_object_set_new(row, "energy_from", cli_number(cli_unit_of_energies(d) * t->energy[0]));
-    json_object_set_new(row, "energy_to", cli_number(cli_unit_of_energies(d) * t->energy[1]));
+    json_object_set_new(row, "energy_from", cli_energy(t->energy[0], d));
+    json_object_set_new(row, "energy_to", cli_energy(t->energy[1], d));
     json_object_set_new(row, "frequency_from", cli_number(t->frequency[0]));
     json_object_set_new(row, "frequency_to", cli_number(t->frequency[1]));
     json_object_set_new(row, "first_point", json_integer(t->first));
@@ -175,10 +175,8 @@ static json_t *segment_row(const ric_atlas *atlas, const ric_branch *branch,
     json_object_set_new(row, "branch", json_integer(segment->branch));
     json_object_set_new(row, "from", cli_id(segment->from));
     json_object_set_new(row, "to", cli_id(segment->to));
-    json_object_set_new(row, "energy_min",
-                        cli_number(cli_unit_of_energies(d) * segment->energy[0]));
-    json_object_set_new(row, "energy_max",
-                        cli_number(cli_unit_of_energies(d) * segment->energy[1]));
+    json_object_set_new(row, "energy_min", cli_energy(segment->energy[0], d));
+    json_object_set_new(row, "energy_max", cli_energy(segment->energy[1], d));
     json_object_set_new(row, "frequency_min", cli_number(segment->frequency[0]));
     json_object_set_new(row, "frequency_max", cli_number(segment->frequency[1]));
     json_object_set_new(row, "stable", stability(segment));

@@ -162,7 +162,7 @@ static int print_followed(const ric_atlas *atlas, const cli_cascade_request *req
         json_object_set_new(row, "impacts", json_integer(s.impacts));
         json_object_set_new(row, "grazings", json_integer(s.grazings));
         json_object_set_new(row, "symmetric", json_boolean(s.symmetric));
-        json_object_set_new(row, "energy", cli_number(cli_unit_of_energies(l->d) * s.energy));
+        json_object_set_new(row, "energy", cli_energy(s.energy, l->d));
         json_object_set_new(row, "frequency", cli_number(s.frequency));
         json_object_set_new(row, "ratio", cli_number(s.ratio));
         json_object_set_new(row, "residual", cli_number(s.residual));
@@ -252,8 +252,7 @@ static void add_row(finder *f, int step, int branch, const ric_junction *j, bool
     set_multiplication(row, j ? j->rotation[0] : 0, j && !end ? j->multiple : 1);
     json_object_set_new(row, "impacts", json_integer(j ? j->impacts : b.impacts));
     json_object_set_new(row, "grazings", json_integer(j ? j->grazings : 0));
-    json_object_set_new(row, "energy",
-                        j ? cli_number(cli_unit_of_energies(f->d) * j->energy) : json_null());
+    json_object_set_new(row, "energy", j ? cli_energy(j->energy, f->d) : json_null());
     json_object_set_new(row, "frequency", j ? cli_number(own_frequency(j)) : json_null());
     json_object_set_new(row, "ratio", end ? json_null() : cli_number(ratio_at(f, step)));
     json_object_set_new(row, "stop", end ? json_string(ric_stop_text(b.stop)) : json_null());

@@ -127,7 +127,7 @@ static json_t *make_row(const ric_hunt *h, const ric_model *m, double energy, do
     json_t *row = json_object();
     ric_hunt_found(h, i, &p, word, state, flights);
     json_object_set_new(row, "orbit", json_integer(i + 1));
-    json_object_set_new(row, "energy", cli_number(cli_unit_of_energies(d) * energy));
+    json_object_set_new(row, "energy", cli_energy(energy, d));
     json_object_set_new(row, "word", cli_word(m, p.impacts, word));
     json_object_set_new(row, "impacts", json_integer(p.impacts));
     json_object_set_new(row, "period", cli_number(p.period));

@@ -84,7 +84,7 @@ static ric_status point_row(const ric_atlas *atlas, const ric_branch *branch,
     json_object_set_new(row, "label", point_label(&junction, point->times));
     json_object_set_new(row, "name", json_string(junction.name));
     json_object_set_new(row, "junction", json_integer(junction.id));
-    json_object_set_new(row, "energy", cli_number(cli_unit_of_energies(d) * point->energy));
+    json_object_set_new(row, "energy", cli_energy(point->energy, d));
     json_object_set_new(row, "frequency", cli_number(point->frequency));
     return RIC_OK;
 }
@@ -123,7 +123,7 @@ static void ghost_row(const ric_branch *branch, const ric_ghost_multiplication *
     json_object_set_new(row, "rotation", cli_integers(2, m->rotation));
     json_object_set_new(row, "end", json_string(end == RIC_END_FROM ? "from" : "to"));
     json_object_set_new(row, "admissible", json_boolean(m->admissible));
-    json_object_set_new(row, "energy", cli_number(cli_unit_of_energies(d) * m->energy));
+    json_object_set_new(row, "energy", cli_energy(m->energy, d));
     json_object_set_new(row, "frequency", cli_number(m->frequency / k));
     json_array_append_new(rows, row);
 }

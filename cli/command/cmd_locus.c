@@ -13,7 +13,7 @@ static json_t *point_row(const cli_locus *x, const ric_junction *j, const ric_lo
     json_t *row = json_object();
     json_object_set_new(row, "parameter", json_string(x->vary.name));
     json_object_set_new(row, "value", cli_number(p->value));
-    json_object_set_new(row, "energy", cli_number(cli_unit_of_energies(d) * p->energy));
+    json_object_set_new(row, "energy", cli_energy(p->energy, d));
     json_object_set_new(row, "frequency", cli_number(p->frequency));
     json_object_set_new(row, "mark", json_string(ric_locus_mark_text(p->mark)));
     json_object_set_new(row, "what", json_string(p->what));

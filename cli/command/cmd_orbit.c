@@ -91,7 +91,7 @@ static ric_status add_orbit(json_t *rows, subject *s)
                         cli_numbers(s->n_letter > 0 ? s->n_letter : 1, s->flights, 1));
     json_object_set_new(row, "period", cli_number(s->period));
     json_object_set_new(row, "frequency", cli_number(s->point.frequency));
-    json_object_set_new(row, "energy", cli_number(cli_unit_of_energies(s->d) * s->point.energy));
+    json_object_set_new(row, "energy", cli_energy(s->point.energy, s->d));
     json_object_set_new(row, "multipliers", multiplier_pairs(s));
     json_object_set_new(row, "stable", json_string(cli_stability((ric_stability)s->point.stable)));
     json_object_set_new(row, "amplitudes",

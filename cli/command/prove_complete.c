@@ -79,8 +79,7 @@ static json_t *make_row(const request *r, const ric_census *census, int i)
     const double period = (z.period[0] + z.period[1]) / 2;
     json_t *row = json_object();
     json_object_set_new(row, "orbit", json_integer(i + 1));
-    json_object_set_new(row, "energy",
-                        cli_number(cli_unit_of_energies(r->length) * r->options.energy));
+    json_object_set_new(row, "energy", cli_energy(r->options.energy, r->length));
     json_object_set_new(row, "word", cli_word(r->model, z.impacts, word));
     json_object_set_new(row, "impacts", json_integer(z.impacts));
     json_object_set_new(row, "period", cli_number(period));

@@ -201,6 +201,8 @@ void cli_watch_memory(void);
 bool cli_lost_memory(void);
 /* A JSON number, or null if not finite. */
 json_t *cli_number(double value);
+/* A scaled energy where lengths go by d (cli_unit_of_lengths). */
+json_t *cli_energy(double energy, double d);
 /* Of each number `unit` times as much. */
 json_t *cli_numbers(int n, const double *values, double unit);
 /* Of 2n numbers, as real and imaginary parts. */
