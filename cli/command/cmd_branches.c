@@ -15,6 +15,20 @@ bool cli_point_at_junction(const ric_branch *branch, int i, const ric_point *poi
     return false;
 }
 
+bool cli_stability_changes(const ric_atlas *atlas, const ric_branch *branch, int i,
+                           const ric_point *point)
+{
+    ric_point a, b;
+    if (point->stable != RIC_STABLE_UNDECIDED || i == 0 || i + 1 >= branch->n_point ||
+        ric_branch_steps_over(atlas, branch->id, i - 1) ||
+        ric_branch_steps_over(atlas, branch->id, i) ||
+        ric_atlas_point(atlas, branch->id, i - 1, &a, NULL, NULL) ||
+        ric_atlas_point(atlas, branch->id, i + 1, &b, NULL, NULL))
+        return false;
+    return (a.stable == RIC_STABLE_YES && b.stable == RIC_STABLE_NO) ||
+           (a.stable == RIC_STABLE_NO && b.stable == RIC_STABLE_YES);
+}
+
 /* ----------------------------------------------------------------- tongues */
 
 /* Its place in the row; what stands there needs the atlas. */

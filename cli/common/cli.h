@@ -286,6 +286,10 @@ ric_status cli_junction_row(const ric_atlas *atlas, int id, double d, json_t *ro
 /* Whether a point of a branch is its junction, an interior one or that at an end: an orbit on the
  * border has no stability of its own, the branch on either side has. */
 bool cli_point_at_junction(const ric_branch *branch, int i, const ric_point *point);
+/* Whether stability changes at a point that is itself undecided, as a multiplier is at 1 or -1
+ * there: one neighbour is stable and the other is not. */
+bool cli_stability_changes(const ric_atlas *atlas, const ric_branch *branch, int i,
+                           const ric_point *point);
 json_t *cli_base_row(const ric_atlas *atlas, const ric_base *base, double d);
 /* Appends a row. */
 ric_status cli_orbit_row(const ric_orbit *orbit, const ric_model *model, double d, json_t *rows);

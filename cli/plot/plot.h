@@ -349,9 +349,10 @@ bool plot_track_join(plot_track *track, plot_point at, double arclength);
 /* The knot that was added last is the last one before a gap. */
 void plot_track_gap(plot_track *track);
 void plot_track_free(plot_track *track);
-/* Of a stored point: PLOT_JOINT at a junction, which has on either side what its neighbours have.
- */
-int plot_point_stability(const ric_branch *branch, int i, const ric_point *point);
+/* Of a stored point: PLOT_JOINT at a junction, and where stability changes, which have on either
+ * side what their neighbours have. */
+int plot_point_stability(const ric_atlas *atlas, const ric_branch *branch, int i,
+                         const ric_point *point);
 /* By arclength, where joints were added after the points. */
 void plot_track_sort(plot_track *track);
 /* Adds places between the knots, as many as it takes for the curve to look like one in this panel.

@@ -357,6 +357,9 @@ static int legend_entries(fep *f, plot_legend_entry *out)
                                                PLOT_ATLAS + 3 * i + RIC_STABLE_YES, -1};
         if ((stability | dashed) & 1u << RIC_STABLE_NO)
             out[n++] = (plot_legend_entry){"thin: unstable", PLOT_ATLAS + RIC_STABLE_NO, -1};
+        if (stability & 1u << RIC_STABLE_UNDECIDED)
+            out[n++] = (plot_legend_entry){"dotted: undecided", PLOT_ATLAS + RIC_STABLE_UNDECIDED,
+                                           -1};
     } else {
         n = plot_legend_entries(f->family, stability ? stability : dashed, NULL, out);
     }

@@ -284,7 +284,7 @@ static ric_status make_track(const fep *f, const fep_source *s, const ric_branch
         if (status != RIC_OK) return status;
         if (p.arclength < part->lo || p.arclength > part->hi) continue;
         if (!plot_track_add(t, (plot_point){p.energy, p.frequency / part->k}, p.arclength,
-                            plot_point_stability(branch, i, &p)))
+                            plot_point_stability(s->atlas, branch, i, &p)))
             return RIC_E_NOMEM;
         if (ric_branch_steps_over(s->atlas, branch->id, i)) plot_track_gap(t);
     }

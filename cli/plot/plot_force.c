@@ -80,7 +80,7 @@ static ric_status add_point(const picture *p, line *l, int i)
     if (!status && n) {
         l->arclength[l->n] = point.arclength;
         l->threshold[l->n] = at.threshold;
-        l->stable[l->n] = plot_point_stability(&l->branch, i, &point);
+        l->stable[l->n] = plot_point_stability(p->atlas, &l->branch, i, &point);
         l->trusted[l->n++] = at.trusted;
     }
     ric_orbits_free(n, orbits);

@@ -107,7 +107,7 @@ ric_status plot_quantity_track(const ric_atlas *atlas, const ric_branch *branch,
         if (status != RIC_OK) break;
         const plot_point at = {read_quantity(x, branch, n_dof, &p, state, flights),
                                read_quantity(y, branch, n_dof, &p, state, flights)};
-        if (!plot_track_add(t, at, p.arclength, plot_point_stability(branch, i, &p)))
+        if (!plot_track_add(t, at, p.arclength, plot_point_stability(atlas, branch, i, &p)))
             status = RIC_E_NOMEM;
         if (ric_branch_steps_over(atlas, branch->id, i)) plot_track_gap(t);
     }

@@ -13,6 +13,7 @@ enum { STENCIL = 5, MOST_PIECES = 64 };
 static const double visible = 0.02; /* pixels that a chord may be off */
 static const double crowded =
     0.05; /* of the step beside it: so near a point adds noise to a slope, and no more */
+static const double two_dots = 4.5; /* pixels from one dot of what is undecided to the next */
 
 bool plot_track_add(plot_track *t, plot_point at, double arclength, int stable)
 {
@@ -56,15 +57,16 @@ static int by_arclength(const void *a, const void *b)
     return (s->stable == PLOT_JOINT) - (t->stable == PLOT_JOINT);
 }
 
-int plot_point_stability(const ric_branch *branch, int i, const ric_point *point)
+int plot_point_stability(const ric_atlas *atlas, const ric_branch *branch, int i,
+                         const ric_point *point)
 {
     const int stable = point->stable >= 0 && point->stable <= 2 ? point->stable
                                                                 : RIC_STABLE_UNDECIDED;
     const bool inside = i > 0 &&
                         i + 1 < branch->n_point; /* else there may be no neighbour that could say */
-    return (inside || stable == RIC_STABLE_UNDECIDED) && cli_point_at_junction(branch, i, point)
-               ? PLOT_JOINT
-               : stable;
+    const bool joint = (inside || stable == RIC_STABLE_UNDECIDED) &&
+                       cli_point_at_junction(branch, i, point);
+    return joint || cli_stability_changes(atlas, branch, i, point) ? PLOT_JOINT : stable;
 }
 
 void plot_track_sort(plot_track *t)
@@ -250,6 +252,24 @@ static int change_before(const plot_track *t, int i, plot_point *middle)
     return i;
 }
 
+/* Draws a run of one stability. Returns it as a set, empty where nothing of it is to be seen: a run
+ * beyond the panel, and a dotted one that is too short for two dots. */
+static unsigned draw_run(plot_page *page, const plot_panel *panel, plot_stroke family,
+                         int stability, int n, const plot_point *run)
+{
+    bool inside = false;
+    double length = 0;
+    for (int i = 0; i < n; i++) {
+        inside |= plot_panel_inside(panel, run[i]);
+        if (i == 0) continue;
+        const plot_point a = plot_panel_at(panel, run[i - 1]), b = plot_panel_at(panel, run[i]);
+        length += hypot(b.x - a.x, b.y - a.y);
+    }
+    plot_panel_curve(page, panel, family + (plot_stroke)stability, n, run);
+    return inside && (stability != RIC_STABLE_UNDECIDED || length >= two_dots) ? 1u << stability
+                                                                               : 0;
+}
+
 unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke family,
                          const plot_track *t)
 {
@@ -269,19 +289,18 @@ unsigned plot_track_draw(plot_page *page, const plot_panel *panel, plot_stroke f
             const int start = change_before(t, i, &middle);
             n -= i - start; /* joints behind the change belong to the new run */
             if (start == i) run[n++] = middle;
-            plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
+            seen |= draw_run(page, panel, family, present, n, run);
             run[0] = middle;
             n = 1;
             for (int k = start; k < i; k++) run[n++] = t->knots[k].at;
             present = knot->stable;
         }
         run[n++] = knot->at;
-        if (plot_panel_inside(panel, knot->at)) seen |= 1u << present;
         if (!knot->gap) continue;
-        plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
+        seen |= draw_run(page, panel, family, present, n, run);
         n = 0;
     }
-    if (run && n > 0) plot_panel_curve(page, panel, family + (plot_stroke)present, n, run);
+    if (run && n > 0) seen |= draw_run(page, panel, family, present, n, run);
     free(run);
     return seen;
 }

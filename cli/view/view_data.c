@@ -62,7 +62,8 @@ static ric_status make_knots(const ric_atlas *atlas, const ric_branch *branch, i
         if (!(status = ric_atlas_point(atlas, branch->id, i, &p, NULL, NULL)))
             knots[(*n)++] = (knot){p.arclength, p.energy, p.frequency,
                                    (p.stable == RIC_STABLE_UNDECIDED &&
-                                            cli_point_at_junction(branch, i, &p)
+                                            (cli_point_at_junction(branch, i, &p) ||
+                                             cli_stability_changes(atlas, branch, i, &p))
                                         ? JOINT
                                         : (int)p.stable) +
                                        (ric_branch_steps_over(atlas, branch->id, i) ? GAP : 0)};

@@ -197,6 +197,21 @@ shows part.svg 1.5 && shows part.svg 2.5
 note "less than a decade has labels between whole numbers" $?
 shows part.svg 'thin: unstable' && ! grep -q undecided part.svg
 note "stability changes at the junction itself, with nothing undecided around it" $?
+"$RICOCHET" run "$TOP/examples/elementary/study.yaml" -o demo.ricochet >/dev/null 2>&1
+"$RICOCHET" plot fep demo.ricochet -o demo.svg 2>/dev/null
+"$RICOCHET" points demo.ricochet --branch 13 --csv | cut -d, -f9 | grep -q undecided
+note "the demo has an orbit with a multiplier at -1 that is no junction" $?
+shows demo.svg 'thin: unstable' && ! grep -q "undecided\|dasharray='0.1,4.4'" demo.svg
+note "stability changes at an orbit that is undecided between stable and unstable" $?
+cp "$ATLAS" lost.ricochet
+python3 -S -c 'import sqlite3
+db = sqlite3.connect("lost.ricochet")
+db.execute("UPDATE point SET stable = 2 WHERE branch = 3 AND point > 32")
+db.commit()'
+"$TOP/tools/attack/atlas_digest.py" lost.ricochet >/dev/null
+"$RICOCHET" plot fep lost.ricochet --key lost demo.ricochet --key demo -o two.svg 2>/dev/null
+shows two.svg 'dotted: undecided'
+note "what is dotted is told of several atlases, too" $?
 "$RICOCHET" plot orbits "$ATLAS" --orbit 'S2+[01]@E=4' -o small.svg
 note "no axis has a single number" "$([ "$(grep -c '>−1</tspan>' small.svg)" = 4 ]; echo $?)"
 
