@@ -438,12 +438,25 @@ static void panel_letter(const fep *f, int i, size_t size, char *out)
     if (i == 0 && length > 0) snprintf(out, size, "(%.*s)", length, text);
 }
 
+/* pixels */
+#define FRAME_LEAST 15
+/* Room around lines in a frame: narrower windows are framed as if they had it, as a frame would
+ * hide what it shows. */
+static void widen(double *from, double *to)
+{
+    const double missing = fmax(0, FRAME_LEAST - (*to - *from)) / 2;
+    *from -= missing;
+    *to += missing;
+}
+
 /* A window in a panel, with what it is called. */
 static void draw_window(fep *f, const double window[4], const char *name)
 {
     const plot_box box = plot_panel_box(f->panel);
     plot_point a = plot_panel_at(f->panel, (plot_point){window[0], window[2]}),
                b = plot_panel_at(f->panel, (plot_point){window[1], window[3]});
+    widen(&a.x, &b.x);
+    widen(&a.y, &b.y);
     a = (plot_point){fmax(a.x, box.left), fmax(a.y, box.bottom)};
     b = (plot_point){fmin(b.x, box.right), fmin(b.y, box.top)};
     if (a.x >= b.x || a.y >= b.y) return;

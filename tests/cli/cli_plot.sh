@@ -203,6 +203,12 @@ note "stability changes at the junction itself, with nothing undecided around it
 note "the demo has an orbit with a multiplier at -1 that is no junction" $?
 shows demo.svg 'thin: unstable' && ! grep -q "undecided\|dasharray='0.1,4.4'" demo.svg
 note "stability changes at an orbit that is undecided between stable and unstable" $?
+"$RICOCHET" plot fep demo.ricochet --energy 0.3:100 --frequency 0.5:4 --frame '(z): 0.59:0.6,0.95:0.951' -o frame.svg 2>/dev/null
+python3 -S -c 'import re
+path = re.search("dasharray=.4.0,3.0.  d=.M([^z\x27]*)", open("frame.svg").read())[1]
+xs, ys = zip(*[map(float, p.split(",")) for p in path.replace("L", "").split()])
+raise SystemExit(not (max(xs) - min(xs) > 14 and max(ys) - min(ys) > 14))'
+note "a frame has room for what it shows" $?
 cp "$ATLAS" lost.ricochet
 python3 -S -c 'import sqlite3
 db = sqlite3.connect("lost.ricochet")
