@@ -6,19 +6,26 @@
 #include <string.h>
 
 #include "common/shaking.h"
+#include "report.h"
 
 enum { SAMPLE = 64 }; /* branches whose middle point is replayed, as long as that takes no time: */
 /* QUICK: degrees of freedom; a replay begins with the simulator's own modes, which grow with the
  * cube */
 #define QUICK 32
 
-static void add(json_t *rows, const char *item, json_t *value, const char *detail)
+json_t *cli_report_add(json_t *rows, const char *item, json_t *value, const char *detail)
 {
     json_t *row = json_object();
     json_object_set_new(row, "item", json_string(item));
     json_object_set_new(row, "value", value);
     json_object_set_new(row, "detail", json_string(detail));
     json_array_append_new(rows, row);
+    return row;
+}
+
+static void add(json_t *rows, const char *item, json_t *value, const char *detail)
+{
+    cli_report_add(rows, item, value, detail);
 }
 
 static void add_count(json_t *rows, const char *item, json_int_t count, const char *detail)
@@ -305,12 +312,12 @@ static ric_status add_remarked(json_t *rows, const ric_atlas *atlas, const char 
 static bool is_undecided(const ric_atlas *atlas, int id, const ric_junction *j, json_t **text)
 {
     (void)atlas;
+    (void)id;
     if (j->a == 0 || j->decided) return false;
     if (text)
-        *text = json_sprintf(
-            "lost in rounding, a and b are those of the kind; first %s, junction %d, E %.9g "
-            "omega %.9g",
-            j->label, id, j->energy, j->frequency);
+        *text = json_string(
+            "lost in rounding, a and b are those of the kind; another step may find "
+            "such a junction elsewhere or not at all");
     return true;
 }
 
@@ -463,6 +470,7 @@ ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
     if (!status) status = add_tongues(rows, atlas);
     if (!status) status = add_gaps(rows, atlas);
     if (!status) status = add_refused(rows, atlas);
+    if (!status) status = cli_report_places(atlas, rows);
     return status ? status : add_replay(rows, atlas);
 }
 
@@ -484,22 +492,30 @@ static int run(int argc, char **argv)
 }
 
 static const cli_item items[] = {
-    {.text = "Counts the branches and how they end, and what became of the departures from every "
-             "junction: taken, "
-             "known, inadmissible, refused and why, not tried and for which budget. Names every "
-             "branch that follows an "
-             "internal resonance, with the mode and the energies between which it does so; every "
-             "branch on which "
-             "events may be missing, with what kind of event, where, and why; every branch that "
-             "could not be "
-             "followed, with both its ends; and every junction with departures that could not be "
-             "followed, with its "
-             "place and the reasons. The largest residual is that of all points; the errors of "
-             "replay are those of the "
-             "middle points of at most 64 branches (fewer beyond 32 "
-             "degrees of freedom), which the simulator of `ricochet verify` flies again. All of it "
-             "comes from the "
-             "file."},
+    {.text =
+         "Counts the branches and how they end, and what became of the departures from every "
+         "junction: taken, "
+         "known, inadmissible, refused and why, not tried and for which budget. Names every "
+         "branch that follows an "
+         "internal resonance, with the mode and the energies between which it does so; every "
+         "branch on which "
+         "events may be missing, with what kind of event, where, and why; every branch that "
+         "could not be "
+         "followed, with both its ends; every junction with departures that could not be "
+         "followed, with its "
+         "place and the reasons; and what is known to less than 1e-9 of its energy, to what, and "
+         "why: junctions of "
+         "branches whose frequency hardly changes or of modes of nearly one frequency, last "
+         "orbits beside a junction, "
+         "turns of an energy or frequency that are no junctions, and junctions whose label is "
+         "not decided, which "
+         "another step may find elsewhere or not at all. The largest residual is that of all "
+         "points; the errors of "
+         "replay are those of the "
+         "middle points of at most 64 branches (fewer beyond 32 "
+         "degrees of freedom), which the simulator of `ricochet verify` flies again. All of it "
+         "comes from the "
+         "file."},
     CLI_ITEM_JSON,
     CLI_ITEM_CSV,
     {0},

@@ -13,6 +13,7 @@
 #include "explore/remote.h"
 #include "study/region.h"
 #include "study/study.h"
+#include "report.h"
 #include "common/shaking.h"
 
 #define MANY_MODES 200
@@ -96,16 +97,42 @@ static bool worth(void *user, const ric_atlas *unfinished)
 
 /* ----------------------------------------------------------------- summary */
 
-/* Whether a row names one branch or junction. There may be hundreds of these: `ricochet report`
- * lists them. */
-static bool names_one(const char *item)
+/* Rows that name one branch or junction. There may be hundreds of these: `ricochet report` lists
+ * them, here they are counted. */
+typedef struct {
+    size_t missing, known_less, open; /* the last are counted by another row */
+} counted;
+
+static bool is_counted(const char *item, counted *n)
 {
-    static const char *const items[] = {"events may be missing on branch", "rest missing of branch",
-                                        "ends disagree of branch",
-                                        "branches may be missing at junction"};
+    const struct {
+        const char *item;
+        size_t *count;
+    } items[] = {{"events may be missing on branch", &n->missing},
+                 {"rest missing of branch", &n->missing},
+                 {"ends disagree of branch", &n->missing},
+                 {"branches may be missing at junction", &n->missing},
+                 {CLI_REPORT_TURNS, &n->missing},
+                 {CLI_REPORT_RANGES, &n->known_less},
+                 {CLI_REPORT_BESIDE, &n->known_less},
+                 {CLI_REPORT_OPEN, &n->open}};
     for (size_t i = 0; item && i < sizeof items / sizeof *items; i++)
-        if (!strcmp(item, items[i])) return true;
+        if (!strcmp(item, items[i].item)) return ++*items[i].count;
     return false;
+}
+
+static void tell_counted(const counted *n)
+{
+    if (n->missing)
+        cli_tell(stdout,
+                 "something may be missing on branches and at junctions: %zu (`ricochet report` "
+                 "names them)\n",
+                 n->missing);
+    if (n->known_less)
+        cli_tell(stdout,
+                 "places on branches that are known to less than 1e-9 of the energy: %zu "
+                 "(`ricochet report` says to what)\n",
+                 n->known_less);
 }
 
 enum { TONGUES = 5 }; /* branches whose internal resonances are told here */
@@ -116,7 +143,8 @@ enum { TONGUES = 5 }; /* branches whose internal resonances are told here */
 static void print_report(const json_t *rows, const ric_explore_options *options)
 {
     const char *last = "";
-    size_t i, incomplete = 0, tongues = 0;
+    size_t i, tongues = 0;
+    counted single = {0};
     bool climbs = false,
          first = false; /* some branch leaves its backbone along a tongue; a first look has ended */
     json_t *row;
@@ -124,10 +152,7 @@ static void print_report(const json_t *rows, const ric_explore_options *options)
     {
         const char *item = json_string_value(json_object_get(row, "item")),
                    *detail = json_string_value(json_object_get(row, "detail"));
-        if (names_one(item)) {
-            incomplete++;
-            continue;
-        }
+        if (is_counted(item, &single)) continue;
         climbs = climbs ||
                  (item && detail && !strcmp(item, CLI_RESONANCE) && strstr(detail, " follows "));
         if (item && !strcmp(item, CLI_RESONANCE) && ++tongues > TONGUES) continue;
@@ -162,11 +187,7 @@ static void print_report(const json_t *rows, const ric_explore_options *options)
                  "`explore` goes on with "
                  "what is left, and `--seconds S` with that ends it\n",
                  options->points);
-    if (incomplete)
-        cli_tell(stdout,
-                 "something may be missing on branches and at junctions: %zu (`ricochet report` "
-                 "names them)\n",
-                 incomplete);
+    tell_counted(&single);
 }
 
 /* What `ricochet report` says of the file, from what was written there. An atlas that is not

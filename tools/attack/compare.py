@@ -6,13 +6,11 @@ import subprocess
 
 import numpy as np
 
+import said
 from judge import Atlas
 from shared import Curves, shared
 
-SAME = 1e-9  # relative: energies and frequencies of junctions that are one, where nothing near makes them uncertain
-OPEN = 1e-7  # the same of a junction whose label is open
-MATRICES = 16 * 2.2e-16  # of a squared frequency: what rounding of the matrices makes of it
-ROUGHEST = 1e-4  # and of a place on a branch, at most, where two frequencies differ by little more
+BESIDE = 1e-3  # relative: of the largest frequency of a branch, where a junction may have a larger one than the points beside it
 
 
 def _run(program, study, folder, name, limit, *more):
@@ -25,7 +23,12 @@ def _run(program, study, folder, name, limit, *more):
         out = subprocess.run([program, "run", path, "-o", atlas, *more], capture_output=True, text=True, timeout=limit, check=False)
     except subprocess.TimeoutExpired:
         return None
-    return Atlas(atlas) if out.returncode == 0 else out.returncode
+    return atlas if out.returncode == 0 else out.returncode
+
+
+def curves_of(program, path, model):
+    """An atlas with what the report says of its places: energies are matched to that and to nothing else."""
+    return Curves(Atlas(path), model, said.read(program, path))
 
 
 def _letters(word):
@@ -33,44 +36,46 @@ def _letters(word):
     return len(re.findall(r"[0-9a-z]", word.replace("-", ""))), word.count("-")
 
 
-def _rows(atlas):
+def _largest(curves, branch):
+    """Energy and frequency, of the points of a branch and of the junctions that it passes, beside which no points are kept. A junction is
+    drawn at the frequency of the longer period where they multiply, which the branch may not have."""
+    energy, frequency = branch["energy_max"], branch["frequency_max"]
+    for j in (curves.junctions[r["junction"]] for r in curves.atlas.on_branch[branch["id"]]):
+        energy = max(energy, j["energy"])
+        frequency = max([frequency, *(f for f in (j["frequency"], j["frequency"] * j["multiple"])
+                                      if abs(f - frequency) <= BESIDE * frequency)])
+    return energy, frequency
+
+
+def _rows(curves):
+    """Kind, letters, grazings or impacts, multiple; energy, frequency; label, id; and to what the report has the energy known."""
+    atlas, said_of = curves.atlas, curves.said
     junctions = [(j["kind"], _letters(j["word"]), j["grazings"], j["multiple"], j["energy"], j["frequency"], j["label"],
-                  j["id"]) for j in atlas.junctions]
-    ends = [(("branch", b["symmetric"], b["reversible"]), _letters(b["word"]), b["impacts"], 0,
-             b["energy_max"], b["frequency_max"], b["label"], b["id"]) for b in atlas.branches]
+                  j["id"], said_of.of_junction(j["id"], _passes(atlas, j["id"]), j["energy"])) for j in atlas.junctions]
+    ends = [(("branch", b["symmetric"], b["reversible"]), _letters(b["word"]), b["impacts"], 0, *_largest(curves, b),
+             b["label"], b["id"], said_of.on_branch(b["id"], b["energy_max"])) for b in atlas.branches]
     return junctions + ends
 
 
-def rounded(model):
-    """To what the places on branches are known by the matrices: springs mix modes of nearly the same frequency at energies
-    in proportion to their difference, and that is known to the rounding of the frequencies."""
-    root = np.linalg.inv(np.linalg.cholesky(np.array(model["mass"], dtype=float)))
-    squares = np.linalg.eigvalsh(root @ np.array(model["stiffness"], dtype=float) @ root.T)
-    apart = np.diff(squares).min() / squares.max() if len(squares) > 1 else 1
-    return min(max(SAME, MATRICES / max(apart, 1e-300)), ROUGHEST)
+def _is_one(one, row, other, candidate):
+    """Whether energies and frequencies agree to what is known of them; the largest of a branch may also be read off anywhere beside
+    a turn that either report has without a junction."""
+    same = max(one.said.same, other.said.same)
+    for i, to, quantity in ((4, max(row[8], candidate[8]), "energy"), (5, same, "frequency")):
+        a, b = row[i], candidate[i]
+        turned = isinstance(row[0], tuple) and (one.said.may_be(row[7], quantity, a, b) or
+                                                other.said.may_be(candidate[7], quantity, a, b))
+        if not turned and abs(a - b) > to * max(abs(a), abs(b)) + 1e-12:
+            return False
+    return True
 
 
-def known(curves, row, same):
-    """To what the energy of a row is known. Of a junction whose label is open the ranks are lost in rounding, and its place is known to
-    the root of it. Where a branch changes its frequency by little over a range of energies, what happens at
-    a frequency happens at an energy that is known to the rounding of the frequencies over that little."""
-    on = [row[7]] if isinstance(row[0], tuple) else _passes(curves.atlas, row[7])
-    worst = max(same, OPEN) if row[6].endswith("?") else same
-    for branch in on:
-        slope = curves.slope(branch, row[4])
-        worst = max(worst, MATRICES / max(slope, 1e-300))
-    return min(worst, ROUGHEST)
-
-
-def missing(one, other, same):
+def missing(one, other):
     """Rows of the curves `one` that `other` lacks, each row used once."""
-    left, lost = list(_rows(other.atlas)), []
-    for row in _rows(one.atlas):
-        energy = known(one, row, same)
-        largest = same if not isinstance(row[0], tuple) else max(same, one.rounded_top(row[7]))
+    left, lost = _rows(other), []
+    for row in _rows(one):
         for i, candidate in enumerate(left):
-            if row[:4] == candidate[:4] and all(abs(a - b) <= to * max(abs(a), abs(b)) + 1e-12
-                                                for a, b, to in zip(row[4:6], candidate[4:6], (energy, largest))):
+            if row[:4] == candidate[:4] and _is_one(one, row, other, candidate):
                 del left[i]
                 break
         else:
@@ -115,8 +120,8 @@ def _passes(atlas, junction):
 class Naming:
     """What of the rows of `one` that `other` lacks is named by `other`, or by `one` itself where it says that of its own."""
 
-    def __init__(self, one, other, same):
-        self.one, self.other, self.same = one, other, same
+    def __init__(self, one, other):
+        self.one, self.other, self.same = one, other, max(one.said.same, other.said.same)
         self.said = [(one, g) for g in gaps(one)] + [(other, g) for g in gaps(other)]
         self.stuck = [(c, b["id"]) for c in (one, other) for b in c.atlas.branches if b["stop"] == "failed"]
         self.ends = {b["id"]: {b["from_junction"], b["to_junction"]} - {None} for b in one.atlas.branches}
@@ -141,6 +146,8 @@ class Naming:
                 any(self.is_one(row[7], curves, b) for curves, b in self.stuck))
 
     def junction(self, row, absent):
+        if row[7] in self.one.said.open:
+            return True
         on = _passes(self.one.atlas, row[7])
         return bool(on & absent) or any(
             curves.beyond(b, row[4]) and any(self.is_one(mine, curves, b) for mine in on) for curves, b in self.stuck) or any(
@@ -150,7 +157,8 @@ class Naming:
 
 def unnamed(lost, naming):
     """Rows that are lost without either atlas saying so: a gap of that kind has to hold the place, on the same branch by the
-    orbits that both hold. What hangs on a row that is missing by name, and on nothing else, is missing with it."""
+    orbits that both hold, or the report lists the junction as one whose label is not decided. What hangs on a row that is missing
+    by name, and on nothing else, is missing with it."""
     left, branches, junctions, changed = list(lost), set(), set(), True
     while changed:
         changed = False
@@ -163,17 +171,15 @@ def unnamed(lost, naming):
     return left
 
 
-def differ(one, model, other, other_model):
-    """(rows that `other` lacks, rows that it has beyond, those of both that nobody names)."""
-    same = rounded(model)
-    a, b = Curves(one, model), Curves(other, other_model)
-    lost, new = missing(a, b, same), missing(b, a, same)
-    return lost, new, unnamed(lost, Naming(a, b, same)) + unnamed(new, Naming(b, a, same))
+def differ(one, other):
+    """(rows that the curves `other` lack, rows that they have beyond, those of both that nobody names)."""
+    lost, new = missing(one, other), missing(other, one)
+    return lost, new, unnamed(lost, Naming(one, other)) + unnamed(new, Naming(other, one))
 
 
 def variants(program, study, base_path, folder, which, limit):
     findings, named = [], []
-    base = Atlas(base_path)
+    base = curves_of(program, base_path, study["model"])
     tries = []
     if "step" in which:
         for factor in (0.3, 3):
@@ -195,7 +201,7 @@ def variants(program, study, base_path, folder, which, limit):
             if atlas is not None:
                 findings.append({"kind": "other atlas", "where": name, "text": f"exit {atlas}"})
             continue
-        lost, more_rows, unsaid = differ(base, study["model"], atlas, other["model"])
+        lost, more_rows, unsaid = differ(base, curves_of(program, atlas, other["model"]))
         if lost or more_rows:
             shown = unsaid or lost + more_rows
             text = f"{len(lost)} rows lost, {len(more_rows)} new, {len(unsaid)} of them not named: " + "; ".join(
@@ -205,6 +211,6 @@ def variants(program, study, base_path, folder, which, limit):
                                                     "text": text})
     if "workers" in which:
         atlas = _run(program, study, folder, "workers", limit, "-j", "2")
-        if atlas is not None and (isinstance(atlas, int) or atlas.meta.get("digest") != base.meta.get("digest")):
+        if atlas is not None and (isinstance(atlas, int) or Atlas(atlas).meta.get("digest") != base.atlas.meta.get("digest")):
             findings.append({"kind": "other atlas, workers", "where": "-j 2", "text": "another digest"})
     return findings, named

@@ -19,12 +19,13 @@ def _orbit(row, mass, normals):
 
 
 class Curves:
-    """The branches of one atlas as energies [P] and orbits [P, numbers], made when they are asked for."""
+    """The branches of one atlas as energies [P] and orbits [P, numbers], made when they are asked for; `said`: what its report says."""
 
-    def __init__(self, atlas, model):
-        self.atlas, self.mass = atlas, np.array(model["mass"], dtype=float)
+    def __init__(self, atlas, model, said):
+        self.atlas, self.said, self.mass = atlas, said, np.array(model["mass"], dtype=float)
         self.normals = np.array([c["normal"] for c in model["contacts"]], dtype=float)
         self.rows, self.made = {b["id"]: b for b in atlas.branches}, {}
+        self.junctions = {j["id"]: j for j in atlas.junctions}
 
     def of(self, branch):
         if branch not in self.made:
@@ -36,20 +37,6 @@ class Curves:
     def kind(self, branch):
         b = self.rows[branch]
         return b["impacts"], b["symmetric"], b["reversible"], b["mirror"] if b["impacts"] == 0 else ""
-
-    def slope(self, branch, energy):
-        """Least relative change of the squared frequency over that of the energy, of the steps that hold this one."""
-        e, x = self.of(branch)
-        at = [i for i in range(len(e) - 1) if min(e[i], e[i + 1]) * (1 - ROUNDED) <= energy <= max(e[i], e[i + 1]) * (1 + ROUNDED)]
-        slopes = [2 * abs(np.log(x[i + 1, 0] / x[i, 0])) / max(abs(np.log(e[i + 1] / e[i])), 1e-300)
-                  for i in at if min(e[i], e[i + 1]) > 0 and e[i] != e[i + 1]]
-        return min(slopes, default=1.0)
-
-    def rounded_top(self, branch):
-        """Relative: how much larger the largest frequency may be between the stored points than at one of them."""
-        w = self.of(branch)[1][:, 0]
-        i = int(np.argmax(w))
-        return (w[i] - w[max(0, i - 2): i + 3].min()) / w[i] if 0 < i < len(w) - 1 else 0.0
 
     def beyond(self, branch, energy):
         """Whether an energy lies in the last step of a branch that got stuck, or where it has not come."""

@@ -1,0 +1,350 @@
+/* To what the places of an atlas are known (docs/theory.md section 9), of what is stored: the
+ * frequencies of the modes, the points of the branches, the junctions that they end at. An energy
+ * is known to what rounding leaves of a squared frequency over the slope of that along the branch.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "report.h"
+
+/* Relative: places that are known to this need no word. */
+#define KNOWN 1e-9
+/* Relative: what rounding of the matrices, and of what is made of them, leaves of a squared
+ * frequency. */
+#define ROUNDED (16 * DBL_EPSILON)
+/* Relative: of a junction whose label is open singular values are told apart down to 1e-8, and no
+ * step of a secant is good to less than ten of these. */
+#define OPEN 1e-7
+
+enum { PAIRS = 3 }; /* pairs of modes that are named: the nearest ones */
+
+/* A row with a detail that is freed. */
+static json_t *add(json_t *rows, const char *item, json_t *value, json_t *detail)
+{
+    json_t *row = cli_report_add(rows, item, value, detail ? json_string_value(detail) : "");
+    json_decref(detail);
+    return row;
+}
+
+static void put(json_t *row, const char *name, double value)
+{
+    json_object_set_new(row, name, cli_number(value));
+}
+
+/* --------------------------------------------------------------------- modes */
+
+/* A pair of neighbours among the modes that some contact sees. */
+typedef struct {
+    int low, high; /* from 1 */
+    double apart;  /* of the squared frequencies, relative */
+} pair;
+
+static int by_distance(const void *a, const void *b)
+{
+    const pair *p = a, *q = b;
+    return p->apart != q->apart ? (p->apart < q->apart ? -1 : 1) : p->low - q->low;
+}
+
+/* Pairs [n_dof] that are so near that what mixes them happens at energies known to less than KNOWN.
+ * What is one frequency (section 1) is no pair: mixtures are started from. */
+static int near_pairs(int n, const double *frequency, const bool *seen, pair *out)
+{
+    int count = 0, last = -1;
+    for (int i = 0; i < n; i++) {
+        if (!seen[i] || !(frequency[i] > 0)) continue;
+        if (last >= 0) {
+            const double w = frequency[last] / frequency[i], apart = (1 - w) * (1 + w);
+            if (apart > 0 && ROUNDED / apart > KNOWN) out[count++] = (pair){last + 1, i + 1, apart};
+        }
+        last = i;
+    }
+    qsort(out, (size_t)count, sizeof *out, by_distance);
+    return count;
+}
+
+/* Where springs and stops mix modes of nearly one frequency they do so at energies that go with the
+ * difference, of which rounding leaves that part. */
+static ric_status add_modes(const ric_atlas *atlas, json_t *rows)
+{
+    const ric_model *model = ric_atlas_model(atlas);
+    const int n = ric_model_n_dof(model);
+    double *frequency = calloc((size_t)n, sizeof *frequency);
+    bool *seen = calloc((size_t)n, sizeof *seen);
+    pair *pairs = calloc((size_t)n, sizeof *pairs);
+    ric_status status = frequency && seen && pairs ? RIC_OK : RIC_E_NOMEM;
+    if (!status) status = ric_model_frequencies(model, frequency);
+    if (!status) status = ric_model_seen(model, seen);
+    const int count = status ? 0 : near_pairs(n, frequency, seen, pairs);
+    for (int i = 0; i < count && i < PAIRS; i++) {
+        const double known = ROUNDED / pairs[i].apart;
+        json_t *row = add(rows, "modes of nearly one frequency", cli_number(known),
+                          json_sprintf("squares of modes %d and %d differ by %.2g of themselves: "
+                                       "energies at which contacts mix the two are known to %.2g",
+                                       pairs[i].low, pairs[i].high, pairs[i].apart, known));
+        put(row, "known_to", known);
+    }
+    free(frequency);
+    free(seen);
+    free(pairs);
+    return status;
+}
+
+/* ------------------------------------------------------------ points of a branch */
+
+typedef struct {
+    ric_branch row;
+    int n, n_place;
+    double *energy, *frequency, *arclength; /* [n], one piece of memory with */
+    double *place;                          /* arclengths of its junctions [n_place] */
+} curve;
+
+static ric_status load(const ric_atlas *atlas, int id, curve *c)
+{
+    *c = (curve){0};
+    ric_status status = ric_atlas_branch(atlas, id, &c->row);
+    if (status) return status;
+    c->n = c->row.n_point;
+    const size_t n = (size_t)c->n;
+    if (!(c->energy = calloc(3 * n + (size_t)c->row.n_junction + 2, sizeof *c->energy)))
+        return RIC_E_NOMEM;
+    c->frequency = c->energy + n;
+    c->arclength = c->frequency + n;
+    c->place = c->arclength + n;
+    int width;
+    status = ric_atlas_column(atlas, id, "energy", &width, c->energy);
+    if (!status) status = ric_atlas_column(atlas, id, "frequency", &width, c->frequency);
+    if (!status) status = ric_atlas_column(atlas, id, "arclength", &width, c->arclength);
+    if (status || !c->n) return status;
+    if (c->row.from) c->place[c->n_place++] = c->arclength[0];
+    for (int k = 0; k < c->row.n_junction; k++) c->place[c->n_place++] = c->row.junction_at[k];
+    if (c->row.to) c->place[c->n_place++] = c->arclength[c->n - 1];
+    return RIC_OK;
+}
+
+/* ---------------------------------------------------------- where it is flat */
+
+/* How far the logarithm of x reaches over points first to last. */
+static double reach(const double *x, int first, int last)
+{
+    double low = HUGE_VAL, high = 0;
+    for (int i = first; i <= last; i++) {
+        low = fmin(low, x[i]);
+        high = fmax(high, x[i]);
+    }
+    return low > 0 ? log1p((high - low) / low) : 0;
+}
+
+/* To what energies are known in step i, relative: by the squared frequency and the energy over this
+ * step and its neighbours, so that a frequency that turns within one is not taken for a constant;
+ * and no worse than all of that. */
+static double known_in(const curve *c, int i)
+{
+    const int first = i > 0 ? i - 1 : 0, last = i + 2 < c->n ? i + 2 : c->n - 1;
+    const double energy = reach(c->energy, first, last),
+                 square = 2 * reach(c->frequency, first, last);
+    return energy > 0 ? energy * fmin(ROUNDED / fmax(square, DBL_MIN), 1) : 0;
+}
+
+typedef struct {
+    double energy[2], known, changes; /* changes: of the frequency, relative */
+    int places;
+} range;
+
+/* The range of steps that are known to less than KNOWN from step *i on, which moves behind it, and
+ * to what the junctions in it are. */
+static bool next_range(const curve *c, int *i, range *out)
+{
+    while (*i < c->n - 1 && !(known_in(c, *i) > KNOWN)) ++*i;
+    const int first = *i;
+    if (first >= c->n - 1) return false;
+    *out = (range){{HUGE_VAL, -HUGE_VAL}, 0, 0, 0};
+    for (; *i < c->n - 1 && known_in(c, *i) > KNOWN; ++*i)
+        for (int k = 0; k < c->n_place; k++)
+            if (c->arclength[*i] <= c->place[k] && c->place[k] <= c->arclength[*i + 1]) {
+                out->known = fmax(out->known, known_in(c, *i));
+                out->places++;
+            }
+    for (int k = first; k <= *i; k++) {
+        out->energy[0] = fmin(out->energy[0], c->energy[k]);
+        out->energy[1] = fmax(out->energy[1], c->energy[k]);
+    }
+    out->changes = reach(c->frequency, first, *i);
+    return true;
+}
+
+/* Of a branch the worst range in words, and for programs all that have a junction. A branch of one
+ * frequency, as a linear mode is, has no place that a frequency gives. */
+static void add_ranges(const ric_model *model, const curve *c, json_t *rows)
+{
+    range worst = {{0, 0}, 0, 0, 0}, one;
+    if (ric_branch_linear(model, &c->row) || !(reach(c->frequency, 0, c->n - 1) > KNOWN)) return;
+    json_t *all = json_array();
+    for (int i = 0; next_range(c, &i, &one);) {
+        if (!one.places) continue;
+        json_t *member = json_object();
+        put(member, "energy_from", one.energy[0]);
+        put(member, "energy_to", one.energy[1]);
+        put(member, "known_to", one.known);
+        json_array_append_new(all, member);
+        if (one.known > worst.known) worst = one;
+    }
+    const size_t n = json_array_size(all);
+    if (n) {
+        json_t *row = add(rows, CLI_REPORT_RANGES, json_integer(c->row.id),
+                          json_sprintf("%s: junctions from E %.9g to %.9g to %.2g of the energy%s, "
+                                       "as the frequency changes by only %.2g of itself there",
+                                       c->row.label, worst.energy[0], worst.energy[1], worst.known,
+                                       n > 1 ? ", the worst of some ranges" : "", worst.changes));
+        json_object_set(row, "ranges", all);
+    }
+    json_decref(all);
+}
+
+/* -------------------------------------------------------- ends beside a junction */
+
+/* The last orbit before a singular point is known to the root of what is left of its equations: how
+ * far it lies beside its junction says to what. */
+static ric_status add_beside(const ric_atlas *atlas, const curve *c, json_t *rows)
+{
+    const int ids[] = {c->row.from, c->row.to}, at[] = {0, c->n - 1};
+    for (int end = 0; end < 2 && c->n; end++) {
+        ric_junction j;
+        if (!ids[end]) continue;
+        const ric_status status = ric_atlas_junction(atlas, ids[end], &j);
+        if (status) return status;
+        const double far = fabs(c->energy[at[end]] - j.energy) / fabs(j.energy);
+        if (!(far > KNOWN) || !isfinite(far)) continue;
+        json_t *row = add(rows, CLI_REPORT_BESIDE, json_integer(c->row.id),
+                          json_sprintf("%s ends at E %.9g, which is %.2g of it beside %s (junction "
+                                       "%d): beside a singular point an orbit is known to the "
+                                       "root of its rounding",
+                                       c->row.label, c->energy[at[end]], far, j.label, j.id));
+        json_object_set_new(row, "junction", json_integer(j.id));
+        put(row, "energy_from", fmin(j.energy, c->energy[at[end]]));
+        put(row, "energy_to", fmax(j.energy, c->energy[at[end]]));
+        put(row, "known_to", far);
+    }
+    return RIC_OK;
+}
+
+/* ------------------------------------------------------- turns that are no events */
+
+/* Whether energy or frequency turns at junctions of this kind. */
+static bool may_turn(ric_kind kind)
+{
+    return kind == RIC_KIND_EXTREMUM || kind == RIC_KIND_PERIOD_EXTREMUM ||
+           kind == RIC_KIND_BRANCH_POINT || kind == RIC_KIND_MULTIPLICATION;
+}
+
+static bool turns_at(const ric_atlas *atlas, int id)
+{
+    ric_junction j;
+    return id && !ric_atlas_junction(atlas, id, &j) && may_turn(j.kind);
+}
+
+/* Whether a junction at which it may turn lies within a step of point i, or a tongue that is
+ * stepped over: what lies behind is another piece of the branch. */
+static bool may_turn_at(const ric_atlas *atlas, const curve *c, int i)
+{
+    if ((i == 1 && turns_at(atlas, c->row.from)) || (i == c->n - 2 && turns_at(atlas, c->row.to)))
+        return true;
+    if (ric_branch_steps_over(atlas, c->row.id, i - 1) ||
+        ric_branch_steps_over(atlas, c->row.id, i))
+        return true;
+    for (int k = 0; k < c->row.n_junction; k++)
+        if (c->row.junction_at[k] >= c->arclength[i - 1] &&
+            c->row.junction_at[k] <= c->arclength[i + 1] && turns_at(atlas, c->row.junctions[k]))
+            return true;
+    return false;
+}
+
+/* A quantity at three points of which the middle one is largest (sign 1) or least (-1). */
+typedef struct {
+    int middle;
+    double sign, before, behind; /* by how much it is beyond its neighbours */
+} turn;
+
+static bool turns(const double *x, int i, double sign, turn *out)
+{
+    *out = (turn){i, sign, sign * (x[i] - x[i - 1]), sign * (x[i] - x[i + 1])};
+    return fmin(out->before, out->behind) > KNOWN * fabs(x[i]);
+}
+
+/* By how much the parabola through the three points exceeds the middle one: y = b s - c s^2. */
+static double top(const curve *c, const turn *t)
+{
+    const double *s = c->arclength + t->middle, h = s[0] - s[-1], g = s[1] - s[0],
+                 bend = (t->before / h + t->behind / g) / (h + g), slope = t->before / h - bend * h;
+    return slope * slope / (4 * bend);
+}
+
+/* A turn of which no extremum is stored: its sign was lost in rounding. Its value is no more beyond
+ * the middle point than twice what the parabola says; what another step has there may lie as low as
+ * the points beside it. */
+static void add_turn(const curve *c, const double *x, const char *name, const turn *t, json_t *rows)
+{
+    const int i = t->middle;
+    const double far = x[i] + t->sign * 2 * top(c, t),
+                 near = x[i] - t->sign * fmax(t->before, t->behind);
+    json_t *row =
+        add(rows, CLI_REPORT_TURNS, json_integer(c->row.id),
+            json_sprintf("%s: its %s has a %s value from %.9g to %.9g, beside E %.9g omega %.9g, "
+                         "that is no extremum of the atlas: the sign of the slope is lost in "
+                         "rounding there",
+                         c->row.label, name, t->sign > 0 ? "largest" : "least", fmin(near, far),
+                         fmax(near, far), c->energy[i], c->frequency[i]));
+    json_object_set_new(row, "quantity", json_string(name));
+    put(row, "from", fmin(near, far));
+    put(row, "to", fmax(near, far));
+}
+
+/* Of each quantity the largest and the least of these values of a branch: beside one that is lost
+ * others are. */
+static void add_turns(const ric_atlas *atlas, const curve *c, json_t *rows)
+{
+    const double *const quantity[] = {c->energy, c->frequency};
+    static const char *const name[] = {"energy", "frequency"};
+    for (int k = 0; k < 4; k++) {
+        const double *x = quantity[k / 2], sign = k % 2 ? -1 : 1;
+        turn best = {0}, one;
+        for (int i = 1; i < c->n - 1; i++)
+            if (turns(x, i, sign, &one) && !may_turn_at(atlas, c, i) &&
+                (!best.middle || sign * x[i] > sign * x[best.middle]))
+                best = one;
+        if (best.middle) add_turn(c, x, name[k / 2], &best, rows);
+    }
+}
+
+/* --------------------------------------------------------------- open labels */
+
+static ric_status add_open(const ric_atlas *atlas, json_t *rows)
+{
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j;
+        const ric_status status = ric_atlas_junction(atlas, id, &j);
+        if (status) return status;
+        if (j.a == 0 || j.decided) continue;
+        json_t *row = add(rows, CLI_REPORT_OPEN, json_integer(id),
+                          json_sprintf("%s, E %.9g omega %.9g: its place is known to about %.0g",
+                                       j.label, j.energy, j.frequency, OPEN));
+        put(row, "known_to", OPEN);
+    }
+    return RIC_OK;
+}
+
+ric_status cli_report_places(const ric_atlas *atlas, json_t *rows)
+{
+    ric_status status = add_modes(atlas, rows);
+    for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++) {
+        curve c;
+        status = load(atlas, id, &c);
+        if (!status) {
+            add_ranges(ric_atlas_model(atlas), &c, rows);
+            add_turns(atlas, &c, rows);
+            status = add_beside(atlas, &c, rows);
+        }
+        free(c.energy);
+    }
+    return status ? status : add_open(atlas, rows);
+}
