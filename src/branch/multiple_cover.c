@@ -178,9 +178,11 @@ static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bo
     /* such an orbit may be nearer than the distance has fallen so far: close to it, it falls
      * faster; and the determinant vanishes there, too */
     bool far = left > 2 * *h && !flat;
+    /* from farther away the determinant is none of its rounding, and a zero of it on this step,
+     * which goes half the way at most, is a crossing */
+    const bool near = flat || left < STEPS * RIC_CROSSING * scale;
     if (left < STEPS * *h) *h = fmin(*h, fmax(nearest, left / 4));
-    if (nearest < RIC_CROSSING * scale && left < STEPS * RIC_CROSSING * scale)
-        tr->longest = fmin(tr->longest, *h);
+    if (nearest < RIC_CROSSING * scale && near) tr->longest = fmin(tr->longest, *h);
     if (far) return RIC_OK;
     for (int i = 0; i < c->n_unknown; i++) out->u[i] = now[i] + x * (now[i] - before[i]);
     ric_status status = solve_short(c, order, sign, out->u, found);
@@ -192,7 +194,7 @@ static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bo
         *h = fmin(*h, left / 2);
         *found = false;
     }
-    tr->longest = fmin(tr->longest, *h);
+    if (near) tr->longest = fmin(tr->longest, *h);
     if (!*found) return RIC_OK;
     if ((status = fill_row(tr, tr->now.s + left, out))) return status;
     if (order == 3) *h = 2 * left; /* as far beyond */

@@ -300,6 +300,39 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     return ric_graph_edge_attach(e, index, choice, event->s);
 }
 
+/* Whether the branch passes one orbit twice, between the arclengths s: as the image of it, or of
+ * itself, the second time; or one of its two junctions has been taken for the other. Where branches
+ * cross it may be on both. */
+static bool passes_twice(const ric_graph *g, const ric_edge *e, double s[2])
+{
+    bool twice = e->from >= 0 && e->from == e->to && e->leave == e->arrive;
+    s[0] = 0;
+    s[1] = ric_continuation_row(e->trace, e->trace->n_point - 1)->arclength;
+    for (int i = 0; i < e->n_inner; i++)
+        for (int j = i + 1; j < e->n_inner; j++) {
+            const double a = e->inner[i].at, b = e->inner[j].at;
+            if (e->inner[i].node != e->inner[j].node ||
+                g->nodes[e->inner[i].node]->kind == RIC_KIND_BRANCH_POINT || b - a > s[1] - s[0])
+                continue;
+            twice = true;
+            s[0] = a;
+            s[1] = b;
+        }
+    return twice;
+}
+
+void ric_graph_edge_returning(const ric_graph *g, ric_edge *e)
+{
+    ric_continuation *tr = e->trace;
+    double s[2];
+    if (tr->stop == RIC_STOP_CLOSED || !passes_twice(g, e, s)) return;
+    for (int i = 0; i < tr->n_point; i++) {
+        const ric_point *p = ric_continuation_row(tr, i);
+        if (p->arclength >= s[0] && p->arclength <= s[1])
+            ric_continuation_widen(tr->unresolved++ == 0, p->energy, p->energy, tr->crowded_at);
+    }
+}
+
 /* Traces again from the far end, so that what is stored does not depend on which end was found
  * first. */
 static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive,
@@ -360,6 +393,7 @@ static ric_status finish_edge(ric_graph *g, ric_continuation *tr, int from, unsi
     e->mode = mode;
     ric_status status = note_orbits(e);
     for (int i = 0; i < tr->n_event && !status; i++) status = add_inner(g, e, &tr->events[i]);
+    if (!status) ric_graph_edge_returning(g, e);
     status = ric_trust(status);
     /* no branch with some of its junctions */
     if (status == RIC_E_INTERRUPTED) ric_graph_edge_release(&g->edges[--g->n_edge]);

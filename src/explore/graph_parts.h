@@ -20,6 +20,9 @@ void ric_graph_mark(ric_graph *graph, ric_node *node, unsigned choice, ric_depar
 /* An empty edge, the last of the list; NULL: no memory. */
 ric_edge *ric_graph_add_edge(ric_graph *graph);
 void ric_graph_edge_release(ric_edge *edge);
+/* An edge that goes back over its own image has met, in between, an orbit with a symmetry more than
+ * it has, where it should have ended: its trace says that events may be missing there. */
+void ric_graph_edge_returning(const ric_graph *graph, ric_edge *edge);
 
 /* The nodes from which everything else is reached. */
 ric_status ric_graph_start(ric_graph *graph);
