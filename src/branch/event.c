@@ -368,7 +368,9 @@ static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *
     qsort(roots, (size_t)list.n, sizeof *roots, ric_event_by_place);
     *test = roots[0].test;
     *end = roots[0].x;
-    return RIC_OK;
+    const bool touch = *test == RIC_TEST_APPROACH && ric_flight_law_of(tr->chain->model)->closes;
+    return touch && reach ? ric_event_reach_beside(tr, NEAREST * tr->chain->scale, h, test, end)
+                          : RIC_OK;
 }
 
 /* The points of the step for what happens inside, up to distance `to`: where the branch ends there,
@@ -387,6 +389,7 @@ static ric_status sample(ric_continuation *tr, unsigned which, int test, double 
     if (poles) {
         from = 0;
         status = ric_event_samples_approach(tr, 0, last, least, h);
+        ric_event_samples_tell(tr, &tr->now, q->now + 1, tr->next.row.energy);
         for (int k = 0; k < ric_continuation_watched(tr); k++)
             ric_event_samples_values(tr, q->now)[k] = NAN;
     }
@@ -706,6 +709,8 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
     } else {
         if ((status = ric_event_solve(tr, end, h, RIC_LOOK_ALL, &tr->mid, &good))) return status;
         tr->mid.solved &= good;
+        if (good && has_poles(test) && !crossed)
+            ric_event_samples_tell(tr, &tr->mid, tr->samples.n - 1, tr->mid.row.energy);
         end_by(tr, test);
     }
     if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;

@@ -15,6 +15,9 @@
 /* The same for multipliers: on sharp tongues they run from -3e4 to 2 within 1e-7 and are noise of
  * 1e-5. */
 #define TRUE_RESONANCE 1e-2
+/* CLOSED: of the size: a gap that is less than minus this is closed, whatever the rounding */
+#define CLOSED 1e-13
+#define SCALES 16 /* of distances from a touch of springs, at which gaps are looked at */
 
 /* ------------------------------------------------------------------ location */
 
@@ -173,6 +176,28 @@ ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa
            part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
     *zero = good && (fabs(least) <= part * size ||
                      (test < RIC_N_TEST && height(test, &tr->mid, least) <= part * top));
+    return RIC_OK;
+}
+
+ric_status ric_event_reach_beside(ric_continuation *tr, double least, double h, int *test,
+                                  double *end)
+{
+    double from = 0, before = tr->now.test[RIC_TEST_REACH], x;
+    bool good = before > 0, zero = false;
+    for (double d = *end / SCALES; good && d >= least; d /= SCALES) {
+        ric_status status = ric_event_solve(tr, *end - d, h, RIC_LOOK_REACH, &tr->mid, &good);
+        const double f = good ? tr->mid.test[RIC_TEST_REACH] : NAN;
+        if (!status && f < -CLOSED * tr->chain->scale)
+            status = ric_event_locate(tr, RIC_TEST_REACH, from, before, *end - d, f, h, &x, &zero);
+        if (status) return status;
+        if (zero) {
+            *test = RIC_TEST_REACH;
+            *end = x;
+        }
+        if (zero || !(f > 0)) break;
+        from = *end - d;
+        before = f;
+    }
     return RIC_OK;
 }
 

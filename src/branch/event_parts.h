@@ -27,6 +27,12 @@ double ric_event_value(const ric_continuation *trace, int test, const ric_statio
  * is left in trace->mid. *zero: it is a true one, no pole and no hop. */
 ric_status ric_event_locate(ric_continuation *trace, int test, double xa, double fa, double xb,
                             double fb, double h, double *where, bool *zero);
+/* Where springs close for no time, at *end, all gaps of a mode may close at once, and one of them a
+ * little before: it opens again to nothing there, and is closed in between by less than the step
+ * shows. It is looked for on every scale down to distance `least`; *test and *end become those of
+ * it. */
+ric_status ric_event_reach_beside(ric_continuation *trace, double least, double h, int *test,
+                                  double *end);
 
 /* Values [ric_continuation_watched] at a point of the step. */
 double *ric_event_samples_values(const ric_continuation *trace, int i);
@@ -52,6 +58,11 @@ ric_status ric_event_samples_probe(ric_continuation *trace, unsigned which, doub
 /* More points at distances from `end` that fall from that of `other` to `least`. */
 ric_status ric_event_samples_approach(ric_continuation *trace, double end, double other,
                                       double least, double h);
+/* Between springs multipliers are smooth up to the ends of a branch, next to which nothing is
+ * looked for: what is passed there all the same is told of. `station`: the end, or the start,
+ * beside point i of the step, which goes on to an energy. */
+void ric_event_samples_tell(ric_continuation *trace, const ric_station *station, int i,
+                            double energy);
 
 /* A zero of a test at a distance; their order along the step, for qsort. */
 typedef struct {

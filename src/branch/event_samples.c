@@ -385,15 +385,26 @@ ric_status ric_event_samples_probe(ric_continuation *tr, unsigned which, double 
     return RIC_OK;
 }
 
-/* Points at distances from an end of the interval that fall by RATIO. */
+/* Points at distances from an end of the interval that fall by RATIO, to the least one: what lies
+ * nearer to the end than all of them would be seen or not by how long the step is. */
 ric_status ric_event_samples_approach(ric_continuation *tr, double end, double other, double least,
                                       double h)
 {
     ric_event_samples *q = &tr->samples;
-    bool good;
-    for (double d = fabs(other - end) / RATIO; d >= least && q->n < RIC_MOST_SAMPLES; d /= RATIO) {
-        ric_status status = ric_event_samples_insert(tr, other > end ? end + d : end - d, h, &good);
+    for (double from = fabs(other - end), d; from > least && q->n < RIC_MOST_SAMPLES; from = d) {
+        d = fmax(from / RATIO, least);
+        ric_status status = ric_event_samples_add(tr, other > end ? end + d : end - d, h);
         if (status) return status;
     }
     return RIC_OK;
+}
+
+void ric_event_samples_tell(ric_continuation *tr, const ric_station *p, int i, double energy)
+{
+    const double *value = ric_event_samples_values(tr, i);
+    bool passed = false;
+    for (int k = 0; k < tr->n_resonance; k++)
+        passed |= value[RIC_N_TEST + k] * ric_event_value(tr, RIC_N_TEST + k, p) < 0;
+    if (passed && ric_flight_law_of(tr->chain->model)->closes)
+        ric_continuation_widen(tr->unresolved++ == 0, tr->now.row.energy, energy, tr->crowded_at);
 }
