@@ -9,6 +9,8 @@
 #include "orbit/room.h"
 
 #define LINEAR_POINTS 9
+#define BORDER                                                                                     \
+    1e-5 /* of a trace: nearer to 2 or -2 it may be that of a place where branches meet */
 
 /* The operation that takes an edge's chain to its canonical word; found once, away from the ends.
  */
@@ -163,6 +165,13 @@ static ric_status decide(const ric_model *m, ric_shooting *traced, const double 
     return status;
 }
 
+/* Whether a trace of two modes is clear of where branches meet, and flags are undecided by
+ * definition. */
+static bool off_border(const ric_model *m, const ric_point *p)
+{
+    return m->n == 2 && fabs(fabs(ric_point_trace(p)) - 2) > BORDER;
+}
+
 static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_turn *t,
                               ric_branch_record *r)
 {
@@ -176,7 +185,8 @@ static ric_status fill_points(const ric_model *m, const ric_edge *e, const ric_t
         ric_point *point = (ric_point *)out;
         memcpy(out, in, sizeof(ric_point));
         status = ric_turn_write(m, tr->chain, u, t, x, v, v + m->n_dof);
-        if (!status && point->stable == RIC_STABLE_UNDECIDED && tr->chain->start == RIC_MIRROR_NONE)
+        const bool asked = tr->chain->start == RIC_MIRROR_NONE || off_border(m, point);
+        if (!status && point->stable == RIC_STABLE_UNDECIDED && asked)
             status = decide(m, tr->chain, u, t, &point->stable);
     }
     return status;
