@@ -137,8 +137,11 @@ bench: build
 	@$(BUILD)/ricochet-bench
 	@for name in elementary cascade beam-midspan two-springs; do \
 		$(BUILD)/ricochet run examples/$$name/study.yaml -o $(BUILD)/bench-$$name.ricochet --quiet || exit 1; done
+	@sed 's/impacts: 22/impacts: 48/; s/10000]/1000000]/; /^names/,$$d' examples/paper/path.yaml >$(BUILD)/bench-long.yaml
+	@$(BUILD)/ricochet run $(BUILD)/bench-long.yaml -o $(BUILD)/bench-long.ricochet --quiet
 	@$(BUILD)/ricochet-bench-prove $(BUILD)/bench-elementary.ricochet $(BUILD)/bench-cascade.ricochet \
-		$(BUILD)/bench-beam-midspan.ricochet $(BUILD)/bench-two-springs.ricochet | tee $(BUILD)/bench-prove.txt
+		$(BUILD)/bench-beam-midspan.ricochet $(BUILD)/bench-two-springs.ricochet $(BUILD)/bench-long.ricochet \
+		| tee $(BUILD)/bench-prove.txt
 	@tools/atlas-bytes $(BUILD)/bench-elementary.ricochet $(BUILD)/bench-cascade.ricochet \
 		$(BUILD)/bench-beam-midspan.ricochet $(BUILD)/bench-two-springs.ricochet | tee $(BUILD)/bench-bytes.txt
 	@if [ -x $(BUILD)/ricochet-bench-forced ]; then $(BUILD)/ricochet-bench-forced -o $(BUILD)/bench-forced.txt; fi

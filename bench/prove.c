@@ -9,9 +9,11 @@
 
 enum {
     MOST_LETTERS = 4096,
-    FEW = 12,
-    /* orbits of each branch */ LONG = 8,
-    BUDGET = 4 /* seconds for each kind of an atlas */
+    LENGTHS = MOST_LETTERS + 1,
+    FEW = 12,   /* orbits of each branch */
+    LONG = 8,   /* impacts from which on the growth of the time is measured */
+    WIDTHS = 4, /* of numbers: 64, 128, 256 and 512 bits */
+    BUDGET = 4  /* seconds for each kind of an atlas */
 };
 
 typedef struct {
@@ -31,24 +33,33 @@ static void need(ric_status status)
     exit(1);
 }
 
-/* Some points of a branch, away from its ends. */
+/* The index of a width. */
+static int width_of(int bits)
+{
+    int k = 0;
+    while (k < WIDTHS - 1 && 64 << k < bits) k++;
+    return k;
+}
+
+/* Some points of a branch, away from its ends; of [WIDTHS][LENGTHS]. */
 static void measure_orbits(const ric_atlas *atlas, ric_prover *prover, int id, figure *of)
 {
     ric_branch branch;
     need(ric_atlas_branch(atlas, id, &branch));
     if (branch.letters == 0 || branch.letters > MOST_LETTERS || branch.n_point < 4) return;
     const int n = branch.n_point - 2 < FEW ? branch.n_point - 2 : FEW;
-    const double from = now();
     for (int i = 0; i < n; i++) {
+        const double from = now();
         ric_proof proof;
         need(ric_prover_point(prover, id, 1 + i * (branch.n_point - 2) / n, &proof));
+        figure *own = &of[width_of(proof.bits) * LENGTHS + branch.letters];
+        own->orbits++;
+        own->seconds += now() - from;
     }
-    of[branch.letters].orbits += n;
-    of[branch.letters].seconds += now() - from;
 }
 
-/* Of log seconds over log N, by least squares, from N = `least` on. */
-static double slope(const figure *of, int least)
+/* Of log seconds over log N, by least squares, from N = `least` on; *lengths: of how many. */
+static double slope(const figure *of, int least, int *lengths)
 {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (int N = least; N <= MOST_LETTERS; N++) {
@@ -60,22 +71,32 @@ static double slope(const figure *of, int least)
         xx += a * a;
         xy += a * b;
     }
+    *lengths = (int)n;
     return (n * xy - x * y) / (n * xx - x * x);
 }
 
 static void show_orbits(const figure *of)
 {
-    int long_ones = 0;
     for (int N = 1; N <= MOST_LETTERS; N++) {
-        if (!of[N].orbits) continue;
-        long_ones += N >= LONG;
-        const double one = of[N].seconds / of[N].orbits;
+        figure all = {0};
+        for (int k = 0; k < WIDTHS; k++) {
+            all.orbits += of[k * LENGTHS + N].orbits;
+            all.seconds += of[k * LENGTHS + N].seconds;
+        }
+        if (!all.orbits) continue;
+        const double one = all.seconds / all.orbits;
         printf("  N = %-5d %8.0f orbits/s %8.2f ms per orbit %8.3f ms per impact\n", N, 1 / one,
                1e3 * one, 1e3 * one / N);
     }
-    if (long_ones > 2)
-        printf("  exponent of the time for an orbit over N, from N = %d on: %.2f\n", LONG,
-               slope(of, LONG));
+    for (int k = 0; k < WIDTHS; k++) {
+        int lengths;
+        const double grows = slope(of + (size_t)k * LENGTHS, LONG, &lengths);
+        if (lengths > 3)
+            printf(
+                "  exponent of the time for an orbit over N, %d lengths from N = %d on, %d bits: "
+                "%.2f\n",
+                lengths, LONG, 64 << k, grows);
+    }
 }
 
 static void show_curves(const ric_atlas *atlas, ric_prover *prover)
@@ -97,7 +118,7 @@ int main(int argc, char **argv)
     for (int i = 1; i < argc; i++) {
         ric_atlas *atlas = NULL;
         ric_prover *prover = NULL;
-        figure *of = calloc(MOST_LETTERS + 1, sizeof *of);
+        figure *of = calloc((size_t)WIDTHS * LENGTHS, sizeof *of);
         need(!of ? RIC_E_NOMEM : ric_atlas_read(argv[i], &atlas));
         need(ric_prover_create(atlas, &prover));
         printf("%s\n", argv[i]);
