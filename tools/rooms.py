@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Keeps docs/map.md true: rooms.py prints TAP lines and ends with exit status 1 if
 
-- a source lies in no room of the map, or the map names a file that is not there;
+- a source lies in no room of the map, the map names a file that is not there, or a way to something names a function that is
+  not in the file it names, or the picture has other rooms, or in another order, than the table;
 - a file includes a header of another room that is not its room.h, or a room above its own;
 - rooms include each other in a circle, or files of one room do, by their headers;
 - a function that leaves its file does not carry the first word of the file's name;
@@ -60,6 +61,24 @@ def check_files(rooms):
     flat = [path.name for path in SOURCES.glob("*.[ch]")]
     return [f"{name} is in no room" for name in flat] + [f"{name} is not in docs/map.md" for name in sorted(there - mapped)] + [
         f"{name} of docs/map.md does not exist" for name in sorted(mapped - there)]
+
+
+def check_ways():
+    """The ways: each name is defined in the nearest file that is named behind it or, for want of one, before it."""
+    page, wrong = (ROOT / "docs/map.md").read_text(), []
+    for row in re.findall(r"^\| .* \| (.*) \|$", page.partition("## Where is")[2].partition("## Rooms")[0], re.M):
+        words = [w for w in re.findall(r"`([\w/.]+)`", row) if w.startswith(("ric_", "cli_", "cmd_")) or "/" in w]
+        files = {i: ROOT / w if w.startswith(("cli/", "docs/")) else SOURCES / w for i, w in enumerate(words) if "/" in w}
+        wrong += [f"there is no {words[i]}" for i, path in files.items() if not path.exists()]
+        for i, word in enumerate(words):
+            behind, before = [k for k in files if k > i], [k for k in files if k < i]
+            where = [files[k] for k in (behind[:1] + before[-1:])]
+            if "/" not in word and not any(re.search(rf"\b{word}( = {{|\()", path.read_text()) for path in where if path.exists()):
+                wrong.append(f"{word} is not in {' or '.join(path.name for path in where)}")
+    picture = re.findall(r"^ (\w+)  ", page.partition("```text")[2].partition("```")[0], re.M)
+    if picture[::-1] != list(rooms_of_map()):
+        wrong.append(f"the picture shows {' '.join(picture)}")
+    return wrong
 
 
 def check_directions(rooms):
@@ -174,6 +193,7 @@ def check_tests():
 def main():
     rooms, failed = rooms_of_map(), 0
     checks = [("every source lies in a room of docs/map.md", check_files(rooms)),
+              ("its ways lead where it says", check_ways()),
               ("rooms are entered from above, by their header", check_directions(rooms)),
               ("no headers include each other in a circle", check_circles()),
               ("functions carry the name of their file", check_prefixes()),
