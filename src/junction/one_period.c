@@ -42,7 +42,7 @@ typedef struct {
 typedef struct {
     ric_shooting *chain;
     ric_border *border;
-    double *u, *at;
+    double *u, *at; /* unknowns of the junction; of two places beside it */
     int multiple;
 } period;
 
@@ -266,32 +266,70 @@ static bool is_rigid(const period *t)
     return true;
 }
 
+/* Where the other readings are: a STEP along the branch, and moved by what
+ * the unknowns are known to. */
+typedef struct {
+    double *beside, *moved;
+    unsigned bits; /* those that move the flights of the last one */
+} places;
+
+/* Right after the reading of the junction. */
+static void find_places(const period *t, const kernel *one, double *room, places *at)
+{
+    const int unknowns = t->chain->n_unknown;
+    const double least = fmax(ROUNDING, t->chain->residual);
+    double du[unknowns];
+    *at = (places){room, room + unknowns, 1};
+    along_branch(t, one, du);
+    for (int i = 0; i < unknowns; i++) {
+        at->beside[i] = t->u[i] + STEP * du[i];
+        at->moved[i] = t->u[i] + ric_moved(&at->bits, least * fabs(t->u[i]));
+    }
+}
+
+/* The determinant at another place; NAN: there is none. */
+static double determinant_at(period *t, double complex chi, const double *u, double rounding,
+                             unsigned bits)
+{
+    reading r;
+    kernel pair, one;
+    const bool good = read_at(t, u, rounding, bits, &r) && find_kernel(&r, chi, &pair) &&
+                      find_kernel(&r, 1, &one);
+    return good ? determinant(t, &r, &pair, &one) : NAN;
+}
+
+/* Whether the determinant is clear of what it is off by, as measured: by rounding, and by how far
+ * off the junction may be along the branch. */
+static bool is_measured(period *t, double complex chi, const places *at, double off, double det)
+{
+    const double periods = (double)t->multiple * t->multiple,
+                 moved = fabs(determinant_at(t, chi, at->moved, ROUNDING, at->bits) - det),
+                 beside = fabs(determinant_at(t, chi, at->beside, 0, 0) - det);
+    return CLEAR * periods * (moved + off * beside / STEP) <= det;
+}
+
 /* The three readings of multiplicity.c. What one period leaves open grows with their number, for
  * the pair 1, 1 with its square. */
 static bool is_clear(period *t, double complex chi)
 {
-    const int unknowns = t->chain->n_unknown;
     const double periods = (double)t->multiple * t->multiple;
-    double du[unknowns];
-    unsigned bits = 1;
     reading here, beside, moved;
     kernel pair, one;
+    places at;
     if (!read_at(t, t->u, 0, 0, &here) || !find_kernel(&here, chi, &pair) ||
         !find_kernel(&here, 1, &one))
         return false;
-    const double least = fmax(ROUNDING, t->chain->residual),
-                 det = determinant(t, &here, &pair, &one), third = fmin(pair.third, one.third);
-    along_branch(t, &one, du);
-    for (int i = 0; i < unknowns; i++) t->at[i] = t->u[i] + STEP * du[i];
-    if (!read_at(t, t->at, 0, 0, &beside)) return false;
-    for (int i = 0; i < unknowns; i++) t->at[i] = t->u[i] + ric_moved(&bits, least * fabs(t->u[i]));
-    if (!read_at(t, t->at, ROUNDING, bits, &moved)) return false;
+    const double det = determinant(t, &here, &pair, &one), third = fmin(pair.third, one.third);
+    find_places(t, &one, t->at, &at);
+    if (!read_at(t, at.beside, 0, 0, &beside) || !read_at(t, at.moved, ROUNDING, at.bits, &moved))
+        return false;
     const double complex value = number(&pair, &here);
     const double slope = cabs(number(&pair, &beside) - value) / STEP,
                  spread = cabs(number(&pair, &moved) - value), off = (cabs(value) + spread) / slope,
                  error = distance(&here, &moved) + off * distance(&here, &beside) / STEP,
                  doubt = CLEAR * periods * error / third;
-    return off * KNOWN * periods <= PLACED && doubt <= 1 && doubt <= det;
+    return off * KNOWN * periods <= PLACED && doubt <= 1 &&
+           (doubt <= det || is_measured(t, chi, &at, off, det));
 }
 
 static void period_free(period *t)
@@ -313,7 +351,7 @@ static ric_status period_make(const ric_model *m, const ric_node *node, period *
     if (status) return status;
     t->chain->plain = true;
     t->border = ric_border_create(t->chain);
-    t->at = ric_calloc((size_t)t->chain->n_unknown, sizeof *t->at);
+    t->at = ric_calloc(2 * (size_t)t->chain->n_unknown, sizeof *t->at);
     return t->border && t->at ? RIC_OK : ric_no_memory("the label of a junction");
 }
 

@@ -226,18 +226,13 @@ static void doubts(const ric_model *m, const ric_node *node)
     ric_node_free(other);
 }
 
-/* A multiplication by three or more needs one period of its orbit, unless something is close by;
- * what is said then is what the dense matrix of all periods says. */
-static void one_period(void **state)
+/* A multiplication by three or more needs one period of its orbit, unless something is close by:
+ * `share` percent are told. What is said then is what the dense matrix of all periods says. */
+static void tell(const char *text, int share)
 {
-    (void)state;
     ric_study *study = NULL;
     int all = 0, told = 0, checked = 0;
-    assert_int_equal(ric_study_parse(TWO_MASSES
-                                     "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 6, "
-                                     "depth: 2, multiply: 5}\n",
-                                     "test", ".", &study),
-                     RIC_OK);
+    assert_int_equal(ric_study_parse(text, "test", ".", &study), RIC_OK);
     ric_graph *graph = explored_graph(study);
     for (int i = 0; i < graph->n_node; i++) {
         const ric_node *node = graph->nodes[i];
@@ -252,9 +247,22 @@ static void one_period(void **state)
         checked += check_dense(graph->model, node, 3, 3);
     }
     printf("# %d multiplications, %d of them told by one period, %d checked\n", all, told, checked);
-    assert_true(told > 20 && 10 * told >= 8 * all && checked >= 20);
+    assert_true(told > 20 && 100 * told >= share * all && checked >= 20);
     ric_graph_free(graph);
     ric_study_free(study);
+}
+
+/* Of the longer ones some lie close to another; five within 1e-13 of E beside a fold, where more
+ * than three roots are near. */
+static void one_period(void **state)
+{
+    (void)state;
+    tell(TWO_MASSES
+         "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 6, depth: 2, multiply: 5}\n",
+         98);
+    tell(TWO_MASSES
+         "explore: {energy: [0, 4], frequency: [0.2, 10], impacts: 11, depth: 3, multiply: 7}\n",
+         93);
 }
 
 /* Bilinear and power law: the same structure with springs. */
