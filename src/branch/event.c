@@ -15,8 +15,6 @@
 /* How far the sign of a factor that was never seen may come out of rounding in one step, over the
  * least that is seen. */
 #define EMERGED 100
-/* Looks for a better place of an arrival: on sharp turns the zero of the determinant is off. */
-#define ASIDE_STEPS 12
 /* Of the size: the start of a closed branch again. */
 #define SAME_PLACE 1e-8
 /* The same at a branch point, of the step over it: the cubic is off by its fourth power, and
@@ -25,12 +23,6 @@
 /* Attempts to place a step over it well: the secant has settled by then, or the determinant only
  * touches zero. */
 #define APPROACHES 4
-/* What may keep two branches apart (ric_branch_point_gap) that cross: rounding. */
-#define CROSSED 1e-11
-#define FLAT 4 /* periods of a multiplication from which on its order is none below four */
-/* dE/ds at a multiplication, of that at 1/2 RIC_CROSSING beside it, below which it counts as zero.
- */
-#define ON_SLOPE 0.02
 
 /* POLE: of 1, its largest value: the test of a resonance that is above it where it has changed its
  * sign has no zero there; lambda + 1/lambda went through infinity, or rounding made it jump */
@@ -38,7 +30,6 @@
 #define RATIO_NEAREST 20 /* of the first distance from there that is looked at, at most */
 /* PASSES: looks at one step, the later ones with the events of the one before among the points */
 #define PASSES 4
-#define BRIDGED 6 /* pieces of a step over a branch point */
 /* NEAREST: distance from an end with poles, of the size of the orbit, up to which events are looked
  * for: nearer by orbits are known to rounding over the distance */
 #define NEAREST 1e-7
@@ -48,17 +39,12 @@
 #define SHORT_OF 1e-12
 #define SHORTENED 8 /* times that an end is taken back before its touch */
 
-static const unsigned terminal = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH |
-                                 1u << RIC_TEST_FLIGHT | 1u << RIC_TEST_E_MAX |
-                                 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN;
 /* What ghosts are allowed to do: gaps are penetrated, impacts have the wrong direction. Where the
  * speed of one of them passes through zero the singular functions change sign without a zero. */
 static const unsigned free_of_ghosts = 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH |
                                        1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
-/* Functions that vanish at an extremum. */
-static const unsigned extrema = 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
 
-static bool watched(const ric_continuation *tr, int test)
+bool ric_event_watched(const ric_continuation *tr, int test)
 {
     if (tr->ignore & 1u << test) return false;
     /* short of an orbit of fewer periods the determinant is rounding, and its zero nothing that
@@ -73,7 +59,7 @@ static double crossing_ahead(const ric_continuation *tr, double h)
 {
     double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET],
            x = h * fa / (fa - fb);
-    return watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 &&
+    return ric_event_watched(tr, RIC_TEST_DET) && !tr->avoided && x > 0 &&
                    x < h + RIC_CROSSING / 4 * tr->chain->scale
                ? x
                : HUGE_VAL;
@@ -87,7 +73,8 @@ static bool emerges_late(const ric_continuation *tr)
     for (int i = 0; i < 3; i++) {
         int test = RIC_TEST_A + i;
         bool lost = tr->definite[test] == 0 && tr->past.test[test] == 0 && tr->now.test[test] == 0;
-        if (watched(tr, test) && lost && fabs(tr->next.test[test]) > EMERGED * tr->now.hidden[i])
+        if (ric_event_watched(tr, test) && lost &&
+            fabs(tr->next.test[test]) > EMERGED * tr->now.hidden[i])
             return true;
     }
     return false;
@@ -301,10 +288,11 @@ static ric_status find_roots(ric_continuation *tr, unsigned which, double h, roo
  * do not end a branch are looked at right behind it. */
 static unsigned seen_in(const ric_continuation *tr, unsigned which)
 {
-    unsigned seen = 0, inside = EVENT_SINGULAR | extrema;
+    unsigned seen = 0, inside = EVENT_SINGULAR | EVENT_EXTREMA;
     for (int i = 0; i < RIC_N_TEST; i++) {
         bool ghost = tr->limits->ghost && free_of_ghosts & 1u << i;
-        if (which & 1u << i && (watched(tr, i) || (inside & tr->ignore & 1u << i && !ghost)))
+        if (which & 1u << i &&
+            (ric_event_watched(tr, i) || (inside & tr->ignore & 1u << i && !ghost)))
             seen |= 1u << i;
     }
     return seen;
@@ -401,157 +389,6 @@ static ric_status sample(ric_continuation *tr, unsigned which, int test, double 
     return status ? status : ric_event_samples_probe(tr, which, h);
 }
 
-/* ------------------------------------------------------- over a branch point */
-
-/* Whether a branch comes to a corner of orbits that are their own image there: the family on which
- * both contacts stay together crosses. */
-static bool meets_corner(const ric_continuation *tr, const ric_event_bridge *q, double h,
-                         double *at)
-{
-    if (tr->limits->ghost || !watched(tr, RIC_TEST_FLIGHT) ||
-        !(q->test[0][RIC_TEST_FLIGHT] * q->test[3][RIC_TEST_FLIGHT] < 0))
-        return false;
-    double x = ric_event_bridge_root(tr, q, RIC_TEST_FLIGHT, q->x[0], q->x[3],
-                                     q->test[0][RIC_TEST_FLIGHT], NAN);
-    if (x > *at + 0.05 * h) return false;
-    *at = x;
-    return true;
-}
-
-/* Where resonance k is passed up to distance `to` in a step over a branch point at `at`, looked at
- * between the points that are known: multipliers may go to and fro beside it. Room for BRIDGED
- * places; returns their number. */
-static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q, int k, double at,
-                           double to, double h, ric_event_root *out)
-{
-    int test = RIC_N_TEST + k, n = 0;
-    double from = 0, before = ric_event_value(tr, test, &tr->now);
-    double place[BRIDGED] = {q->x[0], q->x[1], at, q->x[2], q->x[3], h};
-    for (int i = 0; i < BRIDGED; i++) {
-        double x = place[i];
-        if (x <= from || x > h) continue;
-        double value = x == h ? ric_event_value(tr, test, &tr->next)
-                              : ric_event_bridge_test(tr, q, test, x);
-        if (before * value < 0) {
-            double root_at = ric_event_bridge_root(tr, q, test, from, x, before, NAN);
-            if (root_at < to || to == h) out[n++] = (ric_event_root){test, root_at};
-        }
-        from = x;
-        before = value;
-    }
-    return n;
-}
-
-/* Whether the branch meets an image of its own, by `kept`, where the determinant vanishes, or
- * beside it: a zero read off cubics lies aside of the middle between the orbit there and its image.
- * *at and tr->mid are moved to it. */
-static bool at_image(ric_continuation *tr, const ric_event_bridge *q, double h,
-                     bool (*kept)(const ric_continuation *, const ric_crossed *, double *),
-                     double *at)
-{
-    const double from = *at;
-    /* a neighbour on the side where there is more room: close by it is lost in rounding */
-    const int size = tr->chain->n_unknown, far = from - q->x[0] > q->x[3] - from ? 0 : 3;
-    const ric_crossed place = {tr->mid.u, q->u + far * size, q->u + (3 - far) * size};
-    for (int i = 0; i < ASIDE_STEPS; i++) {
-        double aside;
-        if (kept(tr, &place, &aside)) return true;
-        const double x = *at + aside * (q->x[far] - *at);
-        if (x == *at || !(x > q->x[0] && x < q->x[3])) break;
-        ric_event_bridge_station(tr, q, *at = x, h, &tr->mid);
-    }
-    if (*at != from) ric_event_bridge_station(tr, q, *at = from, h, &tr->mid);
-    return false;
-}
-
-/* Where a branch meets its own image, and at a multiplication of order 4 and more, dE/ds and dT/ds
- * vanish with the determinant: that zero belongs to the one junction, and beyond it the other sign
- * is the one to expect. A family of order 3 passes on a slope; its extremum lies aside and is a
- * junction of its own. Of fewer than four periods the order is not known, as it may be that of half
- * a period: there the slope tells. */
-static bool is_level(ric_continuation *tr, ric_event_bridge *q, double at)
-{
-    const double ends = fmax(fabs(q->test[0][RIC_TEST_SLOPE]), fabs(q->test[3][RIC_TEST_SLOPE]));
-    return fabs(ric_event_bridge_test(tr, q, RIC_TEST_SLOPE, at)) < ON_SLOPE * ends;
-}
-
-/* The zeros of a step become events in the order in which the branch meets them. */
-static ric_status keep_roots(ric_continuation *tr, ric_event_bridge *q, double h,
-                             ric_event_root *roots, int n)
-{
-    ric_status status = RIC_OK;
-    qsort(roots, (size_t)n, sizeof *roots, ric_event_by_place);
-    for (int i = 0; i < n && !status; i++) {
-        ric_event_bridge_station(tr, q, roots[i].x, h, &tr->mid);
-        status = ric_event_keep(tr, roots[i].test, &tr->mid);
-    }
-    return status;
-}
-
-/* A step over a branch point (shorter than RIC_CROSSING): every inner function from the cubics.
- * *end_test: why the branch ends there, at *end: DET where it meets its own image, FLIGHT at a
- * corner; -1 if it goes on. */
-static ric_status cross(ric_continuation *tr, double h, int *end_test, double *end, bool *retry)
-{
-    ric_event_bridge q;
-    ric_event_root roots[RIC_N_TEST + BRIDGED * tr->n_resonance];
-    int n = 0, first = tr->n_event;
-    ric_status status = ric_event_bridge_build(tr, h, &q);
-    *end_test = -1;
-    if ((*retry = status == RIC_E_NUMERIC && tr->avoided)) return RIC_OK;
-    if (status) return status;
-    double at = ric_event_bridge_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET],
-                                      NAN);
-    if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
-    ric_event_bridge_station(tr, &q, at, h, &tr->mid);
-    if (*end_test < 0 && at_image(tr, &q, h, ric_symmetric_end_meets, &at))
-        *end_test = RIC_TEST_DET;
-    const int times = ric_symmetric_end_repeats(tr, tr->mid.u);
-    const bool arrived = *end_test >= 0, repeated = times > 1, level = times >= FLAT && !arrived;
-    if (arrived) *end = at;
-    /* the determinant has a zero of higher order there, which cubics place badly; the slope has a
-     * simple one */
-    if (level && q.test[0][RIC_TEST_SLOPE] * q.test[3][RIC_TEST_SLOPE] < 0) {
-        at = ric_event_bridge_root(tr, &q, RIC_TEST_SLOPE, q.x[0], q.x[3],
-                                   q.test[0][RIC_TEST_SLOPE], NAN);
-        ric_event_bridge_station(tr, &q, at, h, &tr->mid);
-    }
-    /* two branches that only come close: the step has changed from one to the other */
-    if (!arrived && !repeated && !(ric_branch_point_gap(tr->chain, tr->mid.u) < CROSSED)) {
-        free(q.u);
-        tr->avoided = *retry = true;
-        return RIC_OK;
-    }
-    bool image = !arrived && at_image(tr, &q, h, ric_symmetric_end_passes, &at);
-    bool flat = arrived || image || level || (repeated && is_level(tr, &q, at));
-    for (int i = 0; i < RIC_N_TEST; i++) {
-        double before = tr->now.test[i] != 0 ? tr->now.test[i] : tr->definite[i],
-               after = tr->next.test[i];
-        if ((terminal & 1u << i) || !watched(tr, i)) continue;
-        bool shared = flat && (extrema & 1u << i);
-        if (shared) before = tr->definite[i] = -before;
-        /* at a duplicate the kernels of all symmetries open at once, like high powers of the
-         * distance */
-        if ((EVENT_SINGULAR & 1u << i) && (arrived || image || repeated)) continue;
-        if (!(before * after < 0)) continue;
-        double x = i == RIC_TEST_DET
-                       ? at
-                       : ric_event_bridge_root(tr, &q, i, 0, h, before, shared ? at : NAN);
-        if (arrived && x >= at) continue;
-        roots[n++] = (ric_event_root){i, x};
-    }
-    for (int k = 0; k < tr->n_resonance; k++)
-        n += cross_resonance(tr, &q, k, at, arrived ? at : h, h, roots + n);
-    status = keep_roots(tr, &q, h, roots, n);
-    if (!status) status = ric_event_asked_cross(tr, first, arrived ? at : h, h);
-    for (int i = 0; i < RIC_N_TEST; i++) /* no sign is expected */
-        if ((image || repeated) && (EVENT_SINGULAR & 1u << i))
-            tr->definite[i] = tr->next.test[i] = 0;
-    if (arrived && !status) ric_event_bridge_station(tr, &q, at, h, &tr->mid);
-    free(q.u);
-    return status;
-}
-
 /* The length on which some pair is lost in rounding; on the way to an end where functions have
  * poles this is no news nearer than NEAREST. */
 static double lost_length(const ric_continuation *tr)
@@ -593,7 +430,7 @@ static ric_status inner_events(ric_continuation *tr, double h, int test, double 
     ric_event_root roots[most + RIC_EVENT_STRETCHES * tr->limits->n_asked];
     root_list list = {.capacity = most, .root = roots};
     bool good;
-    unsigned inner = seen_in(tr, ~terminal & ((1u << RIC_N_TEST) - 1));
+    unsigned inner = seen_in(tr, ~EVENT_TERMINAL & ((1u << RIC_N_TEST) - 1));
     ric_status status = sample(tr, inner, test, to, h);
     *retry = tr->samples.n < tr->samples.now + 2;
     if (!status && !*retry) status = find_inside(tr, inner, h, &list, retry);
@@ -675,15 +512,15 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
     double end;
     tr->solved.n = 0;
     bool good, crossed = tr->now.test[RIC_TEST_DET] * tr->next.test[RIC_TEST_DET] < 0 &&
-                         watched(tr, RIC_TEST_DET);
+                         ric_event_watched(tr, RIC_TEST_DET);
     if ((*retry = approach_crossing(tr, h))) return RIC_OK;
     double home[tr->chain->n_unknown], s;
     bool closed = closes(tr, h, home, &s);
     /* a corner next to a branch point is read off cubics with it: close by nothing can be solved */
     double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
     unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0
-                         ? terminal & ~(1u << RIC_TEST_FLIGHT)
-                         : terminal;
+                         ? EVENT_TERMINAL & ~(1u << RIC_TEST_FLIGHT)
+                         : EVENT_TERMINAL;
     ric_event_samples_begin(tr, h);
     ric_status status = find_end(tr, which, h, &test, &end, retry);
     if (status || *retry) return status;
@@ -692,7 +529,7 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
         crossed = tr->now.test[RIC_TEST_DET] * tr->mid.test[RIC_TEST_DET] < 0;
     }
     int read = -1; /* the end, read off cubics */
-    if (crossed) status = cross(tr, h, &read, &end, retry);
+    if (crossed) status = ric_event_cross(tr, h, &read, &end, retry);
     else status = inner_events(tr, h, test, end, retry);
     if (status || *retry) return status;
     if (test < 0 && !closed && read < 0) return RIC_OK;

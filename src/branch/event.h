@@ -4,8 +4,8 @@
 
 #include "continuation.h"
 
-/* Whether a test function may have two zeros between now and next: the parabola through the last
- * three points has its extremum there and comes close to zero. The step is then halved. */
+/* Whether a factor whose sign was lost in rounding comes out of it so late on this step that a zero
+ * may lie before. The step is then shortened. */
 bool ric_event_suspicious(const ric_continuation *trace, double h);
 
 /* Keeps a station as an interior event; ends the branch at one where it meets an orbit of fewer

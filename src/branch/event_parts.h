@@ -1,5 +1,5 @@
-/* Between event.c and event_locate.c: places within a step from `now` to `next`, of length h, by
- * their distance x from `now`. */
+/* Between event.c and the other files of events: places within a step from `now` to `next`, of
+ * length h, by their distance x from `now`. */
 #ifndef RIC_BRANCH_EVENT_PARTS_H
 #define RIC_BRANCH_EVENT_PARTS_H
 
@@ -7,10 +7,14 @@
 
 /* Factors of the map, which grows without bound where an impact loses its speed. */
 #define EVENT_SINGULAR (1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D)
-/* A step over a zero of the bordered determinant is made this short (of the size of the orbit)
- * first. Two branches meet there: at distance x the orbit is known across them only to rounding /
- * x, so nothing is solved close by; the crossing is read off a cubic through four points at good
- * distance, and the junction is solved on its own equations later: RIC_CROSSING. */
+/* Functions that end a branch. */
+#define EVENT_TERMINAL                                                                             \
+    (1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH | 1u << RIC_TEST_FLIGHT |                      \
+     1u << RIC_TEST_E_MAX | 1u << RIC_TEST_E_MIN | 1u << RIC_TEST_F_MAX | 1u << RIC_TEST_F_MIN)
+/* Functions that vanish at an extremum. */
+#define EVENT_EXTREMA (1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD)
+/* Whether a test is looked at on this step. */
+bool ric_event_watched(const ric_continuation *trace, int test);
 
 /* The unknowns [n_unknown] on the cubic through now and next. */
 void ric_event_cubic(const ric_continuation *trace, double x, double h, double *u);
@@ -83,6 +87,14 @@ ric_status ric_event_asked_find(ric_continuation *trace, bool solve, double to, 
  * `first`. */
 ric_status ric_event_asked_cross(ric_continuation *trace, int first, double to, double h);
 
+/* A step over a zero of the bordered determinant, which is made short first, RIC_CROSSING of the
+ * size of the orbit. Two branches meet there: at distance x the orbit is known across them only to
+ * rounding / x, so nothing is solved close by; every inner event is read off cubics through four
+ * points at good distance, and the junctions are solved on their own equations later (node_solve.c
+ * of junction). *end_test: why the branch ends there, at *end: DET where it meets its own image,
+ * FLIGHT at a corner; -1 if it goes on. */
+ric_status ric_event_cross(ric_continuation *trace, double h, int *end_test, double *end,
+                           bool *retry);
 /* A step over a branch point: four points of it, and the cubics through them. free(u). */
 typedef struct {
     double x[4], test[4][RIC_N_TEST];
