@@ -695,7 +695,7 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
     if ((status = look_ahead(tr, &h, &over, done)) || over) return status;
     for (;;) {
         ric_course way = {0};
-        bool good = ric_continuation_reach(tr, h, &way);
+        bool good = ric_continuation_try(tr, h, &way);
         tr->evaluations += way.iterations + 1;
         good = good && !symmetric_after_all(tr->chain) &&
                !(tr->may_gain && ric_symmetric_end_gains(tr->chain, tr->next.u));

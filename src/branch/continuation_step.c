@@ -66,7 +66,7 @@ static double angle_between(int size, const double *a, const double *b, double n
     return acos(fmin(1, ric_dot(size, a, b) / norm));
 }
 
-bool ric_continuation_reach(ric_continuation *tr, double h, ric_course *out)
+bool ric_continuation_try(ric_continuation *tr, double h, ric_course *out)
 {
     ric_shooting *c = tr->chain;
     int size = c->n_unknown;

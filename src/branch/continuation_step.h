@@ -14,7 +14,7 @@ typedef struct {
 } ric_course;
 
 /* Solves for `next` at distance h, its place, its tangent. False: no convergence. */
-bool ric_continuation_reach(ric_continuation *trace, double h, ric_course *out);
+bool ric_continuation_try(ric_continuation *trace, double h, ric_course *out);
 /* Whether the step has kept to its branch, by what is seen of its course. The direction of the
  * first step may be a guess, off the tangent by more than any bend. */
 bool ric_continuation_stays(const ric_continuation *trace, const ric_course *way);

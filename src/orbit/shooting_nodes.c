@@ -1,4 +1,5 @@
 #include "shooting_nodes.h"
+#include "shooting_parts.h"
 
 #include <stdlib.h>
 
