@@ -271,8 +271,10 @@ static bool solve_criterion(ric_criterion_work *q, double *u)
     if (!by_determinant) /* an extremum, unless the secant has led away from it */
         return (q->test != RIC_TEST_SLOPE && q->test != RIC_TEST_PERIOD) ||
                least <= fmax(PLACED * c->scale * slope, ric_continuation_blur(c, q->test));
+    /* the bound of the rounding may be less than what the secant leaves */
     bool blurred = ric_flight_law_of(c->model)->integrated &&
-                   ric_criterion_breaks_symmetry(q->test) && !(q->noise <= FINE * c->scale * slope);
+                   ric_criterion_breaks_symmetry(q->test) &&
+                   !(fmax(q->noise, least) <= FINE * c->scale * slope);
     if (blurred) return !q->last || solve_finely(q, u);
     if (!(least <= AT_ZERO * c->scale * slope)) return false;
     const bool told = q->test == RIC_TEST_ROTATION || !ric_flight_law_of(c->model)->integrated;

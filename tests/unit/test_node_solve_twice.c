@@ -11,6 +11,7 @@
 
 #include "explored.h"
 #include "sample.h"
+#include "junction/node_solve.h"
 #include "junction/node_solve_twice.h"
 #include "branch/continuation.h"
 
@@ -143,10 +144,93 @@ static void seen_when_it_emerges(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Energy of the branch point that is found from an orbit at `aside` of its size along the branch of
+ * u; 0: none. */
+static double found_from(const ric_model *m, ric_shooting *c, const double *u, double aside,
+                         int test)
+{
+    enum { SIZE = 4 };
+    double t[SIZE], du[SIZE], from[SIZE];
+    int iterations;
+    assert_int_equal(c->n_unknown, SIZE);
+    ric_shooting_evaluate(c, u);
+    ric_continuation_tangent(c, NULL, t);
+    for (int i = 0; i < SIZE; i++) from[i] = u[i] + aside * c->scale * t[i];
+    assert_true(ric_continuation_correct(c, from, u, t, aside * c->scale, du, &iterations));
+    ric_periodic *source = ric_periodic_from_chain(c, from),
+                 *found = ric_node_solve(m, source, (ric_criterion){.test = test}, NULL);
+    const double energy = found ? ric_periodic_energy(m, found) : 0;
+    ric_periodic_free(found);
+    ric_periodic_free(source);
+    return energy;
+}
+
+/* Three masses, power 11, and one of its orbits from the centre to rest. */
+typedef struct {
+    ric_study *study;
+    ric_graph *graph;
+    ric_shooting *c;
+    double u[4];
+} three_masses;
+
+static void three_masses_create(const double *velocity, double period, three_masses *out)
+{
+    static const int none[] = {-1, -1};
+    const double x[3] = {0};
+    double w[6];
+    *out = (three_masses){0};
+    if (ric_study_parse("model:\n  mass: [[1.21875, 0.125, -0.203125], [0.125, 2.0625, -0.25], "
+                        "[-0.203125, -0.25, 2.328125]]\n  stiffness: [[3.75, -1.75, 0.5], "
+                        "[-1.75, 4.875, -2.5], [0.5, -2.5, 6.1875]]\n  contacts: [{normal: "
+                        "[0, 1, 0], law: power, exponent: 11, length: 0.00176, reference: "
+                        "0.7264}]\nexplore: {energy: [0, 470000], frequency: [0.2199, 6.552]}\n",
+                        "three masses", ".", &out->study) ||
+        ric_graph_create(out->study, NULL, &out->graph) ||
+        ric_shooting_create(out->graph->model, RIC_MIRROR_CENTRE, RIC_MIRROR_REST, 1, 1, none,
+                            &out->c))
+        fail_msg("%s", ric_detail());
+    ric_model_from_state(out->graph->model, x, velocity, w);
+    memcpy(out->u, w + 3, 3 * sizeof *w);
+    out->u[3] = period * out->graph->model->omega_ref / out->c->multiple;
+    ric_shooting_evaluate(out->c, out->u);
+}
+
+static void three_masses_free(three_masses *s)
+{
+    ric_shooting_free(s->c);
+    ric_graph_free(s->graph);
+    ric_study_free(s->study);
+}
+
+/* The bound of the rounding of this determinant is a thousandth of what the secant leaves of it,
+ * and its slope is flat: double precision knows the place to 3e-8. */
+static void same_from_beside(void **state)
+{
+    static const double velocity[] = {-368.1433490816657, 33.19568172403751, -196.12382205901469},
+                        aside[] = {-1e-6, 1e-7, 3e-7, 1e-6};
+    three_masses s;
+    int kinds = 0;
+    (void)state;
+    three_masses_create(velocity, 3.296186780159428, &s);
+    for (int test = RIC_TEST_A; test < RIC_TEST_A + 3; test++) {
+        const double first = found_from(s.graph->model, s.c, s.u, aside[0], test);
+        if (first == 0) continue;
+        kinds++;
+        for (int i = 1; i < 4; i++) {
+            const double off = found_from(s.graph->model, s.c, s.u, aside[i], test) / first - 1;
+            print_message("# test %d, %g beside: %.3g\n", test, aside[i], off);
+            assert_true(fabs(off) < 1e-12);
+        }
+    }
+    assert_int_equal(kinds, 1);
+    three_masses_free(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_double),
                                        cmocka_unit_test(same_from_everywhere),
-                                       cmocka_unit_test(seen_when_it_emerges)};
+                                       cmocka_unit_test(seen_when_it_emerges),
+                                       cmocka_unit_test(same_from_beside)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
