@@ -39,6 +39,11 @@
  * value, from which on a slope is clear of its error */
 #define UNCLEAR 1e6
 #define PLAIN 100
+/* DIM, BLIND: bounds by the smallest pivot, in radians, between which slopes that are less are
+ * looked at, too: smaller ones leave an extremum its place, and where they are larger branches are
+ * hardly told apart */
+#define DIM 1e-6
+#define BLIND 1
 /* TURNED: radians by which rounding turns the kernel vector, from which on no slope is known */
 #define TURNED 0.01
 /* SURELY: of a lower bound of the second singular value: nothing that rounding makes of it is less
@@ -98,36 +103,59 @@ bool ric_continuation_move(const ric_shooting *c, const double *u, double *out)
     return far <= ric_continuation_beside(c);
 }
 
+/* How a slope changes between u and orbits that are the same but for rounding, at off along v to
+ * either side, and how far the kernel vector t turns to there, in radians. */
+typedef struct {
+    double change, turn;
+} beside;
+
+static beside measure_beside(ric_shooting *c, const double *u, const double *t, int test,
+                             double off, const double *v)
+{
+    const int size = c->n_unknown;
+    const double here = ric_continuation_slope(c, test, t);
+    double w[size], other[size];
+    beside most = {0};
+    for (int side = -1; side <= 1; side += 2) {
+        for (int i = 0; i < size; i++) w[i] = u[i] + side * off * v[i];
+        ric_shooting_evaluate(c, w);
+        ric_continuation_tangent(c, t, other);
+        const double change = fabs(ric_continuation_slope(c, test, other) - here),
+                     along = ric_dot(size, t, other);
+        for (int i = 0; i < size; i++) other[i] -= along * t[i];
+        const double turn = atan2(sqrt(ric_dot(size, other, other)), along);
+        most.change = fmax(most.change, isfinite(change) ? change : HUGE_VAL);
+        most.turn = fmax(most.turn, isfinite(turn) ? turn : HUGE_VAL);
+    }
+    ric_shooting_evaluate(c, u);
+    return most;
+}
+
 /* Beside a branch point the kernel vector t mixes with the direction v of the second smallest
  * singular value: by rounding / sigma, and by the distance rounding / sigma, towards the other
  * branch, at which the orbit is, over that from the branch point, of which sigma is a measure. The
  * slope is off by that times the slope along v. The smallest pivot may be 10^4 times sigma, and the
  * slope along v changes within that distance: where the bound by the pivot is not clear of the
- * slope, what it is off by is measured. */
+ * slope, what it is off by is measured. Where frequencies are nearly equal sigma is small all along
+ * a branch, and no measure of a distance: whether t turns is measured, too. */
 double ric_continuation_slope_error(ric_shooting *c, const double *u, const double *t, int test,
                                     double slope)
 {
-    const int size = c->n_unknown;
-    const double pivot = ric_continuation_blur(c, test);
-    double plane[2 * size], second, v[size], other[size], error = pivot;
-    if (!(fabs(slope) > pivot && fabs(slope) < UNCLEAR * pivot)) return pivot;
+    const double pivot = ric_continuation_blur(c, test), slant = fabs(slope);
+    const bool clear = slant > pivot;
+    double plane[2 * c->n_unknown], second;
+    if (!(clear ? slant < UNCLEAR * pivot : pivot > DIM && pivot < BLIND)) return pivot;
     const double left = fmax(c->residual, LEFT * ric_continuation_tolerance(c) / (1 + c->stiff)),
-                 least = SURELY * ric_shooting_least(c);
-    if (fabs(slope) > PLAIN * left / least * (1 + 1 / least)) return pivot;
+                 least = SURELY * ric_shooting_least(c),
+                 plain = PLAIN * left / least * (1 + 1 / least);
+    if (slant > plain) return plain;
     if (!ric_shooting_plane(c, plane, &second)) return HUGE_VAL;
-    const double most = left / second * (1 + 1 / second), off = left * c->scale / second;
-    if (fabs(slope) > PLAIN * most) return pivot;
-    if (most > TURNED) return HUGE_VAL;
-    const double here = ric_continuation_slope(c, test, t);
-    for (int side = -1; side <= 1; side += 2) {
-        for (int i = 0; i < size; i++) v[i] = u[i] + side * off * plane[i];
-        ric_shooting_evaluate(c, v);
-        ric_continuation_tangent(c, t, other);
-        const double change = fabs(ric_continuation_slope(c, test, other) - here);
-        error = change <= error ? error : change;
-    }
-    ric_shooting_evaluate(c, u);
-    return error;
+    const double mixed = left / second, most = mixed * (1 + 1 / second);
+    if (slant > PLAIN * most) return PLAIN * most;
+    if (!(mixed <= TURNED)) return HUGE_VAL;
+    const beside seen = measure_beside(c, u, t, test, mixed * c->scale, plane);
+    if (clear && most <= TURNED) return seen.change;
+    return RIC_MEASURED * seen.turn <= TURNED ? RIC_MEASURED * (seen.change + mixed) : HUGE_VAL;
 }
 
 /* How far the nearest of the pairs `rho` [2 count] is from one. */

@@ -23,6 +23,8 @@
 #define NARROWEST 1e-10 /* of the size: shorter branches are none */
 /* STRAIGHT: part of its ends by which a function may be off a straight line that passes zero */
 #define STRAIGHT 0.2
+/* STEP: times the bound of its rounding by which a function is off zero on either side */
+#define STEP 100
 /* AT_ROOT: distance of lambda + 1/lambda from the root of unity of a multiplication, beside its
  * error */
 #define AT_ROOT 1e-6
@@ -115,17 +117,28 @@ static bool goes_on(ric_shooting *c, const double *u, const double *normal, doub
     return true;
 }
 
+/* Whether f [4] changes its sign at u, and is more than `least` on either side. */
+static bool changes(const double *f, double least)
+{
+    const double sign = f[0] < 0 ? -1 : 1, before = fmin(sign * f[0], sign * f[1]),
+                 behind = fmin(-sign * f[2], -sign * f[3]);
+    return fmin(before, behind) > least;
+}
+
 /* Whether the function is any line beside u: on a branch of one period its slope is rounding, of
- * which a bound tells little. It is looked at in two distances, smaller ones beside an end. */
+ * which a bound tells little. It is looked at in two distances, smaller ones beside an end, and
+ * where a branch turns within less, so that the function is a step of more than rounding. */
 static bool inclines(ric_criterion_work *q, const double *u, const double *normal)
 {
+    const double rounding = STEP * ric_continuation_blur(q->chain, q->test);
     double f[4], slope, noise;
+    bool step = false;
     int looked = 0;
-    for (double h = BESIDE; h >= NARROWEST && looked < 2; h /= 10) {
+    for (double h = BESIDE; h >= NARROWEST && (looked < 2 || step); h /= 10) {
         const double size = h * q->chain->scale;
-        if (around(q, u, normal, size, f, &noise) &&
-            straight(f, (f[0] + f[1] + f[2] + f[3]) / 4, &slope))
-            return true;
+        const bool seen = around(q, u, normal, size, f, &noise);
+        if (seen && straight(f, (f[0] + f[1] + f[2] + f[3]) / 4, &slope)) return true;
+        step = seen && changes(f, rounding);
         looked += goes_on(q->chain, u, normal, size);
     }
     return false;

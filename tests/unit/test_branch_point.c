@@ -492,6 +492,83 @@ static void no_extremum_of_rounding(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Five masses with two frequencies 4e-8 apart: the equations are nearly singular all along
+ * A1(2)[1].
+ */
+static const double near_mass[5][5] = {{1.734375, -0.1875, 0.484375, 0.140625, -0.109375},
+                                       {-0.1875, 1.9375, -0.5, -0.25, 0.09375},
+                                       {0.484375, -0.5, 2.78125, 0.1875, -0.3125},
+                                       {0.140625, -0.25, 0.1875, 1.90625, 0.09375},
+                                       {-0.109375, 0.09375, -0.3125, 0.09375, 1.671875}},
+                    near_stiffness[5][5] =
+                        {{2164511.6328147063, -1867693.1169234856, 1195083.5693259488,
+                          2497092.6964169564, -36743.220125902015},
+                         {-1867693.1169234856, 5366947.632095278, -3333958.0770433266,
+                          -2582784.464122732, 1172906.8854422104},
+                         {1195083.5693259488, -3333958.0770433266, 4562145.287692939,
+                          1554945.265796546, -2395479.742759571},
+                         {2497092.6964169564, -2582784.464122732, 1554945.265796546,
+                          3980368.240235615, 11414.518819623105},
+                         {-36743.220125902015, 1172906.8854422104, -2395479.742759571,
+                          11414.518819623105, 2168635.305253825}},
+                    near_normal[3][5] = {{0, -1, 1, 0, 0}, {0, 0, 0, 0, 1}, {-1, 1, 0, 0, 0}};
+
+/* A list of numbers, in another order of the coordinates if `turned`. */
+static char *put_list(char *at, const char *before, const double *list, bool turned)
+{
+    at += sprintf(at, "%s[", before);
+    for (int i = 0; i < 5; i++)
+        at += sprintf(at, "%s%.17g", i ? ", " : "", list[turned ? 4 - i : i]);
+    return at + sprintf(at, "]");
+}
+
+static char *put_matrix(char *at, const char *before, const double (*matrix)[5], bool turned)
+{
+    at += sprintf(at, "%s", before);
+    for (int i = 0; i < 5; i++)
+        at = put_list(at, i ? ", " : "[", matrix[turned ? 4 - i : i], turned);
+    return at + sprintf(at, "]");
+}
+
+static ric_atlas *explore_near_frequencies(bool turned, double max_step)
+{
+    static const char *const contact[] = {"law: rigid, clearance: 1.44, sides: upper",
+                                          "law: bilinear, clearance: 0.00144, sides: lower, "
+                                          "stiffness: 732900",
+                                          "law: rigid, clearance: 1.43, sides: both"};
+    char text[4000], *at = put_matrix(text, "model:\n  mass: ", near_mass, turned);
+    at = put_matrix(at, "\n  stiffness: ", near_stiffness, turned);
+    at += sprintf(at, "\n  contacts:");
+    for (int i = 0; i < 3; i++) {
+        at = put_list(at, "\n    - {normal: ", near_normal[i], turned);
+        at += sprintf(at, ", %s}", contact[i]);
+    }
+    sprintf(at, "\nexplore: {start: modes, energy: [0, 3.753], frequency: [100, 6000], impacts: 5, "
+                "multiply: 3, depth: 1}\n");
+    return explore_text_with(text, NULL, max_step);
+}
+
+/* Its energy has a least and a largest value, with slopes that are clear of what rounding makes of
+ * the direction. */
+static void extrema_of_near_frequencies(void **state)
+{
+    static const double steps[] = {0.009, 0.03, 0.09}, at[] = {0.434345930029, 1.35263417224};
+    (void)state;
+    for (int run = 0; run < 6; run++) {
+        ric_atlas *atlas = explore_near_frequencies(run % 2, steps[run / 2]);
+        int found = 0;
+        for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+            const ric_junction j = junction_of(atlas, id);
+            if (j.kind != RIC_KIND_EXTREMUM) continue;
+            print_message("# step %g: %s at E %.15g\n", steps[run / 2], j.label, j.energy);
+            assert_true(found < 2 && fabs(j.energy / at[found] - 1) < 1e-10);
+            found++;
+        }
+        assert_int_equal(found, 2);
+        ric_atlas_free(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right),
@@ -501,6 +578,7 @@ int main(void)
                                        cmocka_unit_test(faint_modes_together),
                                        cmocka_unit_test(an_end_before_the_last_point),
                                        cmocka_unit_test(slopes_beside),
-                                       cmocka_unit_test(no_extremum_of_rounding)};
+                                       cmocka_unit_test(no_extremum_of_rounding),
+                                       cmocka_unit_test(extrema_of_near_frequencies)};
     return cmocka_run_group_tests_name("crossing", tests, NULL, NULL);
 }

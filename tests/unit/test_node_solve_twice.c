@@ -226,11 +226,26 @@ static void same_from_beside(void **state)
     three_masses_free(&s);
 }
 
+/* The energy has a largest value within 1e-5 of the size, outside of which its slope is 1 or -1:
+ * that is no rounding. */
+static void turns_at_once(void **state)
+{
+    static const double velocity[] = {207.45399707857464, -1.474672550562928, -218.36018321706018};
+    three_masses s;
+    (void)state;
+    three_masses_create(velocity, 4.178969135119806, &s);
+    ric_periodic *orbit = ric_periodic_from_chain(s.c, s.u);
+    assert_true(ric_node_solve_sharp(s.graph->model, orbit, RIC_TEST_SLOPE));
+    ric_periodic_free(orbit);
+    three_masses_free(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_double),
                                        cmocka_unit_test(same_from_everywhere),
                                        cmocka_unit_test(seen_when_it_emerges),
-                                       cmocka_unit_test(same_from_beside)};
+                                       cmocka_unit_test(same_from_beside),
+                                       cmocka_unit_test(turns_at_once)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
