@@ -20,6 +20,9 @@
 #define EQUAL 1e-11
 /* ROUNDINGS: of omega^2, by which equal ones differ in any case: 2e-13 of a state in a turn */
 #define ROUNDINGS 512
+/* TURNED: of a vector, the largest correction: what is left of it is its square, and squares of
+ * that in the next steps */
+#define TURNED 1e-2L
 /* REFINED: largest n for which eigenpairs are refined: beyond it the cubic cost in long double is
  * felt */
 #define REFINED 400
@@ -76,6 +79,21 @@ static void turn(int n, double factor, const long double *S, long double *X, lon
     memcpy(X, room, (size_t)n * (size_t)n * sizeof *X);
 }
 
+/* The corrections E of both vectors of a pair, from S = X' K X, which it replaces, and R = 1 - X' M
+ * X. Vectors of equal frequencies are any that are orthonormal, and those of nearly equal ones may
+ * be turned by more than a correction of first order can undo: they are only kept so. */
+static void correct_pair(int n, int i, int j, const long double *lambda, const long double *R,
+                         long double *S)
+{
+    const int ij = i * n + j, ji = j * n + i;
+    const long double gap = lambda[j] - lambda[i], one = (S[ij] + lambda[j] * R[ij]) / gap,
+                      other = (S[ji] + lambda[i] * R[ji]) / -gap;
+    const bool known = fabsl(gap) > EQUAL * (fabsl(lambda[i]) + fabsl(lambda[j])) &&
+                       fabsl(one) <= TURNED && fabsl(other) <= TURNED;
+    S[ij] = known ? one : R[ij] / 2;
+    S[ji] = known ? other : R[ji] / 2;
+}
+
 /* One step of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018) 1007) for K X = M X Lambda
  * in long double: LAPACK's small eigenvalues are accurate relative to the largest one only, and a
  * period needs them relative to themselves. */
@@ -87,13 +105,10 @@ static void refine_once(const ric_model *m, int n, long double *X, long double *
     multiply_transposed(n, true, -1, X, MX, R);
     multiply_transposed(n, false, 1, X, KX, S);
     for (int i = 0; i < n; i++) lambda[i] = S[i * n + i] / (1 - R[i * n + i]);
-    for (int i = 0; i < n; i++) /* S becomes the correction E */
-        for (int j = 0; j < n; j++) {
-            long double gap = lambda[j] - lambda[i], large = fabsl(lambda[i]) + fabsl(lambda[j]);
-            if (fabsl(gap) > RIC_TIE * large)
-                S[i * n + j] = (S[i * n + j] + lambda[j] * R[i * n + j]) / gap;
-            else S[i * n + j] = R[i * n + j] / 2;
-        }
+    for (int i = 0; i < n; i++) { /* S becomes the correction E */
+        S[i * n + i] = R[i * n + i] / 2;
+        for (int j = i + 1; j < n; j++) correct_pair(n, i, j, lambda, R, S);
+    }
     turn(n, 1, S, X, MX);
 }
 

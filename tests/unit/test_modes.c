@@ -112,6 +112,28 @@ static void clustered(void **state)
     }
 }
 
+/* The vectors of [1 + gap, v; v, 1], of which the doubles give the angle, beside a mass on a spring
+ * a thousand times as stiff: LAPACK's are turned by its rounding over the gap. */
+static void nearly_equal(void **state)
+{
+    (void)state;
+    const double M[] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, normal[] = {1, 0, 0};
+    const ric_contact contact = {.normal = normal, .clearance = 1};
+    for (double gap = 1e-8; gap > 6e-11; gap /= 3) {
+        const double u = 1 + gap, v = 0.3 * gap;
+        const double K[] = {u, 0, v, 0, 1000, 0, v, 0, 1};
+        const double angle = atan2(2 * v, u - 1) / 2; /* of the upper mode; u - 1 is exact */
+        double Phi[9];
+        ric_model *model;
+        assert_int_equal(ric_model_create(3, M, K, 1, &contact, 1, &model), RIC_OK);
+        assert_int_equal(ric_model_modes(model, Phi), RIC_OK);
+        const double off = fabs(Phi[0] * cos(angle) + Phi[6] * sin(angle));
+        if (off > 1e-17 / gap + 1e-14)
+            fail_msg("%.1e apart: the lower mode is turned by %.2e", gap, off);
+        ric_model_free(model);
+    }
+}
+
 /* A parameter of a structure that C has made: mass, stiffness and clearance grow with it, what is
  * not named stays, and a value at which there is no such structure is refused. */
 static void a_parameter(void **state)
@@ -155,6 +177,7 @@ static void a_parameter(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(clustered), cmocka_unit_test(a_parameter)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(clustered), cmocka_unit_test(nearly_equal),
+                                       cmocka_unit_test(a_parameter)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
