@@ -223,7 +223,7 @@ static ric_status add_beside(const ric_atlas *atlas, const curve *c, json_t *row
         json_object_set_new(row, "junction", json_integer(j.id));
         put(row, "energy_from", fmin(j.energy, c->energy[at[end]]));
         put(row, "energy_to", fmax(j.energy, c->energy[at[end]]));
-        put(row, "known_to", far);
+        put(row, "known_to", 2 * far); /* of two atlases both may lie so far from it */
     }
     return RIC_OK;
 }
