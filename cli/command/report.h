@@ -7,6 +7,7 @@
 /* Items that name one branch or junction of which places are known to less than others. */
 #define CLI_REPORT_RANGES "places known to less on branch"
 #define CLI_REPORT_BESIDE "last orbit beside the junction of branch"
+#define CLI_REPORT_ALONG "a mode goes along on branch"
 #define CLI_REPORT_TURNS "turns without a junction on branch"
 #define CLI_REPORT_OPEN "label not decided of junction"
 

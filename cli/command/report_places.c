@@ -201,6 +201,105 @@ static void add_ranges(const ric_model *model, const curve *c, json_t *rows)
     json_decref(all);
 }
 
+/* ------------------------------------------------------- a mode that goes along */
+
+/* Of a branch: its frequency, that of each mode, the mode shapes, and the contacts that it meets.
+ */
+typedef struct {
+    const ric_model *model;
+    const ric_branch *branch;
+    int n;
+    double omega, *mode, *Phi;
+} along;
+
+/* Entry of the projections of a contact on the modes, column i of Phi. */
+static double felt(const along *a, const double *normal, int i)
+{
+    double sum = 0;
+    for (int k = 0; k < a->n; k++) sum += normal[k] * a->Phi[k * a->n + i];
+    return sum;
+}
+
+/* Whether some motion of the modes [from, to) of one frequency moves no contact that the orbits of
+ * the branch meet: the rank of what these contacts feel of them, by Gram and Schmidt in `room` [(to
+ * - from)^2]. */
+static ric_status goes_unfelt(const along *a, int from, int to, double *room, bool *out)
+{
+    const int size = to - from;
+    int rank = 0;
+    for (int letter = 0; letter < a->branch->letters && rank < size; letter++) {
+        int contact, side, mirror;
+        ric_contact c;
+        ric_status status = ric_model_face(a->model, a->branch->word[letter], &contact, &side,
+                                           &mirror);
+        if (!status) status = ric_model_contact(a->model, contact, &c);
+        if (status) return status;
+        double *row = room + rank * size, length = 0, left = 0;
+        for (int i = 0; i < size; i++) row[i] = felt(a, c.normal, from + i);
+        for (int i = 0; i < a->n; i++) length += pow(felt(a, c.normal, i), 2);
+        for (int k = 0; k < rank; k++) {
+            double dot = 0;
+            for (int i = 0; i < size; i++) dot += row[i] * room[k * size + i];
+            for (int i = 0; i < size; i++) row[i] -= dot * room[k * size + i];
+        }
+        for (int i = 0; i < size; i++) left += row[i] * row[i];
+        if (!(left > KNOWN * KNOWN * length)) continue;
+        for (int i = 0; i < size; i++) row[i] /= sqrt(left);
+        rank++;
+    }
+    *out = rank < size;
+    return RIC_OK;
+}
+
+static void tell_along(const along *a, int mode, double turns, json_t *rows)
+{
+    json_t *row = add(rows, CLI_REPORT_ALONG, json_integer(a->branch->id),
+                      json_sprintf("%s: all its orbits have omega %.9g, in each of which mode %d "
+                                   "turns %.9g time%s: what they do not feel of it goes along at "
+                                   "any phase, and one phase is stored",
+                                   a->branch->label, a->omega, mode + 1, turns,
+                                   cli_plural((int)turns)));
+    json_object_set_new(row, "mode", json_integer(mode + 1));
+    put(row, "turns", turns);
+}
+
+/* A motion of some modes that no contact on the way feels can be added to an orbit that takes a
+ * whole multiple of their period, at any amplitude and phase: orbits fill a surface, and the branch
+ * is a line on it, of one frequency. */
+static ric_status find_along(const along *a, double *room, json_t *rows)
+{
+    for (int i = 0, to; i < a->n; i = to) {
+        const double turns = round(a->mode[i] / a->omega);
+        bool unfelt;
+        for (to = i + 1; to < a->n && a->mode[to] - a->mode[i] <= KNOWN * a->mode[i];) to++;
+        if (turns < 1 || fabs(a->mode[i] / a->omega - turns) > KNOWN * turns) continue;
+        const ric_status status = goes_unfelt(a, i, to, room, &unfelt);
+        if (status) return status;
+        if (unfelt) {
+            tell_along(a, i, turns, rows);
+            return RIC_OK;
+        }
+    }
+    return RIC_OK;
+}
+
+static ric_status add_along(const ric_model *model, const curve *c, json_t *rows)
+{
+    const int n = ric_model_n_dof(model);
+    const size_t square = (size_t)n * (size_t)n;
+    if (c->n < 2 || ric_branch_linear(model, &c->row) || !c->row.letters ||
+        reach(c->frequency, 0, c->n - 1) > KNOWN || !(reach(c->energy, 0, c->n - 1) > KNOWN))
+        return RIC_OK;
+    double *memory = calloc(2 * square + (size_t)n, sizeof *memory);
+    if (!memory) return RIC_E_NOMEM;
+    const along a = {model, &c->row, n, c->frequency[0], memory + 2 * square, memory};
+    ric_status status = ric_model_frequencies(model, a.mode);
+    if (!status) status = ric_model_modes(model, a.Phi);
+    if (!status) status = find_along(&a, memory + square, rows);
+    free(memory);
+    return status;
+}
+
 /* -------------------------------------------------------- ends beside a junction */
 
 /* The last orbit before a singular point is known to the root of what is left of its equations: how
@@ -342,8 +441,9 @@ ric_status cli_report_places(const ric_atlas *atlas, json_t *rows)
         if (!status) {
             add_ranges(ric_atlas_model(atlas), &c, rows);
             add_turns(atlas, &c, rows);
-            status = add_beside(atlas, &c, rows);
+            status = add_along(ric_atlas_model(atlas), &c, rows);
         }
+        if (!status) status = add_beside(atlas, &c, rows);
         free(c.energy);
     }
     return status ? status : add_open(atlas, rows);

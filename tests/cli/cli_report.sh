@@ -107,6 +107,28 @@ for r in rows:
 }
 ok 'programs get them as numbers' ranges
 
+# The third mass swings at a frequency that the second has, too: beside two periods of an orbit of the other two masses that take as long.
+along() {
+    cat >"$folder/along.yaml" <<'END'
+model:
+  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+  stiffness: [[3, 0, 0], [0, 2, 0], [0, 0, 2]]
+  contacts:
+    - {normal: [-1, 1, 0], clearance: 1, sides: upper}
+    - {normal: [1, 0, -1], clearance: 900, sides: upper}
+explore: {energy: [0, 1000], frequency: [1, 4], impacts: 2, depth: 2, multiply: 2}
+END
+    rm -f "$folder/b.ricochet"
+    "$ricochet" run "$folder/along.yaml" -o "$folder/b.ricochet" >"$folder/run" 2>&1 || { cat "$folder/run"; return 1; }
+    said '^a mode goes along on branch ' 'A2\[00\]: all its orbits have omega 1.41421356, in each of which mode 1 turns 1 time: '
+}
+ok 'a branch is one of many where a mode goes along that it does not feel' along
+felt() { # of one frequency, 1/2 of that of the sprung mass, which every impact moves
+    "$ricochet" run examples/loose-mass/study.yaml -o "$folder/loose.ricochet" --quiet && cp "$folder/loose.ricochet" "$folder/b.ricochet" &&
+        "$ricochet" branches "$folder/b.ricochet" | grep ' 0.5  *0.5 ' && ! said '^a mode goes along'
+}
+ok 'and not where it feels the mode' felt
+
 # Where nothing of this holds nothing is said.
 plain() { ! "$ricochet" report "$folder/a.ricochet" | grep -E 'known to|turns without|beside|nearly one'; }
 ok 'of a plain structure none of this is said' plain

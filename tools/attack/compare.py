@@ -142,7 +142,7 @@ class Naming:
 
     def branch(self, row, absent):
         met = self.ends[row[7]] | {r["junction"] for r in self.one.atlas.on_branch[row[7]]}
-        return (bool(self.ends[row[7]] & absent) or any(self.refused(j) for j in met) or
+        return (row[7] in self.one.said.along or bool(self.ends[row[7]] & absent) or any(self.refused(j) for j in met) or
                 any(self.is_one(row[7], curves, b) for curves, b in self.stuck))
 
     def junction(self, row, absent):

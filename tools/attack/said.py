@@ -12,6 +12,7 @@ class Said:
 
     def __init__(self, rows=()):
         self.same, self.open = SAME, {}
+        self.along = set()  # branches of which another phase may be stored
         self.ranges, self.turns = collections.defaultdict(list), collections.defaultdict(list)
         for row in rows:
             item, which = row["item"], row["value"]
@@ -21,6 +22,9 @@ class Said:
                 self.ranges[which] += [(r["energy_from"], r["energy_to"], r["known_to"]) for r in row["ranges"]]
             elif item == "last orbit beside the junction of branch":
                 self.ranges[which].append((row["energy_from"], row["energy_to"], row["known_to"]))
+                self.turns[which].append(("energy", row["energy_from"], row["energy_to"]))
+            elif item == "a mode goes along on branch":
+                self.along.add(which)
             elif item == "turns without a junction on branch":
                 self.turns[which].append((row["quantity"], row["from"], row["to"]))
             elif item == "label not decided of junction":
