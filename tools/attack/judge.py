@@ -31,6 +31,7 @@ FACTOR = 200.0  # rounding of the program over what one rounding of the stored n
 BORDER = 1e-14  # of |rho| from 2: rounding of the stored doubles moves the orbit along its branch across it
 FINELY_REAL = 1e-14  # of rho in many digits, of orbits 1e-30 away, whose double roots are off by the square root
 PROMISED = 1e-3  # relative: the digits that a multiplier has to have to be given
+UNPLACED = 1e-7  # relative: to what the place of a junction is said to be known whose label is not decided
 REPEATED = 1e-10  # relative: an orbit as near as this to a shorter one gone through again is looked at in many digits
 CONVERGED = 1e-35  # relative residual in many digits
 MP_POINTS = 200  # per structure that are worth 50 digits: half a second each with five modes
@@ -717,7 +718,10 @@ class Judge:
         blur = np.maximum(blur, np.max([np.abs(self._rho(x)[0] - rho) for x in across], axis=0))
         want = 2 * math.cos(2 * math.pi * j["rotation_p"] / j["rotation_q"])
         k = int(np.argmin(np.abs(rho - want)))
-        if abs(rho[k] - want) > 1e-6 + 1e3 * blur[k]:
+        allowed = 1e-6 + 1e3 * blur[k]
+        if j["label"].endswith("?"):
+            allowed += max(np.abs(self._rho(x)[0] - rho)[k] for x in self._along(fine))
+        if abs(rho[k] - want) > allowed:
             self.verdict.find("rotation", where, f"rotation {j['rotation_p']}/{j['rotation_q']} needs rho {want}, "
                                                  f"nearest {rho[k]!r} +- {blur[k]:.1e}")
 
@@ -730,6 +734,11 @@ class Judge:
         if not sv[-2] > 1e-15:
             return None
         step = Vt[-2] * chain.weights()[0][0] * (2 ** -53 / sv[-2])
+        return [chain.moved((sign * step)[None, :]) for sign in (-1, 1)]
+
+    def _along(self, chain):
+        """The curve on either side of a junction whose label is not decided: as far as its place is said not to be known."""
+        step = chain.singular()[2][0][-1] * chain.weights()[0][0] * UNPLACED
         return [chain.moved((sign * step)[None, :]) for sign in (-1, 1)]
 
     def _singular(self, j, chain, where):
