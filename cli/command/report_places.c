@@ -342,22 +342,6 @@ static bool turns_at(const ric_atlas *atlas, int id)
     return id && !ric_atlas_junction(atlas, id, &j) && may_turn(j.kind);
 }
 
-/* Whether a junction at which it may turn lies within a step of point i, or a tongue that is
- * stepped over: what lies behind is another piece of the branch. */
-static bool may_turn_at(const ric_atlas *atlas, const curve *c, int i)
-{
-    if ((i == 1 && turns_at(atlas, c->row.from)) || (i == c->n - 2 && turns_at(atlas, c->row.to)))
-        return true;
-    if (ric_branch_steps_over(atlas, c->row.id, i - 1) ||
-        ric_branch_steps_over(atlas, c->row.id, i))
-        return true;
-    for (int k = 0; k < c->row.n_junction; k++)
-        if (c->row.junction_at[k] >= c->arclength[i - 1] &&
-            c->row.junction_at[k] <= c->arclength[i + 1] && turns_at(atlas, c->row.junctions[k]))
-            return true;
-    return false;
-}
-
 /* A quantity at three points of which the middle one is largest (sign 1) or least (-1). */
 typedef struct {
     int middle;
@@ -368,6 +352,35 @@ static bool turns(const double *x, int i, double sign, turn *out)
 {
     *out = (turn){i, sign, sign * (x[i] - x[i - 1]), sign * (x[i] - x[i + 1])};
     return fmin(out->before, out->behind) > KNOWN * fabs(x[i]);
+}
+
+/* A junction of the branch explains a turn beside which it lies if it is no less far out than the
+ * stored points: a multiplication right beside a turn does not. */
+static bool explains(const ric_junction *j, const curve *c, const double *x, const turn *t)
+{
+    const double here = x[t->middle],
+                 value = x == c->energy ? j->energy
+                                        : j->frequency * fmax(round(here / j->frequency), 1);
+    return t->sign * (value - here) >= -KNOWN * fabs(here);
+}
+
+/* Whether a junction at which x turns lies within a step of the middle point, or a tongue that is
+ * stepped over: what lies behind is another piece of the branch. */
+static bool turns_there(const ric_atlas *atlas, const curve *c, const double *x, const turn *t)
+{
+    const int i = t->middle;
+    ric_junction j;
+    if ((i == 1 && turns_at(atlas, c->row.from)) || (i == c->n - 2 && turns_at(atlas, c->row.to)))
+        return true;
+    if (ric_branch_steps_over(atlas, c->row.id, i - 1) ||
+        ric_branch_steps_over(atlas, c->row.id, i))
+        return true;
+    for (int k = 0; k < c->row.n_junction; k++)
+        if (c->row.junction_at[k] >= c->arclength[i - 1] &&
+            c->row.junction_at[k] <= c->arclength[i + 1] && turns_at(atlas, c->row.junctions[k]) &&
+            !ric_atlas_junction(atlas, c->row.junctions[k], &j) && explains(&j, c, x, t))
+            return true;
+    return false;
 }
 
 /* By how much the parabola through the three points exceeds the middle one: y = b s - c s^2. */
@@ -408,7 +421,7 @@ static void add_turns(const ric_atlas *atlas, const curve *c, json_t *rows)
         const double *x = quantity[k / 2], sign = k % 2 ? -1 : 1;
         turn best = {0}, one;
         for (int i = 1; i < c->n - 1; i++)
-            if (turns(x, i, sign, &one) && !may_turn_at(atlas, c, i) &&
+            if (turns(x, i, sign, &one) && !turns_there(atlas, c, x, &one) &&
                 (!best.middle || sign * x[i] > sign * x[best.middle]))
                 best = one;
         if (best.middle) add_turn(c, x, name[k / 2], &best, rows);

@@ -78,6 +78,17 @@ turns() { # an extremum that is none any more: the energy of its branch turns al
     said '^turns without a junction on branch ' "its energy has a l[a-z]* value from [0-9.]* to [0-9.]*, beside E [0-9.]* omega [0-9.]*, that is no extremum"
 }
 ok 'an energy that turns where no extremum is stored is said' turns
+nearby() { # the nearest orbit farther out than the extremum, or not so far
+    local on at found=0
+    read -r on at < <(one "SELECT p.branch, p.point FROM point p, junction j WHERE j.id = $point
+        ORDER BY abs(p.energy / j.energy - 1) + abs(p.frequency / j.frequency - 1) LIMIT 1")
+    for part in -1e-6 1e-6; do
+        alter "UPDATE point SET energy = energy * (1 + $part) WHERE branch = $on AND point = $at" || return 1
+        "$ricochet" report "$folder/b.ricochet" | grep '^turns without a junction on branch ' && found=$((found + 1))
+    done
+    [ $found = 1 ]
+}
+ok 'and where a stored orbit is farther out than the extremum beside it' nearby
 
 # Squares of frequencies 2e-7 apart: 16 roundings of a double over that, and on what leaves the modes over what the frequency changes by.
 near() {
