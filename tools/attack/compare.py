@@ -117,6 +117,14 @@ def _passes(atlas, junction):
     return on | {b["id"] for b in atlas.branches if junction in (b["from_junction"], b["to_junction"])}
 
 
+def _whole_times(atlas, junction, same):
+    """The junctions of which one that no branch meets is made by going through them several times."""
+    mine = next(j for j in atlas.junctions if j["id"] == junction)
+    return [j["id"] for j in atlas.junctions if j["kind"] == mine["kind"] and j["id"] != junction and
+            abs(j["energy"] - mine["energy"]) <= same * mine["energy"] and
+            abs(j["frequency"] / mine["frequency"] - round(j["frequency"] / mine["frequency"])) <= same]
+
+
 class Naming:
     """What of the rows of `one` that `other` lacks is named by `other`, or by `one` itself where it says that of its own."""
 
@@ -148,10 +156,12 @@ class Naming:
     def junction(self, row, absent):
         if row[7] in self.one.said.open:
             return True
-        on = _passes(self.one.atlas, row[7])
+        on, kinds = _passes(self.one.atlas, row[7]), {row[0]}
+        if not on:  # where a multiplication is looked for at the end of a branch
+            on, kinds = {b for j in _whole_times(self.one.atlas, row[7], self.same) for b in _passes(self.one.atlas, j)}, {row[0], "multiplication"}
         return bool(on & absent) or any(
             curves.beyond(b, row[4]) and any(self.is_one(mine, curves, b) for mine in on) for curves, b in self.stuck) or any(
-            _is_kind(kind, row[0]) and q in (0, row[3]) and low <= row[4] <= high and any(self.is_one(b, curves, branch) for b in on)
+            any(_is_kind(kind, k) for k in kinds) and q in (0, row[3]) and low <= row[4] <= high and any(self.is_one(b, curves, branch) for b in on)
             for curves, (kind, q, low, high, branch) in self.said)
 
 
