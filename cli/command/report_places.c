@@ -230,8 +230,9 @@ static ric_status goes_unfelt(const along *a, int from, int to, double *room, bo
     for (int letter = 0; letter < a->branch->letters && rank < size; letter++) {
         int contact, side, mirror;
         ric_contact c;
-        ric_status status = ric_model_face(a->model, a->branch->word[letter], &contact, &side,
-                                           &mirror);
+        const int face = a->branch->word[letter] %
+                         ric_model_n_face(a->model); /* or a spring opens */
+        ric_status status = ric_model_face(a->model, face, &contact, &side, &mirror);
         if (!status) status = ric_model_contact(a->model, contact, &c);
         if (status) return status;
         double *row = room + rank * size, length = 0, left = 0;

@@ -148,9 +148,10 @@ class Naming:
                    all(abs(j[k] - mine[k]) <= self.same * abs(mine[k]) for k in ("energy", "frequency"))
                    for j in self.other.atlas.junctions)
 
-    def branch(self, row, absent):
+    def branch(self, row, absent, lost):
         met = self.ends[row[7]] | {r["junction"] for r in self.one.atlas.on_branch[row[7]]}
-        return (row[7] in self.one.said.along or bool(self.ends[row[7]] & absent) or any(self.refused(j) for j in met) or
+        return (row[7] in self.one.said.along or bool(self.ends[row[7]] & absent) or
+                (bool(met & absent) and self.ends[row[7]] <= lost) or any(self.refused(j) for j in met) or
                 any(self.is_one(row[7], curves, b) for curves, b in self.stuck))
 
     def junction(self, row, absent):
@@ -170,11 +171,12 @@ def unnamed(lost, naming):
     orbits that both hold, or the report lists the junction as one whose label is not decided. What hangs on a row that is missing
     by name, and on nothing else, is missing with it."""
     left, branches, junctions, changed = list(lost), set(), set(), True
+    gone = {row[7] for row in lost if not isinstance(row[0], tuple)}
     while changed:
         changed = False
         for row in list(left):
             whole = isinstance(row[0], tuple)
-            if naming.branch(row, junctions) if whole else naming.junction(row, branches):
+            if naming.branch(row, junctions, gone) if whole else naming.junction(row, branches):
                 left.remove(row)
                 (branches if whole else junctions).add(row[7])
                 changed = True
