@@ -134,6 +134,14 @@ END
     said '^a mode goes along on branch ' 'A2\[00\]: all its orbits have omega 1.41421356, in each of which mode 1 turns 1 time: '
 }
 ok 'a branch is one of many where a mode goes along that it does not feel' along
+along_spring() { # whose word has letters for its openings, too
+    sed -e 's/clearance: 1, sides: upper/&, law: bilinear, stiffness: 50/' -e 's/^explore: .*/explore: {energy: [0, 100], frequency: [0.5, 6], impacts: 3, depth: 2, multiply: 3}/' \
+        "$folder/along.yaml" >"$folder/spring.yaml"
+    rm -f "$folder/b.ricochet"
+    "$ricochet" run "$folder/spring.yaml" -o "$folder/b.ricochet" >"$folder/run" 2>&1 || { cat "$folder/run"; return 1; }
+    said '^a mode goes along on branch ' 'A3\[000\]: all its orbits have omega 0.707106781, in each of which mode 1 turns 2 times: '
+}
+ok 'and where that has a spring' along_spring
 felt() { # of one frequency, 1/2 of that of the sprung mass, which every impact moves
     "$ricochet" run examples/loose-mass/study.yaml -o "$folder/loose.ricochet" --quiet && cp "$folder/loose.ricochet" "$folder/b.ricochet" &&
         "$ricochet" branches "$folder/b.ricochet" | grep ' 0.5  *0.5 ' && ! said '^a mode goes along'
