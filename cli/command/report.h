@@ -8,6 +8,7 @@
 #define CLI_REPORT_RANGES "places known to less on branch"
 #define CLI_REPORT_BESIDE "last orbit beside the junction of branch"
 #define CLI_REPORT_ALONG "a mode goes along on branch"
+#define CLI_REPORT_CLOSE "grazings beside a singular point"
 #define CLI_REPORT_TURNS "turns without a junction on branch"
 #define CLI_REPORT_OPEN "label not decided of junction"
 

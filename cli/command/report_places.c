@@ -17,6 +17,10 @@
  * step of a secant is good to less than ten of these. */
 #define OPEN 1e-7
 
+/* ONE_ORBIT: frequencies that agree to this, as whole multiples, are those of one orbit beside
+ * which another energy differs by less */
+#define ONE_ORBIT 1e-5
+
 enum { PAIRS = 3 }; /* pairs of modes that are named: the nearest ones */
 
 /* A row with a detail that is freed. */
@@ -429,6 +433,86 @@ static void add_turns(const ric_atlas *atlas, const curve *c, json_t *rows)
     }
 }
 
+/* ------------------------------------------- grazings beside singular points */
+
+typedef struct {
+    ric_junction row, beside;
+    double known; /* to what its place is known, relative, 0: as others are */
+} place;
+
+static int by_energy(const void *a, const void *b)
+{
+    const place *p = a, *q = b;
+    return p->row.energy != q->row.energy ? (p->row.energy < q->row.energy ? -1 : 1)
+                                          : p->row.id - q->row.id;
+}
+
+/* Whether the place of a grazing is one that the event b of the same orbit, gone through any number
+ * of times, spoils: its equations are all but singular there. The place of a linear mode's is
+ * exact.
+ */
+static bool spoils(const ric_junction *b, const ric_junction *grazing)
+{
+    const double ratio = fmax(grazing->frequency, b->frequency) /
+                         fmin(grazing->frequency, b->frequency);
+    return grazing->kind == RIC_KIND_GRAZING && grazing->impacts > 0 && may_turn(b->kind) &&
+           b->kind != RIC_KIND_PERIOD_EXTREMUM && fabs(ratio - round(ratio)) <= ONE_ORBIT * ratio;
+}
+
+/* What singular equations at a distance leave of a place: rounding over the distance. */
+static void spoil(place *grazing, const ric_junction *b)
+{
+    const double apart = fabs(grazing->row.energy - b->energy) / grazing->row.energy;
+    if (!(apart > KNOWN) || !spoils(b, &grazing->row)) return;
+    if (DBL_EPSILON / apart <= grazing->known) return;
+    grazing->known = DBL_EPSILON / apart;
+    grazing->beside = *b;
+}
+
+/* How many there are. */
+static int find_close(place *p, int n)
+{
+    int count = 0;
+    qsort(p, (size_t)n, sizeof *p, by_energy);
+    for (int i = 0; i < n; i++)
+        for (int k = i + 1;
+             k < n && (p[k].row.energy - p[i].row.energy) * KNOWN < DBL_EPSILON * p[k].row.energy;
+             k++) {
+            spoil(&p[i], &p[k].row);
+            spoil(&p[k], &p[i].row);
+        }
+    for (int i = 0; i < n; i++) count += p[i].known > 0;
+    return count;
+}
+
+static ric_status add_close(const ric_atlas *atlas, json_t *rows)
+{
+    const int n = ric_atlas_n_junction(atlas);
+    place *p = calloc((size_t)n + 1, sizeof *p), *worst = p;
+    ric_status status = p ? RIC_OK : RIC_E_NOMEM;
+    for (int i = 0; !status && i < n; i++) status = ric_atlas_junction(atlas, i + 1, &p[i].row);
+    const int count = status ? 0 : find_close(p, n);
+    if (count) {
+        json_t *all = json_array();
+        for (int i = 0; i < n; i++) {
+            if (!(p[i].known > 0)) continue;
+            json_t *member = json_object();
+            json_object_set_new(member, "junction", json_integer(p[i].row.id));
+            put(member, "known_to", p[i].known);
+            json_array_append_new(all, member);
+            if (p[i].known > worst->known) worst = &p[i];
+        }
+        json_t *row = add(rows, CLI_REPORT_CLOSE, json_integer(count),
+                          json_sprintf("the closest, %s (junction %d), lies %.2g of its energy "
+                                       "beside %s (junction %d): its place is known to about %.1g",
+                                       worst->row.label, worst->row.id, DBL_EPSILON / worst->known,
+                                       worst->beside.label, worst->beside.id, worst->known));
+        json_object_set_new(row, "places", all);
+    }
+    free(p);
+    return status;
+}
+
 /* --------------------------------------------------------------- open labels */
 
 static ric_status add_open(const ric_atlas *atlas, json_t *rows)
@@ -460,5 +544,6 @@ ric_status cli_report_places(const ric_atlas *atlas, json_t *rows)
         if (!status) status = add_beside(atlas, &c, rows);
         free(c.energy);
     }
+    if (!status) status = add_close(atlas, rows);
     return status ? status : add_open(atlas, rows);
 }

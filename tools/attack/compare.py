@@ -53,7 +53,7 @@ def _rows(curves):
     junctions = [(j["kind"], _letters(j["word"]), j["grazings"], j["multiple"], j["energy"], j["frequency"], j["label"],
                   j["id"], said_of.of_junction(j["id"], _passes(atlas, j["id"]), j["energy"])) for j in atlas.junctions]
     ends = [(("branch", b["symmetric"], b["reversible"]), _letters(b["word"]), b["impacts"], 0, *_largest(curves, b),
-             b["label"], b["id"], said_of.on_branch(b["id"], b["energy_max"])) for b in atlas.branches]
+             b["label"], b["id"], said_of.of_ends(b["id"], b["energy_max"], (b["from_junction"], b["to_junction"]))) for b in atlas.branches]
     return junctions + ends
 
 

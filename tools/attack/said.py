@@ -12,6 +12,7 @@ class Said:
 
     def __init__(self, rows=()):
         self.same, self.open = SAME, {}
+        self.close = {}  # to what their energies are known, of grazings beside singular points
         self.along = set()  # branches of which another phase may be stored
         self.ranges, self.turns = collections.defaultdict(list), collections.defaultdict(list)
         for row in rows:
@@ -27,6 +28,8 @@ class Said:
                 self.along.add(which)
             elif item == "turns without a junction on branch":
                 self.turns[which].append((row["quantity"], row["from"], row["to"]))
+            elif item == "grazings beside a singular point":
+                self.close = {place["junction"]: place["known_to"] for place in row["places"]}
             elif item == "label not decided of junction":
                 self.open[which] = row["known_to"]
 
@@ -35,9 +38,13 @@ class Said:
         known = [k for low, high, k in self.ranges[branch] if low * (1 - k) <= energy <= high * (1 + k)]
         return min(max([self.same, *known]), ROUGHEST)
 
+    def of_ends(self, branch, energy, junctions):
+        """To what the largest energy of a branch is known, which may be that of a junction where it ends."""
+        return max([self.on_branch(branch, energy), *(self.close.get(j, 0) for j in junctions if j)])
+
     def of_junction(self, junction, branches, energy):
         """To what the energy of a junction on those branches is known."""
-        return min(max([self.open.get(junction, 0), *(self.on_branch(b, energy) for b in branches), self.same]), ROUGHEST)
+        return min(max([self.open.get(junction, 0), self.close.get(junction, 0), *(self.on_branch(b, energy) for b in branches), self.same]), ROUGHEST)
 
     def may_be(self, branch, quantity, *values):
         """Whether the report has a turn of that branch's energy or frequency for which all of these may be taken."""
