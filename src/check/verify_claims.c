@@ -291,7 +291,8 @@ static ric_status move_along(replay *r, const ric_atlas *atlas, int i, const ric
 }
 
 /* A trace is stored without its error: by so much as the library states when it is asked it may be
- * off. Where the orbit was polished that is more than the stored digits, replayed, leave open. */
+ * off. Where the orbit was polished that is more than the stored digits, replayed, leave open, and
+ * is not checked by them. */
 static ric_status judge_stated(ric_pairs *p, const ric_atlas *atlas, const ric_point *stored,
                                ric_claims *out)
 {
@@ -302,7 +303,10 @@ static ric_status judge_stated(ric_pairs *p, const ric_atlas *atlas, const ric_p
         p->asked = &asked;
         *again.finding = '\0';
         ric_verify_pairs_judge(p, 2, stored, &again);
-        if (again.multipliers != RIC_AGREES_NO && again.stable != RIC_AGREES_NO) *out = again;
+        if (again.multipliers != RIC_AGREES_NO && again.stable != RIC_AGREES_NO) {
+            *out = again;
+            out->multipliers = RIC_AGREES_UNCHECKED; /* the replay does not confirm it */
+        }
     }
     ric_verify_asked_close(&asked);
     return status;
