@@ -128,6 +128,7 @@ def choose(rng, checks, places):
     return [(row, rng.choice(KINDS)) for row in good[:places]]
 
 
+TOLD = {"flag": "stable_agrees", "trace": "multipliers_agree", "rotation": "multipliers_agree"}  # where verify says that it cannot tell
 ALONE = ("word", "frequency")  # the file may be one that no run can have written, which is refused as a whole
 
 
@@ -183,7 +184,7 @@ def judge(program, original, copy, fault, count):
     count["planted"] += 1
     if code == 1 and (not rows or not all(row["passed"] for row in rows)):  # no rows: refused, for this fault alone
         count["found"] += 1
-    elif code == 0 and (not known or (kind == "flag" and rows[0]["stable_agrees"] == "unchecked")):
+    elif code == 0 and (not known or rows[0][TOLD.get(kind, "passed")] == "unchecked"):
         count["unchecked"] += 1
         print(f"{original}: branch {at[0]}, point {at[1]}: cannot tell: {kind}: {what}")
     else:
