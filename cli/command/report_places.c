@@ -229,13 +229,12 @@ static double felt(const along *a, const double *normal, int i)
  * - from)^2]. */
 static ric_status goes_unfelt(const along *a, int from, int to, double *room, bool *out)
 {
-    const int size = to - from;
+    const int size = to - from, n_face = ric_model_n_face(a->model);
     int rank = 0;
     for (int letter = 0; letter < a->branch->letters && rank < size; letter++) {
         int contact, side, mirror;
         ric_contact c;
-        const int face = a->branch->word[letter] %
-                         ric_model_n_face(a->model); /* or a spring opens */
+        const int face = a->branch->word[letter] % n_face; /* or its spring opens */
         ric_status status = ric_model_face(a->model, face, &contact, &side, &mirror);
         if (!status) status = ric_model_contact(a->model, contact, &c);
         if (status) return status;
@@ -293,7 +292,8 @@ static ric_status add_along(const ric_model *model, const curve *c, json_t *rows
     const int n = ric_model_n_dof(model);
     const size_t square = (size_t)n * (size_t)n;
     if (c->n < 2 || ric_branch_linear(model, &c->row) || !c->row.letters ||
-        reach(c->frequency, 0, c->n - 1) > KNOWN || !(reach(c->energy, 0, c->n - 1) > KNOWN))
+        !ric_model_n_face(model) || reach(c->frequency, 0, c->n - 1) > KNOWN ||
+        !(reach(c->energy, 0, c->n - 1) > KNOWN))
         return RIC_OK;
     double *memory = calloc(2 * square + (size_t)n, sizeof *memory);
     if (!memory) return RIC_E_NOMEM;
@@ -448,9 +448,7 @@ static int by_energy(const void *a, const void *b)
 }
 
 /* Whether the place of a grazing is one that the event b of the same orbit, gone through any number
- * of times, spoils: its equations are all but singular there. The place of a linear mode's is
- * exact.
- */
+ * of times, spoils: its equations are all but singular there. That of a linear mode is exact. */
 static bool spoils(const ric_junction *b, const ric_junction *grazing)
 {
     const double ratio = fmax(grazing->frequency, b->frequency) /

@@ -9,8 +9,8 @@
 #include "orbit/room.h"
 
 #define LINEAR_POINTS 9
-#define BORDER                                                                                     \
-    1e-5 /* of a trace: nearer to 2 or -2 it may be that of a place where branches meet */
+/* BORDER: of a trace: nearer to 2 or -2 it may be that of a place where branches meet */
+#define BORDER 1e-5
 
 /* The operation that takes an edge's chain to its canonical word; found once, away from the ends.
  */
