@@ -205,9 +205,8 @@ static int tell_all(const audit *a, FILE *out)
                      of == OF_BRANCH ? "branches" : "junctions");
     if (open)
         cli_tell(out,
-                 "multipliers not checked at %d point%s: rounding of the stored digits leaves less "
-                 "than three "
-                 "of theirs\n",
+                 "multipliers not checked at %d point%s: rounding of the stored digits leaves too "
+                 "little of them\n",
                  open, open == 1 ? "" : "s");
     if (flags)
         cli_tell(out, "stability not checked at %d point%s: on the border within rounding\n", flags,

@@ -290,6 +290,24 @@ static ric_status move_along(replay *r, const ric_atlas *atlas, int i, const ric
     return status;
 }
 
+/* Judges again; what is no longer a finding then is not checked, as the replay of the stored state
+ * does not confirm it. */
+static void judge_again(const ric_pairs *p, int n_mode, const ric_point *stored, ric_claims *out)
+{
+    ric_claims again = *out;
+    *again.finding = '\0';
+    ric_verify_pairs_judge(p, n_mode, stored, &again);
+    if (again.multipliers == RIC_AGREES_NO || again.stable == RIC_AGREES_NO) return;
+    if (out->multipliers == RIC_AGREES_NO) again.multipliers = RIC_AGREES_UNCHECKED;
+    if (out->stable == RIC_AGREES_NO) again.stable = RIC_AGREES_UNCHECKED;
+    *out = again;
+}
+
+static bool is_found(const ric_claims *out)
+{
+    return out->multipliers == RIC_AGREES_NO || out->stable == RIC_AGREES_NO;
+}
+
 /* A trace is stored without its error: by so much as the library states when it is asked it may be
  * off. Where the orbit was polished that is more than the stored digits, replayed, leave open, and
  * is not checked by them. */
@@ -297,18 +315,33 @@ static ric_status judge_stated(ric_pairs *p, const ric_atlas *atlas, const ric_p
                                ric_claims *out)
 {
     ric_verify_asked asked;
-    ric_claims again = *out;
     ric_status status = ric_verify_asked_open(atlas, out->branch, out->point, NULL, &asked);
     if (!status && asked.given) {
         p->asked = &asked;
-        *again.finding = '\0';
-        ric_verify_pairs_judge(p, 2, stored, &again);
-        if (again.multipliers != RIC_AGREES_NO && again.stable != RIC_AGREES_NO) {
-            *out = again;
-            out->multipliers = RIC_AGREES_UNCHECKED; /* the replay does not confirm it */
-        }
+        judge_again(p, 2, stored, out);
     }
     ric_verify_asked_close(&asked);
+    return status;
+}
+
+/* What is known of an orbit that its conditions hardly hold may lie rounding over that hold beside
+ * the stored state: by as much as the nearest orbit has other multipliers they may be off, and are
+ * not checked by the replay of that state. */
+static ric_status judge_nearest(motion *m, ric_pairs *p, const ric_atlas *atlas, ric_claims *out)
+{
+    const int last = p->runs;
+    replay r = {0};
+    bool found = false;
+    ric_status status = ric_verify_replay_open(&r, atlas, out->branch, out->point, true);
+    if (!status) status = ric_verify_nearest(&r, &found);
+    m->r = &r;
+    m->level = 0;
+    m->growth = 1;
+    if (found && run_once(m, p->half, p->own + last * p->n_pair, &p->way[last])) {
+        p->runs = RIC_PAIR_MOST;
+        judge_again(p, m->n_seen, &r.point, out);
+    }
+    ric_verify_replay_close(&r);
     return status;
 }
 
@@ -322,17 +355,17 @@ static ric_status check_multipliers(replay *r, const ric_atlas *atlas,
     if (!share) return ric_no_memory("the modes that contacts see");
     m.n_seen = find_seen(r, seen, share);
     ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0,
+                       .runs = RIC_PAIR_RUNS,
                        .half = is_image(r),
                        .asked = asked};
-    pairs.own = ric_calloc((size_t)pairs.n_pair * RIC_PAIR_RUNS + 1, sizeof *pairs.own);
+    pairs.own = ric_calloc((size_t)pairs.n_pair * RIC_PAIR_MOST + 1, sizeof *pairs.own);
     bool found = true;
     ric_status status = pairs.own ? RIC_OK
                                   : ric_fail(RIC_E_NOMEM, "no memory for %d multipliers",
                                              2 * pairs.n_pair);
     real level = fmax(NOISE * stiffness(r), left_open(r));
-    for (int run = 0; run < RIC_PAIR_RUNS && found && pairs.n_pair && !status; run++) {
-        const bool along = run ==
-                           RIC_PAIR_RUNS - 1; /* the last thing that is asked of the replay */
+    for (int run = 0; run < pairs.runs && found && pairs.n_pair && !status; run++) {
+        const bool along = run == pairs.runs - 1; /* the last thing that is asked of the replay */
         if (along) status = move_along(r, atlas, out->point, d);
         m.level = run && !along ? level : 0;
         m.growth = 1;
@@ -340,8 +373,9 @@ static ric_status check_multipliers(replay *r, const ric_atlas *atlas,
     }
     const bool right = !*out->finding;
     if (found && !status) ric_verify_pairs_judge(&pairs, m.n_seen, &r->point, out);
-    if (right && m.n_seen == 2 && !asked->given && out->multipliers == RIC_AGREES_NO)
+    if (right && !status && m.n_seen == 2 && !asked->given && out->multipliers == RIC_AGREES_NO)
         status = judge_stated(&pairs, atlas, &r->point, out);
+    if (right && !status && is_found(out)) status = judge_nearest(&m, &pairs, atlas, out);
     free(pairs.own);
     free(share);
     return status;
@@ -369,7 +403,7 @@ static void check_linear(replay *r, ric_claims *out)
         snprintf(out->finding, sizeof out->finding, "a linear mode is stable");
     if (count != 2 || !alone || other < 0) return;
     ric_pair own[RIC_PAIR_RUNS];
-    ric_pairs pairs = {.n_pair = 1, .own = own};
+    ric_pairs pairs = {.n_pair = 1, .runs = RIC_PAIR_RUNS, .own = own};
     for (int run = 0; run < RIC_PAIR_RUNS; run++) {
         real angle = r->omega[other] * r->period * (1 + (run - 1) * (run > 0) * NOISE);
         own[run] = 2 * cos(angle);

@@ -229,16 +229,36 @@ static ric_pair own(const ric_pairs *p, int run, int i)
     return p->own[run * p->n_pair + i];
 }
 
-/* How far the runs are apart in pair i, each of which orders its pairs in its own way. */
+/* How far a run is from pair i of the first, each of which orders its pairs in its own way. */
+static real off_run(const ric_pairs *p, int run, int i)
+{
+    real off = INFINITY;
+    for (int j = 0; j < p->n_pair; j++) off = fmin(off, cabsl(own(p, run, j) - own(p, 0, i)));
+    return off;
+}
+
+/* How far the runs are apart in pair i. */
 static real spread(const ric_pairs *p, int i)
 {
     real most = 0;
-    for (int run = 1; run < RIC_PAIR_RUNS; run++) {
-        real off = INFINITY;
-        for (int j = 0; j < p->n_pair; j++) off = fmin(off, cabsl(own(p, run, j) - own(p, 0, i)));
+    for (int run = 1; run < p->runs; run++) {
+        const real off = off_run(p, run, i);
         if (!(off <= most)) most = off;
     }
     return RIC_PAIR_SAFETY * most + RESOLUTION * (1 + cabsl(own(p, 0, i)));
+}
+
+/* Whether a pair of the nearest orbit is farther from that of the stored state than rounding on the
+ * way takes it: what the solver makes of such an orbit is for the last digits of the state to say.
+ */
+static bool is_hardly_held(const ric_pairs *p)
+{
+    for (int i = 0; i < p->n_pair && p->runs == RIC_PAIR_MOST; i++) {
+        real most = 0;
+        for (int run = 1; run < RIC_PAIR_RUNS; run++) most = fmax(most, off_run(p, run, i));
+        if (off_run(p, RIC_PAIR_RUNS, i) > UNSAID * most) return true;
+    }
+    return false;
 }
 
 /* Largest number that is certain of how far outside the stable range the pairs are (> 0: unstable),
@@ -266,7 +286,7 @@ static void weigh(const ric_pairs *p, real *outside, real *inside)
  */
 static bool all_outside(const ric_pairs *p)
 {
-    for (int run = 0; run < RIC_PAIR_RUNS; run++) {
+    for (int run = 0; run < p->runs; run++) {
         bool any = false;
         for (int i = 0; i < p->n_pair; i++) any |= fabs(creall(own(p, run, i))) > 2 + VAGUE;
         if (!any) return false;
@@ -296,6 +316,7 @@ static ric_agreement judge_undecided(const ric_pairs *p, real outside, real insi
     real border = 0;
     if (!(inside > 0) && !(outside > 0) && !all_outside(p))
         return RIC_AGREES_YES; /* nor is it decided here */
+    if (is_hardly_held(p)) return RIC_AGREES_UNCHECKED;
     if (asked && (asked->end || (asked->joint && fmin(fabs(inside), fabs(outside)) <= LOCATED) ||
                   (asked->given && asked->stable == RIC_STABLE_UNDECIDED)))
         return RIC_AGREES_UNCHECKED;
@@ -384,7 +405,7 @@ static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_clai
 static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims *out)
 {
     real found = asinh(full(p, 0, 0) / 2), bound = 0;
-    for (int run = 1; run < RIC_PAIR_RUNS; run++) {
+    for (int run = 1; run < p->runs; run++) {
         real off = fabs(asinh(full(p, run, 0) / 2) - found);
         if (!(off <= bound)) bound = off;
     }
@@ -396,7 +417,7 @@ static void judge_trace(const ric_pairs *p, const ric_point *stored, ric_claims 
     bool vague = !(bound <= VAGUE);
     /* nor does the library give it when it is asked again; and at an end it need not have, as with
      * a flag */
-    if (isnan(stored->trace)) vague |= !all_given(p->asked) || p->asked->end;
+    if (isnan(stored->trace)) vague |= !all_given(p->asked) || p->asked->end || is_hardly_held(p);
     out->multipliers = vague                            ? RIC_AGREES_UNCHECKED
                        : out->multiplier_error <= bound ? RIC_AGREES_YES
                                                         : RIC_AGREES_NO;

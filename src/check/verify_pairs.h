@@ -11,8 +11,10 @@
 typedef long double _Complex ric_pair; /* rho = lambda + 1 / lambda */
 
 enum {
-    RIC_PAIR_RUNS = 5
-}; /* one as exact as can be, three with the rounding of doubles added, one along the branch */
+    RIC_PAIR_RUNS = 5, /* one as exact as can be, three with the rounding of doubles added, one
+                          along the branch */
+    RIC_PAIR_MOST      /* with that of the nearest orbit, where it was asked for */
+};
 #define RIC_PAIR_SAFETY 64 /* times the largest difference between the runs */
 
 /* What the library gives of a point on request. */
@@ -35,9 +37,10 @@ void ric_verify_asked_close(ric_verify_asked *asked);
 typedef struct {
     int n_pair;             /* beside the trivial one */
     bool half;              /* own: of the map of half a period, joined with x -> -x */
-    int way[RIC_PAIR_RUNS]; /* of a single pair: as ric_verify_pairs_find gives it */
+    int runs;               /* RIC_PAIR_RUNS, or RIC_PAIR_MOST */
+    int way[RIC_PAIR_MOST]; /* of a single pair: as ric_verify_pairs_find gives it */
     const ric_verify_asked *asked;
-    ric_pair *own; /* [RIC_PAIR_RUNS * n_pair] ascending by real part */
+    ric_pair *own; /* [runs * n_pair] ascending by real part */
 } ric_pairs;
 
 /* rho [m / 2 - 1] of A [m * m], without the pair 1, 1 that the flow [m] and the gradient of the

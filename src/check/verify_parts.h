@@ -135,6 +135,9 @@ void ric_verify_digits_judge(const replay *r, const ric_digits *digits, ric_clai
  * half of it, or the gap as far as the motion goes beyond the face: which one is met, and when,
  * cannot be told from there on. */
 bool ric_verify_digits_hide(const replay *r, const ric_digits *digits, int k);
+/* Moves the replay to the nearest orbit, by Newton's method of least norm; *found: there is one
+ * nearer than any fault that is looked for. */
+ric_status ric_verify_nearest(replay *r, bool *found);
 /* One more number that could not be checked. */
 void ric_verify_digits_doubt(ric_claims *out, const char *name);
 /* A number is not what is found; the first one is told. */

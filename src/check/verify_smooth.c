@@ -376,7 +376,10 @@ static ric_status check_multipliers(replay *r, const ric_model *m, const ric_bra
 {
     ric_status status = RIC_OK;
     bool half = b->symmetric && off_image(r) <= IMAGE;
-    ric_pairs pairs = {.n_pair = ric_model_n_mode(m) - 1, .half = half, .asked = asked};
+    ric_pairs pairs = {.n_pair = ric_model_n_mode(m) - 1,
+                       .runs = RIC_PAIR_RUNS,
+                       .half = half,
+                       .asked = asked};
     real level = fmaxl(NOISE, gap(r)), *kept = ric_malloc((size_t)(r->n * r->parts) * sizeof *kept);
     unsigned bits = 4711;
     bool found = true;

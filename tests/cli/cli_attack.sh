@@ -64,6 +64,9 @@ done <<END
 801281 40
 $(some_of '' '850969 200')
 END
+# Right multipliers of orbits whose stored states, between stiff springs, lie beside them.
+ok "verify does not take structure 23500137 for wrong" \
+    tools/attack/attack --program "$ricochet" -n 1 --seed 23500137 --kind bilinear --points 1 --verify
 # Springs that multiply rounding by 1e11 in a period: what is polished is the stored orbit, and none beside it on its branch.
 ok "the margins of structure 2100519 are those of its orbits" \
     tools/attack/attack --program "$ricochet" -n 1 --seed 2100519 --kind bilinear

@@ -498,7 +498,7 @@ static void verify_slow_impacts(void **state)
 static ric_claims judged(const double rho[RIC_PAIR_RUNS], double rotation)
 {
     ric_pair own[RIC_PAIR_RUNS];
-    ric_pairs pairs = {.n_pair = 1, .way = {-1, -1, -1, -1, -1}, .own = own};
+    ric_pairs pairs = {.n_pair = 1, .runs = RIC_PAIR_RUNS, .way = {-1, -1, -1, -1, -1}, .own = own};
     ric_claims claims = {.multipliers = RIC_AGREES_UNCHECKED};
     for (int run = 0; run < RIC_PAIR_RUNS; run++) own[run] = rho[run];
     ric_verify_pairs_judge(&pairs, 2,
