@@ -312,15 +312,13 @@ static bool is_found(const ric_claims *out)
  * off. Where the orbit was polished that is more than the stored digits, replayed, leave open, and
  * is not checked by them. */
 static ric_status judge_stated(ric_pairs *p, const ric_atlas *atlas, const ric_point *stored,
-                               ric_claims *out)
+                               ric_verify_asked *asked, ric_claims *out)
 {
-    ric_verify_asked asked;
-    ric_status status = ric_verify_asked_open(atlas, out->branch, out->point, NULL, &asked);
-    if (!status && asked.given) {
-        p->asked = &asked;
+    ric_status status = ric_verify_asked_open(atlas, out->branch, out->point, NULL, asked);
+    if (!status && asked->given) {
+        p->asked = asked;
         judge_again(p, 2, stored, out);
     }
-    ric_verify_asked_close(&asked);
     return status;
 }
 
@@ -352,6 +350,7 @@ static ric_status check_multipliers(replay *r, const ric_atlas *atlas,
     int seen[r->n];
     real *share = ric_malloc((size_t)(r->n + 1) * (size_t)r->n * sizeof *share);
     motion m = {.r = r, .seen = seen, .share = share, .bits = 20011};
+    ric_verify_asked stated = {0};
     if (!share) return ric_no_memory("the modes that contacts see");
     m.n_seen = find_seen(r, seen, share);
     ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0,
@@ -374,8 +373,9 @@ static ric_status check_multipliers(replay *r, const ric_atlas *atlas,
     const bool right = !*out->finding;
     if (found && !status) ric_verify_pairs_judge(&pairs, m.n_seen, &r->point, out);
     if (right && !status && m.n_seen == 2 && !asked->given && out->multipliers == RIC_AGREES_NO)
-        status = judge_stated(&pairs, atlas, &r->point, out);
+        status = judge_stated(&pairs, atlas, &r->point, &stated, out);
     if (right && !status && is_found(out)) status = judge_nearest(&m, &pairs, atlas, out);
+    ric_verify_asked_close(&stated);
     free(pairs.own);
     free(share);
     return status;
