@@ -1098,6 +1098,7 @@ typedef struct {
     double approach;       /* no impact is slower, scaled, per second */
     ric_stability stable;  /* as proved */
     bool symmetric, reversible; /* as proved */
+    char prover[32]; /* of what is not proved: the version of the prover, "" if unknown */
 } ric_proof;
 
 /* The proof of point `i` of a branch that is kept in the file of the atlas, and its certificate, ""
@@ -1110,6 +1111,8 @@ ric_status ric_proof_keep(const char *path, const ric_atlas *atlas, int n, const
                           const char *const *certificates);
 
 bool ric_prover_available(void);
+/* A digest of its sources: what is not proved by one of another version may be by this one. */
+const char *ric_prover_version(void);
 /* To be used by one thread; the atlas has to stay. */
 ric_status ric_prover_create(const ric_atlas *atlas, ric_prover **out);
 void ric_prover_free(ric_prover *prover);
@@ -1126,12 +1129,39 @@ typedef struct {
     bool from, to;           /* whether its first and last points are on it, too */
     double stable, unstable; /* shares of its length that are proved to be so */
     double approach;         /* no impact is slower, scaled, per second */
+    char prover[32];         /* as of a point */
 } ric_curve_proof;
 ric_status ric_prover_curve(ric_prover *prover, int branch, ric_curve_proof *out);
 /* What the file keeps of it, and keeping `n` of them there, as with those of points. */
 bool ric_curve_proof_kept(const ric_atlas *atlas, int branch, ric_curve_proof *out);
 ric_status ric_curve_proof_keep(const char *path, const ric_atlas *atlas, int n,
                                 const ric_curve_proof *proofs);
+
+/* A curve in work: what is proved of it from its first point up to another one. */
+typedef struct {
+    int branch, point; /* up to this one, from 0 */
+    int tubes;         /* as of a curve, and so on: */
+    bool from;
+    double length[3]; /* of tubes that are unstable, stable and undecided */
+    double approach;
+    bool open, told; /* of its certificate: the next orbit is joined, each is rounded to one */
+    const char *certificate; /* the orbits since the arc before, borrowed */
+    char prover[32];         /* the version that has proved it: another one does not go on there */
+} ric_arc_proof;
+/* A curve that is gone on with: behind `n` arcs that were proved before, all of them in order;
+ * `tell`, or NULL, is called for each further one, and an error of it ends the curve. */
+typedef struct {
+    int n;
+    const ric_arc_proof *arcs;
+    ric_status (*tell)(const ric_arc_proof *arc, void *user);
+    void *user;
+} ric_curve_work;
+ric_status ric_prover_curve_from(ric_prover *prover, int branch, const ric_curve_work *work,
+                                 ric_curve_proof *out);
+/* Those of a branch that the file keeps, borrowed, and how many; keeping the curve drops them. */
+const ric_arc_proof *ric_arc_proof_kept(const ric_atlas *atlas, int branch, int *n);
+ric_status ric_arc_proof_keep(const char *path, const ric_atlas *atlas, int n,
+                              const ric_arc_proof *arcs);
 
 /* A junction as a zero of equations of its own, at which they are regular. */
 typedef struct {
@@ -1146,6 +1176,7 @@ typedef struct {
                                     within `unique` */
     double energy[2], period[2]; /* intervals that hold the scaled energy, and the period in seconds
                                     of the branch */
+    char prover[32];             /* as of a point */
 } ric_junction_proof;
 ric_status ric_prover_junction(ric_prover *prover, int id, ric_junction_proof *out);
 bool ric_junction_proof_kept(const ric_atlas *atlas, int id, ric_junction_proof *out);

@@ -8,6 +8,12 @@
 
 static const char *const state_text[] = {"proved", "not proved", "left out"};
 
+static int points_of(const prove_list *w, int branch)
+{
+    ric_branch row;
+    return ric_atlas_branch(w->atlas, branch, &row) ? 1 : row.n_point;
+}
+
 ric_status prove_curves_add(prove_list *w, int branch)
 {
     const int first = branch ? branch : 1, last = branch ? branch : ric_atlas_n_branch(w->atlas);
@@ -17,11 +23,22 @@ ric_status prove_curves_add(prove_list *w, int branch)
         prove_result *r = &w->results[w->n++];
         r->curve.branch = id;
         r->done = r->kept = !w->certified && ric_prover_available() &&
-                            ric_curve_proof_kept(w->atlas, id, &r->curve);
+                            ric_curve_proof_kept(w->atlas, id, &r->curve) &&
+                            !prove_again(r->curve.state, r->curve.prover);
         w->workers.finished += r->done;
+        const ric_status status = r->done ? RIC_OK : prove_arcs_begin(w, r);
+        if (status) return status;
+        w->workers.n_part += points_of(w, id) - 1;
+        w->workers.part += r->done ? points_of(w, id) - 1 : prove_arcs_reached(r);
     }
+    w->workers.parts = "arcs";
     ric_branch row;
     return ric_atlas_branch(w->atlas, first, &row);
+}
+
+void prove_curves_count(prove_list *w, const prove_result *r)
+{
+    atomic_fetch_add(&w->workers.part, points_of(w, r->curve.branch) - 1 - prove_arcs_reached(r));
 }
 
 ric_status prove_curves_keep(const prove_list *w, const char *path)

@@ -17,7 +17,8 @@ ric_status prove_junctions_add(prove_list *w)
         prove_result *r = &w->results[w->n++];
         r->junction.junction = id;
         r->done = r->kept = !w->certified && ric_prover_available() &&
-                            ric_junction_proof_kept(w->atlas, id, &r->junction);
+                            ric_junction_proof_kept(w->atlas, id, &r->junction) &&
+                            !prove_again(r->junction.state, r->junction.prover);
         w->workers.finished += r->done;
     }
     return RIC_OK;

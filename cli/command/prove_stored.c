@@ -25,14 +25,18 @@ static void keep_model(prove_list *w, const ric_prover *prover)
 
 static ric_status prove_one(prove_list *w, ric_prover *prover, prove_result *r)
 {
-    ric_status status = w->curves ? ric_prover_curve(prover, r->curve.branch, &r->curve)
+    ric_status status = w->curves ? prove_curve_on(w, prover, r)
                         : w->junctions
                             ? ric_prover_junction(prover, r->junction.junction, &r->junction)
                             : ric_prover_point(prover, r->proof.branch, r->proof.point, &r->proof);
     if (status || ric_halted()) return status; /* what was stopped in its midst says nothing */
     const char *text = ric_prover_certificate(prover);
     if (*text && !(r->certificate = strdup(text))) return RIC_E_NOMEM;
+    pthread_mutex_lock(&w->workers.mutex);
     r->done = true;
+    if (w->curves) prove_curves_count(w, r);
+    prove_keep_some(w);
+    pthread_mutex_unlock(&w->workers.mutex);
     cli_workers_finish(&w->workers);
     return RIC_OK;
 }
@@ -68,39 +72,14 @@ static ric_status add_points(prove_list *w, int id, long point)
         prove_result *r = &w->results[w->n++];
         const char *certificate = NULL;
         *r = (prove_result){.proof = {.branch = id, .point = i}};
-        if (!ric_prover_available() || !ric_proof_kept(w->atlas, id, i, &r->proof, &certificate))
+        if (!ric_prover_available() || !ric_proof_kept(w->atlas, id, i, &r->proof, &certificate) ||
+            prove_again(r->proof.state, r->proof.prover))
             continue;
         r->done = r->kept = true;
         w->workers.finished++;
         if (!(r->certificate = strdup(certificate))) return RIC_E_NOMEM;
     }
     return RIC_OK;
-}
-
-/* In the file of the atlas what was proved now, so that it need not be proved again: no failure of
- * the proofs if the file is one that cannot be written, or that a run has open. */
-static ric_status keep_points(const prove_list *w, const char *path)
-{
-    ric_proof *proofs = calloc((size_t)w->n + 1, sizeof *proofs);
-    const char **certificates = calloc((size_t)w->n + 1, sizeof *certificates);
-    int n = 0;
-    for (int i = 0; proofs && certificates && i < w->n; i++) {
-        if (!w->results[i].done || w->results[i].kept) continue;
-        proofs[n] = w->results[i].proof;
-        certificates[n++] = w->results[i].certificate;
-    }
-    const ric_status status = n ? ric_proof_keep(path, w->atlas, n, proofs, certificates) : RIC_OK;
-    free(proofs);
-    free(certificates);
-    return status;
-}
-
-static void keep(const prove_list *w, const char *path)
-{
-    const ric_status status = w->curves      ? prove_curves_keep(w, path)
-                              : w->junctions ? prove_junctions_keep(w, path)
-                                             : keep_points(w, path);
-    if (status) cli_say("ricochet: the proofs are not kept: %s\n", ric_detail());
 }
 
 /* ------------------------------------------------------------------ answers */
@@ -229,13 +208,16 @@ static int print_all(const prove_list *w, cli_format format, bool verbose)
 
 static void release(prove_list *w)
 {
-    for (int i = 0; i < w->n; i++) free(w->results[i].certificate);
+    for (int i = 0; i < w->n; i++) {
+        free(w->results[i].certificate);
+        prove_arcs_free(&w->results[i]);
+    }
     free(w->results);
     free(w->model);
 }
 
 /* Proves what is listed and keeps it. */
-static ric_status prove_all(prove_list *w, const char *path, int workers)
+static ric_status prove_all(prove_list *w, int workers)
 {
     cli_workers *all = &w->workers;
     all->n = w->n;
@@ -243,7 +225,7 @@ static ric_status prove_all(prove_list *w, const char *path, int workers)
     all->work = work;
     all->user = w;
     const ric_status status = cli_workers_run(all, workers);
-    if (!status) keep(w, path);
+    if (!status) prove_keep_rest(w);
     if (status && *all->detail) cli_say("ricochet: %s\n", all->detail);
     return status;
 }
@@ -274,12 +256,13 @@ static int prove_kind(const char *path, int workers, bool curves, bool junctions
 {
     ric_atlas *atlas = NULL;
     prove_list w = {.workers = {.seconds = HUGE_VAL, .mutex = PTHREAD_MUTEX_INITIALIZER},
+                    .path = path,
                     .curves = curves,
                     .junctions = junctions};
     ric_status status = ric_atlas_read(path, &atlas);
     w.atlas = atlas;
     if (!status) status = list_all(&w, 0, -1);
-    int code = status ? cli_report(status) : prove_all(&w, path, workers) ? CLI_FAILED : CLI_DONE;
+    int code = status ? cli_report(status) : prove_all(&w, workers) ? CLI_FAILED : CLI_DONE;
     if (!code)
         code = curves      ? prove_curves_print(&w, CLI_TEXT, false, out)
                : junctions ? prove_junctions_print(&w, CLI_TEXT, false, out)
@@ -337,11 +320,10 @@ int prove_command(int argc, char **argv)
     if (!fits(&w, text, point_text)) return CLI_WRONG;
     ric_status status = ric_atlas_read(argv[1], &atlas);
     w.atlas = atlas;
+    w.path = argv[1];
     w.certified = path;
     if (!status) status = list_all(&w, (int)branch, point);
-    int code = status                                 ? cli_report(status)
-               : prove_all(&w, argv[1], (int)workers) ? CLI_FAILED
-                                                      : CLI_DONE;
+    int code = status ? cli_report(status) : prove_all(&w, (int)workers) ? CLI_FAILED : CLI_DONE;
     if (code == CLI_DONE && path) code = write_certificates(&w, path);
     if (code == CLI_DONE) code = print(&w, format, verbose);
     release(&w);

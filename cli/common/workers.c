@@ -42,6 +42,13 @@ static void *enter(void *user)
     return NULL;
 }
 
+static void tell(const cli_workers *w)
+{
+    fprintf(stderr, "%d of %d %s, ", (int)w->finished, w->n, w->pieces);
+    if (w->parts) fprintf(stderr, "%d of %d %s, ", (int)w->part, w->n_part, w->parts);
+    fprintf(stderr, "%.0f s", cli_seconds_since(&w->start));
+}
+
 /* Until all are gone, the time is over or a signal comes; shows on a terminal how far they are. */
 static void attend(cli_workers *w, int started)
 {
@@ -49,9 +56,7 @@ static void attend(cli_workers *w, int started)
     while (!w->stop && w->gone < started) {
         nanosleep(&nap, NULL);
         if (cli_workers_over(w)) w->stop = true;
-        if (cli_progress_due(&line))
-            fprintf(stderr, "%d of %d %s, %.0f s", (int)w->finished, w->n, w->pieces,
-                    cli_seconds_since(&w->start));
+        if (cli_progress_due(&line)) tell(w);
     }
     cli_progress_end(&line);
 }

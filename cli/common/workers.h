@@ -12,12 +12,15 @@
 enum { CLI_WORKERS_MOST = 256 };
 
 typedef struct {
-    int n;                    /* pieces */
-    const char *pieces;       /* what they are called on a terminal: points */
+    int n;              /* pieces */
+    const char *pieces; /* what they are called on a terminal: points */
+    const char *parts;  /* what pieces are made of, NULL: nothing that is counted */
+    int n_part;
     void (*work)(void *user); /* of a thread: takes pieces until there are none */
     void *user;
     double seconds; /* after which no piece is begun; HUGE_VAL: none is left out */
     atomic_int next, finished, gone;
+    atomic_int part;  /* that are finished */
     atomic_bool stop; /* no further piece is taken */
     pthread_mutex_t mutex;
     struct timespec start;

@@ -76,6 +76,9 @@ void ric_atlas_free(ric_atlas *atlas)
     for (int i = 0; i < atlas->n_proof; i++) free(atlas->proofs[i].certificate);
     free(atlas->proofs);
     free(atlas->graph_proofs);
+    for (int i = 0; i < atlas->n_arc; i++) free(atlas->arc_texts[i]);
+    free(atlas->arcs);
+    free(atlas->arc_texts);
     free(atlas->labels);
     free(atlas->branches);
     free(atlas->junctions);

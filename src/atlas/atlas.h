@@ -44,7 +44,7 @@ typedef struct {
     ric_graph_kind kind;
     int id;
     ric_proof_state state;
-    char why[200], how[60];
+    char why[200], how[60], prover[32];
     int integer[5];
     double number[10];
 } ric_graph_proof;
@@ -62,6 +62,9 @@ struct ric_atlas {
     ric_proof_record *proofs; /* by branch and point */
     int n_graph_proof;
     ric_graph_proof *graph_proofs; /* of curves and junctions */
+    int n_arc;
+    ric_arc_proof *arcs; /* of curves in work, by branch and point */
+    char **arc_texts;    /* their certificates */
 };
 
 /* Whether every branch of `small` is in `large`, as far as words and ends tell. */

@@ -43,6 +43,7 @@ static ric_graph_proof of_curve(const ric_curve_proof *p)
 {
     ric_graph_proof g = {.kind = RIC_GRAPH_CURVE, .id = p->branch, .state = p->state};
     snprintf(g.why, sizeof g.why, "%s", p->why);
+    snprintf(g.prover, sizeof g.prover, "%s", p->prover);
     g.integer[2] = p->tubes;
     g.integer[3] = p->from;
     g.integer[4] = p->to;
@@ -60,6 +61,7 @@ static ric_graph_proof of_junction(const ric_junction_proof *p)
                                      p->energy[1], p->period[0], p->period[1], NAN,
                                      NAN,          NAN};
     snprintf(g.why, sizeof g.why, "%s", p->why);
+    snprintf(g.prover, sizeof g.prover, "%s", p->prover);
     snprintf(g.how, sizeof g.how, "%s", p->how);
     g.integer[0] = p->branch;
     g.integer[1] = p->bits;
@@ -88,6 +90,7 @@ bool ric_curve_proof_kept(const ric_atlas *atlas, int branch, ric_curve_proof *o
                              .unstable = g->number[8],
                              .approach = g->number[9]};
     snprintf(out->why, sizeof out->why, "%s", g->why);
+    snprintf(out->prover, sizeof out->prover, "%s", g->prover);
     return true;
 }
 
@@ -105,6 +108,7 @@ bool ric_junction_proof_kept(const ric_atlas *atlas, int id, ric_junction_proof 
                                 .energy = {g->number[3], g->number[4]},
                                 .period = {g->number[5], g->number[6]}};
     snprintf(out->why, sizeof out->why, "%s", g->why);
+    snprintf(out->prover, sizeof out->prover, "%s", g->prover);
     snprintf(out->how, sizeof out->how, "%s", g->how);
     return true;
 }
@@ -127,8 +131,7 @@ static void print_junction(FILE *f, const ric_atlas *atlas, int id)
     print_numbers(f, j->letters ? j->letters : 1, j->flights);
 }
 
-/* All that a curve is laid through. */
-static void print_branch(FILE *f, const ric_atlas *atlas, int id)
+void ric_store_graph_print_branch(FILE *f, const ric_atlas *atlas, int id)
 {
     const ric_branch *b = &atlas->branches[id - 1].row;
     fprintf(f, "curve %d %d %s", b->symmetric, b->reversible, ric_stop_text(b->stop));
@@ -154,7 +157,7 @@ static ric_status digest_of(const ric_atlas *atlas, const ric_graph_proof *g, ui
     for (int i = 0; i < INTEGERS; i++) fprintf(b.file, " %d", g->integer[i]);
     print_numbers(b.file, NUMBERS, g->number);
     fprintf(b.file, "\n%s\n%s\n", g->why, g->how);
-    if (g->kind == RIC_GRAPH_CURVE) print_branch(b.file, atlas, g->id);
+    if (g->kind == RIC_GRAPH_CURVE) ric_store_graph_print_branch(b.file, atlas, g->id);
     else print_junction(b.file, atlas, g->id);
     char *text = ric_buffer_take(&b);
     if (!text) return ric_store_fail_memory();
@@ -193,13 +196,23 @@ static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_graph_proof 
     return true;
 }
 
-static ric_status add_row(ric_atlas *atlas, sqlite3_stmt *row)
+static ric_refused refused(const ric_graph_proof *g, uint64_t digest)
+{
+    return (ric_refused){g->kind == RIC_GRAPH_CURVE ? "curve" : "junction", g->id, 0, digest};
+}
+
+static ric_status add_row(ric_database file, ric_atlas *atlas, sqlite3_stmt *row,
+                          sqlite3_stmt *refusals)
 {
     ric_graph_proof g;
     uint64_t digest;
     if (!take_row(atlas, row, &g)) return RIC_OK;
-    const ric_status status = digest_of(atlas, &g, &digest);
+    ric_status status = digest_of(atlas, &g, &digest);
     if (status || sqlite3_column_int64(row, COLUMNS - 1) != (sqlite3_int64)digest) return status;
+    const ric_refused what = refused(&g, digest);
+    if (g.state != RIC_PROOF_DONE)
+        status = ric_store_refusals_read(file, refusals, &what, sizeof g.prover, g.prover);
+    if (status) return status;
     ric_graph_proof *more = ric_realloc(atlas->graph_proofs,
                                         ((size_t)atlas->n_graph_proof + 1) * sizeof *more);
     if (!more) return ric_store_fail_memory();
@@ -214,28 +227,29 @@ static ric_status add_row(ric_atlas *atlas, sqlite3_stmt *row)
 
 ric_status ric_store_read_graph(ric_database file, ric_atlas *atlas)
 {
-    sqlite3_stmt *query = NULL;
+    sqlite3_stmt *query = NULL, *refusals = NULL;
     bool row = false;
     ric_status status = ric_store_sqlite_prepare_there(file, "proof_graph", select_all, &query);
     if (!query) return status;
+    status = ric_store_refusals_find(file, &refusals);
     /* one row of each is written: a table without its key may have any number, each of which is
      * read with its branch */
     for (int left = atlas->n_branch + atlas->n_junction; left > 0 && !status; left--) {
         if ((status = ric_store_sqlite_step(file, query, &row)) || !row) break;
-        status = add_row(atlas, query);
+        status = add_row(file, atlas, query, refusals);
     }
     sqlite3_finalize(query);
+    sqlite3_finalize(refusals);
     return status;
 }
 
 /* -------------------------------------------------------------------- write */
 
 static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atlas *atlas,
-                          const ric_graph_proof *g)
+                          const ric_graph_proof *g, uint64_t *digest)
 {
-    uint64_t digest;
     bool row;
-    ric_status status = digest_of(atlas, g, &digest);
+    ric_status status = digest_of(atlas, g, digest);
     if (status) return status;
     int code = sqlite3_bind_text(query, 1, g->kind == RIC_GRAPH_CURVE ? "curve" : "junction", -1,
                                  SQLITE_STATIC);
@@ -249,7 +263,7 @@ static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atla
         code |= isnan(g->number[i])
                     ? sqlite3_bind_null(query, FIRST + INTEGERS + i + 1)
                     : sqlite3_bind_double(query, FIRST + INTEGERS + i + 1, g->number[i]);
-    code |= sqlite3_bind_int64(query, COLUMNS, (sqlite3_int64)digest);
+    code |= sqlite3_bind_int64(query, COLUMNS, (sqlite3_int64)*digest);
     status = code ? ric_store_fail_memory() : ric_store_sqlite_step(file, query, &row);
     sqlite3_clear_bindings(query);
     return status;
@@ -259,15 +273,22 @@ static ric_status put_all(ric_store *store, const ric_atlas *atlas, int n_curve,
                           const ric_curve_proof *curves, int n_junction,
                           const ric_junction_proof *junctions)
 {
-    sqlite3_stmt *query = NULL;
+    sqlite3_stmt *query = NULL, *refusals = NULL;
     ric_database file;
+    uint64_t digest;
     ric_status status = ric_store_fill(store, create, insert, &file, &query);
+    if (!status) status = ric_store_refusals_fill(file, &refusals);
     for (int i = 0; !status && i < n_curve + n_junction; i++) {
         const ric_graph_proof g = i < n_curve ? of_curve(&curves[i])
                                               : of_junction(&junctions[i - n_curve]);
-        status = put_row(file, query, atlas, &g);
+        status = put_row(file, query, atlas, &g, &digest);
+        const ric_refused what = refused(&g, digest);
+        if (!status && g.state != RIC_PROOF_DONE)
+            status = ric_store_refusals_put(file, refusals, &what, g.prover);
+        if (!status && g.kind == RIC_GRAPH_CURVE) status = ric_store_arcs_drop(file, g.id);
     }
     sqlite3_finalize(query);
+    sqlite3_finalize(refusals);
     return status ? status : ric_store_commit(store);
 }
 

@@ -131,6 +131,26 @@ ric_status ric_store_read_gaps(ric_database file, ric_atlas *atlas);
 ric_status ric_store_fill(ric_store *store, const char *create, const char *insert,
                           ric_database *file, sqlite3_stmt **query);
 
+/* --------------------------------------------------------- store_refusals.c */
+
+/* What was not proved: a "point" of branch `id`, a "curve" or a "junction"; and the checksum of the
+ * row that says so. */
+typedef struct {
+    const char *kind;
+    int id, point;
+    uint64_t digest;
+} ric_refused;
+
+/* Asks for the version of the prover, "" if the file has none; the query is NULL if it has no such
+ * table. */
+ric_status ric_store_refusals_find(ric_database file, sqlite3_stmt **out);
+ric_status ric_store_refusals_read(ric_database file, sqlite3_stmt *query, const ric_refused *what,
+                                   size_t size, char *prover);
+/* Keeps it; the table is made if it is not there. */
+ric_status ric_store_refusals_fill(ric_database file, sqlite3_stmt **out);
+ric_status ric_store_refusals_put(ric_database file, sqlite3_stmt *query, const ric_refused *what,
+                                  const char *prover);
+
 /* ----------------------------------------------------------- store_proofs.c */
 
 /* Proofs of points that are what they were; none if there is no such table. */
@@ -140,5 +160,14 @@ ric_status ric_store_read_proofs(ric_database file, ric_atlas *atlas);
 
 /* The same of curves and junctions. */
 ric_status ric_store_read_graph(ric_database file, ric_atlas *atlas);
+/* All that a curve is laid through, as text for a checksum. */
+void ric_store_graph_print_branch(FILE *f, const ric_atlas *atlas, int id);
+
+/* ------------------------------------------------------------- store_arcs.c */
+
+/* Arcs of curves in work. */
+ric_status ric_store_read_arcs(ric_database file, ric_atlas *atlas);
+/* Drops those of a branch, if there is such a table. */
+ric_status ric_store_arcs_drop(ric_database file, int branch);
 
 #endif

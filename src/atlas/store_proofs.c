@@ -139,14 +139,24 @@ static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_proof *p)
     return true;
 }
 
-static ric_status add_row(ric_atlas *atlas, sqlite3_stmt *row)
+static ric_refused refused(const ric_proof *p, uint64_t digest)
+{
+    return (ric_refused){"point", p->branch, p->point, digest};
+}
+
+static ric_status add_row(ric_database file, ric_atlas *atlas, sqlite3_stmt *row,
+                          sqlite3_stmt *refusals)
 {
     ric_proof proof;
     uint64_t digest;
     const char *certificate = (const char *)sqlite3_column_text(row, 18);
     if (!certificate || !take_row(atlas, row, &proof)) return RIC_OK;
-    const ric_status status = digest_row(atlas, &proof, certificate, &digest);
+    ric_status status = digest_row(atlas, &proof, certificate, &digest);
     if (status || sqlite3_column_int64(row, 19) != (sqlite3_int64)digest) return status;
+    const ric_refused what = refused(&proof, digest);
+    if (proof.state != RIC_PROOF_DONE)
+        status = ric_store_refusals_read(file, refusals, &what, sizeof proof.prover, proof.prover);
+    if (status) return status;
     ric_proof_record *more = ric_realloc(atlas->proofs,
                                          ((size_t)atlas->n_proof + 1) * sizeof *more);
     if (!more) return ric_store_fail_memory();
@@ -160,26 +170,27 @@ static ric_status add_row(ric_atlas *atlas, sqlite3_stmt *row)
 
 ric_status ric_store_read_proofs(ric_database file, ric_atlas *atlas)
 {
-    sqlite3_stmt *query = NULL;
+    sqlite3_stmt *query = NULL, *refusals = NULL;
     bool row = false;
     ric_status status = ric_store_sqlite_prepare_there(file, "proof", select_all, &query);
     if (!query) return status;
+    status = ric_store_refusals_find(file, &refusals);
     while (!status && !(status = ric_store_sqlite_step(file, query, &row)) && row)
-        status = add_row(atlas, query);
+        status = add_row(file, atlas, query, refusals);
     sqlite3_finalize(query);
+    sqlite3_finalize(refusals);
     return status;
 }
 
 /* -------------------------------------------------------------------- write */
 
 static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atlas *atlas,
-                          const ric_proof *p, const char *certificate)
+                          const ric_proof *p, const char *certificate, uint64_t *digest)
 {
     const int integers[] = {p->branch, p->point, (int)p->state};
     const int more[] = {p->bits, (int)p->stable, p->symmetric, p->reversible};
-    uint64_t digest;
     bool row;
-    ric_status status = digest_row(atlas, p, certificate, &digest);
+    ric_status status = digest_row(atlas, p, certificate, digest);
     if (status) return status;
     int code = 0;
     for (int i = 0; i < 3; i++) code |= sqlite3_bind_int(query, i + 1, integers[i]);
@@ -191,7 +202,7 @@ static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atla
                              : sqlite3_bind_double(query, FIRST + i + 1, value);
     }
     code |= sqlite3_bind_text(query, 19, certificate, -1, SQLITE_STATIC);
-    code |= sqlite3_bind_int64(query, COLUMNS, (sqlite3_int64)digest);
+    code |= sqlite3_bind_int64(query, COLUMNS, (sqlite3_int64)*digest);
     status = code ? ric_store_fail_memory() : ric_store_sqlite_step(file, query, &row);
     sqlite3_clear_bindings(query);
     return status;
@@ -201,12 +212,20 @@ static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atla
 static ric_status put_proofs(ric_store *store, const ric_atlas *atlas, int n,
                              const ric_proof *proofs, const char *const *certificates)
 {
-    sqlite3_stmt *query = NULL;
+    sqlite3_stmt *query = NULL, *refusals = NULL;
     ric_database file;
+    uint64_t digest;
     ric_status status = ric_store_fill(store, create, insert, &file, &query);
-    for (int i = 0; !status && i < n; i++)
-        status = put_row(file, query, atlas, &proofs[i], certificates[i] ? certificates[i] : "");
+    if (!status) status = ric_store_refusals_fill(file, &refusals);
+    for (int i = 0; !status && i < n; i++) {
+        const ric_proof *p = &proofs[i];
+        status = put_row(file, query, atlas, p, certificates[i] ? certificates[i] : "", &digest);
+        const ric_refused what = refused(p, digest);
+        if (!status && p->state != RIC_PROOF_DONE)
+            status = ric_store_refusals_put(file, refusals, &what, p->prover);
+    }
     sqlite3_finalize(query);
+    sqlite3_finalize(refusals);
     return status ? status : ric_store_commit(store);
 }
 

@@ -484,6 +484,7 @@ ric_status ric_store_read_tables(ric_database file, ric_atlas **out)
     if (!status) status = ric_store_check_numbers(file.path, atlas);
     if (!status) status = ric_store_read_proofs(file, atlas);
     if (!status) status = ric_store_read_graph(file, atlas);
+    if (!status) status = ric_store_read_arcs(file, atlas);
     if (!status) status = ric_keys_make(atlas);
     if (!status) status = ric_links_make(atlas);
     if (status) ric_atlas_free(atlas);

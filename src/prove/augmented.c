@@ -225,9 +225,12 @@ static bool closes(const ric_augmented *x)
 
 static const char *prove(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
+    const double work = 10 * pow((double)x->n, 3);
+    if (ric_halt(work)) return "stopped";
     if (ric_augmented_motions(x) && !find_motions(x, J, F))
         return "its equations are singular beyond what a junction makes them";
     if (!refine(x, J, F)) return "no junction of this kind was found from it";
+    if (ric_halt(work)) return "stopped";
     if (!contracts(x, J, F)) return "its equations are not proved to be regular";
     if (!closes(x)) return "the energy is not proved to be positive";
     if (ric_augmented_has_factor(x) && x->e->n != 2)

@@ -280,6 +280,21 @@ void ric_certificate_arcs_add(ric_arcs *a, const ric_chain *c, const ric_enclosu
     _arb_vec_clear(u, count);
 }
 
+const char *ric_certificate_arcs_new(ric_arcs *a)
+{
+    if (!ric_buffer_sync(&a->text)) return NULL;
+    const size_t from = a->told;
+    a->told = a->text.size;
+    return a->text.text ? a->text.text + from : "";
+}
+
+void ric_certificate_arcs_again(ric_arcs *a, const char *text)
+{
+    fputs(text, a->text.file);
+    a->arcs += *text != 0;
+    a->told += strlen(text);
+}
+
 void ric_certificate_arcs_break(ric_arcs *a)
 {
     a->open = false;

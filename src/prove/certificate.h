@@ -24,12 +24,17 @@ typedef struct {
     bool open;   /* an arc has begun */
     bool unique; /* every number was rounded to one decimal */
     int arcs;
+    size_t told; /* of the text: up to here it was handed out */
 } ric_arcs;
 
 bool ric_certificate_arcs_open(ric_arcs *a);
 /* The orbit within `exists` of the centre of a chain that holds a number. */
 void ric_certificate_arcs_add(ric_arcs *a, const ric_chain *c, const ric_enclosure *e,
                               const arb_t exists);
+/* What was added since the last call, borrowed until more is added; NULL: no memory. */
+const char *ric_certificate_arcs_new(ric_arcs *a);
+/* Adds what that has handed out before. */
+void ric_certificate_arcs_again(ric_arcs *a, const char *text);
 /* What comes is not joined with what was. */
 void ric_certificate_arcs_break(ric_arcs *a);
 /* The line, "" where a number was not told from another one; `a` is closed. */

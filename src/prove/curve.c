@@ -109,7 +109,7 @@ static void judge_part(ric_curve *x, const ric_tube *t, double at, double part, 
     ric_monodromy_init(&multipliers);
     ric_tube_part(t, at, at + part, hull);
     ric_monodromy_judge(&multipliers, &t->hull, x->e, hull);
-    if (multipliers.stable != RIC_STABLE_UNDECIDED || depth == 0)
+    if (multipliers.stable != RIC_STABLE_UNDECIDED || depth == 0 || ric_halt(TUBE))
         x->length[multipliers.stable] += part * size_of(t);
     else
         for (int half = 0; half < 2; half++)

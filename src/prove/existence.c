@@ -17,6 +17,7 @@ enum {
     ALPHAS = 6,    /* bounds of it that are tried, each an eighth of the one before */
     DENSE = 400,   /* unknowns of a matrix that is not taken apart */
     WEIGHTS = 24,  /* weights of the unknowns that are tried in it */
+    WORK = 1000,   /* multiplications of a step for each unknown, about */
     NARROW = -9,   /* 2^-9 of what all have moved by: the least radius of a box that is narrow */
     DOMAIN = -3,   /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a
                       turn of a mode */
@@ -318,7 +319,7 @@ static bool refine(problem *p, double *shift, double *moved)
     *shift = 0;
     bool slow = false;
     for (int step = 0; step < (p->way != BALLS ? CHORD : NEWTON); step++) {
-        if (!find_step(p, step, slow)) return false;
+        if (ric_halt((double)(WORK * p->n)) || !find_step(p, step, slow)) return false;
         double size = size_of(p);
         if (!isfinite(size)) return false;
         if (size > before / 2) break;
@@ -716,6 +717,8 @@ const char *ric_existence_prove(ric_existence *x, ric_chain *c, const ric_enclos
     _arb_vec_set(start, c->u, count);
     const char *why = NULL;
     for (p.way = QUICK; p.way <= BALLS; p.way++) {
+        if (ric_halt((double)(WORK * p.n))) why = "stopped";
+        if (ric_halted()) break;
         if (p.way == QUICK && p.d.wide > WIDEST) continue;
         if (p.way == INVERSE && p.n > DENSE) continue;
         if (p.way == INVERSE) open_dense(&p);

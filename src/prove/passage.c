@@ -7,6 +7,7 @@
 
 enum {
     DEEPEST = 32, /* bisections of a flight: a gap that is not told from closed then touches */
+    PART = 100,   /* multiplications of a part and mode, about */
     READINGS =
         16, /* times of a flight whose states are kept: faces are asked about the same ones */
 };
@@ -322,7 +323,7 @@ static bool is_open(const gap *g, part p, int depth)
     arb_max(r, r, x, prec);
     const bool open =
         part_is_open(g, &p, mid, r) || part_falls(g, &p, mid, r) ||
-        (depth < DEEPEST &&
+        (depth < DEEPEST && !ric_halt(PART * (double)g->e->n) &&
          is_open(g, (part){p.from, mid, p.opens, false, {p.rests[0], false}, {p.still[0], false}},
                  depth + 1) &&
          is_open(g, (part){mid, p.to, false, p.closes, {false, p.rests[1]}, {false, p.still[1]}},

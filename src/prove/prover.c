@@ -11,6 +11,7 @@
 #include "passage.h"
 #include "prover.h"
 #include "prover_mode.h"
+#include "prover_version.h"
 
 /* Speed, in d and 2^-time s, that the rounding of what is stored makes of a touch: a slower impact
  * may be one of either sign, and the junction is what is to be proved. */
@@ -22,6 +23,11 @@ static const slong bits[PRECISIONS] = {128, 256, 512};
 bool ric_prover_available(void)
 {
     return true;
+}
+
+const char *ric_prover_version(void)
+{
+    return RIC_PROVER_VERSION;
 }
 
 const char *ric_prover_left_out_model(const ric_model *model)
@@ -285,7 +291,8 @@ ric_status ric_prover_point(ric_prover *p, int branch, int i, ric_proof *out)
     *out = (ric_proof){.branch = branch,
                        .point = i,
                        .state = RIC_PROOF_NONE,
-                       .stable = RIC_STABLE_UNDECIDED};
+                       .stable = RIC_STABLE_UNDECIDED,
+                       .prover = RIC_PROVER_VERSION};
     if (status) return status;
     if (p->left_out) {
         out->state = RIC_PROOF_LEFT_OUT;
@@ -294,7 +301,7 @@ ric_status ric_prover_point(ric_prover *p, int branch, int i, ric_proof *out)
     }
     bool more = true;
     *p->certificate = 0;
-    for (int level = 0; level < PRECISIONS && more && !status; level++) {
+    for (int level = 0; level < PRECISIONS && more && !status && !ric_halted(); level++) {
         ric_proof next = *out;
         status = attempt(p, level, branch, i, &next, &more);
         /* A verdict that stays open with more bits does not take back what fewer have proved. */

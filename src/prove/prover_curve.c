@@ -24,6 +24,7 @@ typedef struct {
     ric_node beyond; /* the other end of an arc across a junction, where the curve goes on */
     station *stations;
     int n;
+    ric_curve_work work;
 } tracing;
 
 /* ----------------------------------------------------------------- stations */
@@ -275,18 +276,59 @@ static bool prove_next(tracing *t, int from, int k, const ric_node *a, const ric
     return joined || end;
 }
 
+/* --------------------------------------------------------------------- arcs */
+
+/* Tells of what is proved up to station k, a stored orbit from which the curve can be gone on with:
+ * its node is found anew, and all else is in the arc. */
+static ric_status tell_arc(tracing *t, int k, const ric_curve_proof *out)
+{
+    const int point = t->stations[k].point;
+    if (!t->work.tell || point < 0 || is_junction(&t->w, point) || ric_halted()) return RIC_OK;
+    const ric_curve *c = &t->curve;
+    ric_arc_proof arc = {.branch = t->w.branch.id,
+                         .point = point,
+                         .tubes = c->tubes,
+                         .from = out->from,
+                         .approach = c->approach,
+                         .open = c->arcs->open,
+                         .told = c->arcs->unique,
+                         .certificate = ric_certificate_arcs_new(c->arcs)};
+    for (int i = 0; i < 3; i++) arc.length[i] = c->length[i];
+    snprintf(arc.prover, sizeof arc.prover, "%s", ric_prover_version());
+    return arc.certificate ? t->work.tell(&arc, t->work.user) : ric_no_memory("a certificate");
+}
+
+/* Takes up what was proved before; the station where it ends, or 0. */
+static int go_on(tracing *t, ric_curve_proof *out)
+{
+    const ric_arc_proof *last = t->work.n ? &t->work.arcs[t->work.n - 1] : NULL;
+    int k = t->n - 1;
+    while (last && k > 0 && t->stations[k].point != last->point) k--;
+    if (!last || k == 0 || is_junction(&t->w, last->point)) return 0;
+    ric_curve *c = &t->curve;
+    for (int i = 0; i < t->work.n; i++)
+        ric_certificate_arcs_again(c->arcs, t->work.arcs[i].certificate);
+    c->arcs->open = last->open;
+    c->arcs->unique = last->told;
+    c->tubes = last->tubes;
+    c->approach = isfinite(last->approach) ? last->approach : HUGE_VAL;
+    for (int i = 0; i < 3; i++) c->length[i] = last->length[i];
+    out->from = last->from;
+    return k;
+}
+
 /* Steps to ends that are junctions are left out where these are not proved, or no tube reaches
  * them; so are junctions inside. */
 static ric_status prove_steps(tracing *t, ric_curve_proof *out)
 {
     ric_node here, next;
-    int from = 0; /* the station of the node that comes next */
+    int from = go_on(t, out); /* the station of the node that comes next */
     ric_curve_node_init(&here);
     ric_curve_node_init(&next);
     ric_curve_node_init(&t->beyond);
-    ric_status status = place(t, &t->stations[0], NULL, &here);
+    ric_status status = place(t, &t->stations[from], NULL, &here);
     bool done = t->n > 1;
-    for (int k = 1; k < t->n && !status && done; k++) {
+    for (int k = from + 1; k < t->n && !status && done; k++) {
         ric_curve_node_clear(&next);
         ric_curve_node_init(&next);
         status = place(t, &t->stations[k], &here, &next);
@@ -297,7 +339,7 @@ static ric_status prove_steps(tracing *t, ric_curve_proof *out)
         if (t->beyond.c.u) {
             swap_nodes(&here, &t->beyond);
             ric_certificate_arcs_break(t->curve.arcs);
-        }
+        } else if (done) status = tell_arc(t, k, out);
         ric_curve_node_clear(&t->beyond);
         ric_curve_node_init(&t->beyond);
     }
@@ -311,12 +353,19 @@ static ric_status prove_steps(tracing *t, ric_curve_proof *out)
 
 ric_status ric_prover_curve(ric_prover *p, int id, ric_curve_proof *out)
 {
+    return ric_prover_curve_from(p, id, &(ric_curve_work){.n = 0}, out);
+}
+
+ric_status ric_prover_curve_from(ric_prover *p, int id, const ric_curve_work *work,
+                                 ric_curve_proof *out)
+{
     ric_arcs arcs;
-    tracing t = {.p = p, .curve = {.approach = HUGE_VAL, .arcs = &arcs}};
+    tracing t = {.p = p, .curve = {.approach = HUGE_VAL, .arcs = &arcs}, .work = *work};
     if (!ric_certificate_arcs_open(&arcs)) return ric_no_memory("a certificate");
     ric_status status = ric_walk_open(&t.w, p, id, 0);
     t.curve.e = t.w.e;
     *out = (ric_curve_proof){.branch = id, .state = RIC_PROOF_NONE};
+    snprintf(out->prover, sizeof out->prover, "%s", ric_prover_version());
     const char *left_out = status ? NULL : ric_prover_left_out(p, &t.w.branch);
     if (left_out) {
         out->state = RIC_PROOF_LEFT_OUT;

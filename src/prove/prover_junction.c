@@ -633,6 +633,7 @@ ric_status ric_prover_junction(ric_prover *p, int id, ric_junction_proof *out)
     ric_junction row;
     ric_status status = ric_atlas_junction(p->atlas, id, &row);
     *out = (ric_junction_proof){.junction = id, .state = RIC_PROOF_NONE, .distance = HUGE_VAL};
+    snprintf(out->prover, sizeof out->prover, "%s", ric_prover_version());
     *p->certificate = 0;
     if (status) return status;
     const char *why = left_out(p, &row);

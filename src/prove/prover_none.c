@@ -8,6 +8,11 @@ bool ric_prover_available(void)
     return false;
 }
 
+const char *ric_prover_version(void)
+{
+    return "";
+}
+
 ric_status ric_prover_create(const ric_atlas *atlas, ric_prover **out)
 {
     (void)atlas;
@@ -38,6 +43,13 @@ ric_status ric_prover_curve(ric_prover *prover, int branch, ric_curve_proof *out
     (void)branch;
     (void)out;
     return ric_fail(RIC_E_INPUT, "proofs are left out of this program: it was built without FLINT");
+}
+
+ric_status ric_prover_curve_from(ric_prover *prover, int branch, const ric_curve_work *work,
+                                 ric_curve_proof *out)
+{
+    (void)work;
+    return ric_prover_curve(prover, branch, out);
 }
 
 ric_status ric_prover_junction(ric_prover *prover, int id, ric_junction_proof *out)

@@ -146,7 +146,7 @@ static bool contracts(ric_tube *t, const ric_enclosure *e)
     for (slong i = 0; i < t->k.n; i++) arb_get_mid_arb(t->hull.u + i, t->hull.u + i);
     evaluate(t, &t->hull, e, J, NULL);
     bool holds = false;
-    if (ric_contraction_invert(&t->k, J)) {
+    if (!ric_halt(pow((double)t->k.n, 3)) && ric_contraction_invert(&t->k, J)) {
         place_hull(t);
         bound_residual(t, e);
         begin_box(t);
