@@ -348,13 +348,19 @@ static real full(const ric_pairs *p, int run, int i)
     return p->half ? rho * rho - 2 : rho;
 }
 
+/* Of the upper of the two, in [0, 1/2]. */
+static real upper_turns(real rho)
+{
+    rho = fmax(-2, fmin(2, rho));
+    return atan2(sqrt((2 - rho) * (2 + rho)), rho) / RIC_TWO_PI_LONG;
+}
+
 /* gamma in [0, 1) of a pair rho of the map that is used, off the unit circle that of the place
  * where it left it; the sense is that of the symplectic form (Krein: Yakubovich and Starzhinskii
  * 1975, chapter 3), against that of a free oscillator. */
 static real turns(const ric_pairs *p, real rho)
 {
-    rho = fmax(-2, fmin(2, rho));
-    real angle = atan2(sqrt((2 - rho) * (2 + rho)), rho) / RIC_TWO_PI_LONG;
+    real angle = upper_turns(rho);
     if (p->way[0] < 0) angle = 1 - angle;
     angle = p->half ? 2 * angle : angle;
     return angle < 1 ? angle : angle - 1;
@@ -368,14 +374,16 @@ static real apart(real a, real b)
 }
 
 /* How far the rotation may be from that of the exact run, in turns, NaN if a run is lost: where a
- * pair meets 1 or -1 the root of its error, on whichever side of the circle the runs are. */
+ * pair meets 1 or -1 the root of its error, on whichever side of the circle the runs are. Of half a
+ * period twice that of the map: what is known of it may go once round. */
 static real turns_known(const ric_pairs *p)
 {
-    const real rho = creall(own(p, 0, 0)), found = turns(p, rho),
+    const real rho = creall(own(p, 0, 0)), found = upper_turns(rho),
                stated = p->asked && p->asked->given ? p->asked->error : 0,
                off = spread(p, 0) + stated + 8 * LDBL_EPSILON * (2 + fabs(rho));
     if (isnan(off) || isnan(rho)) return NAN;
-    return RESOLUTION + fmax(apart(turns(p, rho + off), found), apart(turns(p, rho - off), found));
+    return RESOLUTION +
+           (p->half ? 2 : 1) * fmax(found - upper_turns(rho + off), upper_turns(rho - off) - found);
 }
 
 static void judge_rotation(const ric_pairs *p, const ric_point *stored, ric_claims *out)

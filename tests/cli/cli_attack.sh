@@ -65,13 +65,14 @@ done <<END
 $(some_of '' '850969 200')
 END
 # Right multipliers of orbits whose stored states, between stiff springs, lie beside them; a junction that is open by as many of its
-# digits as the points beside it.
+# digits as the points beside it; a corner, where half a period is known to a whole turn.
 while read -r seed kind; do
     ok "verify does not take structure $seed for wrong" \
         tools/attack/attack --program "$ricochet" -n 1 --seed "$seed" --kind "$kind" --points 1 --verify
 done <<END
 23500137 bilinear
 26600051 mixed
+27600118 mixed
 END
 # Springs that multiply rounding by 1e11 in a period: what is polished is the stored orbit, and none beside it on its branch.
 ok "the margins of structure 2100519 are those of its orbits" \

@@ -495,18 +495,28 @@ static void verify_slow_impacts(void **state)
 }
 
 /* What runs with these pairs say of a stored rotation, where the trace agrees. */
-static ric_claims judged(const double rho[RIC_PAIR_RUNS], double rotation)
+static ric_claims judged_half(bool half, const double rho[RIC_PAIR_RUNS], double rotation)
 {
     ric_pair own[RIC_PAIR_RUNS];
-    ric_pairs pairs = {.n_pair = 1, .runs = RIC_PAIR_RUNS, .way = {-1, -1, -1, -1, -1}, .own = own};
+    const double trace = half ? rho[0] * rho[0] - 2 : rho[0];
+    ric_pairs pairs = {.n_pair = 1,
+                       .runs = RIC_PAIR_RUNS,
+                       .half = half,
+                       .way = {-1, -1, -1, -1, -1},
+                       .own = own};
     ric_claims claims = {.multipliers = RIC_AGREES_UNCHECKED};
     for (int run = 0; run < RIC_PAIR_RUNS; run++) own[run] = rho[run];
     ric_verify_pairs_judge(&pairs, 2,
-                           &(ric_point){.trace = asinh(rho[0] / 2),
+                           &(ric_point){.trace = asinh(trace / 2),
                                         .rotation = rotation,
                                         .stable = RIC_STABLE_UNDECIDED},
                            &claims);
     return claims;
+}
+
+static ric_claims judged(const double rho[RIC_PAIR_RUNS], double rotation)
+{
+    return judged_half(false, rho, rotation);
 }
 
 /* A pair at 1 that rounding takes off the circle in one run still has the angle of the others;
@@ -517,7 +527,8 @@ static void verify_rotations(void **state)
     const double one[] = {2 - 7e-11, 2 - 6e-11, 2 + 1e-11, 2 - 5e-11, 2 - 7e-11},
                  exact[] = {2 + 1e-12, 2 - 1e-12, 2 + 2e-12, 2 - 1e-12, 2},
                  off[] = {2 + 1e-11, 2 + 2e-11, 2 + 1e-11, 2 + 3e-11, 2 + 1e-11},
-                 lost[] = {1, NAN, 1, 1, 1};
+                 lost[] = {1, NAN, 1, 1, 1}, wide[] = {2.4, 8, -8, 2.4, 2.4},
+                 close[] = {1, 1 + 1e-12, 1 - 1e-12, 1, 1};
     double angle = 1 - sqrt(7e-11) / RIC_TWO_PI;
     assert_int_equal(judged(one, angle).multipliers, RIC_AGREES_YES);
     assert_int_equal(judged(one, 0.9).multipliers, RIC_AGREES_NO);
@@ -527,6 +538,10 @@ static void verify_rotations(void **state)
     assert_int_equal(judged(off, sqrt(1e-10) / RIC_TWO_PI).multipliers, RIC_AGREES_YES);
     assert_int_equal(judged(off, 1e-3).multipliers, RIC_AGREES_NO);
     assert_int_equal(judged(lost, 5. / 6).multipliers, RIC_AGREES_UNCHECKED);
+    /* of half a period, -2 to 2 is once round: nothing is known */
+    assert_int_equal(judged_half(true, wide, 0.9999999).multipliers, RIC_AGREES_UNCHECKED);
+    assert_int_equal(judged_half(true, close, 2. / 3).multipliers, RIC_AGREES_YES);
+    assert_int_equal(judged_half(true, close, 2. / 3 + 1e-6).multipliers, RIC_AGREES_NO);
 }
 
 int main(void)
