@@ -71,7 +71,7 @@ static bool into_plane(const ric_shooting *c, const double *u, const aim *to, do
     const double *normal = to->normal;
     int size = c->n_unknown;
     double kernel[size];
-    ric_shooting_step(c, false, 1, kernel);
+    ric_shooting_steps(c, du, kernel);
     double across = ric_dot(size, normal, kernel), now = ric_dot(size, normal, du) - to->target;
     for (int j = 0; j < size; j++) now += normal[j] * (u[j] - to->origin[j]);
     if (fabs(across) < RIC_RANK) return false;
@@ -97,8 +97,8 @@ static bool correct(ric_shooting *c, double *u, const aim *to, double *du, int *
             return true;
         if (i > 2 && c->residual > 0.5 * last) return ric_continuation_solved(c);
         last = c->residual;
-        ric_shooting_step(c, true, 0, du);
-        if (to->normal && !into_plane(c, u, to, du)) return false;
+        if (!to->normal) ric_shooting_step(c, true, 0, du);
+        else if (!into_plane(c, u, to, du)) return false;
         if (ric_dot(size, du, du) > to->longest * to->longest) return false;
         for (int j = 0; j < size; j++) u[j] += du[j];
     }

@@ -1,4 +1,5 @@
 #include "shooting_nodes.h"
+#include "shooting_lanes.h"
 #include "shooting_parts.h"
 
 #include <stdlib.h>
@@ -454,6 +455,19 @@ static inline __attribute__((always_inline)) void evaluate(ric_shooting *c, cons
     set_residual(c, n, u, largest);
 }
 
+/* The same for two modes with rigid contacts. */
+static void evaluate_lanes(ric_shooting *c, const double *u, const double *left)
+{
+    double gap = start_state(c, 2, u), largest = fabs(gap), sign;
+    c->singular = false;
+    if (ric_general(c)) ric_shooting_lanes_general(c, u, left, gap, &largest);
+    else if (!ric_shooting_lanes_reversible(c, u, left, gap, &largest, &sign)) {
+        end_rows_reversible(c, 2, 4, left ? left + 1 + c->n_flight : NULL);
+        eliminate_end(c, 1, 4, sign);
+    }
+    set_residual(c, 2, u, largest);
+}
+
 void ric_shooting_evaluate(ric_shooting *c, const double *u)
 {
     ric_shooting_evaluate_left(c, u, NULL);
@@ -465,6 +479,10 @@ void ric_shooting_evaluate_left(ric_shooting *c, const double *u, const double *
     if (halted(c)) return;
     if (c->parts > 1) {
         evaluate(c, u, c->n, whole, true, NULL);
+        return;
+    }
+    if (ric_shooting_lanes_fit(c)) {
+        evaluate_lanes(c, u, left);
         return;
     }
     /* the same code with n known to the compiler for the small structures that most atlases are

@@ -139,6 +139,8 @@ void ric_shooting_fly(ric_shooting *chain, const double *u);
  * = true), or the kernel vector times alpha (newton = false); du [n_unknown]. The kernel vector has
  * unit norm. */
 void ric_shooting_step(const ric_shooting *chain, bool newton, double alpha, double *du);
+/* Both in the time of one: the Newton step du, alpha = 0, and the kernel vector, alpha = 1. */
+void ric_shooting_steps(const ric_shooting *chain, double *du, double *kernel);
 
 /* From the last evaluation: a lower bound of what ric_shooting_plane calls *second, off by rounding
  * alone, and above that over the root of n_end; NAN where a pivot is 0. */

@@ -94,6 +94,65 @@ static void jacobian_by_differences(void **state)
     over_random_chains(check_jacobian);
 }
 
+/* ------------------------------------------------------------ lanes of two modes */
+
+static void assert_bits(int n, const double *a, const double *b, const char *what,
+                        const char *where)
+{
+    for (int i = 0; i < n; i++)
+        if (memcmp(&a[i], &b[i], sizeof *a))
+            fail_msg("%s: entry %d of %s is %.17g with lanes and %.17g without", where, i, what,
+                     a[i], b[i]);
+}
+
+/* Step and kernel side by side, and the code of their own that two modes with rigid contacts have,
+ * give the same bits. */
+static void check_lanes(ric_shooting *chain, const double *u, const char *where)
+{
+    const int n = chain->n, flights = chain->n_flight;
+    double left[1 + MAX_FLIGHT + 4], du[2][MAX_SIZE], plane[2][2 * MAX_SIZE], second[2];
+    ric_shooting_evaluate(chain, u);
+    ric_shooting_steps(chain, plane[0], plane[1]);
+    for (int newton = 0; newton < 2; newton++) {
+        ric_shooting_step(chain, newton, newton ? 0 : 1, du[0]);
+        assert_bits(chain->n_unknown, plane[!newton], du[0], newton ? "step" : "kernel", where);
+    }
+    if (n != 2) return;
+    ric_shooting *plain = ric_shooting_copy(chain);
+    assert_non_null(plain);
+    assert_false(chain->plain);
+    plain->plain = true;
+    for (int i = 0; i < 1 + flights + 4; i++) left[i] = uniform(-1, 1);
+    for (int known = 0; known < 2; known++) {
+        ric_shooting_evaluate_left(chain, u, known ? left : NULL);
+        ric_shooting_evaluate_left(plain, u, known ? left : NULL);
+        assert_bits((flights + 1) * 2 * n, chain->w, plain->w, "states", where);
+        assert_bits(flights * n, chain->before, plain->before, "velocities", where);
+        assert_bits(flights * 3 * n, chain->map, plain->map, "turns", where);
+        for (int k = 0; k < flights; k++)
+            if (chain->face[k + 1] >= 0)
+                assert_bits(1, chain->approach + k + 1, plain->approach + k + 1, "speeds", where);
+        for (int newton = 0; newton < 2; newton++) {
+            ric_shooting_step(chain, newton, 0.3, du[0]);
+            ric_shooting_step(plain, newton, 0.3, du[1]);
+            assert_bits(chain->n_unknown, du[0], du[1], newton ? "step" : "kernel", where);
+        }
+        assert_true(ric_shooting_plane(chain, plane[0], &second[0]));
+        assert_true(ric_shooting_plane(plain, plane[1], &second[1]));
+        assert_bits(2 * chain->n_unknown, plane[0], plane[1], "plane", where);
+        assert_bits(1, &chain->end_det, &plain->end_det, "determinant", where);
+        assert_bits(1, &chain->smallest, &plain->smallest, "least pivot", where);
+        assert_bits(1, &chain->residual, &plain->residual, "residual", where);
+    }
+    ric_shooting_free(plain);
+}
+
+static void lanes_have_the_same_bits(void **state)
+{
+    (void)state;
+    over_random_chains(check_lanes);
+}
+
 /* --------------------------------------------------- structured and dense LQ */
 
 /* The equations that the structured solve sees: closure rows taken perpendicular to h = w_N + sigma
@@ -506,11 +565,17 @@ static void residual_of_corrected(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(jacobian_by_differences), cmocka_unit_test(step_against_dense),
-        cmocka_unit_test(determinant_sign),        cmocka_unit_test(scalars),
-        cmocka_unit_test(work_is_linear),          cmocka_unit_test(cost_is_linear),
-        cmocka_unit_test(residual_of_points),      cmocka_unit_test(residual_of_corrected),
-        cmocka_unit_test(matrices_of_flights),     cmocka_unit_test(least_value_is_bounded),
+        cmocka_unit_test(lanes_have_the_same_bits),
+        cmocka_unit_test(jacobian_by_differences),
+        cmocka_unit_test(step_against_dense),
+        cmocka_unit_test(determinant_sign),
+        cmocka_unit_test(scalars),
+        cmocka_unit_test(work_is_linear),
+        cmocka_unit_test(cost_is_linear),
+        cmocka_unit_test(residual_of_points),
+        cmocka_unit_test(residual_of_corrected),
+        cmocka_unit_test(matrices_of_flights),
+        cmocka_unit_test(least_value_is_bounded),
     };
     return cmocka_run_group_tests_name("chain", tests, NULL, NULL);
 }
