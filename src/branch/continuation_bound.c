@@ -200,9 +200,10 @@ static double tells_side(const ric_floquet *f)
 
 /* The flag and, in seen [n_pair] unless NULL, the error of each pair, by orbits that are the same
  * but for rounding, of which `enough` is known: f is again that of u afterwards, undecided where
- * one of them, with a margin, may be on the other side of the border. */
+ * one of them, with a margin, may be on the other side of the border. No more orbits are asked once
+ * the flag is lost and the first pair is known to no better than `lost`. */
 static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, double enough,
-                          double *seen)
+                          double lost, double *seen)
 {
     enum { WAYS = RIC_TRACE_WAYS };
     static const int order[WAYS] =
@@ -232,6 +233,7 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, doub
         off = fmax(off, RIC_MEASURED * fabs(stable_margin(f, NULL) - margin));
         for (int i = 0; i < k && seen; i++)
             seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, at + 2 * i));
+        if (!(fabs(margin) > error + off) && (!seen || each[0] + seen[0] > lost)) break;
     }
     ric_shooting_fly(c, u);
     memcpy(f->rho, at, sizeof at);
@@ -271,11 +273,13 @@ static ric_stability side_of(const ric_floquet *f, double error)
  * nearest depends on what is measured: at a closing, not a mirror point, it was another by
  * 90 epsilon of the size at most, and RIC_MEASURED times PLACED is told. False: f is as before;
  * also where the polished orbit is farther from u than its equations are met, beside a branch
- * point: then the trace is not that of what is stored. */
-static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double known)
+ * point: then the trace is not that of what is stored. *short_of: whether that is so only
+ * because what is `known` is no more. */
+static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double known, bool *short_of)
 {
     const int size = c->n_unknown;
     double v[size], moved = 0, off = 0, own_off = 0;
+    *short_of = false;
     if (f->n_pair != 1 || known <= REFINED * (1 + fabs(f->rho[0])) || !ric_floquet_fine_fits(c))
         return false;
     const ric_floquet before = *f;
@@ -284,8 +288,9 @@ static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double know
     const ric_floquet at = *f;
     const double trace = f->rho[0], at_own = f->own[0];
     found = found && moved <= ric_continuation_tolerance(c) * c->scale;
-    const double near = PLACED * c->scale + moved;
-    for (int way = 1; way <= WAYS_ABOUT && found; way++) {
+    const double near = PLACED * c->scale + moved, worst = KNOWN * (1 + fabs(trace)),
+                 most = fmin(known, worst);
+    for (int way = 1; way <= WAYS_ABOUT && found && off < most; way++) {
         unsigned bits = (unsigned)way * 2654435769u;
         for (int i = 0; i < size; i++) v[i] = u[i] + ric_moved(&bits, near);
         found = polish(c, v, f, &moved);
@@ -294,7 +299,8 @@ static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double know
     }
     ric_shooting_evaluate(c, u);
     /* what is lost all the same has its flag from how rho runs through infinity (stable_margin) */
-    found = found && off < fmin(known, KNOWN * (1 + fabs(trace)));
+    *short_of = found && !(off < known) && off < worst;
+    found = found && off < most;
     *f = found ? at : before;
     f->rho[0] = found ? trace : rho;
     f->own[0] = found ? at_own : own;
@@ -344,33 +350,45 @@ static ric_status judge_sharply(ric_shooting *c, const double *u, ric_floquet *f
     ric_shooting_evaluate(c, u);
     f->sharp = SHARP;
     ric_status status = ric_floquet_compute(c, f);
-    if (!status && f->stable != RIC_STABLE_UNDECIDED) status = measure(c, u, f, 0, NULL);
+    if (!status && f->stable != RIC_STABLE_UNDECIDED) status = measure(c, u, f, 0, HUGE_VAL, NULL);
     f->sharp = 0;
     return status;
 }
 
+/* Trace and flag of two modes, of which nothing else is asked: how uncertain a lost trace is does
+ * not matter, unless it is what the polished one has to be better than. */
+static ric_status judge_trace(ric_shooting *c, const double *u, ric_floquet *f)
+{
+    double seen = 0, lost = KNOWN * (1 + fabs(f->rho[0]));
+    bool again = false;
+    do {
+        ric_status status = measure(c, u, f, 0, again ? HUGE_VAL : lost, &seen);
+        if (status || refine(c, u, f, f->each[0] + seen, &again)) return status;
+        again = again && lost < HUGE_VAL;
+        lost = HUGE_VAL;
+    } while (again);
+    ric_floquet_widen(f, &seen);
+    return RIC_OK;
+}
+
 ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
 {
-    double seen[f->n_pair + 1];
     ric_status status = RIC_OK;
     if (!ric_continuation_doubtful(c, f)) return RIC_OK;
-    if (doubt_of(c, f).trace) {
-        status = measure(c, u, f, 0, seen);
-        if (!status && !refine(c, u, f, f->each[0] + seen[0])) ric_floquet_widen(f, seen);
-        return status;
-    }
-    if (f->stable != RIC_STABLE_UNDECIDED) status = measure(c, u, f, tells_side(f), NULL);
+    if (doubt_of(c, f).trace) return judge_trace(c, u, f);
+    if (f->stable != RIC_STABLE_UNDECIDED) status = measure(c, u, f, tells_side(f), HUGE_VAL, NULL);
     return !status && f->stable == RIC_STABLE_UNDECIDED ? judge_sharply(c, u, f) : status;
 }
 
 ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_floquet *f)
 {
     double seen[f->n_pair + 1];
+    bool short_of;
     ric_shooting_evaluate(c, u);
     f->sharp = SHARP;
     ric_status status = ric_floquet_compute(c, f);
     if (status || f->n_pair < 1) return status;
-    status = measure(c, u, f, 0, seen);
-    if (status || !refine(c, u, f, f->each[0] + seen[0])) ric_floquet_widen(f, seen);
+    status = measure(c, u, f, 0, HUGE_VAL, seen);
+    if (status || !refine(c, u, f, f->each[0] + seen[0], &short_of)) ric_floquet_widen(f, seen);
     return status;
 }

@@ -9,6 +9,7 @@
 #include "base/room.h"
 #include "floquet_fine.h"
 #include "floquet_judge.h"
+#include "floquet_known.h"
 #include "floquet_pairs.h"
 #include "floquet_sharp.h"
 
@@ -38,7 +39,8 @@ ric_status ric_floquet_create(int n, ric_floquet *out)
     out->each = ric_calloc(k, sizeof(double));
     out->work = ric_calloc(out->n_work, sizeof(double));
     out->fine = ric_calloc(k <= MOST_PAIRS ? ric_floquet_fine_size(n) : 1, sizeof *out->fine);
-    if (!out->rho || !out->own || !out->each || !out->work || !out->fine) {
+    const bool known = ric_floquet_known_create(n, &out->known);
+    if (!known || !out->rho || !out->own || !out->each || !out->work || !out->fine) {
         ric_floquet_release(out);
         return ric_fail(RIC_E_NOMEM, "no memory for %d Floquet multipliers", 2 * out->n_pair);
     }
@@ -52,6 +54,8 @@ void ric_floquet_release(ric_floquet *f)
     free(f->each);
     free(f->work);
     free(f->fine);
+    ric_floquet_known_free(f->known);
+    f->known = NULL;
     f->rho = f->own = f->each = f->work = NULL;
     f->fine = NULL;
 }
@@ -339,7 +343,8 @@ static bool made_fine(const ric_shooting *c, ric_floquet *f, const double *start
     if (!f->orbit && !(f->rough > fmax(ROUGH, f->enough) * (1 + least)) && isfinite(least))
         return false;
     return f->n_pair <= MOST_PAIRS && ric_floquet_fine_fits(c) &&
-           ric_floquet_fine_map(c, f->orbit, start, end, f->fine, size);
+           (f->orbit ? ric_floquet_fine_map(c, f->orbit, start, end, f->fine, size)
+                     : ric_floquet_known_map(f->known, c, start, end, f->fine, size));
 }
 
 /* P as the sum of two matrices in double. */

@@ -38,6 +38,7 @@ typedef struct {
     double *work;
     long double *fine;
     const long double *orbit; /* of more digits than the chain has (floquet_fine.h), or NULL */
+    struct ric_floquet_known *known; /* maps made before (floquet_known.h), or NULL */
     size_t n_work;
 } ric_floquet;
 

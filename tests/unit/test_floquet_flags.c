@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "explored.h"
+#include "orbit/floquet_known.h"
 #include "multipliers.h"
 #include "random_models.h"
 #include "sample.h"
@@ -352,13 +353,113 @@ static void no_flag_is_left_to_slow_impacts(void **state)
     ric_atlas_free(atlas);
 }
 
+/* How often so much was multiplied that a thread asks whether to stop. */
+static bool count_work(void *asked)
+{
+    ++*(int *)asked;
+    return false;
+}
+
+/* What it is to judge a point many times, or to measure all of its multipliers. */
+static int work_of(ric_shooting *c, const double *u, ric_floquet *f, bool all)
+{
+    enum { TIMES = 1000 };
+    int asked = 0;
+    ric_halt_ask(count_work, &asked);
+    for (int k = 0; k < TIMES; k++) {
+        ric_shooting_evaluate(c, u);
+        assert_int_equal(ric_floquet_compute(c, f), RIC_OK);
+        assert_int_equal(all ? ric_continuation_multipliers(c, u, f)
+                             : ric_continuation_judge(c, u, f),
+                         RIC_OK);
+        f->sharp = 0;
+    }
+    ric_halt_ask(NULL, NULL);
+    return asked;
+}
+
+/* A flag that the first orbits about a point have lost is not found again by others. */
+static void what_is_lost_is_measured_no_further(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    int lost = 0, judged = 0, measured = 0;
+    assert_int_equal(ric_study_read("examples/elementary/study.yaml", &study), RIC_OK);
+    ric_graph *graph = explored_graph(study);
+    for (int e = 0; e < graph->n_edge; e++) {
+        const ric_continuation *trace = graph->edges[e].trace;
+        for (int i = 0; i < trace->n_point && lost < 6; i++) {
+            const ric_point *row = (const ric_point *)(trace->points + (size_t)i * trace->stride);
+            const double *u = (const double *)(row + 1);
+            ric_floquet f = multipliers(trace->chain, u);
+            if (row->stable == RIC_STABLE_UNDECIDED && f.stable != RIC_STABLE_UNDECIDED &&
+                flag_at(trace->chain, u, true) == RIC_STABLE_UNDECIDED) {
+                lost++;
+                judged += work_of(trace->chain, u, &f, false);
+                measured += work_of(trace->chain, u, &f, true);
+            }
+            ric_floquet_release(&f);
+        }
+    }
+    if (!(lost >= 3 && 2 * judged < measured))
+        fail_msg("judged for %d of the %d million that all multipliers of %d points take", judged,
+                 measured, lost);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
+/* A map that was made before is had again, and none that differs in any number. */
+static void known_maps_are_those_of_the_orbit(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    ric_floquet_known *known = NULL;
+    assert_int_equal(ric_study_read("examples/elementary/study.yaml", &study), RIC_OK);
+    assert_true(ric_floquet_known_create(2, &known));
+    ric_graph *graph = explored_graph(study);
+    const ric_model *m = graph->model;
+    for (int round = 0; round < 3; round++)
+        for (int e = 0; e < graph->n_edge && e < 12; e++) {
+            const ric_continuation *trace = graph->edges[e].trace;
+            ric_shooting *c = trace->chain;
+            double u[c->n_unknown], sizes[2], basis[2][2];
+            long double store[2][64];
+            ric_model_complement(2, (const double[]){1, e + 1.0}, basis[0]);
+            ric_model_complement(2, (const double[]){e - 0.5, 1}, basis[1]);
+            memcpy(u, (const ric_point *)trace->points + 1, sizeof u);
+            for (int changed = -1; changed < c->n_unknown; changed++) {
+                const double before = changed < 0 ? 0 : u[changed];
+                if (changed >= 0) u[changed] = nextafter(before, 10);
+                ric_shooting_fly(c, u);
+                const bool made = ric_floquet_fine_map(c, NULL, basis[0], basis[1], store[0],
+                                                       &sizes[0]);
+                assert_int_equal(ric_floquet_known_map(known, c, basis[0], basis[1], store[1],
+                                                       &sizes[1]),
+                                 made);
+                for (int i = 0; i < 4 && made; i++)
+                    assert_true(store[0][i] == store[1][i] || isnan(store[0][i]));
+                assert_true(!made || sizes[0] == sizes[1]);
+                if (changed >= 0) u[changed] = before;
+            }
+        }
+    assert_int_equal(m->n, 2);
+    ric_floquet_known_free(known);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_flag_beside_several_touches),  cmocka_unit_test(rows_belong_to_orbits),
-        cmocka_unit_test(flags_keep_to_the_bound),         cmocka_unit_test(flags_agree),
-        cmocka_unit_test(traces_at_grazings_are_lost),     cmocka_unit_test(each_pair_decides),
+        cmocka_unit_test(no_flag_beside_several_touches),
+        cmocka_unit_test(rows_belong_to_orbits),
+        cmocka_unit_test(flags_keep_to_the_bound),
+        cmocka_unit_test(flags_agree),
+        cmocka_unit_test(traces_at_grazings_are_lost),
+        cmocka_unit_test(each_pair_decides),
         cmocka_unit_test(no_flag_is_left_to_slow_impacts),
+        cmocka_unit_test(what_is_lost_is_measured_no_further),
+        cmocka_unit_test(known_maps_are_those_of_the_orbit),
     };
     return cmocka_run_group_tests_name("floquet_flags", tests, NULL, NULL);
 }
