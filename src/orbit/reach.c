@@ -33,6 +33,8 @@
 /* LEVEL: slope that counts as none, relative to the largest that D3 allows within the flight, or,
  * in one that lasts no time, to its terms added up */
 #define LEVEL 1e-8
+/* BELOW: relative: what is less than the level by more is so whatever rounding did to either */
+#define BELOW 1e-12
 
 typedef struct {
     double t, s, ds;
@@ -152,29 +154,40 @@ static double largest(double a, double b, double c, double d)
     return ric_larger(ric_larger(a, b), ric_larger(c, d));
 }
 
-/* A single sign change of the slope between l and r, and the value there. After a step of
- * STATIONARY Newton's method is at the last digit of the time, and the value before it was, as s' =
- * 0. */
-static void polish(search *q, sample l, sample r)
+static double level(const search *q)
+{
+    return (q->touches ? q->threshold : q->best) * q->gap;
+}
+
+/* Whether the stationary point in the bracket, of s' that is monotone there, is below the level:
+ * the gap coordinate stays under its tangent. */
+static bool stays_below(const search *q, const ric_root_slope *in, sample at, int side)
+{
+    const double ahead = side * at.ds > 0 ? in->high - at.t : at.t - in->low, top = level(q);
+    return side * at.s + fabs(at.ds) * ahead + q->blur < top - BELOW * fabs(top);
+}
+
+/* A single sign change of the slope between l and r, and the value there, unless it is below the
+ * level; `monotone`: so is the slope. After a step of STATIONARY Newton's method is at the last
+ * digit of the time, and the value before it was, as s' = 0. */
+static void polish(search *q, sample l, sample r, bool monotone)
 {
     bool maximum = l.ds > 0;
+    const bool below = monotone && !q->closed;
     ric_root_slope root = ric_root_slope_between(l.t, r.t, !maximum,
                                                  l.t + (r.t - l.t) * l.ds / (l.ds - r.ds));
     root.least = STATIONARY * q->tau;
     sample mid = l;
     double bend;
-    do mid = bent_sample_at(q, root.x, &bend);
-    while (ric_root_slope_next(&root, mid.ds, bend));
+    do {
+        mid = bent_sample_at(q, root.x, &bend);
+        if (below && stays_below(q, &root, mid, maximum ? 1 : -1)) return;
+    } while (ric_root_slope_next(&root, mid.ds, bend));
     mid.t = root.x;
     /* a stationary point at the very end of the flight is the impact there, at no speed */
     if ((q->own_start && mid.t < CLOSE * q->tau) || (q->own_end && q->tau - mid.t < CLOSE * q->tau))
         return;
     offer(q, mid.t, mid.s, maximum ? 1 : -1, false);
-}
-
-static double level(const search *q)
-{
-    return (q->touches ? q->threshold : q->best) * q->gap;
 }
 
 /* The largest of four values of s on the scale of the level: towards the faces that count. */
@@ -230,7 +243,7 @@ static void search_flight(search *q, sample first, sample last)
         bool close = r.t - l.t < CLOSE * q->tau;
         if (close && ((q->own_start && l.t == 0) || (q->own_end && r.t == q->tau))) continue;
         if (single || top + 2 > LEVELS || r.t - l.t < NARROWEST * q->tau) {
-            if (l.ds * r.ds < 0) polish(q, l, r);
+            if (l.ds * r.ds < 0) polish(q, l, r, single);
             continue;
         }
         sample mid = sample_at(q, (l.t + r.t) / 2);
