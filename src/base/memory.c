@@ -2,6 +2,10 @@
 
 #define WORK_MEMORY_ERROR (-1010) /* of LAPACKE; -1011 is that of its transposed copies */
 
+/* SMALL: bytes up to which a block that this thread has just freed is had again at once, but by
+ * malloc alone: calloc of the GNU library asks the heap */
+#define SMALL 1024
+
 static _Thread_local bool starved;
 
 static void *given(void *memory, size_t size)
@@ -15,9 +19,18 @@ void *ric_malloc(size_t size)
     return given(malloc(size), size);
 }
 
+/* Not inlined, or the compiler makes calloc of it again. */
+static __attribute__((noinline)) void *small(size_t size)
+{
+    return malloc(size);
+}
+
 void *ric_calloc(size_t count, size_t size)
 {
-    return given(calloc(count, size), count * size);
+    if (count > SMALL || size > SMALL || count * size > SMALL || count * size == 0)
+        return given(calloc(count, size), count * size);
+    void *memory = small(count * size);
+    return given(memory ? memset(memory, 0, count * size) : NULL, count * size);
 }
 
 void *ric_realloc(void *old, size_t size)

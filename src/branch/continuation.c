@@ -297,12 +297,6 @@ static void station_free(ric_station *p)
     free(p->own);
 }
 
-int ric_continuation_watched(const ric_continuation *tr)
-{
-    return RIC_N_TEST + tr->n_resonance + (int)(sizeof tr->now.factor / sizeof *tr->now.factor) +
-           tr->chain->n;
-}
-
 static bool samples_create(ric_continuation *tr)
 {
     tr->samples.values = ric_calloc(RIC_MOST_SAMPLES * (size_t)ric_continuation_watched(tr),

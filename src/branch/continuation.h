@@ -206,7 +206,11 @@ int ric_continuation_points_until(const ric_continuation *trace, double s);
 
 /* What is kept of a point of a step: tests, resonances, the factors A, B, D, smooth where their
  * tests jump, and pairs. */
-int ric_continuation_watched(const ric_continuation *trace);
+static inline int ric_continuation_watched(const ric_continuation *trace)
+{
+    return RIC_N_TEST + trace->n_resonance +
+           (int)(sizeof trace->now.factor / sizeof *trace->now.factor) + trace->chain->n;
+}
 /* Room for the stations of a trace that has its chain and its resonances. */
 ric_status ric_continuation_equip(ric_continuation *trace);
 /* Takes over `chain`. Starts at u0 (a solution, or close to one) in the direction t0 (oriented; it

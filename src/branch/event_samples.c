@@ -234,8 +234,9 @@ static bool is_resolved(const ric_continuation *tr, int i, const reading *of)
                .bend = second,
                .error = SAFETY * fabs(third),
                .at = x[2]};
-    double reach = fmax(fabs(x[2]), fabs(x[2] - x[1])), all = fabs(c.bend) + c.error * reach;
-    if (f[0] * f[1] > 0 && fmin(fabs(f[0]), fabs(f[1])) > x[1] * x[1] / 4 * all) return true;
+    const double reach = ric_larger(fabs(x[2]), fabs(x[2] - x[1])),
+                 all = fabs(c.bend) + c.error * reach, least = ric_smaller(fabs(f[0]), fabs(f[1]));
+    if (f[0] * f[1] > 0 && least > x[1] * x[1] / 4 * all) return true;
     return !shows_more(&c);
 }
 

@@ -19,22 +19,30 @@ ric_periodic *ric_periodic_create(int n, int N)
     ric_periodic *c = ric_calloc(1, sizeof *c);
     if (!c) return NULL;
     c->n = n;
-    c->N = N;
     c->pure = c->flip = -1;
-    c->face = ric_calloc((size_t)N + 1, sizeof *c->face);
-    c->tau = ric_calloc((size_t)N + 1, sizeof *c->tau);
-    c->w = ric_calloc(2 * (size_t)n, sizeof *c->w);
-    if (c->face && c->tau && c->w) return c;
+    if (ric_periodic_room(c, N)) return c;
     ric_periodic_free(c);
     return NULL;
+}
+
+bool ric_periodic_room(ric_periodic *c, int N)
+{
+    const size_t times = (size_t)N + 1, states = 2 * (size_t)c->n;
+    double *room = ric_calloc(1, (times + states) * sizeof *room + times * sizeof *c->face);
+    if (!room) return false;
+    if (c->tau) memcpy(room + times, c->w, states * sizeof *room);
+    free(c->tau);
+    c->N = N;
+    c->tau = room;
+    c->w = room + times;
+    c->face = (int *)(void *)(c->w + states);
+    return true;
 }
 
 void ric_periodic_free(ric_periodic *c)
 {
     if (!c) return;
-    free(c->face);
-    free(c->tau);
-    free(c->w);
+    free(c->tau); /* and what lies behind it */
     free(c->opposite);
     free(c);
 }

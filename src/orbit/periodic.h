@@ -26,6 +26,8 @@ typedef struct {
 } ric_periodic;
 
 ric_periodic *ric_periodic_create(int n, int N);
+/* Room for N events, whose faces and times are to be set; the state stays. False: no memory. */
+bool ric_periodic_room(ric_periodic *cycle, int N);
 ric_periodic *ric_periodic_copy(const ric_periodic *cycle);
 void ric_periodic_free(ric_periodic *cycle);
 

@@ -19,15 +19,10 @@
 bool ric_periodic_mark(ric_periodic *c, int marks)
 {
     double period = ric_periodic_period(c);
-    int *face = ric_realloc(c->face, ((size_t)marks + 1) * sizeof *face);
-    if (face) c->face = face;
-    double *tau = ric_realloc(c->tau, ((size_t)marks + 1) * sizeof *tau);
-    if (tau) c->tau = tau;
-    if (!face || !tau) return false;
-    c->N = marks;
+    if (!ric_periodic_room(c, marks)) return false;
     for (int i = 0; i < marks; i++) {
-        face[i] = -1;
-        tau[i] = period / marks;
+        c->face[i] = -1;
+        c->tau[i] = period / marks;
     }
     return true;
 }
