@@ -416,9 +416,10 @@ static void supersede(ric_graph *g)
     if (last->trace->stop == RIC_STOP_FAILED || last->from < 0 || last->to < 0) return;
     for (int i = 0; i < g->n_edge - 1; i++) {
         ric_edge *e = &g->edges[i];
-        bool same = (e->from == last->from && e->leave == last->leave) ||
-                    (e->from == last->to && e->leave == last->arrive);
-        if (!one_sided(e->trace) || e->to >= 0 || !same) continue;
+        if (e->to >= 0) continue; /* nearly all, before anything that lies elsewhere is looked at */
+        const bool same = (e->from == last->from && e->leave == last->leave) ||
+                          (e->from == last->to && e->leave == last->arrive);
+        if (!same || !one_sided(e->trace)) continue;
         ric_graph_edge_release(e);
         memmove(e, e + 1, (size_t)(g->n_edge - 1 - i) * sizeof *e);
         g->n_edge--;
