@@ -1144,7 +1144,8 @@ typedef struct {
     bool from;
     double length[3]; /* of tubes that are unstable, stable and undecided */
     double approach;
-    bool open, told; /* of its certificate: the next orbit is joined, each is rounded to one */
+    bool open, told; /* of its certificate: the next orbit is joined; each is rounded to one, and
+                        there is one */
     const char *certificate; /* the orbits since the arc before, borrowed */
     char prover[32];         /* the version that has proved it: another one does not go on there */
 } ric_arc_proof;
@@ -1155,6 +1156,7 @@ typedef struct {
     const ric_arc_proof *arcs;
     ric_status (*tell)(const ric_arc_proof *arc, void *user);
     void *user;
+    bool plain; /* no certificate is made, which takes more orbits */
 } ric_curve_work;
 ric_status ric_prover_curve_from(ric_prover *prover, int branch, const ric_curve_work *work,
                                  ric_curve_proof *out);

@@ -99,9 +99,15 @@ static ric_status add_arc(prove_result *r, const ric_arc_proof *arc)
     return RIC_OK;
 }
 
-void prove_arcs_free(prove_result *r)
+static void drop_arcs(prove_result *r)
 {
     for (int i = 0; i < r->n_arc; i++) free(r->arc_texts[i]);
+    r->n_arc = 0;
+}
+
+void prove_arcs_free(prove_result *r)
+{
+    drop_arcs(r);
     free(r->arcs);
     free(r->arc_texts);
 }
@@ -112,7 +118,8 @@ ric_status prove_arcs_begin(const prove_list *w, prove_result *r)
     const ric_arc_proof *arcs = ric_arc_proof_kept(w->atlas, r->curve.branch, &n);
     ric_status status = RIC_OK;
     for (int i = 0; i < n; i++)
-        if (strcmp(arcs[i].prover, ric_prover_version()) != 0) n = 0;
+        if (strcmp(arcs[i].prover, ric_prover_version()) != 0 || (w->certified && !arcs[i].told))
+            n = 0;
     for (int i = 0; i < n && !status; i++) status = add_arc(r, &arcs[i]);
     r->n_arc_kept = r->n_arc;
     return status;
@@ -135,6 +142,7 @@ static ric_status tell_arc(const ric_arc_proof *arc, void *user)
     prove_list *w = at->list;
     pthread_mutex_lock(&w->workers.mutex);
     const int before = prove_arcs_reached(at->result);
+    if (arc->point <= before) drop_arcs(at->result); /* it was begun anew */
     const ric_status status = add_arc(at->result, arc);
     atomic_fetch_add(&w->workers.part, arc->point - before);
     if (!status) prove_keep_some(w);
@@ -150,7 +158,7 @@ ric_status prove_curve_on(prove_list *w, ric_prover *prover, prove_result *r)
     ric_arc_proof *before = calloc((size_t)n + 1, sizeof *before);
     if (!before) return RIC_E_NOMEM;
     for (int i = 0; i < n; i++) before[i] = r->arcs[i];
-    const ric_curve_work work = {n, before, tell_arc, &at};
+    const ric_curve_work work = {n, before, tell_arc, &at, !w->certified};
     const ric_status status = ric_prover_curve_from(prover, r->curve.branch, &work, &r->curve);
     free(before);
     return status;

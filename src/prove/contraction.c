@@ -101,15 +101,9 @@ static bool invert_middle(ric_contraction *k, const arb_mat_t J)
     return done;
 }
 
-/* Whether what C is off the inverse by is of no account; Z is that. */
-static bool is_fine(ric_contraction *k, const arb_mat_t J)
+bool ric_contraction_is_fine(const ric_contraction *k)
 {
     double most = 0;
-    arb_mat_t middle;
-    arb_mat_init(middle, k->n, k->n);
-    arb_mat_get_mid(middle, J);
-    ric_contraction_defect(k, middle);
-    arb_mat_clear(middle);
     for (slong i = 0; i < k->n; i++) {
         double sum = 0;
         for (slong j = 0; j < k->n; j++) sum += k->Z[i * k->n + j];
@@ -118,15 +112,25 @@ static bool is_fine(ric_contraction *k, const arb_mat_t J)
     return most < FINE;
 }
 
+/* Whether what C is off the inverse by is of no account; Z is that. */
+static bool is_fine(ric_contraction *k, const arb_mat_t J)
+{
+    arb_mat_t middle;
+    arb_mat_init(middle, k->n, k->n);
+    arb_mat_get_mid(middle, J);
+    ric_contraction_defect(k, middle);
+    arb_mat_clear(middle);
+    return ric_contraction_is_fine(k);
+}
+
 bool ric_contraction_invert_quickly(ric_contraction *k, const arb_mat_t J)
 {
     go_wide(k, false);
     return invert_middle(k, J);
 }
 
-bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J)
+bool ric_contraction_invert_widely(ric_contraction *k, const arb_mat_t J)
 {
-    if (ric_contraction_invert_quickly(k, J) && is_fine(k, J)) return true;
     arb_mat_t mid;
     go_wide(k, true);
     arb_mat_init(mid, k->n, k->n);
@@ -135,6 +139,12 @@ bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J)
     arb_mat_get_mid(k->own, k->own);
     arb_mat_clear(mid);
     return done;
+}
+
+bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J)
+{
+    return (ric_contraction_invert_quickly(k, J) && is_fine(k, J)) ||
+           ric_contraction_invert_widely(k, J);
 }
 
 /* ----------------------------------------------------------------- products */
@@ -189,26 +199,30 @@ static slong count_rows(const arb_mat_t J, slong j)
     return count;
 }
 
-static void find_defect(ric_contraction *k, const arb_mat_t J)
+/* Z += by |C A - 1|, or without the 1. */
+static void add_product(ric_contraction *k, const arb_mat_t A, bool less_one, double by)
 {
     const slong n = k->n;
     double *sum = flint_malloc(2 * (size_t)n * sizeof *sum), *bound = sum + n;
     for (slong j = 0; j < n; j++) {
-        const double unit = rounding(count_rows(J, j));
+        const slong rows = count_rows(A, j);
+        const double unit = rounding(rows);
+        if (rows == 0 && !less_one) continue;
         memset(sum, 0, 2 * (size_t)n * sizeof *sum);
-        sum[j] = -1;
-        bound[j] = unit;
+        if (less_one) sum[j] = -1;
+        if (less_one) bound[j] = unit;
         for (slong l = 0; l < n; l++)
-            if (!arb_is_zero(arb_mat_entry(J, l, j)))
-                add_column(k, l, ric_ball_of(arb_mat_entry(J, l, j)), unit, sum, bound);
-        for (slong i = 0; i < n; i++) k->Z[i * n + j] = round_up(fabs(sum[i]) + bound[i]);
+            if (!arb_is_zero(arb_mat_entry(A, l, j)))
+                add_column(k, l, ric_ball_of(arb_mat_entry(A, l, j)), unit, sum, bound);
+        for (slong i = 0; i < n; i++)
+            k->Z[i * n + j] = round_up(k->Z[i * n + j] + by * (fabs(sum[i]) + bound[i]));
     }
     flint_free(sum);
 }
 
-/* A column of J has few numbers that are not zero: those are gathered, as they are, without a copy
+/* A column of A has few numbers that are not zero: those are gathered, as they are, without a copy
  * of their own. */
-static void find_wide_defect(ric_contraction *k, const arb_mat_t J)
+static void add_wide_product(ric_contraction *k, const arb_mat_t A, bool less_one, double by)
 {
     const slong n = k->n;
     arb_ptr column = flint_malloc((size_t)n * sizeof *column),
@@ -221,16 +235,16 @@ static void find_wide_defect(ric_contraction *k, const arb_mat_t J)
     for (slong j = 0; j < n; j++) {
         slong count = 0;
         for (slong i = 0; i < n; i++) {
-            if (arb_is_zero(arb_mat_entry(J, i, j))) continue;
-            column[count] = *arb_mat_entry(J, i, j);
+            if (arb_is_zero(arb_mat_entry(A, i, j))) continue;
+            column[count] = *arb_mat_entry(A, i, j);
             at[count++] = i;
         }
-        for (slong i = 0; i < n; i++) {
+        for (slong i = 0; i < n && (count > 0 || less_one); i++) {
             for (slong l = 0; l < count; l++) row[l] = *arb_mat_entry(k->own, i, at[l]);
             arb_dot(x, NULL, 0, row, 1, column, 1, count, k->prec);
-            if (i == j) arb_sub_ui(x, x, 1, k->prec);
+            if (less_one && i == j) arb_sub_ui(x, x, 1, k->prec);
             arb_get_mag(size, x);
-            k->Z[i * n + j] = mag_get_d(size); /* rounded up */
+            k->Z[i * n + j] = round_up(k->Z[i * n + j] + by * mag_get_d(size)); /* rounded up */
         }
     }
     mag_clear(size);
@@ -240,10 +254,21 @@ static void find_wide_defect(ric_contraction *k, const arb_mat_t J)
     flint_free(at);
 }
 
+static void add(ric_contraction *k, const arb_mat_t A, bool less_one, double by)
+{
+    if (k->wide) add_wide_product(k, A, less_one, by);
+    else add_product(k, A, less_one, by);
+}
+
 void ric_contraction_defect(ric_contraction *k, const arb_mat_t J)
 {
-    if (k->wide) find_wide_defect(k, J);
-    else find_defect(k, J);
+    memset(k->Z, 0, (size_t)k->n * (size_t)k->n * sizeof *k->Z);
+    add(k, J, true, 1);
+}
+
+void ric_contraction_add(ric_contraction *k, const arb_mat_t A, double by)
+{
+    add(k, A, false, by);
 }
 
 void ric_contraction_map(const ric_contraction *k, mag_srcptr x, mag_ptr out)

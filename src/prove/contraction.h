@@ -34,6 +34,13 @@ void ric_contraction_apply(const ric_contraction *k, arb_srcptr x, arb_ptr out);
 double ric_contraction_least(const ric_contraction *k);
 /* Z from J on the box. */
 void ric_contraction_defect(ric_contraction *k, const arb_mat_t J);
+/* Z += by |C A|: of what J has more at some distance. */
+void ric_contraction_add(ric_contraction *k, const arb_mat_t A, double by);
+/* Whether what Z is now, that of the middle of J, is of no account: C is near enough to its
+ * inverse. */
+bool ric_contraction_is_fine(const ric_contraction *k);
+/* C in Arb's numbers. */
+bool ric_contraction_invert_widely(ric_contraction *k, const arb_mat_t J);
 /* out = Z x, rounded up. */
 void ric_contraction_map(const ric_contraction *k, mag_srcptr x, mag_ptr out);
 /* Whether y + Z b < b; if not, b is made that times 1 + 1/8 where it is too small, to be tried

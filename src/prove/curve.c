@@ -14,9 +14,13 @@ enum {
         1500, /* tubes of a step that are tried: some tens are taken where they get shorter towards
                  an end, and as many as there are halvings allow where nothing is gained by that */
     TUBE = 1000000, /* multiplications of one, about */
-    MANY_PARTS = 4, /* halvings of a tube for its stability: of two modes */
-    FEW_PARTS = 1   /* of more, where it is dear */
+    FINEST = 7,     /* halvings of a tube for its certificate */
+    MANY_PARTS = 7, /* halvings of a tube for its stability: of two modes */
+    FEW_PARTS = 3   /* of more, where it is dear */
 };
+
+/* Of lines between orbits of a certificate. */
+#define STRAIN 0.25
 
 /* -------------------------------------------------------------------- nodes */
 
@@ -144,12 +148,41 @@ static bool tube_stands(ric_curve *x, const ric_tube *t, arb_srcptr last)
     return stands;
 }
 
+static bool lies_in(const ric_tube *t, const ric_node *m)
+{
+    bool inside = true;
+    for (slong i = 0; i < (slong)m->c.m * m->c.size && inside; i++)
+        inside = arb_contains(t->hull.u + i, m->c.u + i);
+    return inside;
+}
+
+/* What is between two orbits of a tube, b itself left out, 2^levels - 1 of them: a checker that
+ * bounds all number by number needs shorter lines. */
+static void record_between(ric_curve *x, const ric_tube *t, const ric_node *a, const ric_node *b,
+                           int levels)
+{
+    if (levels == 0) return;
+    ric_node m;
+    ric_curve_node_init(&m);
+    node_between(&m, a, b, x->e);
+    if (!m.why && m.c.number >= 0 && lies_in(t, &m)) {
+        record_between(x, t, a, &m, levels - 1);
+        ric_certificate_arcs_add(x->arcs, &m.c, x->e, m.exists);
+        record_between(x, t, &m, b, levels - 1);
+    }
+    ric_curve_node_clear(&m);
+}
+
 /* In the certificate are orbits that hold a number: those of junctions do not. */
-static void record(ric_curve *x, const ric_node *a, const ric_node *b)
+static void record(ric_curve *x, const ric_tube *t, const ric_node *a, const ric_node *b)
 {
     if (!x->arcs || a->last || b->last) return;
     if (!x->arcs->open && a->c.number >= 0)
         ric_certificate_arcs_add(x->arcs, &a->c, x->e, a->exists);
+    int levels = 0;
+    for (double strain = ric_tube_strain(t, x->e); strain > STRAIN && levels < FINEST; strain /= 2)
+        levels++;
+    if (x->arcs->open && b->c.number >= 0) record_between(x, t, a, b, levels);
     if (b->c.number >= 0) ric_certificate_arcs_add(x->arcs, &b->c, x->e, b->exists);
 }
 
@@ -163,8 +196,8 @@ static bool join_by_one(ric_curve *x, const ric_node *a, const ric_node *b)
         done = ric_tube_holds(&t, &a->c, a->exists) && ric_tube_holds(&t, &b->c, b->exists) &&
                tube_stands(x, &t, b->last);
     }
+    if (done) record(x, &t, a, b);
     ric_tube_free(&t);
-    if (done) record(x, a, b);
     return done;
 }
 

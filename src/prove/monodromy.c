@@ -13,6 +13,7 @@ enum {
 
 /* MUCH: of what roundings come to: radii beyond that are the width of balls */
 #define MUCH 64
+#define LOST 1024 /* what coefficients may be off by */
 
 void ric_monodromy_init(ric_monodromy *m)
 {
@@ -196,9 +197,20 @@ static void behind_end(const ric_chain *c, const ric_enclosure *e, arb_srcptr u,
     arb_clear(slack);
 }
 
+/* In doubles if what is asked is `quick`, and they do. */
+static void multiply(arb_mat_t out, const arb_mat_t A, const arb_mat_t B, slong prec, bool quick)
+{
+    arb_mat_t product;
+    arb_mat_init(product, arb_mat_nrows(A), arb_mat_ncols(B));
+    if (!quick || !ric_monodromy_product(product, A, B)) arb_mat_mul(product, A, B, prec);
+    arb_mat_swap(out, product);
+    arb_mat_clear(product);
+}
+
 /* P, along the chain, becomes the map over the period, or over half of it, turned round, if the
  * orbit is symmetric. */
-static void round_trip(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_mat_t H)
+static void round_trip(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, bool quick,
+                       arb_mat_t H)
 {
     arb_mat_t back;
     arb_mat_init(back, 2 * c->n, 2 * c->n);
@@ -210,7 +222,7 @@ static void round_trip(const ric_chain *c, const ric_enclosure *e, arb_srcptr u,
             salt(e, c->phase[c->m - 1], c->face[c->m], w, H);
             _arb_vec_clear(w, 2 * c->n);
         }
-        arb_mat_mul(H, back, H, e->prec);
+        multiply(H, back, H, e->prec, quick);
     }
     if (c->face[0] >= 0) salt(e, c->phase[0], c->face[0], u, H);
     if (ric_chain_symmetric(c)) arb_mat_neg(H, H);
@@ -240,21 +252,17 @@ static void judge_trace(ric_monodromy *m, const arb_mat_t H, bool symmetric, slo
 /* tr H^k = 2 + the sum of x^k + x^-k over n - 1 pairs: if that is more than 2 (n - 1) in
  * size, one is off the unit circle. It needs few bits where multipliers are large, and all of them
  * at once need many. */
-static bool one_is_outside(const arb_mat_t H, slong prec)
+static bool one_is_outside(const arb_mat_t H, slong prec, bool quick)
 {
     const slong n = arb_mat_nrows(H) / 2;
     bool outside = false;
-    arb_mat_t P, Q;
+    arb_mat_t P;
     arb_t x;
     arb_init(x);
     arb_mat_init(P, 2 * n, 2 * n);
-    arb_mat_init(Q, 2 * n, 2 * n);
     arb_mat_set(P, H);
     for (int k = 0; k <= SQUARINGS && !outside; k++) {
-        if (k > 0) {
-            arb_mat_sqr(Q, P, prec);
-            arb_mat_swap(P, Q);
-        }
+        if (k > 0) multiply(P, P, P, prec, quick);
         arb_mat_trace(x, P, prec);
         arb_sub_ui(x, x, 2, prec);
         arb_abs(x, x);
@@ -262,7 +270,6 @@ static bool one_is_outside(const arb_mat_t H, slong prec)
         outside = arb_is_positive(x);
     }
     arb_mat_clear(P);
-    arb_mat_clear(Q);
     arb_clear(x);
     return outside;
 }
@@ -341,26 +348,6 @@ static void judge_polynomial(ric_monodromy *m, const arb_mat_t H, slong prec)
     arb_poly_clear(rho);
 }
 
-static void judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, arb_mat_t H)
-{
-    if (c->n == 2) judge_trace(m, H, ric_chain_symmetric(c), e->prec);
-    else if (one_is_outside(H, e->prec)) m->stable = RIC_STABLE_NO;
-    else judge_polynomial(m, H, e->prec);
-}
-
-void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
-                           arb_srcptr u)
-{
-    if (c->n < 2) m->stable = RIC_STABLE_YES; /* it has no multipliers but those that are 1 */
-    if (c->n < 2) return;
-    arb_mat_t H;
-    arb_mat_init(H, 2 * c->n, 2 * c->n);
-    along_chain(c, e, u, H);
-    round_trip(c, e, u, H);
-    judge(m, c, e, H);
-    arb_mat_clear(H);
-}
-
 /* The largest radius of a matrix. */
 static double radius_of(const arb_mat_t H)
 {
@@ -372,6 +359,35 @@ static double radius_of(const arb_mat_t H)
     const double radius = mag_get_d(most);
     mag_clear(most);
     return radius;
+}
+
+/* Coefficients of a polynomial of degree d with all roots on the unit circle are up to 2^d, and its
+ * matrix is known to less than that times its radius: with more than LOST nothing is told from it.
+ */
+static bool polynomial_tells(const arb_mat_t H)
+{
+    return ldexp(radius_of(H), (int)arb_mat_nrows(H) - 2) < LOST;
+}
+
+static void judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, bool quick,
+                  arb_mat_t H)
+{
+    if (c->n == 2) judge_trace(m, H, ric_chain_symmetric(c), e->prec);
+    else if (one_is_outside(H, e->prec, quick)) m->stable = RIC_STABLE_NO;
+    else if (polynomial_tells(H)) judge_polynomial(m, H, e->prec);
+}
+
+void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
+                           arb_srcptr u)
+{
+    if (c->n < 2) m->stable = RIC_STABLE_YES; /* it has no multipliers but those that are 1 */
+    if (c->n < 2) return;
+    arb_mat_t H;
+    arb_mat_init(H, 2 * c->n, 2 * c->n);
+    along_chain(c, e, u, H);
+    round_trip(c, e, u, false, H);
+    judge(m, c, e, false, H);
+    arb_mat_clear(H);
 }
 
 void ric_monodromy_judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
@@ -386,8 +402,8 @@ void ric_monodromy_judge(ric_monodromy *m, const ric_chain *c, const ric_enclosu
         arb_mat_init(H, 2 * c->n, 2 * c->n);
         double noise = ric_monodromy_quick(c, e, u, H);
         if (!ric_chain_general(c)) noise *= noise / (c->m * 0x1p-53);
-        round_trip(c, e, u, H);
-        judge(m, c, e, H);
+        round_trip(c, e, u, true, H);
+        judge(m, c, e, true, H);
         wide = radius_of(H) > MUCH * noise;
         arb_mat_clear(H);
     }

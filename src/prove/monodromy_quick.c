@@ -1,6 +1,7 @@
 /* The map of the return in balls of doubles: for orbits of an arc, whose balls are so wide that
  * roundings are nothing beside them. */
 #include <math.h>
+#include <string.h>
 
 #include "ball.h"
 #include "base/room.h"
@@ -86,6 +87,55 @@ static void salt(quick *z, int face, arb_srcptr w)
             p[i * wide] = ric_ball_add(p[i * wide], ric_ball_mul(more, c[i]));
         }
     }
+}
+
+/* ------------------------------------------------------------------ products */
+
+static ric_ball *take_balls(const arb_mat_t A)
+{
+    const slong n = arb_mat_nrows(A);
+    ric_ball *out = flint_malloc((size_t)(n * n) * sizeof *out);
+    for (slong i = 0; i < n * n; i++) out[i] = ric_ball_of(arb_mat_entry(A, i / n, i % n));
+    return out;
+}
+
+/* Row i of A B: sums, sums of sizes, and of what the radii add (ric_ball_dot). */
+static void multiply_row(slong n, const ric_ball *a, const ric_ball *B, double *sum)
+{
+    double *size = sum + n, *radius = sum + 2 * n;
+    memset(sum, 0, 3 * (size_t)n * sizeof *sum);
+    for (slong k = 0; k < n; k++) {
+        const double m = a[k].m, most = fabs(a[k].m), r = a[k].r;
+        for (slong j = 0; j < n; j++) {
+            const ric_ball b = B[k * n + j];
+            sum[j] += m * b.m;
+            size[j] += most * fabs(b.m);
+            radius[j] += most * b.r + r * (fabs(b.m) + b.r);
+        }
+    }
+}
+
+bool ric_monodromy_product(arb_mat_t out, const arb_mat_t A, const arb_mat_t B)
+{
+    const slong n = arb_mat_nrows(A);
+    const double more = (double)(2 * n + 4) * 2 * RIC_BALL_UNIT;
+    ric_ball *a = take_balls(A), *b = take_balls(B);
+    double *sum = flint_malloc(3 * (size_t)n * sizeof *sum);
+    bool finite = true;
+    for (slong i = 0; i < n; i++) {
+        multiply_row(n, a + i * n, b, sum);
+        for (slong j = 0; j < n; j++) {
+            const double r = ric_up((sum[2 * n + j] + sum[n + j] * more) * (1 + more) +
+                                    (double)n * 0x1p-1000);
+            finite = finite && isfinite(sum[j]) && isfinite(r);
+            arb_set_d(arb_mat_entry(out, i, j), sum[j]);
+            mag_set_d(arb_radref(arb_mat_entry(out, i, j)), r);
+        }
+    }
+    flint_free(sum);
+    flint_free(a);
+    flint_free(b);
+    return finite;
 }
 
 double ric_monodromy_quick(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_mat_t P)

@@ -10,5 +10,7 @@ double ric_monodromy_quick(const ric_chain *c, const ric_enclosure *e, arb_srcpt
 /* 2 (c.q'') / ((c.c) (c.p-)) of an impact with the state w behind it (monodromy.c). */
 void ric_monodromy_kick(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w,
                         arb_t out);
+/* out = A B of square matrices, out neither of them; false where doubles do not hold it. */
+bool ric_monodromy_product(arb_mat_t out, const arb_mat_t A, const arb_mat_t B);
 
 #endif

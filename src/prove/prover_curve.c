@@ -25,6 +25,7 @@ typedef struct {
     station *stations;
     int n;
     ric_curve_work work;
+    ric_arcs arcs; /* the certificate */
 } tracing;
 
 /* ----------------------------------------------------------------- stations */
@@ -290,9 +291,9 @@ static ric_status tell_arc(tracing *t, int k, const ric_curve_proof *out)
                          .tubes = c->tubes,
                          .from = out->from,
                          .approach = c->approach,
-                         .open = c->arcs->open,
-                         .told = c->arcs->unique,
-                         .certificate = ric_certificate_arcs_new(c->arcs)};
+                         .open = t->arcs.open,
+                         .told = t->arcs.unique && !t->work.plain,
+                         .certificate = ric_certificate_arcs_new(&t->arcs)};
     for (int i = 0; i < 3; i++) arc.length[i] = c->length[i];
     snprintf(arc.prover, sizeof arc.prover, "%s", ric_prover_version());
     return arc.certificate ? t->work.tell(&arc, t->work.user) : ric_no_memory("a certificate");
@@ -305,11 +306,12 @@ static int go_on(tracing *t, ric_curve_proof *out)
     int k = t->n - 1;
     while (last && k > 0 && t->stations[k].point != last->point) k--;
     if (!last || k == 0 || is_junction(&t->w, last->point)) return 0;
+    if (!last->told && !t->work.plain) return 0;
     ric_curve *c = &t->curve;
     for (int i = 0; i < t->work.n; i++)
-        ric_certificate_arcs_again(c->arcs, t->work.arcs[i].certificate);
-    c->arcs->open = last->open;
-    c->arcs->unique = last->told;
+        ric_certificate_arcs_again(&t->arcs, t->work.arcs[i].certificate);
+    t->arcs.open = last->open;
+    t->arcs.unique = last->told;
     c->tubes = last->tubes;
     c->approach = isfinite(last->approach) ? last->approach : HUGE_VAL;
     for (int i = 0; i < 3; i++) c->length[i] = last->length[i];
@@ -338,7 +340,7 @@ static ric_status prove_steps(tracing *t, ric_curve_proof *out)
         swap_nodes(&here, &next);
         if (t->beyond.c.u) {
             swap_nodes(&here, &t->beyond);
-            ric_certificate_arcs_break(t->curve.arcs);
+            ric_certificate_arcs_break(&t->arcs);
         } else if (done) status = tell_arc(t, k, out);
         ric_curve_node_clear(&t->beyond);
         ric_curve_node_init(&t->beyond);
@@ -359,9 +361,9 @@ ric_status ric_prover_curve(ric_prover *p, int id, ric_curve_proof *out)
 ric_status ric_prover_curve_from(ric_prover *p, int id, const ric_curve_work *work,
                                  ric_curve_proof *out)
 {
-    ric_arcs arcs;
-    tracing t = {.p = p, .curve = {.approach = HUGE_VAL, .arcs = &arcs}, .work = *work};
-    if (!ric_certificate_arcs_open(&arcs)) return ric_no_memory("a certificate");
+    tracing t = {.p = p, .curve = {.approach = HUGE_VAL}, .work = *work};
+    if (!ric_certificate_arcs_open(&t.arcs)) return ric_no_memory("a certificate");
+    if (!work->plain) t.curve.arcs = &t.arcs;
     ric_status status = ric_walk_open(&t.w, p, id, 0);
     t.curve.e = t.w.e;
     *out = (ric_curve_proof){.branch = id, .state = RIC_PROOF_NONE};
@@ -381,7 +383,7 @@ ric_status ric_prover_curve_from(ric_prover *p, int id, const ric_curve_work *wo
     out->approach = ldexp(t.curve.approach, t.w.e->time);
     free(t.stations);
     free(p->certificate);
-    p->certificate = ric_certificate_arcs_close(&arcs, &t.w.like, t.w.e, out);
+    p->certificate = ric_certificate_arcs_close(&t.arcs, &t.w.like, t.w.e, out);
     ric_walk_close(&t.w);
     return status ? status : p->certificate ? RIC_OK : ric_no_memory("a certificate");
 }

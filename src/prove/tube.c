@@ -1,11 +1,15 @@
 #include "tube.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/room.h"
 
 enum {
-    TRIES = 4,   /* boxes */
+    TRIES = 5,   /* boxes */
+    ROUNDS = 40, /* of radii that are looked for with one Z */
+    TIGHT = 8,   /* steps from the radii that are alone to those that hold the zeros */
+    TURNS = 2,   /* directions of the basis */
     FLOOR = -14, /* 2^FLOOR of the largest change along the line: no radius is less, so that orbits
                     at its ends fit in */
 };
@@ -64,7 +68,7 @@ void ric_tube_part(const ric_tube *t, double from, double to, arb_ptr out)
     arb_set_d(end, to);
     arb_union(s, s, end, t->k.prec);
     place(t, s, out);
-    for (slong i = 0; i < t->k.n; i++) arb_add_error_mag(out + i, t->k.b + i);
+    for (slong i = 0; i < t->k.n; i++) arb_add_error_mag(out + i, t->spread + i);
     arb_clear(s);
     arb_clear(end);
 }
@@ -72,34 +76,31 @@ void ric_tube_part(const ric_tube *t, double from, double to, arb_ptr out)
 /* All s, and the box around. */
 static void place_hull(ric_tube *t)
 {
+    ric_skew_spread(&t->basis, t->k.b, t->spread);
     ric_tube_part(t, -RIC_TUBE_MORE, 1 + RIC_TUBE_MORE, t->hull.u);
 }
 
 /* ---------------------------------------------------------------- conditions */
 
-/* y: C times what the equations are at both ends, and C D^2 F (b - a)^2 times s (1 - s) / 2 <= 1
- * / 8. */
-static void bound_residual(ric_tube *t, const ric_enclosure *e)
+/* A: D^2 F on the hull in the direction `along` [m * size + 1]. */
+static void bend(const ric_tube *t, const ric_enclosure *e, arb_srcptr along, arb_mat_t A)
+{
+    ric_equations q;
+    ric_equation_create(&q, &t->hull);
+    ric_equation_second(&q, &t->hull, e, along);
+    ric_equation_loosen(&q, &t->hull, e, along);
+    ric_equation_gather(&q, &t->hull, A, NULL);
+    ric_equation_free(&q);
+}
+
+/* y: C times what the equations are at both ends, */
+static void bound_ends(ric_tube *t, const ric_enclosure *e)
 {
     const slong n = t->k.n;
-    ric_equations q;
-    arb_mat_t J;
     arb_ptr F = _arb_vec_init(n), x = _arb_vec_init(n);
     mag_t size;
-    arb_mat_init(J, n, n);
     mag_init(size);
-    ric_equation_create(&q, &t->hull);
-    ric_equation_second(&q, &t->hull, e, t->chord);
-    ric_equation_loosen(&q, &t->hull, e, t->chord);
-    ric_equation_gather(&q, &t->hull, J, NULL);
-    ric_equation_free(&q);
-    for (slong i = 0; i < n; i++)
-        arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->chord, 1, n, e->prec);
-    ric_contraction_apply(&t->k, F, x);
-    for (slong i = 0; i < n; i++) {
-        arb_get_mag(t->k.y + i, x + i);
-        mag_mul_2exp_si(t->k.y + i, t->k.y + i, -3);
-    }
+    for (slong i = 0; i < n; i++) mag_zero(t->k.y + i);
     for (int end = 0; end < 2; end++) {
         evaluate(t, end ? t->to : t->from, e, NULL, F);
         arb_zero(F + n - 1);
@@ -110,14 +111,33 @@ static void bound_residual(ric_tube *t, const ric_enclosure *e)
             mag_add(t->k.y + i, t->k.y + i, size);
         }
     }
-    arb_mat_clear(J);
     mag_clear(size);
     _arb_vec_clear(F, n);
     _arb_vec_clear(x, n);
 }
 
-/* A box to begin with: twice y, and no less than the floor. */
-static void begin_box(ric_tube *t)
+/* and C D^2 F (b - a)^2 times s (1 - s) / 2 <= 1 / 8, from A = D^2 F (b - a). */
+static void bound_bend(ric_tube *t, const arb_mat_t A)
+{
+    const slong n = t->k.n;
+    arb_ptr F = _arb_vec_init(n), x = _arb_vec_init(n);
+    mag_t size;
+    mag_init(size);
+    for (slong i = 0; i < n; i++)
+        arb_dot(F + i, NULL, 0, arb_mat_entry(A, i, 0), 1, t->chord, 1, n, t->k.prec);
+    ric_contraction_apply(&t->k, F, x);
+    for (slong i = 0; i < n; i++) {
+        arb_get_mag(size, x + i);
+        mag_mul_2exp_si(size, size, -3);
+        mag_add(t->k.y + i, t->k.y + i, size);
+    }
+    mag_clear(size);
+    _arb_vec_clear(F, n);
+    _arb_vec_clear(x, n);
+}
+
+/* No radius is less than that. */
+static void floor_box(ric_tube *t)
 {
     mag_t floor, x;
     mag_init(floor);
@@ -127,39 +147,124 @@ static void begin_box(ric_tube *t)
         mag_max(floor, floor, x);
     }
     mag_mul_2exp_si(floor, floor, FLOOR);
-    for (slong i = 0; i < t->k.n; i++) {
-        mag_mul_2exp_si(x, t->k.y + i, 1);
-        mag_max(t->k.b + i, x, floor);
-    }
+    for (slong i = 0; i < t->k.n; i++) mag_set(t->k.b + i, floor);
     mag_clear(floor);
     mag_clear(x);
 }
 
+/* C and the basis from J in the middle, which becomes J T, in doubles; and Z, what is left of 1 - C
+ * J T. */
+static bool invert(ric_tube *t, arb_mat_t J)
+{
+    ric_contraction *k = &t->k;
+    if (!ric_contraction_invert_quickly(k, J)) return false;
+    for (int i = 0; i < TURNS; i++) ric_skew_find(&t->basis, k);
+    ric_skew_columns(&t->basis, J, k->prec);
+    ric_contraction_defect(k, J);
+    if (ric_contraction_is_fine(k)) return true;
+    const bool done = ric_contraction_invert_quickly(k, J);
+    if (done) ric_contraction_defect(k, J);
+    return done;
+}
+
+static bool invert_widely(ric_tube *t, const arb_mat_t J)
+{
+    const bool done = ric_contraction_invert_widely(&t->k, J);
+    if (done) ric_contraction_defect(&t->k, J);
+    return done;
+}
+
+/* Z += what J is more in the hull than in the middle, beside the line: J(u) - J(p(1/2)) = D^2
+ * F (u - p(1/2)), the mean of D^2 F on the way there, of which the parts along the line and each
+ * direction of the basis keep what cancels in them. */
+static void add_bends(ric_tube *t, const ric_enclosure *e, arb_mat_t A)
+{
+    const slong n = t->k.n, count = (slong)t->hull.m * t->hull.size + 1;
+    arb_ptr along = _arb_vec_init(count);
+    for (int d = 0; d < t->basis.count; d++) {
+        ric_skew_direction(&t->basis, d, along);
+        bend(t, e, along, A);
+        ric_skew_columns(&t->basis, A, e->prec);
+        ric_contraction_add(&t->k, A, mag_get_d(t->k.b + t->basis.at[d]));
+    }
+    _arb_vec_zero(along, count);
+    for (slong i = 0; i < n; i++) arb_add_error_mag(along + i, t->k.b + i);
+    for (int d = 0; d < t->basis.count; d++) arb_zero(along + t->basis.at[d]);
+    bend(t, e, along, A);
+    ric_skew_columns(&t->basis, A, e->prec);
+    ric_contraction_add(&t->k, A, 1);
+    _arb_vec_clear(along, count);
+}
+
+/* Boxes that grow while the one before is too small for Z on it; A: scratch. */
+static bool box_holds(ric_tube *t, const ric_enclosure *e, arb_mat_t A)
+{
+    const ric_enclosure coarse = ric_enclosure_coarse(e);
+    const size_t size = (size_t)t->k.n * (size_t)t->k.n * sizeof(double);
+    double *least = flint_malloc(size);
+    bool holds = false, hopeless = false;
+    bound_ends(t, e);
+    floor_box(t);
+    memcpy(least, t->k.Z, size);
+    for (int i = 0; i < TRIES && !holds && !hopeless; i++) {
+        memcpy(t->k.Z, least, size);
+        place_hull(t);
+        bend(t, &coarse, t->chord, A);
+        if (i == 0) bound_bend(t, A);
+        ric_skew_columns(&t->basis, A, coarse.prec);
+        ric_contraction_add(&t->k, A, 0.5 + RIC_TUBE_MORE);
+        add_bends(t, &coarse, A);
+        holds = ric_contraction_holds(&t->k);
+        hopeless = !holds;
+        for (int round = 0; round < ROUNDS && hopeless; round++)
+            hopeless = !ric_contraction_holds(&t->k);
+    }
+    flint_free(least);
+    return holds;
+}
+
+/* In Arb's numbers where doubles do not do, and leave of 1 - C J what may be why. */
 static bool contracts(ric_tube *t, const ric_enclosure *e)
 {
-    arb_mat_t J;
+    const slong n = t->k.n;
+    arb_mat_t J, A;
     arb_t half;
     arb_init(half);
-    arb_mat_init(J, t->k.n, t->k.n);
+    arb_mat_init(J, n, n);
+    arb_mat_init(A, n, n);
     arb_set_d(half, 0.5);
     place(t, half, t->hull.u);
-    for (slong i = 0; i < t->k.n; i++) arb_get_mid_arb(t->hull.u + i, t->hull.u + i);
+    for (slong i = 0; i < n; i++) arb_get_mid_arb(t->hull.u + i, t->hull.u + i);
     evaluate(t, &t->hull, e, J, NULL);
     bool holds = false;
-    if (!ric_halt(pow((double)t->k.n, 3)) && ric_contraction_invert(&t->k, J)) {
-        place_hull(t);
-        bound_residual(t, e);
-        begin_box(t);
-        for (int i = 0; i < TRIES && !holds; i++) {
-            place_hull(t);
-            evaluate(t, &t->hull, e, J, NULL);
-            ric_contraction_defect(&t->k, J);
-            holds = ric_contraction_holds(&t->k);
+    if (!ric_halt(pow((double)n, 3))) {
+        bool fine = invert(t, J);
+        if (fine) {
+            fine = ric_contraction_is_fine(&t->k);
+            holds = box_holds(t, e, A);
         }
+        if (!holds && !fine && !ric_halted()) holds = invert_widely(t, J) && box_holds(t, e, A);
     }
     arb_mat_clear(J);
+    arb_mat_clear(A);
     arb_clear(half);
     return holds;
+}
+
+/* The zeros lie in y + Z b, too, and so on: the hull of what is left, and how far it spreads. */
+static void tighten(ric_tube *t)
+{
+    const slong n = t->k.n;
+    mag_ptr b = _mag_vec_init(n), next = _mag_vec_init(n);
+    for (slong i = 0; i < n; i++) mag_set(b + i, t->k.b + i);
+    for (int step = 0; step < TIGHT; step++) {
+        ric_contraction_map(&t->k, b, next);
+        for (slong i = 0; i < n; i++) mag_add(b + i, next + i, t->k.y + i);
+    }
+    ric_skew_spread(&t->basis, b, t->spread);
+    ric_tube_part(t, -RIC_TUBE_MORE, 1 + RIC_TUBE_MORE, t->hull.u);
+    _mag_vec_clear(b, n);
+    _mag_vec_clear(next, n);
 }
 
 static void set_family(ric_tube *t)
@@ -170,7 +275,7 @@ static void set_family(ric_tube *t)
     place(t, half, t->middle);
     arb_set_d(half, 0.5 + RIC_TUBE_MORE);
     for (slong i = 0; i < t->k.n; i++) {
-        arb_add_error_mag(t->middle + i, t->k.b + i);
+        arb_add_error_mag(t->middle + i, t->spread + i);
         arb_mul(t->half + i, t->chord + i, half, t->k.prec);
     }
     arb_clear(half);
@@ -183,12 +288,15 @@ bool ric_tube_create(ric_tube *t, const ric_chain *from, const ric_chain *to,
     *t = (ric_tube){.from = from, .to = to};
     ric_chain_copy(&t->hull, from);
     ric_contraction_create(&t->k, count_unknowns(from), e->prec);
+    ric_skew_create(&t->basis, t->k.n);
+    t->spread = _mag_vec_init(t->k.n);
     t->chord = _arb_vec_init(count);
     t->middle = _arb_vec_init(count);
     t->half = _arb_vec_init(count);
     t->row = _arb_vec_init(t->k.n);
     arb_init(t->length);
     const bool done = lay_line(t) && contracts(t, e) && ric_chain_closes(&t->hull, e, t->hull.u);
+    if (done) tighten(t);
     if (done) set_family(t);
     return done;
 }
@@ -200,7 +308,9 @@ void ric_tube_free(ric_tube *t)
     _arb_vec_clear(t->middle, count);
     _arb_vec_clear(t->half, count);
     _arb_vec_clear(t->row, t->k.n);
+    _mag_vec_clear(t->spread, t->k.n);
     arb_clear(t->length);
+    ric_skew_free(&t->basis);
     ric_contraction_free(&t->k);
     ric_chain_free(&t->hull);
 }
@@ -208,28 +318,32 @@ void ric_tube_free(ric_tube *t)
 /* ---------------------------------------------------------------- the arc */
 
 /* The orbit u is on the plane of s = s0 + v.(u - centre) / (v.(b - a)), |s - s0| <= |v| exists /
- * length < MORE, and the box around p(s) holds it if exists + |s - s0| |b - a|_i < b_i. */
+ * length < MORE, and the box around p(s) holds it if |T^-1| (exists + |s - s0| |b - a|) < b. */
 bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exists)
 {
+    const slong n = t->k.n;
+    mag_ptr radii = _mag_vec_init(n);
     mag_t away, x, radius;
     arb_t y;
     mag_init(away);
     mag_init(x);
     mag_init(radius);
     arb_init(y);
-    ric_chain_norm(t->k.n, t->row, t->k.prec, y);
+    ric_chain_norm(n, t->row, t->k.prec, y);
     arb_mul(y, y, exists, t->k.prec);
     arb_div(y, y, t->length, t->k.prec);
     arb_get_mag(away, y);
     arb_get_mag(radius, exists);
     mag_set_d_lower(x, RIC_TUBE_MORE);
     bool holds = (centre == t->from || centre == t->to) && mag_cmp(away, x) < 0;
-    for (slong i = 0; i < t->k.n && holds; i++) {
+    for (slong i = 0; i < n; i++) {
         arb_get_mag(x, t->chord + i);
         mag_mul(x, x, away);
-        mag_add(x, x, radius);
-        holds = mag_cmp(x, t->k.b + i) < 0;
+        mag_add(radii + i, x, radius);
     }
+    ric_skew_enter(&t->basis, radii, radii);
+    for (slong i = 0; i < n && holds; i++) holds = mag_cmp(radii + i, t->k.b + i) < 0;
+    _mag_vec_clear(radii, n);
     mag_clear(away);
     mag_clear(x);
     mag_clear(radius);
@@ -237,9 +351,9 @@ bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exis
     return holds;
 }
 
-/* The derivative u' has D u' = (0, .., 0, v.v) and (b - a) all but that: with C D = 1 - E, |E| <=
- * Z, x = u' - (b - a) has |x| <= r + Z |x|, r = |C (G' (b - a), 0)|. As Z b <= theta b with theta <
- * 1, |x| <= r + mu Z b, mu = max(r / b) / (1 - theta). */
+/* The derivative u' has D u' = (0, .., 0, v.v) and (b - a) all but that: with C D T = 1 - E, |E| <=
+ * Z, T x = u' - (b - a) has |x| <= r + Z |x|, r = |C (G' (b - a), 0)|. As Z b <= theta b with theta
+ * < 1, |x| <= r + mu Z b, mu = max(r / b) / (1 - theta). */
 void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out)
 {
     const slong n = t->k.n;
@@ -269,9 +383,11 @@ void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out)
     for (slong i = 0; i < n; i++) {
         arb_set(out + i, t->chord + i);
         arb_get_mag(y, x + i);
-        mag_addmul(y, mu, zb + i);
-        arb_add_error_mag(out + i, y);
+        mag_mul(zb + i, zb + i, mu);
+        mag_add(zb + i, zb + i, y);
     }
+    ric_skew_spread(&t->basis, zb, zb);
+    for (slong i = 0; i < n; i++) arb_add_error_mag(out + i, zb + i);
     arb_mat_clear(J);
     mag_clear(theta);
     mag_clear(mu);
@@ -279,4 +395,60 @@ void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out)
     _mag_vec_clear(zb, n);
     _arb_vec_clear(F, n);
     _arb_vec_clear(x, n);
+}
+
+/* ----------------------------------------------------------------- its length */
+
+/* W [n * n] column by column: T C A, approximately, without signs. */
+static void multiply_bend(const ric_tube *t, const arb_mat_t A, double *W)
+{
+    const slong n = t->k.n;
+    const ric_contraction *k = &t->k;
+    memset(W, 0, (size_t)(n * n) * sizeof *W);
+    for (slong j = 0; j < n; j++)
+        for (slong l = 0; l < n; l++) {
+            if (arb_is_zero(arb_mat_entry(A, l, j))) continue;
+            const double a = ric_arb_middle(arb_mat_entry(A, l, j));
+            for (slong i = 0; i < n; i++)
+                W[j * n + i] += a * (k->wide ? ric_arb_middle(arb_mat_entry(k->own, i, l))
+                                             : k->C[l * n + i]);
+        }
+    for (int d = t->basis.count - 1; d >= 0; d--)
+        for (slong j = 0; j < n; j++)
+            for (slong i = 0, at = t->basis.at[d]; i < n; i++)
+                if (i != at) W[j * n + i] += t->basis.r[d][i] * W[j * n + at];
+    for (slong i = 0; i < n * n; i++) W[i] = fabs(W[i]);
+}
+
+/* The largest eigenvalue of W, which has no negative number, about. */
+static double find_root(slong n, const double *W)
+{
+    enum { STEPS = 12 };
+    double *x = flint_malloc(2 * (size_t)n * sizeof *x), *y = x + n, most = 0;
+    for (slong i = 0; i < n; i++) x[i] = 1;
+    for (int step = 0; step < STEPS; step++) {
+        memset(y, 0, (size_t)n * sizeof *y);
+        for (slong j = 0; j < n; j++)
+            for (slong i = 0; i < n; i++) y[i] += W[j * n + i] * x[j];
+        most = 0;
+        for (slong i = 0; i < n; i++) most = fmax(most, y[i]);
+        for (slong i = 0; i < n; i++) x[i] = most > 0 ? y[i] / most : 0;
+    }
+    flint_free(x);
+    return most;
+}
+
+double ric_tube_strain(const ric_tube *t, const ric_enclosure *e)
+{
+    const slong n = t->k.n;
+    const ric_enclosure coarse = ric_enclosure_coarse(e);
+    double *W = flint_malloc((size_t)(n * n) * sizeof *W);
+    arb_mat_t A;
+    arb_mat_init(A, n, n);
+    bend(t, &coarse, t->chord, A);
+    multiply_bend(t, A, W);
+    const double root = find_root(n, W) / 2;
+    arb_mat_clear(A);
+    flint_free(W);
+    return root;
 }

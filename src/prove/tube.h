@@ -9,14 +9,17 @@
 
 #include "contraction.h"
 #include "equations.h"
+#include "skew.h"
 
 #define RIC_TUBE_MORE 0x1p-12
 
 typedef struct {
     const ric_chain *from, *to; /* centres, borrowed */
     ric_chain hull;             /* u: balls that hold every orbit of the arc */
-    ric_contraction k;
-    arb_ptr chord, row;   /* [n] b - a; the same times a power of two */
+    ric_contraction k;          /* of the equations in the basis: its radii are those of x */
+    ric_skew basis;             /* u = p(s) + T x */
+    mag_ptr spread;             /* [n] |T| radii: how far u goes */
+    arb_ptr chord, row;         /* [n] b - a; the same times a power of two */
     arb_ptr middle, half; /* [m * size + 1] of the arc, with its distance from the line; and of the
                              line (ric_family) */
     arb_t length;         /* row . chord */
@@ -32,6 +35,9 @@ bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exis
 /* Balls that hold the orbits of a part of the arc, out [m * size + 1]; of a tube that was created.
  */
 void ric_tube_part(const ric_tube *t, double from, double to, arb_ptr out);
+/* How much too long the line is, or how little, for a proof that takes all bounds number by number:
+ * the root of |C D^2 F (b - a)| / 2, about. A guess; of a tube that was created. */
+double ric_tube_strain(const ric_tube *t, const ric_enclosure *e);
 /* The derivative of the arc by s, out [m * size + 1]; of a tube that was created. */
 void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out);
 

@@ -12,7 +12,9 @@
 
 #if __has_include(<arb.h>) || __has_include(<flint/arb.h>)
 #include "prove/contraction.h"
+#include "prove/monodromy_quick.h"
 #include "prove/quick.h"
+#include "prove/skew.h"
 
 enum { BITS = 512 };
 
@@ -352,12 +354,170 @@ static void blocks_are_bounded(void **state)
     }
 }
 
+/* ------------------------------------------------------------------- basis */
+
+/* u = T x, column by column. */
+static void leave_basis(const ric_skew *s, arb_srcptr x, arb_ptr u)
+{
+    arb_ptr direction = _arb_vec_init(s->n);
+    _arb_vec_set(u, x, s->n);
+    for (int d = 0; d < s->count; d++) arb_zero(u + s->at[d]);
+    for (int d = 0; d < s->count; d++) {
+        ric_skew_direction(s, d, direction);
+        _arb_vec_scalar_addmul(u, direction, s->n, x + s->at[d], BITS);
+    }
+    _arb_vec_clear(direction, s->n);
+}
+
+/* u in |T| |x|, x in |T^-1| |u|, and J u = (J T) x. */
+static void check_basis(const ric_skew *s, const arb_mat_t J, const arb_mat_t skewed)
+{
+    const slong n = s->n;
+    arb_ptr x = _arb_vec_init(n), u = _arb_vec_init(n);
+    mag_ptr radii = _mag_vec_init(n), bounds = _mag_vec_init(n);
+    arb_t left, right;
+    mag_t size;
+    arb_init(left);
+    arb_init(right);
+    mag_init(size);
+    for (slong i = 0; i < n; i++) arb_set_d(x + i, draw());
+    leave_basis(s, x, u);
+    for (slong i = 0; i < n; i++) arb_get_mag(radii + i, x + i);
+    ric_skew_spread(s, radii, bounds);
+    for (slong i = 0; i < n; i++) {
+        arb_get_mag_lower(size, u + i);
+        assert_true(mag_cmp(size, bounds + i) <= 0);
+        arb_get_mag(radii + i, u + i);
+    }
+    ric_skew_enter(s, radii, bounds);
+    for (slong i = 0; i < n; i++) {
+        arb_get_mag_lower(size, x + i);
+        assert_true(mag_cmp(size, bounds + i) <= 0);
+        arb_dot(left, NULL, 0, arb_mat_entry(J, i, 0), 1, u, 1, n, BITS);
+        arb_dot(right, NULL, 0, arb_mat_entry(skewed, i, 0), 1, x, 1, n, BITS);
+        assert_true(arb_overlaps(left, right) && arb_rel_accuracy_bits(left) > 100);
+    }
+    arb_clear(left);
+    arb_clear(right);
+    mag_clear(size);
+    _arb_vec_clear(x, n);
+    _arb_vec_clear(u, n);
+    _mag_vec_clear(radii, n);
+    _mag_vec_clear(bounds, n);
+}
+
+/* Z of 1 - C J T and half of |C A| beside it. */
+static void check_sum(ric_contraction *k, const arb_mat_t skewed, const arb_mat_t C)
+{
+    const slong n = k->n;
+    arb_mat_t A, inside, first, second;
+    arb_mat_init(A, n, n);
+    arb_mat_init(inside, n, n);
+    arb_mat_init(first, n, n);
+    arb_mat_init(second, n, n);
+    for (slong i = 0; i < n; i++)
+        for (slong j = i / 2; j < n && j < i + 2; j++)
+            draw_ball(draw(), 1e-3, arb_mat_entry(A, i, j), arb_mat_entry(inside, i, j));
+    ric_contraction_defect(k, skewed);
+    ric_contraction_add(k, A, 0.5);
+    arb_mat_mul(first, C, skewed, BITS);
+    arb_mat_mul(second, C, inside, BITS);
+    for (slong i = 0; i < n; i++)
+        for (slong j = 0; j < n; j++) {
+            const double defect = ric_arb_middle(arb_mat_entry(first, i, j)) - (i == j);
+            const double more = fabs(ric_arb_middle(arb_mat_entry(second, i, j))) / 2;
+            assert_true((fabs(defect) + more) * (1 - 1e-12) <= k->Z[i * n + j]);
+        }
+    arb_mat_clear(A);
+    arb_mat_clear(inside);
+    arb_mat_clear(first);
+    arb_mat_clear(second);
+}
+
+/* Matrices with one direction that is all but lost: in the basis doubles invert them well. */
+static void bases_keep_what_cancels(void **state)
+{
+    (void)state;
+    const slong n = 30;
+    for (int i = 0; i < 20; i++) {
+        ric_contraction k;
+        ric_skew s;
+        arb_mat_t J, inside, skewed, C;
+        arb_mat_init(J, n, n);
+        arb_mat_init(inside, n, n);
+        arb_mat_init(skewed, n, n);
+        arb_mat_init(C, n, n);
+        draw_matrix(J, inside, 6 + i % 8, 0);
+        ric_contraction_create(&k, n, 128);
+        ric_skew_create(&s, n);
+        assert_true(ric_contraction_invert_quickly(&k, J));
+        assert_true(ric_skew_find(&s, &k) && ric_skew_find(&s, &k));
+        assert_true(s.count == 2 && s.at[0] != s.at[1] && s.r[1][s.at[0]] == 0);
+        arb_mat_set(skewed, J);
+        ric_skew_columns(&s, skewed, BITS);
+        check_basis(&s, J, skewed);
+        assert_true(ric_contraction_invert_quickly(&k, skewed));
+        ric_contraction_defect(&k, skewed);
+        double most = 0;
+        for (slong l = 0; l < n * n; l++)
+            if (l / n != s.at[0] && l / n != s.at[1]) most = fmax(most, k.Z[l]);
+        assert_true(most < 1e-9 && !k.wide);
+        take_inverse(&k, C);
+        check_sum(&k, skewed, C);
+        ric_skew_free(&s);
+        ric_contraction_free(&k);
+        arb_mat_clear(J);
+        arb_mat_clear(inside);
+        arb_mat_clear(skewed);
+        arb_mat_clear(C);
+    }
+}
+
+/* Balls of products hold those of their numbers; what is too large for doubles is told. */
+static void products_are_bounded(void **state)
+{
+    (void)state;
+    const slong n = 12;
+    arb_mat_t A, a, B, b, product, exact;
+    arb_mat_init(A, n, n);
+    arb_mat_init(a, n, n);
+    arb_mat_init(B, n, n);
+    arb_mat_init(b, n, n);
+    arb_mat_init(product, n, n);
+    arb_mat_init(exact, n, n);
+    for (int i = 0; i < 40; i++) {
+        const double radius = i % 4 ? pow(10, -3 * (i % 4)) : 0, size = pow(10, 4 * (i % 40));
+        for (slong l = 0; l < n * n; l++) {
+            draw_ball(size * draw(), size * radius, arb_mat_entry(A, l / n, l % n),
+                      arb_mat_entry(a, l / n, l % n));
+            draw_ball(size * draw(), size * radius, arb_mat_entry(B, l / n, l % n),
+                      arb_mat_entry(b, l / n, l % n));
+        }
+        const bool holds = ric_monodromy_product(product, A, B);
+        assert_int_equal(holds, size < 1e154);
+        arb_mat_mul(exact, a, b, BITS);
+        for (slong l = 0; l < n * n && holds; l++) {
+            arb_get_mid_arb(arb_mat_entry(exact, 0, 0), arb_mat_entry(exact, l / n, l % n));
+            assert_true(
+                arb_contains(arb_mat_entry(product, l / n, l % n), arb_mat_entry(exact, 0, 0)));
+        }
+    }
+    arb_mat_clear(A);
+    arb_mat_clear(a);
+    arb_mat_clear(B);
+    arb_mat_clear(b);
+    arb_mat_clear(product);
+    arb_mat_clear(exact);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inverses_are_bounded),
         cmocka_unit_test(numbers_that_are_none_prove_nothing),
         cmocka_unit_test(blocks_are_bounded),
+        cmocka_unit_test(bases_keep_what_cancels),
+        cmocka_unit_test(products_are_bounded),
     };
     return cmocka_run_group_tests_name("prove_doubles", tests, NULL, NULL);
 }
