@@ -78,6 +78,19 @@ typedef struct {
     uint32_t choice;
 } job_head;
 
+/* Before the results of a departure: what it took, and how long the rank had waited for it. */
+typedef struct {
+    int32_t number;
+    double work, waited; /* s: processor time, which does not grow on a busy machine; elapsed */
+} answer_head;
+
+static double clock_of(clockid_t clock)
+{
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
 /* -------------------------------------------------------------- rank 0: crew */
 
 /* A job on its way. Nothing is posted that waits for its receiver: that one may be waiting to post
@@ -95,7 +108,32 @@ typedef struct {
     pthread_t thread;
     ric_workers *workers;
     ric_cache *memo;
+    FILE *counts;            /* NULL, or where times go (open_counts) */
+    double begin, own_begin; /* s, when the crew joined: elapsed, and of the thread that owns the
+                                graph */
+    double served;           /* s of the other thread for answers */
 } crew;
+
+/* One line for every departure that a rank has followed, and one of rank 0; tools/feed reads them
+ * (docs/cluster.md). Times are no part of what a run says, so that they have a file of their own.
+ */
+static void open_counts(crew *c)
+{
+    const char *path = getenv("RICOCHET_MPI_COUNTS");
+    if (!path || !*path) return;
+    need((c->counts = fopen(path, "w")) != NULL, "the file of RICOCHET_MPI_COUNTS is not writable");
+    fprintf(c->counts, "ranks %d\n", c->n_rank);
+}
+
+/* In the thread that owns the graph. */
+static void close_counts(crew *c)
+{
+    if (!c->counts) return;
+    fprintf(c->counts, "owner %.6f %.6f %.6f\n", clock_of(CLOCK_MONOTONIC) - c->begin,
+            clock_of(CLOCK_THREAD_CPUTIME_ID) - c->own_begin, c->served);
+    need(!fclose(c->counts), "the file of RICOCHET_MPI_COUNTS cannot be written");
+    c->counts = NULL;
+}
 
 static letter *free_letter(crew *c, int rank)
 {
@@ -133,11 +171,12 @@ static bool send_job(crew *c, int rank)
 static void take_result(crew *c, MPI_Status *envelope)
 {
     message m = {0};
-    int32_t number;
+    answer_head head;
+    double begin = clock_of(CLOCK_THREAD_CPUTIME_ID);
     receive(envelope, &m);
-    size_t at = sizeof number;
+    size_t at = sizeof head;
     need(m.size >= at, "an empty answer");
-    memcpy(&number, m.data, sizeof number);
+    memcpy(&head, m.data, sizeof head);
     while (at < m.size) {
         uint64_t sizes[2];
         need(m.size - at >= sizeof sizes, "a damaged answer");
@@ -147,8 +186,12 @@ static void take_result(crew *c, MPI_Status *envelope)
         ric_cache_put(c->memo, m.data + at, sizes[0], m.data + at + sizes[0], sizes[1]);
         at += sizes[0] + sizes[1];
     }
-    ric_workers_finish(c->workers, number);
+    ric_workers_finish(c->workers, head.number);
     c->busy[envelope->MPI_SOURCE]--;
+    c->served += clock_of(CLOCK_THREAD_CPUTIME_ID) - begin;
+    if (c->counts)
+        fprintf(c->counts, "departure %d %d %.6f %.6f %zu\n", head.number, envelope->MPI_SOURCE,
+                head.work, head.waited, m.size);
     free(m.data);
 }
 
@@ -195,6 +238,8 @@ static ric_status join(void *user, const ric_study *study, ric_workers *workers,
     c->workers = workers;
     c->memo = memo;
     c->joined = true;
+    c->begin = clock_of(CLOCK_MONOTONIC);
+    c->own_begin = clock_of(CLOCK_THREAD_CPUTIME_ID);
     send_study(ric_study_text(study));
     need(!pthread_create(&c->thread, NULL, talk, c), "the system gives no thread");
     return RIC_OK;
@@ -205,6 +250,7 @@ static void leave(void *user)
     crew *c = user;
     c->stop = true;
     pthread_join(c->thread, NULL);
+    close_counts(c);
     for (int r = 1; r < c->n_rank; r++) MPI_Send(NULL, 0, MPI_BYTE, r, TAG_STOP, MPI_COMM_WORLD);
 }
 
@@ -216,7 +262,10 @@ static int own(int argc, char **argv, int n_rank)
     ric_remote hands = {join, leave, &c};
     need(c.busy && c.letters, "no memory");
     for (int i = 0; i < AHEAD * n_rank; i++) c.letters[i].request = MPI_REQUEST_NULL;
-    if (n_rank > 1) cli_run_remote = &hands;
+    if (n_rank > 1) {
+        open_counts(&c);
+        cli_run_remote = &hands;
+    }
     int code = cli_main(argc, argv);
     if (!c.joined) send_study("");
     for (int i = 0; i < AHEAD * n_rank; i++) {
@@ -231,18 +280,25 @@ static int own(int argc, char **argv, int n_rank)
 
 /* ----------------------------------------------------------- the other ranks */
 
-static void prepare(ric_explore_worker *hand, const message *job)
+/* `waited`: how long no departure was there. */
+static void prepare(ric_explore_worker *hand, const message *job, double waited)
 {
     job_head head;
+    answer_head before = {0};
     ric_node *node;
     message answer = {0};
+    double begin = clock_of(CLOCK_THREAD_CPUTIME_ID);
     need(job->size >= sizeof head, "an empty job");
     memcpy(&head, job->data, sizeof head);
     need(!ric_node_unpack(ric_explore_worker_model(hand), job->data + sizeof head,
                           job->size - sizeof head, &node),
          "a damaged job");
-    append(&answer, &head.number, sizeof head.number);
+    before.number = head.number;
+    before.waited = waited;
+    append(&answer, &before, sizeof before);
     ric_cache_drain(ric_explore_worker_prepare(hand, node, head.choice), append_entry, &answer);
+    before.work = clock_of(CLOCK_THREAD_CPUTIME_ID) - begin;
+    memcpy(answer.data, &before, sizeof before);
     post(&answer, 0, TAG_RESULT);
     free(answer.data);
 }
@@ -263,10 +319,11 @@ static int serve(void)
          ric_detail());
     for (;;) {
         MPI_Status envelope;
+        double begin = clock_of(CLOCK_MONOTONIC);
         MPI_Probe(0, MPI_ANY_TAG, MPI_COMM_WORLD, &envelope);
         receive(&envelope, &m);
         if (envelope.MPI_TAG == TAG_STOP) break;
-        prepare(hand, &m);
+        prepare(hand, &m, clock_of(CLOCK_MONOTONIC) - begin);
     }
     free(m.data);
     free(text);

@@ -35,6 +35,23 @@ for n in 1 3; do
     ok "the same rows" same "$folder/one.txt" "$folder/$n.txt"
 done
 
+export RICOCHET_MPI_COUNTS="$folder/counts"
+ok "4 ranks, with counters" ranks 4 "$mpi" run "$folder/study.yaml" -j 2 -o "$folder/4.ricochet"
+unset RICOCHET_MPI_COUNTS
+rows "$folder/4.ricochet" >"$folder/4.txt"
+ok "the same rows" same "$folder/one.txt" "$folder/4.txt"
+counted() { tools/feed "$folder/counts" | tee "$folder/feed.txt" && grep -q '^ *3 .*%' "$folder/feed.txt"; }
+ok "tools/feed reads them" counted
+# Ten milliseconds for a departure and a tenth for the owner: of 200 ranks half are busy, of 90 nearly all.
+fed() {
+    { echo "ranks 5"; for i in $(seq 100); do echo "departure $i 1 0.01 0.001 1000"; done; echo "owner 1 0.01 0"; } >"$folder/made"
+    tools/feed "$folder/made" >"$folder/feed.txt" || return 1
+    cat "$folder/feed.txt"
+    awk -F'[, ]+' '/ranks;?$|at 90/ {for (i = 1; i < NF; i++) { if ($i == "256") busy = $(i + 2) + 0; if ($i == "%:") most = $(i + 1) + 0 }}
+         END {exit !(busy == 39 && most >= 100 && most <= 115)}' "$folder/feed.txt"
+}
+ok "one owner feeds as many ranks as its time for a departure allows" fed
+
 ok "a study that is wrong ends all ranks" sh -c "! '$mpi' run '$folder/none.yaml' 2>/dev/null"
 refused() { ranks 3 "$mpi" run "$folder/none.yaml"; [ $? -ne 0 ]; }
 ok "also under mpirun" refused
