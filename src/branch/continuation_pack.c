@@ -195,6 +195,7 @@ ric_status ric_continuation_unpack(const ric_model *m, const ric_limits *limits,
     return RIC_OK;
 out:
     ric_continuation_free(tr);
+    if (status == RIC_E_FORMAT && ric_memory_failed()) return ric_no_memory("a branch");
     return status == RIC_E_FORMAT
                ? ric_fail(status, "the atlas holds finished work that cannot be read: the file is "
                                   "damaged; move it away and run again")
