@@ -95,6 +95,7 @@ void ric_shooting_free(ric_shooting *c)
     free(c->w); /* and what lies behind it */
     free(c->closed);
     free(c->hv); /* likewise */
+    free(c->kept);
     free(c);
 }
 

@@ -71,6 +71,9 @@ typedef struct {
     double *X;           /* live columns */
     double *flown; /* law power: [2n + 1 + 2n (parts - 1)] start, time and nodes that `w`, `map` and
                       `lost` belong to */
+    double *kept;  /* law power: the last flights of a chain of one part, NULL or room for
+                      most_kept of them (shooting_nodes.c) */
+    int n_kept, next_kept, most_kept;
     double lost;  /* law power: rounding along the flight, of the part that loses most, over epsilon
                      (power_flow.h) */
     double *part; /* with inner nodes [parts * (4n^2 + 4n)]: of each part its map, its end, and

@@ -5,6 +5,11 @@
 
 #include "base/room.h"
 
+/* Flights that a chain of one part keeps, as the same ones are asked for where an event is located,
+ * the length of a step is judged and a step is taken again: at most so many, within so many
+ * doubles. */
+enum { KEPT = 16, KEPT_DOUBLES = 1024 };
+
 /* ---------------------------------------------------------------- the parts */
 
 static double *map_of(const ric_shooting *c, int part)
@@ -48,6 +53,20 @@ bool ric_shooting_nodes_room(int count, const size_t *sizes, double **const *arr
     return *arrays[0];
 }
 
+/* A flight that is kept: start, time, end, rate, what is lost, map. */
+static size_t kept_size(const ric_shooting *c)
+{
+    size_t n = (size_t)c->n;
+    return 6 * n + 2 + 4 * n * n;
+}
+
+/* As many as fit into KEPT_DOUBLES, at most KEPT; only flights that are integrated come here. */
+static int kept_most(const ric_shooting *c, int parts)
+{
+    size_t most = KEPT_DOUBLES / kept_size(c);
+    return parts > 1 ? 0 : most < KEPT ? (int)most : KEPT;
+}
+
 ric_status ric_shooting_nodes_divide(ric_shooting *c, int parts)
 {
     size_t n = (size_t)c->n, inner = 2 * n * (size_t)(parts - 1),
@@ -63,6 +82,8 @@ ric_status ric_shooting_nodes_divide(ric_shooting *c, int parts)
     if (!ric_shooting_nodes_room(6, sizes, arrays))
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d parts", parts);
     c->parts = parts;
+    ric_shooting_nodes_drop(c);
+    c->most_kept = kept_most(c, parts);
     c->ld = (int)ld;
     c->n_unknown = c->n_start + c->n_flight + (int)inner;
     return RIC_OK;
@@ -86,6 +107,56 @@ static void forget(ric_shooting *c)
         memset(c->flown, 0, (1 + 2 * (size_t)c->n * (size_t)c->parts) * sizeof *c->flown);
 }
 
+/* Flight k in one part, without looking. */
+static void fly_once(ric_shooting *c, int k, double tau)
+{
+    int n2 = 2 * c->n;
+    double *start = c->w + n2 * k, *end = start + n2;
+    ric_flight_smooth(c->model, tau, start, c->map + c->stride * (size_t)k, &c->lost, end);
+    ric_flight_rate(c->model, 0, end, c->rate + n2 * k);
+}
+
+/* Flight k as it was flown before; false: it is not kept. */
+static bool recall(ric_shooting *c, int k, double tau)
+{
+    size_t n2 = 2 * (size_t)c->n, state = n2 * sizeof tau;
+    const double *start = c->w + n2 * (size_t)k;
+    for (int i = 0; i < c->n_kept; i++) {
+        const double *at = c->kept + (size_t)i * kept_size(c), *end = at + n2 + 1;
+        if (memcmp(at + n2, &tau, sizeof tau) || memcmp(at, start, state)) continue;
+        memcpy(c->w + n2 * ((size_t)k + 1), end, state);
+        memcpy(c->rate + n2 * (size_t)k, end + n2, state);
+        c->lost = end[2 * n2];
+        memcpy(c->map + c->stride * (size_t)k, end + 2 * n2 + 1, n2 * state);
+        return true;
+    }
+    return false;
+}
+
+static void keep(ric_shooting *c, int k, double tau)
+{
+    size_t n2 = 2 * (size_t)c->n, state = n2 * sizeof tau, size = kept_size(c);
+    const double *start = c->w + n2 * (size_t)k;
+    if (!c->most_kept || ric_halted() || !isfinite(start[n2])) return;
+    if (!c->kept && !(c->kept = ric_malloc((size_t)c->most_kept * size * sizeof tau))) return;
+    double *at = c->kept + (size_t)c->next_kept * size, *end = at + n2 + 1;
+    c->next_kept = (c->next_kept + 1) % c->most_kept;
+    if (c->n_kept < c->most_kept) c->n_kept++;
+    memcpy(at, start, state);
+    at[n2] = tau;
+    memcpy(end, start + n2, state);
+    memcpy(end + n2, c->rate + n2 * (size_t)k, state);
+    end[2 * n2] = c->lost;
+    memcpy(end + 2 * n2 + 1, c->map + c->stride * (size_t)k, n2 * state);
+}
+
+void ric_shooting_nodes_drop(ric_shooting *c)
+{
+    free(c->kept);
+    c->kept = NULL;
+    c->n_kept = c->next_kept = c->most_kept = 0;
+}
+
 bool ric_shooting_nodes_fly(ric_shooting *c, int k, const double *u)
 {
     const ric_model *m = c->model;
@@ -93,8 +164,10 @@ bool ric_shooting_nodes_fly(ric_shooting *c, int k, const double *u)
     double *start = c->w + n2 * k, *end = start + n2;
     if (again(c, start, u)) return false;
     if (c->parts == 1) {
-        ric_flight_smooth(m, *u, start, c->map + c->stride * (size_t)k, &c->lost, end);
-        ric_flight_rate(m, 0, end, c->rate + n2 * k);
+        if (!recall(c, k, *u)) {
+            fly_once(c, k, *u);
+            keep(c, k, *u);
+        }
         forget(c);
         return true;
     }

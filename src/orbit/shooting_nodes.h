@@ -21,6 +21,9 @@ enum { RIC_PARTS_MOST = 256 };
 /* Divides the one flight of a chain into `parts`, at most RIC_PARTS_MOST; the chain has not been
  * flown yet. Without memory it can only be freed. */
 ric_status ric_shooting_nodes_divide(ric_shooting *chain, int parts);
+/* The chain looks up no flights any more, and gives back their room: it is done, and only its
+ * points are flown once more. */
+void ric_shooting_nodes_drop(ric_shooting *chain);
 /* Room for several arrays, in one piece that is that of the first: chains are made by the thousand.
  * False: no memory, and all are NULL. */
 bool ric_shooting_nodes_room(int count, const size_t *sizes, double **const *arrays);

@@ -251,13 +251,49 @@ static void like_one_piece(void **state)
     over_random_chains(check_one_piece);
 }
 
+/* Flights in turn are flown once each, with the bits of a chain that has flown nothing before; a
+ * chain that is done keeps none, and flies as before. */
+static void flights_are_kept(void **state)
+{
+    (void)state;
+    seed_now = 7;
+    ric_model *m = random_structure(2);
+    ric_shooting *c = chain_of(m, &forms[0], 1), *done = chain_of(m, &forms[0], 1);
+    const size_t map = 16 * sizeof *c->map;
+    double u[3][SIZE];
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < c->n_start; i++) u[k][i] = uniform(-1, 1);
+        u[k][c->n_start] = uniform(1, 3);
+    }
+    ric_shooting_nodes_drop(done);
+    for (int turn = 0; turn < 30; turn++) {
+        const double *now = u[turn * turn % 7 % 3];
+        ric_shooting *fresh = chain_of(m, &forms[0], 1);
+        ric_shooting_evaluate(fresh, now);
+        ric_shooting_evaluate(c, now);
+        ric_shooting_evaluate(done, now);
+        assert_true(c->n_kept <= 3);
+        assert_int_equal(done->n_kept, 0);
+        assert_memory_equal(c->w, fresh->w, 8 * sizeof *c->w);
+        assert_memory_equal(c->rate, fresh->rate, 4 * sizeof *c->rate);
+        assert_memory_equal(c->map, fresh->map, map);
+        assert_memory_equal(done->map, fresh->map, map);
+        assert_true(c->lost == fresh->lost && c->residual == fresh->residual);
+        assert_true(c->end_det == fresh->end_det);
+        ric_shooting_free(fresh);
+    }
+    assert_int_equal(c->n_kept, 3);
+    ric_shooting_free(c);
+    ric_shooting_free(done);
+    ric_model_free(m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(jacobian_by_differences),
-        cmocka_unit_test(step_against_dense),
-        cmocka_unit_test(determinant_sign),
-        cmocka_unit_test(like_one_piece),
+        cmocka_unit_test(jacobian_by_differences), cmocka_unit_test(step_against_dense),
+        cmocka_unit_test(determinant_sign),        cmocka_unit_test(like_one_piece),
+        cmocka_unit_test(flights_are_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
