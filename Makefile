@@ -9,7 +9,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. $(wildcard tests/*/.) bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench sanitize race memcheck memcheck-python sanitize-units sanitize-python clang-units package-check container-check faults fuzz attack clean
+.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench bench-short sanitize race memcheck memcheck-python sanitize-units sanitize-python clang-units package-check container-check faults fuzz attack clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -18,7 +18,7 @@ help:
 	@echo "make check     the part of it that takes a minute, for before a commit"
 	@echo "make long      the whole suite in its long form: every case of what \`make test\` takes a sample of"
 	@echo "make ten       the suite TIMES=10 times in a row beside BUSY=2 busy processes: none may be red"
-	@echo "make bench     build and measure the speed"
+	@echo "make bench     build and measure the speed; make bench-short: in half a minute"
 	@echo "make time      what is promised about time, on a machine that does nothing else"
 	@echo "make build     build the program and the library in $(BUILD)/"
 	@echo "make install   build and install all of it below PREFIX=/usr/local, or below DESTDIR for a package"
@@ -132,6 +132,12 @@ picture: setup-tests build
 	sed 's/multiply: 1/multiply: 2/' examples/elementary/study.yaml >$(DEMO)/view.yaml
 	$(BUILD)/ricochet run $(DEMO)/view.yaml -o $(DEMO)/view.ricochet
 	node tools/screenshot.mjs $(BUILD)/ricochet $(DEMO)/view.ricochet docs/view.png
+
+# The same rows in half a minute, of shorter measurements, and without proofs and forced orbits.
+bench-short: build
+	@$(BUILD)/ricochet-bench -t 0.1 -o $(BUILD)/bench-short.txt
+	@$(BUILD)/ricochet run examples/elementary/study.yaml -o $(BUILD)/bench-elementary.ricochet --quiet
+	@tools/atlas-bytes $(BUILD)/bench-elementary.ricochet
 
 bench: build
 	@$(BUILD)/ricochet-bench

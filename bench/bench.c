@@ -473,15 +473,20 @@ static void explore(ric_study *study, ric_graph **graph, double *seconds)
 static void show_demo(const ric_graph *g, const char *path, double seconds, size_t bytes)
 {
     long points = 0, evaluations = 0;
+    size_t stored = 0;
     for (int i = 0; i < g->n_edge; i++) {
-        points += g->edges[i].trace->n_point;
-        evaluations += g->edges[i].trace->evaluations;
+        const ric_continuation *tr = g->edges[i].trace;
+        points += tr->n_point;
+        evaluations += tr->evaluations;
+        stored += (size_t)tr->n_point * tr->stride * sizeof(double);
     }
     say("\n%s: %d branches, %d junctions, %ld points, %ld evaluations in %.3f s (aim 2 s)\n", path,
         g->n_edge, g->n_node, points, evaluations, seconds);
     if (!bytes) return;
-    say("its memory, junctions and all: %zu bytes, %.0f a point\n", bytes,
-        (double)bytes / (double)points);
+    say("its memory, junctions and all: %zu bytes, %.0f a point; without the points %.0f for each "
+        "branch or junction\n",
+        bytes, (double)bytes / (double)points,
+        ((double)bytes - (double)stored) / (g->n_edge + g->n_node));
 }
 
 /* ---------------------------------------------------------- power-law contacts */
