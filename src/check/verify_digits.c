@@ -13,13 +13,9 @@
 #include "base/room.h"
 #include "verify_parts.h"
 
-/* DIGIT: of a stored number, relative to the largest of its kind: roundings in double for every
- * flight that the solver closes with it. Measured, not derived: the worst of some 10,000 orbits
- * between stops had 11, of as many on stiff springs 41 (random structures with springs up to 1e6
- * times as stiff as they are). LAST_DIGIT: of an orbit that is more open than these leave it. Two
- * of some 200,000 on stiff springs had 65 and 67 (the judge of tools/attack, in 50 digits, has no
- * objection to them); what the wider digits leave undecided of such an orbit is unchecked. */
-#define DIGIT (64 * DBL_EPSILON)
+/* LAST_DIGIT: of an orbit that is more open than RIC_VERIFY_DIGIT leaves it. Two of some 200,000 on
+ * stiff springs had 65 and 67 (the judge of tools/attack, in 50 digits, has no objection to them);
+ * what the wider digits leave undecided of such an orbit is unchecked. */
 #define LAST_DIGIT (128 * DBL_EPSILON)
 /* MOST_OPEN: residual that an orbit may be stored with: no orbit that is more open than this passes
  */
@@ -201,7 +197,7 @@ ric_status ric_verify_digits_open(const replay *r, ric_digits *d)
     d->close = d->speed + N;
     for (int i = 0; i < 2 * n; i++) d->unit[i >= n] = fmax(d->unit[i >= n], fabs(r->state[i]));
     if (!r->n_event) return RIC_OK;
-    ric_status status = bound(r, d, DIGIT);
+    ric_status status = bound(r, d, RIC_VERIFY_DIGIT);
     return !status && worst_part(r, d, &where) > 1 ? bound(r, d, LAST_DIGIT) : status;
 }
 

@@ -11,6 +11,11 @@
 #define RIC_VERIFY_WORK 1e4
 /* RIC_VERIFY_ORTHOGONAL: cosine between two normals below which their impacts commute */
 #define RIC_VERIFY_ORTHOGONAL 1e-12
+/* RIC_VERIFY_DIGIT: of a stored number, relative to the largest of its kind: roundings in double
+ * for every flight that the solver closes with it. Measured, not derived: the worst of some 10,000
+ * orbits between stops had 11, of as many on stiff springs 41 (random structures with springs up to
+ * 1e6 times as stiff as they are). */
+#define RIC_VERIFY_DIGIT (64 * DBL_EPSILON)
 #define SLOW 1e-3      /* below, the time of the impact is weighed */
 #define BLUNT 1e-9     /* no impact amplifies more than one of this speed */
 #define NO_LENGTH 1e-7 /* of the period: a contact of a spring that short is a touch */

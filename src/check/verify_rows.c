@@ -16,8 +16,6 @@
 #define SAME 1e-12 /* relative: numbers that are stored twice */
 /* SOLVED: of clearance and norm: what a located orbit may leave open, and an image may be off */
 #define SOLVED 1e-9
-/* DIGIT: of a stored number, for every flight that the solver closes with it (verify_digits.c) */
-#define DIGIT (64 * DBL_EPSILON)
 /* BETWEEN: relative: how far a junction between points may extend the frequencies of a branch */
 #define BETWEEN 1e-2
 #define ENERGY 1e-10 /* relative, of a located orbit whose numbers are stored together */
@@ -210,7 +208,7 @@ static real lever(const replay *r, const face_t *face)
 }
 
 /* What the flights of the word leave open at its faces and at the end, relative, beyond what
- * rounding grows to: DIGIT for each flight, as of a stored point. */
+ * rounding grows to: RIC_VERIFY_DIGIT for each flight, as of a stored point. */
 static real left_open(const replay *r)
 {
     const size_t step = 2 * (size_t)r->n;
@@ -218,7 +216,9 @@ static real left_open(const replay *r)
                      r->norm;
     real open = 0;
     for (int pass = 0; pass < 2; pass++) {
-        const real digits = pass ? DIGIT * r->n_flight * ric_replay_growth(r, 0, r->n_event) : 0;
+        const real digits = pass ? RIC_VERIFY_DIGIT * r->n_flight *
+                                       ric_replay_growth(r, 0, r->n_event)
+                                 : 0;
         open = end - digits;
         for (int k = 0; k < r->n_event; k++) {
             const face_t *face = ric_replay_end_face(r, k);
@@ -324,7 +324,7 @@ static ric_status check_smooth(const ric_model *m, const ric_junction *j, ric_cl
         open = fmax(open, fabs(y[i] - j->state[i]) / size[i >= d]);
         for (int k = 0; k < n; k++) growth = fmax(growth, fabs(Y[i * n + k]) / size[i >= d]);
     }
-    if (!status && !(open <= SOLVED + DIGIT * growth))
+    if (!status && !(open <= SOLVED + RIC_VERIFY_DIGIT * growth))
         ric_verify_disagree(out, "orbit is left open by 0", 0, (double)open);
     ric_simulator_power_free(springs);
     free(Y);
