@@ -77,12 +77,6 @@ const ric_arc_proof *ric_arc_proof_kept(const ric_atlas *atlas, int branch, int 
     return *n ? atlas->arcs + first : NULL;
 }
 
-static double number(sqlite3_stmt *row, int column)
-{
-    return sqlite3_column_type(row, column) == SQLITE_NULL ? NAN
-                                                           : sqlite3_column_double(row, column);
-}
-
 /* false: it is no row that was written. */
 static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_arc_proof *p)
 {
@@ -97,10 +91,10 @@ static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_arc_proof *p
                          .open = sqlite3_column_int(row, 4) != 0,
                          .told = sqlite3_column_int(row, 5) != 0,
                          .certificate = (const char *)sqlite3_column_text(row, 10)};
-    p->length[RIC_STABLE_NO] = number(row, 6);
-    p->length[RIC_STABLE_YES] = number(row, 7);
-    p->length[RIC_STABLE_UNDECIDED] = number(row, 8);
-    p->approach = number(row, 9);
+    p->length[RIC_STABLE_NO] = ric_store_sqlite_number(row, 6);
+    p->length[RIC_STABLE_YES] = ric_store_sqlite_number(row, 7);
+    p->length[RIC_STABLE_UNDECIDED] = ric_store_sqlite_number(row, 8);
+    p->approach = ric_store_sqlite_number(row, 9);
     snprintf(p->prover, sizeof p->prover, "%s", prover);
     return p->certificate != NULL;
 }
@@ -168,11 +162,8 @@ static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_arc_
     for (size_t i = 0; i < sizeof integers / sizeof *integers; i++)
         code |= sqlite3_bind_int(query, ++column, integers[i]);
     numbers_of(p, numbers);
-    for (int i = 0; i < NUMBERS; i++) {
-        column++;
-        code |= isnan(numbers[i]) ? sqlite3_bind_null(query, column)
-                                  : sqlite3_bind_double(query, column, numbers[i]);
-    }
+    for (int i = 0; i < NUMBERS; i++)
+        code |= ric_store_sqlite_bind_number(query, ++column, numbers[i]);
     code |= sqlite3_bind_text(query, ++column, p->certificate, -1, SQLITE_STATIC);
     code |= sqlite3_bind_text(query, ++column, p->prover, -1, SQLITE_STATIC);
     code |= sqlite3_bind_int64(query, COLUMNS, (sqlite3_int64)digest);

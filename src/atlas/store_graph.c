@@ -187,12 +187,8 @@ static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_graph_proof 
     snprintf(g->why, sizeof g->why, "%s", text_at(row, 3));
     snprintf(g->how, sizeof g->how, "%s", text_at(row, 4));
     for (int i = 0; i < INTEGERS; i++) g->integer[i] = sqlite3_column_int(row, FIRST + i);
-    for (int i = 0; i < NUMBERS; i++) {
-        const int column = FIRST + INTEGERS + i;
-        g->number[i] = sqlite3_column_type(row, column) == SQLITE_NULL
-                           ? NAN
-                           : sqlite3_column_double(row, column);
-    }
+    for (int i = 0; i < NUMBERS; i++)
+        g->number[i] = ric_store_sqlite_number(row, FIRST + INTEGERS + i);
     return true;
 }
 
@@ -260,9 +256,7 @@ static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atla
     for (int i = 0; i < INTEGERS; i++)
         code |= sqlite3_bind_int(query, FIRST + i + 1, g->integer[i]);
     for (int i = 0; i < NUMBERS; i++)
-        code |= isnan(g->number[i])
-                    ? sqlite3_bind_null(query, FIRST + INTEGERS + i + 1)
-                    : sqlite3_bind_double(query, FIRST + INTEGERS + i + 1, g->number[i]);
+        code |= ric_store_sqlite_bind_number(query, FIRST + INTEGERS + i + 1, g->number[i]);
     code |= sqlite3_bind_int64(query, COLUMNS, (sqlite3_int64)*digest);
     status = code ? ric_store_fail_memory() : ric_store_sqlite_step(file, query, &row);
     sqlite3_clear_bindings(query);

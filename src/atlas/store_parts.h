@@ -43,6 +43,10 @@ ric_status ric_store_sqlite_prepare_there(ric_database file, const char *table, 
                                           sqlite3_stmt **out);
 /* One row further; *row = false at the end, and then the query may run again. */
 ric_status ric_store_sqlite_step(ric_database file, sqlite3_stmt *query, bool *row);
+/* SQLite has no NaN: it is NULL in the file. Columns of a row count from 0, of what is bound from
+ * 1, which returns a code of SQLite. */
+double ric_store_sqlite_number(sqlite3_stmt *row, int column);
+int ric_store_sqlite_bind_number(sqlite3_stmt *query, int column, double value);
 /* What is asked of a table; the columns of other readers, which are derived, come last. */
 typedef enum { RIC_SQL_CREATE, RIC_SQL_INSERT, RIC_SQL_SELECT, RIC_SQL_COUNT } ric_sql;
 ric_status ric_store_sqlite_table(ric_database file, const ric_table *table, ric_sql what,

@@ -108,12 +108,6 @@ static bool in_range(sqlite3_stmt *row, int column, int least, int most)
     return sqlite3_column_type(row, column) == SQLITE_INTEGER && least <= value && value <= most;
 }
 
-static double number(sqlite3_stmt *row, int column)
-{
-    return sqlite3_column_type(row, column) == SQLITE_NULL ? NAN
-                                                           : sqlite3_column_double(row, column);
-}
-
 /* false: it is no row that was written. */
 static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_proof *p)
 {
@@ -132,7 +126,7 @@ static bool take_row(const ric_atlas *atlas, sqlite3_stmt *row, ric_proof *p)
     p->reversible = sqlite3_column_int(row, 7);
     for (int i = 0; i < NUMBERS; i++) {
         void *at = (char *)p + numbers[i];
-        *(double *)at = number(row, FIRST + i);
+        *(double *)at = ric_store_sqlite_number(row, FIRST + i);
     }
     const char *why = (const char *)sqlite3_column_text(row, 3);
     snprintf(p->why, sizeof p->why, "%s", why ? why : "");
@@ -198,8 +192,7 @@ static ric_status put_row(ric_database file, sqlite3_stmt *query, const ric_atla
     for (int i = 0; i < 4; i++) code |= sqlite3_bind_int(query, i + 5, more[i]);
     for (int i = 0; i < NUMBERS; i++) {
         const double value = stored_number(p, i);
-        code |= isnan(value) ? sqlite3_bind_null(query, FIRST + i + 1)
-                             : sqlite3_bind_double(query, FIRST + i + 1, value);
+        code |= ric_store_sqlite_bind_number(query, FIRST + i + 1, value);
     }
     code |= sqlite3_bind_text(query, 19, certificate, -1, SQLITE_STATIC);
     code |= sqlite3_bind_int64(query, COLUMNS, (sqlite3_int64)*digest);

@@ -1,6 +1,7 @@
 /* What the store asks of SQLite, and the errors it answers with. */
 #include "store_parts.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -168,6 +169,18 @@ ric_status ric_store_sqlite_step(ric_database file, sqlite3_stmt *query, bool *r
     *row = code == SQLITE_ROW;
     if (!*row) sqlite3_reset(query);
     return status;
+}
+
+double ric_store_sqlite_number(sqlite3_stmt *row, int column)
+{
+    return sqlite3_column_type(row, column) == SQLITE_NULL ? NAN
+                                                           : sqlite3_column_double(row, column);
+}
+
+int ric_store_sqlite_bind_number(sqlite3_stmt *query, int column, double value)
+{
+    return isnan(value) ? sqlite3_bind_null(query, column)
+                        : sqlite3_bind_double(query, column, value);
 }
 
 int ric_store_sqlite_ask(sqlite3 *db, const char *sql, sqlite3_int64 *out)

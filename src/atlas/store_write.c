@@ -25,12 +25,9 @@ static void put_integer(row_writer *row, sqlite3_int64 value)
     row->code |= sqlite3_bind_int64(row->insert, ++row->column, value);
 }
 
-/* SQLite has no NaN: it is NULL in the file. */
 static void put_real(row_writer *row, double value)
 {
-    ++row->column;
-    row->code |= isnan(value) ? sqlite3_bind_null(row->insert, row->column)
-                              : sqlite3_bind_double(row->insert, row->column, value);
+    row->code |= ric_store_sqlite_bind_number(row->insert, ++row->column, value);
 }
 
 static void put_id(row_writer *row, int id)
