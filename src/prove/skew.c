@@ -96,32 +96,29 @@ void ric_skew_columns(const ric_skew *s, arb_mat_t A, slong prec)
     arb_clear(x);
 }
 
-void ric_skew_spread(const ric_skew *s, mag_srcptr b, mag_ptr out)
+/* What the size along direction d adds to those of the other numbers. */
+static void add_direction(const ric_skew *s, int d, mag_ptr out)
 {
     mag_t x;
     mag_init(x);
-    for (slong i = 0; i < s->n; i++) mag_set(out + i, b + i);
-    for (int d = s->count - 1; d >= 0; d--)
-        for (slong i = 0; i < s->n; i++) {
-            if (i == s->at[d]) continue;
-            mag_set_d(x, s->r[d][i]);
-            mag_addmul(out + i, x, out + s->at[d]);
-        }
+    for (slong i = 0; i < s->n; i++) {
+        if (i == s->at[d]) continue;
+        mag_set_d(x, s->r[d][i]);
+        mag_addmul(out + i, x, out + s->at[d]);
+    }
     mag_clear(x);
+}
+
+void ric_skew_spread(const ric_skew *s, mag_srcptr b, mag_ptr out)
+{
+    for (slong i = 0; i < s->n; i++) mag_set(out + i, b + i);
+    for (int d = s->count - 1; d >= 0; d--) add_direction(s, d, out);
 }
 
 void ric_skew_enter(const ric_skew *s, mag_srcptr u, mag_ptr out)
 {
-    mag_t x;
-    mag_init(x);
     for (slong i = 0; i < s->n; i++) mag_set(out + i, u + i);
-    for (int d = 0; d < s->count; d++)
-        for (slong i = 0; i < s->n; i++) {
-            if (i == s->at[d]) continue;
-            mag_set_d(x, s->r[d][i]);
-            mag_addmul(out + i, x, out + s->at[d]);
-        }
-    mag_clear(x);
+    for (int d = 0; d < s->count; d++) add_direction(s, d, out);
 }
 
 void ric_skew_direction(const ric_skew *s, int d, arb_ptr out)
