@@ -370,10 +370,12 @@ ric_status ric_continuation_end_at(ric_continuation *tr, const double *u)
     ric_station p = {.u = own};
     ric_status status = ric_continuation_fill(tr, tr->end.s, &p);
     if (!status && p.solved) status = without_negative_flights(tr, &p);
-    const ric_point *last = ric_continuation_row(tr, tr->n_point - 1);
     if (status || !p.solved || ric_continuation_goes_wrong(tr, &p)) return status;
     p.row.stable = RIC_STABLE_UNDECIDED; /* two branches meet there */
     memcpy(tr->end.u, own, sizeof own);
+    if (ric_continuation_row(tr, tr->n_point - 1)->arclength > tr->end.s)
+        p.row.arclength = tr->end.s = ric_continuation_place_end(tr, own);
+    const ric_point *last = ric_continuation_row(tr, tr->n_point - 1);
     if (last->arclength < tr->end.s) return ric_continuation_keep(tr, &p);
     write_point(tr, tr->n_point - 1, &p.row, own);
     return RIC_OK;

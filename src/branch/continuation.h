@@ -12,7 +12,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of
  * the same version: it is raised with every change after which the same departure may lead to other
  * bits, else an atlas that is continued would mix branches of two programs. */
-#define RIC_NUMERICS 44
+#define RIC_NUMERICS 45
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -203,6 +203,10 @@ static inline const ric_point *ric_continuation_row(const ric_continuation *trac
 }
 /* How many points lie up to an arclength. */
 int ric_continuation_points_until(const ric_continuation *trace, double s);
+/* The arclength at which the orbit u [n_unknown] ends a branch of which points are stored beyond
+ * that of tr->end, as its place was read off cubics: those behind u, along the branch, are given
+ * back, and the last that is left is as far from its end as from u. */
+double ric_continuation_place_end(ric_continuation *trace, const double *u);
 
 /* What is kept of a point of a step: tests, resonances, the factors A, B, D, smooth where their
  * tests jump, and pairs. */

@@ -46,3 +46,20 @@ int ric_continuation_points_until(const ric_continuation *tr, double s)
     while (n < tr->n_point && ric_continuation_row(tr, n)->arclength <= s) n++;
     return n;
 }
+
+double ric_continuation_place_end(ric_continuation *tr, const double *u)
+{
+    const int size = tr->chain->n_unknown;
+    double apart = 0, along = -1;
+    for (; tr->n_point > 1; tr->n_point--) {
+        const double *last = (const double *)(ric_continuation_row(tr, tr->n_point - 1) + 1),
+                     *before = (const double *)(ric_continuation_row(tr, tr->n_point - 2) + 1);
+        apart = along = 0;
+        for (int i = 0; i < size; i++) {
+            apart += (u[i] - last[i]) * (u[i] - last[i]);
+            along += (u[i] - last[i]) * (last[i] - before[i]);
+        }
+        if (along > 0) break;
+    }
+    return ric_continuation_row(tr, tr->n_point - 1)->arclength + (along > 0 ? sqrt(apart) : 0);
+}

@@ -667,6 +667,30 @@ static void no_spring_is_closed_on_the_other_side(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A4[0101] comes to the multiplication of its family at an angle of 1e-4, where the place of its
+ * end is read off cubics 3e-4 before points that are stored already: the end lies behind them. */
+static void an_end_lies_behind_its_points(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.75, 0], [0, 1.953125]]\n"
+        "  stiffness: [[4.9881300253452245, -2.6934820897952263],\n"
+        "    [-2.6934820897952263, 4.196141704441564]]\n"
+        "  contacts:\n    - {normal: [-1, 1], law: rigid, clearance: 7.18, sides: both}\n"
+        "explore: {energy: [0, 153.8], frequency: [0.2001, 5.998], impacts: 4, multiply: 2, depth: "
+        "2}\n");
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_point p, last = {.arclength = -1};
+        for (int i = 0; i < branch_of(atlas, id).n_point; i++, last = p) {
+            assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
+            if (!(p.arclength >= last.arclength))
+                fail_msg("branch %d, point %d: arclength %.12g after %.12g", id, i, p.arclength,
+                         last.arclength);
+        }
+    }
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -687,6 +711,7 @@ int main(void)
         cmocka_unit_test(asked_energies),
         cmocka_unit_test(no_end_meets_a_face_from_behind),
         cmocka_unit_test(an_end_is_its_branch_point),
+        cmocka_unit_test(an_end_lies_behind_its_points),
         cmocka_unit_test(a_grazing_between_stiff_springs_closes),
         cmocka_unit_test(no_spring_is_closed_on_the_other_side),
     };
