@@ -474,13 +474,7 @@ ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const 
     }
     if ((status = ric_continuation_equip(tr))) goto out;
     if ((status = begin(tr, u0, t0))) goto out;
-    bool still = ric_continuation_approach(chain, false) <
-                 ric_continuation_rounding(chain) * chain->scale;
     if ((status = ric_continuation_keep(tr, &tr->now))) goto out;
-    /* where impacts without speed drive no motion across the orbit their saltation is 0/0, and any
-     * trace would do */
-    if (still && ignore & RIC_SINGULAR_START && tr->n_point > 0)
-        ((ric_point *)tr->points)->trace = NAN;
     *out = tr;
     tr = NULL;
 out:

@@ -265,6 +265,28 @@ static ric_stability side_of(const ric_floquet *f, double error)
     return margin > 0 ? RIC_STABLE_YES : RIC_STABLE_NO;
 }
 
+/* A stop is met without speed. What it adds to the map is 0/0: where that has a limit, it depends
+ * on how speeds vanish beside it, and orbits that are the same but for rounding, which have any
+ * speed, or pass the stop by, may agree on any trace. */
+static bool is_still(const ric_shooting *c)
+{
+    const double none = ric_continuation_rounding(c) * c->scale;
+    for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
+        if (c->face[k] >= 0 && !(c->model->face[c->face[k]].spring > 0) &&
+            fabs(c->approach[k]) < none)
+            return true;
+    return false;
+}
+
+/* There a trace is lost, and the side of the border, too, unless rho runs through infinity
+ * (stable_margin). */
+static void lose_still(const ric_shooting *c, ric_floquet *f, double *seen)
+{
+    if (f->n_pair != 1 || !is_still(c)) return;
+    if (f->each[0] + seen[0] <= KNOWN * (1 + fabs(f->rho[0]))) f->stable = RIC_STABLE_UNDECIDED;
+    seen[0] = HUGE_VAL;
+}
+
 /* Two modes, of whose trace more than a part REFINED is uncertain, `known`. The orbit is brought to
  * rounding of extended precision, and so are others that are the same but for rounding of u: what
  * their traces differ by is both what is not known of the place on the branch and what is rounded
@@ -273,14 +295,15 @@ static ric_stability side_of(const ric_floquet *f, double error)
  * nearest depends on what is measured: at a closing, not a mirror point, it was another by
  * 90 epsilon of the size at most, and RIC_MEASURED times PLACED is told. False: f is as before;
  * also where the polished orbit is farther from u than its equations are met, beside a branch
- * point: then the trace is not that of what is stored. *short_of: whether that is so only
- * because what is `known` is no more. */
+ * point: then the trace is not that of what is stored; and where nothing is known (is_still).
+ * *short_of: whether that is so only because what is `known` is no more. */
 static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double known, bool *short_of)
 {
     const int size = c->n_unknown;
     double v[size], moved = 0, off = 0, own_off = 0;
     *short_of = false;
-    if (f->n_pair != 1 || known <= REFINED * (1 + fabs(f->rho[0])) || !ric_floquet_fine_fits(c))
+    if (f->n_pair != 1 || known <= REFINED * (1 + fabs(f->rho[0])) || !ric_floquet_fine_fits(c) ||
+        is_still(c))
         return false;
     const ric_floquet before = *f;
     const double rho = f->rho[0], own = f->own[0], bound = f->each[0];
@@ -367,8 +390,23 @@ static ric_status judge_trace(ric_shooting *c, const double *u, ric_floquet *f)
         again = again && lost < HUGE_VAL;
         lost = HUGE_VAL;
     } while (again);
+    lose_still(c, f, &seen);
     ric_floquet_widen(f, &seen);
     return RIC_OK;
+}
+
+/* The only pair of an orbit of which just the flag is in doubt: that of the polished orbit, which
+ * is the answer where multipliers are asked for. The first orbits that lose the flag tell whether
+ * there is a need. */
+static ric_status judge_polished(ric_shooting *c, const double *u, ric_floquet *f)
+{
+    double seen;
+    bool short_of;
+    ric_status status = measure(c, u, f, 0, 0, &seen);
+    if (status || f->each[0] + seen <= REFINED * (1 + fabs(f->rho[0]))) return status;
+    status = measure(c, u, f, 0, HUGE_VAL, &seen);
+    if (!status) refine(c, u, f, f->each[0] + seen, &short_of);
+    return status;
 }
 
 ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet *f)
@@ -377,7 +415,9 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
     if (!ric_continuation_doubtful(c, f)) return RIC_OK;
     if (doubt_of(c, f).trace) return judge_trace(c, u, f);
     if (f->stable != RIC_STABLE_UNDECIDED) status = measure(c, u, f, tells_side(f), HUGE_VAL, NULL);
-    return !status && f->stable == RIC_STABLE_UNDECIDED ? judge_sharply(c, u, f) : status;
+    if (!status && f->stable == RIC_STABLE_UNDECIDED) status = judge_sharply(c, u, f);
+    if (status || f->stable != RIC_STABLE_UNDECIDED || f->n_pair != 1) return status;
+    return judge_polished(c, u, f);
 }
 
 ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_floquet *f)
@@ -389,6 +429,8 @@ ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_fl
     ric_status status = ric_floquet_compute(c, f);
     if (status || f->n_pair < 1) return status;
     status = measure(c, u, f, 0, HUGE_VAL, seen);
-    if (status || !refine(c, u, f, f->each[0] + seen[0], &short_of)) ric_floquet_widen(f, seen);
+    if (status || refine(c, u, f, f->each[0] + seen[0], &short_of)) return status;
+    lose_still(c, f, seen);
+    ric_floquet_widen(f, seen);
     return status;
 }

@@ -408,6 +408,42 @@ static void what_is_lost_is_measured_no_further(void **state)
     ric_study_free(study);
 }
 
+/* Along A6[010101] the trace is 2 to 2e-7 and orbits that are the same but for rounding are on both
+ * sides of the border; those in extended precision are not, and what is stored is what is answered
+ * when it is asked for. */
+static void a_flag_is_that_of_the_answer(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[0.75, 0], [0, 1.25]]\n  stiffness: [[11.75, -7], [-7, 15]]\n"
+        "  contacts:\n"
+        "    - {normal: [1, 0], law: bilinear, clearance: 0.528, sides: both, stiffness: 52590}\n"
+        "    - {normal: [0, 1], law: rigid, clearance: 1.23, sides: lower}\n"
+        "explore: {energy: [0, 76.79], frequency: [0.505, 13.84], impacts: 6, multiply: 3, depth: "
+        "2}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        if (strcmp(b.label, "A6[010101]") != 0) continue;
+        for (int i = 1; i + 1 < b.n_point; i++) {
+            ric_point p;
+            ric_orbit **orbits;
+            int n;
+            assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
+            if (!(fabs(ric_point_trace(&p) - 2) < 1e-6)) continue;
+            assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, i, &n, &orbits), RIC_OK);
+            if (n > 0 && ric_orbit_stability(orbits[0]) == RIC_STABLE_YES) {
+                if (p.stable != RIC_STABLE_YES) fail_msg("point %d: stored as %d", i, p.stable);
+                found++;
+            }
+            ric_orbits_free(n, orbits);
+        }
+    }
+    print_message("# %d flags\n", found);
+    assert_true(found > 0);
+    ric_atlas_free(atlas);
+}
+
 /* A map that was made before is had again, and none that differs in any number. */
 static void known_maps_are_those_of_the_orbit(void **state)
 {
@@ -459,6 +495,7 @@ int main(void)
         cmocka_unit_test(each_pair_decides),
         cmocka_unit_test(no_flag_is_left_to_slow_impacts),
         cmocka_unit_test(what_is_lost_is_measured_no_further),
+        cmocka_unit_test(a_flag_is_that_of_the_answer),
         cmocka_unit_test(known_maps_are_those_of_the_orbit),
     };
     return cmocka_run_group_tests_name("floquet_flags", tests, NULL, NULL);

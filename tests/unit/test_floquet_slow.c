@@ -43,32 +43,10 @@ static void slow_impact_within_contact(void **state)
     ric_atlas_free(atlas);
 }
 
-/* The trace at one end of a branch, as the polynomial through the five points next to it has it
- * (Neville). */
-static double trace_from_within(const ric_atlas *atlas, int branch, int end)
-{
-    enum { POINTS = 5 };
-    const int way = end == 0 ? 1 : -1;
-    double at[POINTS], trace[POINTS];
-    ric_point p;
-    assert_int_equal(ric_atlas_point(atlas, branch, end, &p, NULL, NULL), RIC_OK);
-    const double to = p.arclength;
-    for (int i = 0; i < POINTS; i++) {
-        assert_int_equal(ric_atlas_point(atlas, branch, end + way * (i + 1), &p, NULL, NULL),
-                         RIC_OK);
-        at[i] = p.arclength - to;
-        trace[i] = 2 * sinh(p.trace);
-    }
-    for (int order = 1; order < POINTS; order++)
-        for (int i = 0; i + order < POINTS; i++)
-            trace[i] = (trace[i] * at[i + order] - trace[i + 1] * at[i]) / (at[i + order] - at[i]);
-    return trace[0];
-}
-
 /* Two touches on one side of the near stop, at 1e-11 of the speed of the others: the map of the
  * orbit as it is written down has all its digits, but the speed that it divides by is known to two.
- * A4[0222] begins where it touches at a mirror point: there the trace does not go with 1 / speed,
- * and is that of the points beside it, to a part in a million of itself. */
+ * A4[0222] begins where it touches at a mirror point: there the trace of the points beside it has a
+ * limit, which is not given either, as any trace may be read off a map at no speed. */
 static void no_trace_of_an_unknown_speed(void **state)
 {
     (void)state;
@@ -81,23 +59,75 @@ static void no_trace_of_an_unknown_speed(void **state)
         "    - {normal: [1, 0, 0], law: rigid, clearance: 0.000862, sides: lower}\n"
         "explore: {energy: [0, 6.71], frequency: [0.2828, 5.196], impacts: 4, multiply: 3, depth: "
         "2}\n");
-    int unknown = 0, known = 0;
+    int unknown = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
         for (int i = 0; i < branch_of(atlas, id).n_point; i++) {
             ric_point p;
             assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
             if (!(p.approach > 0 && p.approach < 1e-11)) continue;
-            unknown += isnan(p.trace);
-            if (isnan(p.trace)) continue;
-            assert_true(i == 0 || i == branch_of(atlas, id).n_point - 1);
-            const double limit = trace_from_within(atlas, id, i);
-            if (!(fabs(2 * sinh(p.trace) / limit - 1) < 1e-6))
-                fail_msg("branch %d, point %d: trace %.12g at speed %g, beside it %.12g", id, i,
-                         2 * sinh(p.trace), p.approach, limit);
-            known++;
+            if (!isnan(p.trace))
+                fail_msg("branch %d, point %d: trace %.12g at speed %g", id, i, 2 * sinh(p.trace),
+                         p.approach);
+            unknown++;
         }
     assert_true(unknown > 20);
-    assert_int_equal(known, 1);
+    ric_atlas_free(atlas);
+}
+
+/* S4[0-231-32] ends at a corner, where the stop and the spring are met at once, both without speed:
+ * the trace of the points before it is 63, and goes with the ratio of the two speeds; that of the
+ * motion without contacts is 2. Neither is given, nor are its multipliers. */
+static void no_trace_at_a_corner_without_speed(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[2, 0], [0, 2]]\n  contacts:\n"
+        "    - {normal: [1, -1], law: rigid, clearance: 1.43, sides: both}\n"
+        "    - {normal: [1, 0], law: bilinear, clearance: 1.27, sides: both, stiffness: 90.78}\n"
+        "explore: {energy: [0, 1.584], frequency: [0.2828, 4.243], impacts: 8, multiply: 1, depth: "
+        "2}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        if (strcmp(b.label, "S4[0-231-32]") != 0) continue;
+        double pairs[8];
+        ric_point p;
+        assert_int_equal(ric_atlas_multipliers(atlas, id, b.n_point - 2, 2, 1, pairs), RIC_OK);
+        assert_true(fabs(pairs[0] + pairs[2] - 63.3841) < 1e-3 && isnan(pairs[4]));
+        assert_int_equal(ric_atlas_point(atlas, id, b.n_point - 1, &p, NULL, NULL), RIC_OK);
+        assert_true(isnan(p.trace) && isnan(p.rotation));
+        assert_int_equal(p.stable, RIC_STABLE_UNDECIDED);
+        found++;
+    }
+    assert_int_equal(found, 1);
+    ric_atlas_free(atlas);
+}
+
+/* S4[03-012-1] comes to such a corner with speeds that fall by powers of the distance: on its last
+ * 7e-5 the impact has none that could be told from rounding. The trace of the points before is
+ * 2,569; read off maps there it is anything, down to 2.00001. */
+static void no_trace_along_touches(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[2, 0], [0, 2]]\n  contacts:\n"
+        "    - {normal: [1, -1], law: bilinear, clearance: 1.8, sides: both, stiffness: 0.08908}\n"
+        "    - {normal: [1, 2], law: rigid, clearance: 0.959, sides: both}\n"
+        "explore: {energy: [0.50023875173, 2.475], frequency: [0.2828, 4.243], impacts: 4, "
+        "multiply: 2, depth: 2}\n");
+    int touches = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
+        for (int i = 1; i + 1 < branch_of(atlas, id).n_point; i++) {
+            ric_point p;
+            assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
+            if (strcmp(branch_of(atlas, id).label, "S4[03-012-1]") || p.approach > 1e-14) continue;
+            touches++;
+            if (!isnan(p.trace) || p.stable != RIC_STABLE_UNDECIDED)
+                fail_msg("branch %d, point %d: trace %.12g, flag %d", id, i, 2 * sinh(p.trace),
+                         (int)p.stable);
+        }
+    print_message("# %d touches\n", touches);
+    assert_true(touches > 100);
     ric_atlas_free(atlas);
 }
 
@@ -227,6 +257,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(slow_impact_within_contact),
         cmocka_unit_test(no_trace_of_an_unknown_speed),
+        cmocka_unit_test(no_trace_at_a_corner_without_speed),
+        cmocka_unit_test(no_trace_along_touches),
         cmocka_unit_test(trace_at_slow_mirrors),
         cmocka_unit_test(no_flag_from_the_times_of_a_spring),
         cmocka_unit_test(no_trace_at_touches),
