@@ -176,33 +176,36 @@ static void tell_failure(const audit *a, const result *r)
                              : r->claims.finding);
 }
 
-static int tell_all(const audit *a, FILE *out)
+/* What of one row could not be checked, by name. */
+static void tell_unchecked(const audit *a, const result *r, FILE *out)
 {
-    enum { TOLD = 10 };
-    int points = 0, done = 0, failed = 0, open = 0, flags = 0, margins = 0, rows[3] = {0},
-        wrong[3] = {0};
+    ric_junction junction;
+    if (r->of == OF_JUNCTION && !ric_atlas_junction(a->atlas, r->check.point, &junction))
+        cli_tell(out, "junction %d %s: not checked: %s\n", r->check.point, junction.label,
+                 r->claims.unchecked);
+    else if (r->of == OF_POINT)
+        cli_tell(out, "branch %d, point %d: not checked: %s\n", r->check.branch, r->check.point,
+                 r->claims.unchecked);
+}
+
+static const char *rows_of(subject of)
+{
+    return of == OF_BRANCH ? "branches" : "junctions";
+}
+
+/* How much of what was looked at could not be checked, with the reasons. */
+static void count_unchecked(const audit *a, FILE *out)
+{
+    int open = 0, flags = 0, margins = 0, rows[3] = {0};
     for (int i = 0; i < a->n; i++) {
         const result *r = &a->results[i];
-        points += r->of == OF_POINT;
         if (!r->done) continue;
-        if (!passes(r) && failed++ < TOLD) tell_failure(a, r);
-        rows[r->of]++;
-        wrong[r->of] += !passes(r);
+        rows[r->of] += r->claims.numbers == RIC_AGREES_UNCHECKED;
         if (r->of != OF_POINT) continue;
-        done++;
         open += r->claims.multipliers == RIC_AGREES_UNCHECKED && !isnan(r->claims.multiplier_bound);
         flags += r->claims.stable == RIC_AGREES_UNCHECKED;
-        if (*r->claims.unchecked && margins++ < TOLD)
-            cli_tell(out, "branch %d, point %d: not checked: %s\n", r->check.branch, r->check.point,
-                     r->claims.unchecked);
+        margins += *r->claims.unchecked != 0;
     }
-    if (failed > TOLD) cli_say("ricochet: and %d more\n", failed - TOLD);
-    cli_tell(out, "%d of %d points on %d branch%s agree with the simulator\n",
-             done - wrong[OF_POINT], done, a->branches, a->branches == 1 ? "" : "es");
-    for (subject of = OF_BRANCH; of <= OF_JUNCTION; of++)
-        if (wrong[of])
-            cli_tell(out, "%d of %d rows of %s do not\n", wrong[of], rows[of],
-                     of == OF_BRANCH ? "branches" : "junctions");
     if (open)
         cli_tell(out,
                  "multipliers not checked at %d point%s: rounding of the stored digits leaves too "
@@ -217,11 +220,38 @@ static int tell_all(const audit *a, FILE *out)
                  "rounding of the stored "
                  "digits is multiplied beyond it\n",
                  margins, margins == 1 ? "" : "s");
-    bool whole = done + rows[OF_BRANCH] + rows[OF_JUNCTION] == a->n;
+    for (subject of = OF_BRANCH; of <= OF_JUNCTION; of++)
+        if (rows[of])
+            cli_tell(out, "%d row%s of %s could not be checked in full\n", rows[of],
+                     rows[of] == 1 ? "" : "s", rows_of(of));
+}
+
+static int tell_all(const audit *a, FILE *out)
+{
+    enum { TOLD = 10 };
+    int points = 0, failed = 0, unchecked = 0, rows[3] = {0}, wrong[3] = {0};
+    for (int i = 0; i < a->n; i++) {
+        const result *r = &a->results[i];
+        points += r->of == OF_POINT;
+        if (!r->done) continue;
+        if (!passes(r) && failed++ < TOLD) tell_failure(a, r);
+        rows[r->of]++;
+        wrong[r->of] += !passes(r);
+        if (*r->claims.unchecked && unchecked++ < TOLD) tell_unchecked(a, r, out);
+    }
+    if (failed > TOLD) cli_say("ricochet: and %d more\n", failed - TOLD);
+    cli_tell(out, "%d of %d points on %d branch%s agree with the simulator\n",
+             rows[OF_POINT] - wrong[OF_POINT], rows[OF_POINT], a->branches,
+             a->branches == 1 ? "" : "es");
+    for (subject of = OF_BRANCH; of <= OF_JUNCTION; of++)
+        if (wrong[of])
+            cli_tell(out, "%d of %d rows of %s do not\n", wrong[of], rows[of], rows_of(of));
+    count_unchecked(a, out);
+    bool whole = rows[OF_POINT] + rows[OF_BRANCH] + rows[OF_JUNCTION] == a->n;
     if (!whole)
         cli_say("ricochet: stopped %s: %d of %d points were not looked at\n",
-                cli_stopped() ? "on request" : "when the time given was over", points - done,
-                points);
+                cli_stopped() ? "on request" : "when the time given was over",
+                points - rows[OF_POINT], points);
     return failed ? CLI_FAILED : whole ? CLI_DONE : cli_stopped() ? CLI_INTERRUPTED : CLI_LIMIT;
 }
 

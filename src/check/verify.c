@@ -226,7 +226,9 @@ static void accept_order(const replay *r, int k, event *e)
     bool closing = (ric_replay_opens(r, k) ? -1 : 1) * expected->side *
                        ric_replay_dot(r->n, expected->c, r->w + r->n) >
                    0;
-    if (!closing || fabs(ric_replay_gap(r, expected, r->w)) > CLOSED * expected->limit) return;
+    const real digits = r->digits && r->n_event ? r->digits->gap[k] : 0;
+    if (!closing || fabs(ric_replay_gap(r, expected, r->w)) > CLOSED * expected->limit + digits)
+        return;
     ric_replay_reflect(r, struck, r->w);
     ric_replay_reflect(r, expected, r->w);
     e->opens = ric_replay_opens(r, k);
