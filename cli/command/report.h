@@ -10,6 +10,7 @@
 #define CLI_REPORT_ALONG "a mode goes along on branch"
 #define CLI_REPORT_CLOSE "grazings beside a singular point"
 #define CLI_REPORT_TURNS "turns without a junction on branch"
+#define CLI_REPORT_LOST "multiplications of lost multipliers"
 #define CLI_REPORT_OPEN "label not decided of junction"
 
 /* Appends a row and lends it, so that numbers can be added that only --json shows; NULL: no

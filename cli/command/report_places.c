@@ -511,6 +511,61 @@ static ric_status add_close(const ric_atlas *atlas, json_t *rows)
     return status;
 }
 
+/* ---------------------------------------------------------- lost multipliers */
+
+/* Multiplications on a branch at stored points without a trace, which are counted once each: true
+ * in lost [n_junction]. */
+static ric_status find_lost(const ric_atlas *atlas, int branch, bool *lost)
+{
+    curve c;
+    int width;
+    ric_status status = load(atlas, branch, &c);
+    double *trace = calloc((size_t)c.n + 1, sizeof *trace);
+    if (!status && !trace) status = RIC_E_NOMEM;
+    if (!status) status = ric_atlas_column(atlas, branch, "trace", &width, trace);
+    for (int k = 0, i = 0; !status && k < c.row.n_junction; k++) {
+        ric_junction j;
+        while (i + 1 < c.n && c.arclength[i] < c.row.junction_at[k]) i++;
+        const bool stored = c.n && c.arclength[i] == c.row.junction_at[k];
+        if (!stored || !isnan(trace[i])) continue;
+        status = ric_atlas_junction(atlas, c.row.junctions[k], &j);
+        lost[c.row.junctions[k] - 1] |= !status && j.kind == RIC_KIND_MULTIPLICATION;
+    }
+    free(trace);
+    free(c.energy);
+    return status;
+}
+
+/* Where a multiplier is a root of unity as far as multipliers are known. */
+static ric_status add_lost(const ric_atlas *atlas, json_t *rows)
+{
+    int modes = ric_model_n_mode(ric_atlas_model(atlas)), first = 0, count = 0,
+        n = ric_atlas_n_junction(atlas);
+    if (modes != 2) return RIC_OK; /* of more a trace is never stored */
+    ric_junction j = {0};
+    json_t *all = json_array();
+    bool *lost = calloc((size_t)n + 1, sizeof *lost);
+    ric_status status = lost && all ? RIC_OK : RIC_E_NOMEM;
+    for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++)
+        status = find_lost(atlas, id, lost);
+    for (int i = 0; !status && i < n; i++) {
+        if (!lost[i]) continue;
+        if (!count++) first = i + 1;
+        json_array_append_new(all, json_integer(i + 1));
+    }
+    if (count && !(status = ric_atlas_junction(atlas, first, &j))) {
+        json_t *row = add(rows, CLI_REPORT_LOST, json_integer(count),
+                          json_sprintf("%s%s (junction %d), E %.9g omega %.9g: the trace is known "
+                                       "there to less than three digits, and its place to no more",
+                                       count > 1 ? "the first, " : "", j.label, first, j.energy,
+                                       j.frequency));
+        json_object_set(row, "junctions", all);
+    }
+    json_decref(all);
+    free(lost);
+    return status;
+}
+
 /* --------------------------------------------------------------- open labels */
 
 static ric_status add_open(const ric_atlas *atlas, json_t *rows)
@@ -543,5 +598,6 @@ ric_status cli_report_places(const ric_atlas *atlas, json_t *rows)
         free(c.energy);
     }
     if (!status) status = add_close(atlas, rows);
+    if (!status) status = add_lost(atlas, rows);
     return status ? status : add_open(atlas, rows);
 }

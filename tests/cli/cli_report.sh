@@ -67,6 +67,18 @@ undecided() {
 }
 ok 'labels that nobody can tell are counted, and listed with their places' undecided
 
+lost() { # an extremum that is none any more, on a point that has no trace any more
+    alter "UPDATE junction SET kind = 'multiplication', rotation_p = 1, rotation_q = 3 WHERE id = $point" || return 1
+    python3 -S -c 'import sqlite3, sys
+db = sqlite3.connect(sys.argv[1])
+db.execute(sys.argv[2])
+db.commit()' "$folder/b.ricochet" "UPDATE point SET trace = NULL, log_trace = NULL, trace_asinh = NULL, rotation = NULL WHERE EXISTS
+        (SELECT 1 FROM branch_junction b WHERE b.junction = $point AND b.branch = point.branch AND b.arclength = point.arclength)" &&
+        tools/attack/atlas_digest.py "$folder/b.ricochet" >/dev/null || return 1
+    said '^multiplications of lost multipliers  *1 ' "(junction $point), E" 'the trace is known there to less than three digits, and its place to no more$'
+}
+ok 'multiplications at which no trace is stored are counted' lost
+
 beside() {
     alter "UPDATE point SET energy = energy * (1 - 1e-6) WHERE branch = $branch AND point = (SELECT points - 1 FROM branch WHERE id = $branch)" || return 1
     said "^last orbit beside the junction of branch  *$branch " "which is 1e-06 of it beside [^ ]* (junction $to)"

@@ -31,6 +31,7 @@ FACTOR = 200.0  # rounding of the program over what one rounding of the stored n
 BORDER = 1e-14  # of |rho| from 2: rounding of the stored doubles moves the orbit along its branch across it
 FINELY_REAL = 1e-14  # of rho in many digits, of orbits 1e-30 away, whose double roots are off by the square root
 PROMISED = 1e-3  # relative: the digits that a multiplier has to have to be given
+LOST = 1e-3  # of 1 + |trace|: error from which on a trace is not stored
 UNPLACED = 1e-7  # relative: to what the place of a junction is said to be known whose label is not decided
 REPEATED = 1e-10  # relative: an orbit as near as this to a shorter one gone through again is looked at in many digits
 CONVERGED = 1e-35  # relative residual in many digits
@@ -719,11 +720,18 @@ class Judge:
         want = 2 * math.cos(2 * math.pi * j["rotation_p"] / j["rotation_q"])
         k = int(np.argmin(np.abs(rho - want)))
         allowed = 1e-6 + 1e3 * blur[k]
+        if self._without_trace(j):
+            allowed += LOST * (1 + abs(want))
         if j["label"].endswith("?"):
             allowed += max(np.abs(self._rho(x)[0] - rho)[k] for x in self._along(fine))
         if abs(rho[k] - want) > allowed:
             self.verdict.find("rotation", where, f"rotation {j['rotation_p']}/{j['rotation_q']} needs rho {want}, "
                                                  f"nearest {rho[k]!r} +- {blur[k]:.1e}")
+
+    def _without_trace(self, j):
+        """Whether no trace is stored at a multiplication, which is said to be where it is as far as a trace is known."""
+        passed = [(b, row["arclength"]) for b, rows in self.atlas.on_branch.items() for row in rows if row["junction"] == j["id"]]
+        return self.s.n == 2 and any(p["trace"] is None for b, at in passed for p in self.atlas.points[b] if p["arclength"] == at)
 
     def _across(self, chain):
         """Orbits that the stored digits do not tell from this one: moved to either side along the direction that the

@@ -29,7 +29,7 @@ class Alone:
     """An atlas of nothing."""
 
     def __init__(self):
-        self.branches, self.junctions, self.points = [], [], {}
+        self.branches, self.junctions, self.points, self.on_branch = [], [], {}, {}
 
 
 def varied(rng, study):
