@@ -10,6 +10,8 @@
 #define CLI_REPORT_ALONG "a mode goes along on branch"
 #define CLI_REPORT_CLOSE "grazings beside a singular point"
 #define CLI_REPORT_TURNS "turns without a junction on branch"
+#define CLI_REPORT_ASIDE "junctions aside of their orbits"
+#define CLI_REPORT_STILL "corners without speed"
 #define CLI_REPORT_LOST "multiplications of lost multipliers"
 #define CLI_REPORT_OPEN "label not decided of junction"
 

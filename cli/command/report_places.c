@@ -20,6 +20,14 @@
 /* ONE_ORBIT: frequencies that agree to this, as whole multiples, are those of one orbit beside
  * which another energy differs by less */
 #define ONE_ORBIT 1e-5
+/* SLOW: of the largest speed on its branch: a contact that is met at a corner with less has lost
+ * it; and ROOT, relative, to what its place is known: a gap that is known to DBL_EPSILON leaves the
+ * square root of that to a speed */
+#define SLOW 1e-6
+#define ROOT 1.5e-8
+/* ASIDE: times how far a junction lies from where its branch had it: another step may have it that
+ * far on the other side */
+#define ASIDE 4
 
 enum { PAIRS = 3 }; /* pairs of modes that are named: the nearest ones */
 
@@ -511,58 +519,138 @@ static ric_status add_close(const ric_atlas *atlas, json_t *rows)
     return status;
 }
 
-/* ---------------------------------------------------------- lost multipliers */
+/* ------------------------------------------------- junctions that are known to less */
 
-/* Multiplications on a branch at stored points without a trace, which are counted once each: true
- * in lost [n_junction]. */
-static ric_status find_lost(const ric_atlas *atlas, int branch, bool *lost)
+/* Junctions that rounding leaves in doubt. find: to what the place of each is known, relative,
+ * HUGE_VAL where that is not told; 0 [n_junction]: of these nothing is said. */
+typedef struct {
+    const char *item, *detail; /* the latter behind label, id, energy and frequency */
+    ric_status (*find)(const ric_atlas *, const curve *, double *);
+} doubt;
+
+/* The first point of a branch at or behind an arclength, from point i on. */
+static int point_at(const curve *c, int i, double arclength)
 {
-    curve c;
+    while (i + 1 < c->n && c->arclength[i] < arclength) i++;
+    return i;
+}
+
+/* Multiplications on a branch at stored points without a trace: a multiplier is a root of unity as
+ * far as multipliers are known. */
+static ric_status find_lost(const ric_atlas *atlas, const curve *c, double *known)
+{
     int width;
-    ric_status status = load(atlas, branch, &c);
-    double *trace = calloc((size_t)c.n + 1, sizeof *trace);
-    if (!status && !trace) status = RIC_E_NOMEM;
-    if (!status) status = ric_atlas_column(atlas, branch, "trace", &width, trace);
-    for (int k = 0, i = 0; !status && k < c.row.n_junction; k++) {
+    if (ric_model_n_mode(ric_atlas_model(atlas)) != 2) return RIC_OK; /* no trace is ever stored */
+    double *trace = calloc((size_t)c->n + 1, sizeof *trace);
+    ric_status status = trace ? RIC_OK : RIC_E_NOMEM;
+    if (!status) status = ric_atlas_column(atlas, c->row.id, "trace", &width, trace);
+    for (int k = 0, i = 0; !status && c->n && k < c->row.n_junction; k++) {
         ric_junction j;
-        while (i + 1 < c.n && c.arclength[i] < c.row.junction_at[k]) i++;
-        const bool stored = c.n && c.arclength[i] == c.row.junction_at[k];
-        if (!stored || !isnan(trace[i])) continue;
-        status = ric_atlas_junction(atlas, c.row.junctions[k], &j);
-        lost[c.row.junctions[k] - 1] |= !status && j.kind == RIC_KIND_MULTIPLICATION;
+        i = point_at(c, i, c->row.junction_at[k]);
+        if (c->arclength[i] != c->row.junction_at[k] || !isnan(trace[i])) continue;
+        status = ric_atlas_junction(atlas, c->row.junctions[k], &j);
+        if (!status && j.kind == RIC_KIND_MULTIPLICATION) known[j.id - 1] = HUGE_VAL;
     }
     free(trace);
-    free(c.energy);
     return status;
 }
 
-/* Where a multiplier is a root of unity as far as multipliers are known. */
-static ric_status add_lost(const ric_atlas *atlas, json_t *rows)
+/* Corners at an end of a branch where a contact loses its speed: gaps, which are known to rounding,
+ * go with its square. */
+static ric_status find_still(const ric_atlas *atlas, const curve *c, double *known)
 {
-    int modes = ric_model_n_mode(ric_atlas_model(atlas)), first = 0, count = 0,
-        n = ric_atlas_n_junction(atlas);
-    if (modes != 2) return RIC_OK; /* of more a trace is never stored */
-    ric_junction j = {0};
+    int width;
+    const int ends[2] = {c->row.from, c->row.to};
+    double most = 0, *approach = calloc((size_t)c->n + 1, sizeof *approach);
+    ric_status status = approach ? RIC_OK : RIC_E_NOMEM;
+    if (!status) status = ric_atlas_column(atlas, c->row.id, "approach", &width, approach);
+    for (int i = 0; !status && i < c->n; i++) most = fmax(most, approach[i]);
+    for (int k = 0; k < 2 && !status && c->n; k++) {
+        ric_junction j;
+        if (!ends[k] || !(approach[k ? c->n - 1 : 0] < SLOW * most)) continue;
+        status = ric_atlas_junction(atlas, ends[k], &j);
+        if (!status && j.kind == RIC_KIND_CORNER) known[j.id - 1] = ROOT;
+    }
+    free(approach);
+    return status;
+}
+
+/* Junctions whose orbit, solved by itself, is not the one that was found on the branch: of what is
+ * looked for there less is known than of an orbit, as of a multiplier of 1 beside one of 1e8. Where
+ * branches cross nothing can be solved, and what is stored is beside. */
+static ric_status find_aside(const ric_atlas *atlas, const curve *c, double *known)
+{
+    ric_status status = RIC_OK;
+    for (int k = 0, i = 0; !status && c->n && k < c->row.n_junction; k++) {
+        ric_junction j;
+        i = point_at(c, i, c->row.junction_at[k]);
+        if (c->arclength[i] != c->row.junction_at[k]) continue;
+        if ((status = ric_atlas_junction(atlas, c->row.junctions[k], &j))) break;
+        const double off = ASIDE * fabs(c->energy[i] - j.energy) / j.energy;
+        const bool placed = j.kind == RIC_KIND_MULTIPLICATION || j.kind == RIC_KIND_EXTREMUM ||
+                            j.kind == RIC_KIND_PERIOD_EXTREMUM;
+        if (placed && off > KNOWN) known[j.id - 1] = fmax(known[j.id - 1], off);
+    }
+    return status;
+}
+
+/* All of one kind in one row, with the one that is known least. */
+static void add_found(const doubt *of, const ric_junction *worst, int n, const double *known,
+                      json_t *rows)
+{
+    int count = 0;
+    char told[64] = "";
     json_t *all = json_array();
-    bool *lost = calloc((size_t)n + 1, sizeof *lost);
-    ric_status status = lost && all ? RIC_OK : RIC_E_NOMEM;
-    for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++)
-        status = find_lost(atlas, id, lost);
-    for (int i = 0; !status && i < n; i++) {
-        if (!lost[i]) continue;
-        if (!count++) first = i + 1;
-        json_array_append_new(all, json_integer(i + 1));
+    for (int i = 0; i < n; i++) {
+        if (!(known[i] > 0)) continue;
+        json_t *member = json_object();
+        json_object_set_new(member, "junction", json_integer(i + 1));
+        put(member, "known_to", isfinite(known[i]) ? known[i] : NAN);
+        json_array_append_new(all, member);
+        count++;
     }
-    if (count && !(status = ric_atlas_junction(atlas, first, &j))) {
-        json_t *row = add(rows, CLI_REPORT_LOST, json_integer(count),
-                          json_sprintf("%s%s (junction %d), E %.9g omega %.9g: the trace is known "
-                                       "there to less than three digits, and its place to no more",
-                                       count > 1 ? "the first, " : "", j.label, first, j.energy,
-                                       j.frequency));
-        json_object_set(row, "junctions", all);
+    if (isfinite(known[worst->id - 1]))
+        snprintf(told, sizeof told, ": its place is known to about %.2g", known[worst->id - 1]);
+    json_t *row = add(rows, of->item, json_integer(count),
+                      json_sprintf("%s%s (junction %d), E %.9g omega %.9g: %s%s",
+                                   count > 1 ? "the worst, " : "", worst->label, worst->id,
+                                   worst->energy, worst->frequency, of->detail, told));
+    json_object_set_new(row, "places", all);
+}
+
+static ric_status add_doubt(const ric_atlas *atlas, const doubt *of, json_t *rows)
+{
+    const int n = ric_atlas_n_junction(atlas);
+    int worst = 0;
+    ric_junction j;
+    double *known = calloc((size_t)n + 1, sizeof *known);
+    ric_status status = known ? RIC_OK : RIC_E_NOMEM;
+    for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++) {
+        curve c;
+        status = load(atlas, id, &c);
+        if (!status) status = of->find(atlas, &c, known);
+        free(c.energy);
     }
-    json_decref(all);
-    free(lost);
+    for (int i = 1; i < n && !status; i++)
+        if (known[i] > known[worst]) worst = i;
+    if (!status && n && known[worst] > 0 && !(status = ric_atlas_junction(atlas, worst + 1, &j)))
+        add_found(of, &j, n, known, rows);
+    free(known);
+    return status;
+}
+
+static ric_status add_doubts(const ric_atlas *atlas, json_t *rows)
+{
+    static const doubt all[] = {
+        {CLI_REPORT_ASIDE, "the orbit that was found on the branch has another energy", find_aside},
+        {CLI_REPORT_STILL, "a contact loses its speed there, and gaps go with the square of it",
+         find_still},
+        {CLI_REPORT_LOST,
+         "the trace is known there to less than three digits, and its place to no more", find_lost},
+    };
+    ric_status status = RIC_OK;
+    for (size_t i = 0; i < sizeof all / sizeof *all && !status; i++)
+        status = add_doubt(atlas, &all[i], rows);
     return status;
 }
 
@@ -598,6 +686,6 @@ ric_status cli_report_places(const ric_atlas *atlas, json_t *rows)
         free(c.energy);
     }
     if (!status) status = add_close(atlas, rows);
-    if (!status) status = add_lost(atlas, rows);
+    if (!status) status = add_doubts(atlas, rows);
     return status ? status : add_open(atlas, rows);
 }

@@ -79,6 +79,21 @@ db.commit()' "$folder/b.ricochet" "UPDATE point SET trace = NULL, log_trace = NU
 }
 ok 'multiplications at which no trace is stored are counted' lost
 
+aside() {
+    alter "UPDATE junction SET energy = energy * (1 + 1e-8) WHERE id = $point" || return 1
+    said '^junctions aside of their orbits  *1 ' "(junction $point), E" 'its place is known to about 4e-08$'
+}
+ok 'a junction that is not the orbit found on its branch is named with what that leaves of its place' aside
+
+read -r touch < <(one "SELECT j.id FROM junction j JOIN branch b ON b.to_junction = j.id WHERE j.kind = 'grazing'")
+still() { # a touch that is a corner
+    alter "UPDATE junction SET kind = 'corner', label = 'K1', name = '' WHERE id = $touch" || return 1
+    said '^corners without speed  *1 ' "K1 (junction $touch), E" 'gaps go with the square of it: its place is known to about 1.5e-08$' || return 1
+    "$ricochet" report "$folder/a.ricochet" | grep 'corners without' && return 1
+    return 0
+}
+ok 'corners at which a contact has no speed are counted, with what is known of their place' still
+
 beside() {
     alter "UPDATE point SET energy = energy * (1 - 1e-6) WHERE branch = $branch AND point = (SELECT points - 1 FROM branch WHERE id = $branch)" || return 1
     said "^last orbit beside the junction of branch  *$branch " "which is 1e-06 of it beside [^ ]* (junction $to)"

@@ -48,20 +48,22 @@ def _largest(curves, branch):
 
 
 def _rows(curves):
-    """Kind, letters, grazings or impacts, multiple; energy, frequency; label, id; and to what the report has the energy known."""
+    """Kind, letters, grazings or impacts, multiple; energy, frequency; label, id; and to what the report has the two known."""
     atlas, said_of = curves.atlas, curves.said
     junctions = [(j["kind"], _letters(j["word"]), j["grazings"], j["multiple"], j["energy"], j["frequency"], j["label"],
-                  j["id"], said_of.of_junction(j["id"], _passes(atlas, j["id"]), j["energy"])) for j in atlas.junctions]
+                  j["id"], said_of.of_junction(j["id"], _passes(atlas, j["id"]), j["energy"]), said_of.frequency(j["id"]))
+                 for j in atlas.junctions]
     ends = [(("branch", b["symmetric"], b["reversible"]), _letters(b["word"]), b["impacts"], 0, *_largest(curves, b),
-             b["label"], b["id"], said_of.of_ends(b["id"], b["energy_max"], (b["from_junction"], b["to_junction"]))) for b in atlas.branches]
+             b["label"], b["id"], said_of.of_ends(b["id"], b["energy_max"], (b["from_junction"], b["to_junction"])),
+             said_of.frequency(b["from_junction"], b["to_junction"])) for b in atlas.branches]
     return junctions + ends
 
 
 def _is_one(one, row, other, candidate):
     """Whether energies and frequencies agree to what is known of them; the largest of a branch may also be read off anywhere beside
     a turn that either report has without a junction."""
-    same = max(one.said.same, other.said.same)
-    for i, to, quantity in ((4, max(row[8], candidate[8]), "energy"), (5, same, "frequency")):
+    for i, quantity in ((4, "energy"), (5, "frequency")):
+        to = max(row[i + 4], candidate[i + 4])
         a, b = row[i], candidate[i]
         turned = isinstance(row[0], tuple) and (one.said.may_be(row[7], quantity, a, b) or
                                                 other.said.may_be(candidate[7], quantity, a, b))

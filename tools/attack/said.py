@@ -12,7 +12,8 @@ class Said:
 
     def __init__(self, rows=()):
         self.same, self.open = SAME, {}
-        self.close = {}  # to what their energies are known, of grazings beside singular points
+        self.close = {}  # to what their energies are known, of junctions that are known to less
+        self.still = {}  # to what the places, their frequencies as well, of corners without speed are known
         self.along = set()  # branches of which another phase may be stored
         self.ranges, self.turns = collections.defaultdict(list), collections.defaultdict(list)
         for row in rows:
@@ -28,8 +29,10 @@ class Said:
                 self.along.add(which)
             elif item == "turns without a junction on branch":
                 self.turns[which].append((row["quantity"], row["from"], row["to"]))
-            elif item == "grazings beside a singular point":
-                self.close = {place["junction"]: place["known_to"] for place in row["places"]}
+            elif item in ("grazings beside a singular point", "junctions aside of their orbits"):
+                self.close.update((place["junction"], place["known_to"]) for place in row["places"])
+            elif item == "corners without speed":
+                self.still = {place["junction"]: place["known_to"] for place in row["places"]}
             elif item == "label not decided of junction":
                 self.open[which] = row["known_to"]
 
@@ -45,6 +48,10 @@ class Said:
     def of_junction(self, junction, branches, energy):
         """To what the energy of a junction on those branches is known."""
         return min(max([self.open.get(junction, 0), self.close.get(junction, 0), *(self.on_branch(b, energy) for b in branches), self.same]), ROUGHEST)
+
+    def frequency(self, *junctions):
+        """To what a frequency is known that may be that of one of these junctions."""
+        return max([self.same, *(self.still.get(j, 0) for j in junctions if j)])
 
     def may_be(self, branch, quantity, *values):
         """Whether the report has a turn of that branch's energy or frequency for which all of these may be taken."""
