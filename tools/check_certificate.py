@@ -239,13 +239,16 @@ class System:
         self.find_question()
 
     def find_phases(self, opens):
-        """Closed is first what opens at its first event; events change that, but mere touches."""
-        switch = [f is not None and self.m.soft[f[0]] and (self.kind, *self.ask[:1]) != ("speed", k)
-                  for k, f in enumerate(self.faces)]
+        """Closed is first what opens at its first event; events change that, but mere touches. A
+        spring is said to open where it is not closed behind an event, or is before the last one."""
+        soft = [f is not None and self.m.soft[f[0]] for f in self.faces]
+        switch = [s and [self.kind, *self.ask[:1]] != ["speed", k] for k, s in enumerate(soft)]
         first = {f: o for f, o, s in reversed([*zip(self.faces, opens, switch)]) if s}
         closed, self.closed = {f for f in first if first[f]}, []
-        for face, changes in zip(self.faces, switch):
-            closed ^= {face} if changes else set()
+        for k, face in enumerate(self.faces):
+            before, closed = closed, closed ^ ({face} if switch[k] else set())
+            opened = face in before if k == self.count else face not in closed
+            need(opens[k] == (soft[k] and opened), "what is closed closes, or what is open opens")
             self.closed.append(frozenset(closed))
         self.phases = [self.m.phase(one) for one in self.closed[:-1]]
 
@@ -494,6 +497,7 @@ def check(model, line, points=None):
         need(line["arcs"] and min(map(len, line["arcs"])) > 1, "an arc has no two orbits")
         for arc in line["arcs"]:
             nodes = [System(model, {**line, **node}) for node in arc]
+            need(all(node.kind == "held" for node in nodes), "an orbit of a curve is held")
             orbits = [node.prove() for node in nodes]
             for a, u, b, v in zip(nodes, orbits, nodes[1:], orbits[1:]):
                 a.join(u, b, v)

@@ -123,6 +123,16 @@ assert refused(signed(line), checker.Model(checker.read_line(signed(stiffer))))
 lie["faces"] = [(face + 3) % 6 if face in (1, 2, 4, 5) else face for face in line["faces"]]
 assert refused(signed(lie)), lie
 assert not refused(signed(line))'
+# Faces are counted on where a spring opens: what says so of a stop, or of a spring that closes, is no other name for the same.
+opened='
+for faces in sorted({tuple(line["faces"]) for line in lines}):
+    line = next(line for line in lines if tuple(line["faces"]) == faces)
+    for k in (k for k, face in enumerate(faces) if face >= 0):
+        lie = copy.deepcopy(line)
+        lie["faces"][k] = (faces[k] + len(model.faces)) % (2 * len(model.faces))
+        assert refused(signed(lie)), lie'
+ok 'no stop opens' lies elementary "$opened"
+ok 'no event of a spring is said to be the other one' lies stop-and-spring "$opened"
 ok 'no state off by 1e-6, flight, or other face' lies elementary '
 for line in some(4):
     for key, to in (("x", line["x"][0]), ("v", line["v"][0]), ("tau", line["tau"])):

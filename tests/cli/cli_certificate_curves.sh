@@ -79,6 +79,26 @@ assert refused(gap)
 assert refused({**part(of[3], 40, 42), "end": "rest"})
 assert refused({**part(of[5], 3, 5), "faces": [0, 0]})
 assert refused({**of[5], "arcs": [of[5]["arcs"][0][:1]]}) == "an arc has no two orbits"'
+# Beside a corner solutions of the equations pass the stop that the orbit of the corner meets at an impact.
+ok 'no curve leads from the orbit of a corner to what passes a stop' lies '
+model, lines = read("corner-j")
+def node(line, said, **question):
+    blocks, n = [said[i:i + 2 * model.n + 1] for i in range(0, len(said), 2 * model.n + 1)], model.n
+    return {**question, "x": [b[:n] for b in blocks], "v": [b[n:-1] for b in blocks], "tau": [b[-1] for b in blocks]}
+line = next(line for line in lines if line["where"][0] == "gap")
+at = [a for one in zip(line["x"], line["v"], line["tau"]) for a in (*one[0], *one[1], one[2])]
+whole, passed = {"type": "curve", **{key: line[key] for key in ("start", "end", "faces")}}, []
+for step in (10 ** 14, -10 ** 14):
+    near = [(at[0] + step) // 1000 * 1000, *at[1:]]
+    orbit = checker.System(model, {**whole, **node(line, near, held=[0, 0])})
+    u = orbit.centre
+    for _ in range(8): u = checker.middle(u - checker.inverse(orbit.slopes(u)) @ orbit.equations(u))
+    near = node(line, [(x + checker.Ball(0)).rounded(18) for x in u[:, 0]], held=[0, 0])
+    orbit = checker.System(model, {**whole, **near})
+    try: orbit.stands(orbit.prove())
+    except ValueError as error: passed.append(str(error))
+    assert refused({**whole, "arcs": [[node(line, at, where=line["where"]), near]]}, model), step
+assert len(passed) == 1 and "passed" in passed[0], passed'
 ok 'no digit of an orbit of a curve is changed and signed anew' lies '
 for _ in range(1 + 40 // every):
     line = part(of[5], 3, 5)
