@@ -81,6 +81,7 @@ assert refused({**part(of[5], 3, 5), "faces": [0, 0]})
 assert refused({**of[5], "arcs": [of[5]["arcs"][0][:1]]}) == "an arc has no two orbits"'
 # Beside a corner solutions of the equations pass the stop that the orbit of the corner meets at an impact.
 ok 'no curve leads from the orbit of a corner to what passes a stop' lies '
+import certificate_balls as numbers
 model, lines = read("corner-j")
 def node(line, said, **question):
     blocks, n = [said[i:i + 2 * model.n + 1] for i in range(0, len(said), 2 * model.n + 1)], model.n
@@ -92,8 +93,8 @@ for step in (10 ** 14, -10 ** 14):
     near = [(at[0] + step) // 1000 * 1000, *at[1:]]
     orbit = checker.System(model, {**whole, **node(line, near, held=[0, 0])})
     u = orbit.centre
-    for _ in range(8): u = checker.middle(u - checker.inverse(orbit.slopes(u)) @ orbit.equations(u))
-    near = node(line, [(x + checker.Ball(0)).rounded(18) for x in u[:, 0]], held=[0, 0])
+    for _ in range(8): u = numbers.middle(u - numbers.inverse(orbit.slopes(u)) @ orbit.equations(u))
+    near = node(line, [(x + numbers.Ball(0)).rounded(18) for x in u[:, 0]], held=[0, 0])
     orbit = checker.System(model, {**whole, **near})
     try: orbit.stands(orbit.prove())
     except ValueError as error: passed.append(str(error))
