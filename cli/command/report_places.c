@@ -44,6 +44,15 @@ static void put(json_t *row, const char *name, double value)
     json_object_set_new(row, name, cli_number(value));
 }
 
+/* One junction in a list of places, with what is known of its own. */
+static void add_place(json_t *all, int junction, double known)
+{
+    json_t *member = json_object();
+    json_object_set_new(member, "junction", json_integer(junction));
+    put(member, "known_to", known);
+    json_array_append_new(all, member);
+}
+
 /* --------------------------------------------------------------------- modes */
 
 /* A pair of neighbours among the modes that some contact sees. */
@@ -502,10 +511,7 @@ static ric_status add_close(const ric_atlas *atlas, json_t *rows)
         json_t *all = json_array();
         for (int i = 0; i < n; i++) {
             if (!(p[i].known > 0)) continue;
-            json_t *member = json_object();
-            json_object_set_new(member, "junction", json_integer(p[i].row.id));
-            put(member, "known_to", p[i].known);
-            json_array_append_new(all, member);
+            add_place(all, p[i].row.id, p[i].known);
             if (p[i].known > worst->known) worst = &p[i];
         }
         json_t *row = add(rows, CLI_REPORT_CLOSE, json_integer(count),
@@ -528,11 +534,12 @@ typedef struct {
     ric_status (*find)(const ric_atlas *, const curve *, double *);
 } doubt;
 
-/* The first point of a branch at or behind an arclength, from point i on. */
-static int point_at(const curve *c, int i, double arclength)
+/* Whether the orbit at which junction k of a branch lies is stored: point *i, from 0 on and as k
+ * rises. */
+static bool is_stored(const curve *c, int k, int *i)
 {
-    while (i + 1 < c->n && c->arclength[i] < arclength) i++;
-    return i;
+    while (*i + 1 < c->n && c->arclength[*i] < c->row.junction_at[k]) ++*i;
+    return c->n && c->arclength[*i] == c->row.junction_at[k];
 }
 
 /* Multiplications on a branch at stored points without a trace: a multiplier is a root of unity as
@@ -544,10 +551,9 @@ static ric_status find_lost(const ric_atlas *atlas, const curve *c, double *know
     double *trace = calloc((size_t)c->n + 1, sizeof *trace);
     ric_status status = trace ? RIC_OK : RIC_E_NOMEM;
     if (!status) status = ric_atlas_column(atlas, c->row.id, "trace", &width, trace);
-    for (int k = 0, i = 0; !status && c->n && k < c->row.n_junction; k++) {
+    for (int k = 0, i = 0; !status && k < c->row.n_junction; k++) {
         ric_junction j;
-        i = point_at(c, i, c->row.junction_at[k]);
-        if (c->arclength[i] != c->row.junction_at[k] || !isnan(trace[i])) continue;
+        if (!is_stored(c, k, &i) || !isnan(trace[i])) continue;
         status = ric_atlas_junction(atlas, c->row.junctions[k], &j);
         if (!status && j.kind == RIC_KIND_MULTIPLICATION) known[j.id - 1] = HUGE_VAL;
     }
@@ -581,10 +587,9 @@ static ric_status find_still(const ric_atlas *atlas, const curve *c, double *kno
 static ric_status find_aside(const ric_atlas *atlas, const curve *c, double *known)
 {
     ric_status status = RIC_OK;
-    for (int k = 0, i = 0; !status && c->n && k < c->row.n_junction; k++) {
+    for (int k = 0, i = 0; k < c->row.n_junction; k++) {
         ric_junction j;
-        i = point_at(c, i, c->row.junction_at[k]);
-        if (c->arclength[i] != c->row.junction_at[k]) continue;
+        if (!is_stored(c, k, &i)) continue;
         if ((status = ric_atlas_junction(atlas, c->row.junctions[k], &j))) break;
         const double off = ASIDE * fabs(c->energy[i] - j.energy) / j.energy;
         const bool placed = j.kind == RIC_KIND_MULTIPLICATION || j.kind == RIC_KIND_EXTREMUM ||
@@ -594,63 +599,59 @@ static ric_status find_aside(const ric_atlas *atlas, const curve *c, double *kno
     return status;
 }
 
-/* All of one kind in one row, with the one that is known least. */
-static void add_found(const doubt *of, const ric_junction *worst, int n, const double *known,
-                      json_t *rows)
-{
-    int count = 0;
-    char told[64] = "";
-    json_t *all = json_array();
-    for (int i = 0; i < n; i++) {
-        if (!(known[i] > 0)) continue;
-        json_t *member = json_object();
-        json_object_set_new(member, "junction", json_integer(i + 1));
-        put(member, "known_to", isfinite(known[i]) ? known[i] : NAN);
-        json_array_append_new(all, member);
-        count++;
-    }
-    if (isfinite(known[worst->id - 1]))
-        snprintf(told, sizeof told, ": its place is known to about %.2g", known[worst->id - 1]);
-    json_t *row = add(rows, of->item, json_integer(count),
-                      json_sprintf("%s%s (junction %d), E %.9g omega %.9g: %s%s",
-                                   count > 1 ? "the worst, " : "", worst->label, worst->id,
-                                   worst->energy, worst->frequency, of->detail, told));
-    json_object_set_new(row, "places", all);
-}
+static const doubt doubts[] = {
+    {CLI_REPORT_ASIDE, "the orbit that was found on the branch has another energy", find_aside},
+    {CLI_REPORT_STILL, "a contact loses its speed there, and gaps go with the square of it",
+     find_still},
+    {CLI_REPORT_LOST,
+     "the trace is known there to less than three digits, and its place to no more", find_lost},
+};
 
-static ric_status add_doubt(const ric_atlas *atlas, const doubt *of, json_t *rows)
+enum { DOUBTS = sizeof doubts / sizeof *doubts };
+
+/* Those of one branch: known [DOUBTS * n_junction]. */
+static ric_status find_doubts(const ric_atlas *atlas, const curve *c, double *known)
 {
     const int n = ric_atlas_n_junction(atlas);
-    int worst = 0;
-    ric_junction j;
-    double *known = calloc((size_t)n + 1, sizeof *known);
-    ric_status status = known ? RIC_OK : RIC_E_NOMEM;
-    for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++) {
-        curve c;
-        status = load(atlas, id, &c);
-        if (!status) status = of->find(atlas, &c, known);
-        free(c.energy);
-    }
-    for (int i = 1; i < n && !status; i++)
-        if (known[i] > known[worst]) worst = i;
-    if (!status && n && known[worst] > 0 && !(status = ric_atlas_junction(atlas, worst + 1, &j)))
-        add_found(of, &j, n, known, rows);
-    free(known);
+    ric_status status = RIC_OK;
+    for (int i = 0; i < DOUBTS && !status; i++) status = doubts[i].find(atlas, c, known + i * n);
     return status;
 }
 
-static ric_status add_doubts(const ric_atlas *atlas, json_t *rows)
+/* All of one kind in one row, with the one that is known least. */
+static ric_status add_doubt(const ric_atlas *atlas, const doubt *of, const double *known,
+                            json_t *rows)
 {
-    static const doubt all[] = {
-        {CLI_REPORT_ASIDE, "the orbit that was found on the branch has another energy", find_aside},
-        {CLI_REPORT_STILL, "a contact loses its speed there, and gaps go with the square of it",
-         find_still},
-        {CLI_REPORT_LOST,
-         "the trace is known there to less than three digits, and its place to no more", find_lost},
-    };
+    const int n = ric_atlas_n_junction(atlas);
+    int count = 0, worst = 0;
+    char told[64] = "";
+    ric_junction j;
+    for (int i = 0; i < n; i++) {
+        count += known[i] > 0;
+        if (known[i] > known[worst]) worst = i;
+    }
+    if (!count) return RIC_OK;
+    const ric_status status = ric_atlas_junction(atlas, worst + 1, &j);
+    if (status) return status;
+    if (isfinite(known[worst]))
+        snprintf(told, sizeof told, ": its place is known to about %.2g", known[worst]);
+    json_t *all = json_array(),
+           *row = add(rows, of->item, json_integer(count),
+                      json_sprintf("%s%s (junction %d), E %.9g omega %.9g: %s%s",
+                                   count > 1 ? "the worst, " : "", j.label, j.id, j.energy,
+                                   j.frequency, of->detail, told));
+    for (int i = 0; i < n; i++)
+        if (known[i] > 0) add_place(all, i + 1, isfinite(known[i]) ? known[i] : NAN);
+    json_object_set_new(row, "places", all);
+    return RIC_OK;
+}
+
+static ric_status add_doubts(const ric_atlas *atlas, const double *known, json_t *rows)
+{
+    const int n = ric_atlas_n_junction(atlas);
     ric_status status = RIC_OK;
-    for (size_t i = 0; i < sizeof all / sizeof *all && !status; i++)
-        status = add_doubt(atlas, &all[i], rows);
+    for (int i = 0; i < DOUBTS && !status; i++)
+        status = add_doubt(atlas, &doubts[i], known + i * n, rows);
     return status;
 }
 
@@ -673,7 +674,8 @@ static ric_status add_open(const ric_atlas *atlas, json_t *rows)
 
 ric_status cli_report_places(const ric_atlas *atlas, json_t *rows)
 {
-    ric_status status = add_modes(atlas, rows);
+    double *known = calloc(DOUBTS * (size_t)ric_atlas_n_junction(atlas) + 1, sizeof *known);
+    ric_status status = known ? add_modes(atlas, rows) : RIC_E_NOMEM;
     for (int id = 1; !status && id <= ric_atlas_n_branch(atlas); id++) {
         curve c;
         status = load(atlas, id, &c);
@@ -683,9 +685,11 @@ ric_status cli_report_places(const ric_atlas *atlas, json_t *rows)
             status = add_along(ric_atlas_model(atlas), &c, rows);
         }
         if (!status) status = add_beside(atlas, &c, rows);
+        if (!status) status = find_doubts(atlas, &c, known);
         free(c.energy);
     }
     if (!status) status = add_close(atlas, rows);
-    if (!status) status = add_doubts(atlas, rows);
+    if (!status) status = add_doubts(atlas, known, rows);
+    free(known);
     return status ? status : add_open(atlas, rows);
 }
