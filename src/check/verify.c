@@ -175,12 +175,19 @@ static void check_energy(replay *r, real left)
     ric_replay_worsen(&r->check->energy_error, ric_replay_part(error, r->energy));
 }
 
+/* What the stored digits leave open of the gap of the face where flight k ends. */
+static real gap_by_digits(const replay *r, int k)
+{
+    return r->digits && r->n_event ? r->digits->gap[k] : 0;
+}
+
 /* Energy that the chain may gain or lose at the end of flight k by the stored digits: a spring that
  * is met off its face by a gap has the energy of that gap at once. */
 static real energy_by_digits(const replay *r, int k)
 {
     const face_t *face = ric_replay_end_face(r, k);
-    return face && r->digits ? face->spring * r->digits->gap[k] * r->digits->gap[k] / 2 : 0;
+    const real gap = gap_by_digits(r, k);
+    return face ? face->spring * gap * gap / 2 : 0;
 }
 
 /* ------------------------------------------------------------------ flights */
@@ -226,9 +233,8 @@ static void accept_order(const replay *r, int k, event *e)
     bool closing = (ric_replay_opens(r, k) ? -1 : 1) * expected->side *
                        ric_replay_dot(r->n, expected->c, r->w + r->n) >
                    0;
-    const real digits = r->digits && r->n_event ? r->digits->gap[k] : 0;
-    if (!closing || fabs(ric_replay_gap(r, expected, r->w)) > CLOSED * expected->limit + digits)
-        return;
+    const real open = CLOSED * expected->limit + gap_by_digits(r, k);
+    if (!closing || fabs(ric_replay_gap(r, expected, r->w)) > open) return;
     ric_replay_reflect(r, struck, r->w);
     ric_replay_reflect(r, expected, r->w);
     e->opens = ric_replay_opens(r, k);
@@ -337,7 +343,7 @@ static ric_status check_touch(replay *r, int k)
     }
     const bool undone = accept_impact(r, k, &e);
     if (e.refused || (e.hit && !undone && &r->face[e.face] != face)) r->check->faces_agree = false;
-    const real digits = r->digits && r->n_event ? r->digits->gap[k] / face->limit : 0;
+    const real digits = gap_by_digits(r, k) / face->limit;
     const bool met = e.hit || e.touches || fabs(r->reach - 1) <= REACH + digits;
     if (!met && !is_at(r, face)) r->check->faces_agree = false;
     compare_end(r, k, e.hit ? e.time : r->tau[k]);
