@@ -278,13 +278,15 @@ static bool is_still(const ric_shooting *c)
     return false;
 }
 
-/* There a trace is lost, and the side of the border, too, unless rho runs through infinity
- * (stable_margin). */
-static void lose_still(const ric_shooting *c, ric_floquet *f, double *seen)
+/* What was seen of each pair counts. Where a stop is met without speed a trace is lost, and the
+ * side of the border, too, unless rho runs through infinity (stable_margin). */
+static void widen(const ric_shooting *c, ric_floquet *f, double *seen)
 {
-    if (f->n_pair != 1 || !is_still(c)) return;
-    if (f->each[0] + seen[0] <= KNOWN * (1 + fabs(f->rho[0]))) f->stable = RIC_STABLE_UNDECIDED;
-    seen[0] = HUGE_VAL;
+    if (f->n_pair == 1 && is_still(c)) {
+        if (f->each[0] + seen[0] <= KNOWN * (1 + fabs(f->rho[0]))) f->stable = RIC_STABLE_UNDECIDED;
+        seen[0] = HUGE_VAL;
+    }
+    ric_floquet_widen(f, seen);
 }
 
 /* Two modes, of whose trace more than a part REFINED is uncertain, `known`. The orbit is brought to
@@ -390,8 +392,7 @@ static ric_status judge_trace(ric_shooting *c, const double *u, ric_floquet *f)
         again = again && lost < HUGE_VAL;
         lost = HUGE_VAL;
     } while (again);
-    lose_still(c, f, &seen);
-    ric_floquet_widen(f, &seen);
+    widen(c, f, &seen);
     return RIC_OK;
 }
 
@@ -429,8 +430,6 @@ ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_fl
     ric_status status = ric_floquet_compute(c, f);
     if (status || f->n_pair < 1) return status;
     status = measure(c, u, f, 0, HUGE_VAL, seen);
-    if (status || refine(c, u, f, f->each[0] + seen[0], &short_of)) return status;
-    lose_still(c, f, seen);
-    ric_floquet_widen(f, seen);
+    if (!status && !refine(c, u, f, f->each[0] + seen[0], &short_of)) widen(c, f, seen);
     return status;
 }
