@@ -6,14 +6,14 @@ set -u
 sed 's/depth: .*/depth: 1/' examples/elementary/study.yaml >"$folder/study.yaml"
 "$ricochet" run "$folder/study.yaml" -o "$folder/a.ricochet" >"$folder/err" 2>&1 || cat "$folder/err"
 
-# alter SQL: on a copy, whose digest is made anew
-alter() {
-    cp "$folder/a.ricochet" "$folder/b.ricochet"
+# change SQL: of one row of the copy, whose digest is made anew; alter SQL: of a fresh copy
+change() {
     python3 -S -c 'import sqlite3, sys
 db = sqlite3.connect(sys.argv[1])
 assert db.execute(sys.argv[2]).rowcount == 1
 db.commit()' "$folder/b.ricochet" "$1" && tools/attack/atlas_digest.py "$folder/b.ricochet" >/dev/null
 }
+alter() { cp "$folder/a.ricochet" "$folder/b.ricochet" && change "$1"; }
 one() { python3 -S -c 'import sqlite3, sys; print(*sqlite3.connect(sys.argv[1]).execute(sys.argv[2]).fetchone())' "$folder/a.ricochet" "$1"; }
 # said PATTERN...: one row of the report has them all
 said() {
@@ -69,12 +69,8 @@ ok 'labels that nobody can tell are counted, and listed with their places' undec
 
 lost() { # an extremum that is none any more, on a point that has no trace any more
     alter "UPDATE junction SET kind = 'multiplication', rotation_p = 1, rotation_q = 3 WHERE id = $point" || return 1
-    python3 -S -c 'import sqlite3, sys
-db = sqlite3.connect(sys.argv[1])
-db.execute(sys.argv[2])
-db.commit()' "$folder/b.ricochet" "UPDATE point SET trace = NULL, log_trace = NULL, trace_asinh = NULL, rotation = NULL WHERE EXISTS
-        (SELECT 1 FROM branch_junction b WHERE b.junction = $point AND b.branch = point.branch AND b.arclength = point.arclength)" &&
-        tools/attack/atlas_digest.py "$folder/b.ricochet" >/dev/null || return 1
+    change "UPDATE point SET trace = NULL, log_trace = NULL, trace_asinh = NULL, rotation = NULL WHERE EXISTS
+        (SELECT 1 FROM branch_junction b WHERE b.junction = $point AND b.branch = point.branch AND b.arclength = point.arclength)" || return 1
     said '^multiplications of lost multipliers  *1 ' "(junction $point), E" 'the trace is known there to less than three digits, and its place to no more$'
 }
 ok 'multiplications at which no trace is stored are counted' lost
