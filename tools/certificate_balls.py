@@ -109,16 +109,24 @@ class Phase:
 
     def __init__(self, G, flow):
         self.G, self.A = balls(G), balls(flow @ G)
-        self.norm, self.terms = size(self.A), [eye(len(G))]
+        fast = Fraction(2)**((size(self.A) >> P).bit_length() // 2)  # about its highest frequency
+        units = np.array([Fraction(1), 1 / fast, Fraction(1)]).repeat([len(G) // 2, len(G) // 2, 1])
+        self.back = balls(np.outer(1 / units, units))  # from speeds in units of that
+        A = balls(flow @ G * np.outer(units, 1 / units))
+        self.norm, self.terms = size(A), [eye(len(G))]
         for k in range(1, TERMS):
-            self.terms.append(self.terms[-1] @ self.A * (1 / Ball(k * ONE)))
+            self.terms.append(self.terms[-1] @ A * (1 / Ball(k * ONE)))
 
     @lru_cache(10000)
     def series(self, mid, rad):
         """exp(A t)"""
+        return self.back * self.scaled(mid, rad)
+
+    @lru_cache(10000)
+    def scaled(self, mid, rad):
         need(abs(mid) < ONE << 40 and rad * self.norm < LONG, "a flight is too long")
         if (abs(mid) + rad) * self.norm >= SHORT * ONE:
-            half = self.series(mid // 2, rad // 2 + 1)
+            half = self.scaled(mid // 2, rad // 2 + 1)
             return half @ half
         total, t = self.terms[-1], Ball(mid, rad)
         for term in reversed(self.terms[:-1]):
@@ -126,21 +134,25 @@ class Phase:
         return total + Ball(0, TAIL)
 
     def fly(self, W, t):
-        """W after t, tight where t is short, and with derivatives."""
+        """W after t, with derivatives. What moves little is flown as that, so that the rest of a
+        stiff spring, where large numbers cancel, stays tight."""
         t0 = t[0] + Ball(0)
-        W = self.series(t0.mid, 0) @ (self.series(0, t0.rad) @ W)
+        W = self.series(t0.mid, 0) @ W
+        W = W + self.series(0, t0.rad) @ (self.A @ W) * Ball(0, t0.rad)
         return W + self.A @ W[:, :1] * [0, *t[1:]]
 
-    def flies(self, row, w, t, depth, opens, closes):
-        """Halves a flight until a gap is positive, or moves or bends away from where it is 0."""
+    def flies(self, row, w, t, depth, opens, closes, pressed=False):
+        """Halves a flight until a gap is positive, or moves or bends away from where it is 0; or
+        `pressed` together: to 0, or to rest, at both ends, and bent towards 0 all the way."""
         need(depth, "a face is passed, or not approached")
         part = (t[0].mid + t[0].rad >> 1) + 1
         if part * self.norm < LONG:
-            moved = self.A @ (self.series(part, part) @ w)
-            rate, bend = -(row @ moved)[0], -(row @ (self.A @ moved))[0]
+            moves = self.A @ w
+            rate, bend = (-(row @ (self.series(part, part) @ dw))[0]
+                          for dw in (moves, self.A @ moves))
             gap = Ball(part, part) * rate - (row @ w)[0]
             if (gap > 0 or opens and rate > 0 or closes and -rate > 0
-                    or (opens or closes) and bend > 0):
+                    or (opens or closes) and bend > 0 or pressed and -bend > 0):
                 return
         half = t / Ball(2 * ONE)
         self.flies(row, w, half, depth - 1, opens, False)

@@ -12,8 +12,10 @@ from certificate_balls import (ONE, P, TAIL, Ball, balls, each, eye, inverse, mi
 STEPS, DEEPEST = 6, 60  # towards a zero; halvings of a flight
 RADII = [ONE >> k for k in (10, 20, 30, 40)]  # within which a zero may be the only one
 FLOOR, TRIES, PARTS, SHALLOW = 14, 4, 9, 14  # tubes: 2^-radius, boxes, halvings, those of flights
+ROUNDS, THIN = 8, 24  # towards the shape of a box, whose least side is 2^-24 of its largest
 MORE = ONE >> 12  # of a line, beyond its ends
 UNIT, HELD = 18, 1000  # decimals of states and times; the held one is a multiple of 1000 units
+ASKED = {"held": 2, "speed": 1, "gap": 3, "time": 1, "break": 2, "turn": 2}  # numbers behind it
 BESIDE = {"energy": [(0, 0)], "period": [(0, 0)], "double": [(0, 1)], "turn": [(0, 0), (1, 1)]}
 
 
@@ -86,6 +88,7 @@ class System:
         """A row that vanishes, of all unknowns and of the state before the last event; motions
         beside the orbit, odd at ends that are 1; what is met at events; and what has no speed."""
         (k, *more), N, T, self.slow = (*self.ask, 0), self.size, self.width, None
+        need(len(self.ask) == ASKED.get(self.kind, 0), "what is held or vanishes has other numbers")
         need(k >= 0, "there is no such event")
         self.beside = {**BESIDE, "break": [tuple(self.ask)]}.get(self.kind, [])
         for odd, end in [pair for one in self.beside for pair in zip(one, self.ends, strict=True)]:
@@ -169,6 +172,13 @@ class System:
     def slopes(self, u):
         return self.equations(np.hstack([u, eye(len(u))]))[:, 1:]
 
+    def contracts(self, C, box):
+        """By 0.9; not known where one of its flights may be too long for the series."""
+        try:
+            return size(C @ self.slopes(box) - eye(len(C))) * 10 < 9 * ONE
+        except ValueError:
+            return False
+
     def prove(self):
         """u - C F(u) contracts the box of radius `outer` by 0.9, so that it has one zero, which is
         within 10 steps of each u in it."""
@@ -183,8 +193,7 @@ class System:
         for _ in range(STEPS):
             u = middle(u - C @ self.equations(u))
         ball = 11 * size(C @ self.equations(u))
-        left = lambda r: size(C @ self.slopes(centre + Ball(0, r)) - eye(len(u)))
-        outer = next((r for r in RADII if left(r) * 10 < 9 * ONE), 0)
+        outer = next((r for r in RADII if self.contracts(C, centre + Ball(0, r))), 0)
         need(size(u - centre) + ball < outer, "no zero is proved")
         u = u[:N] + Ball(0, ball)
         need([x.rounded(UNIT) for x in u[:, 0]] == self.said, "other states or times")
@@ -201,22 +210,26 @@ class System:
             t = u[(k + 1) * self.width - 1]
             need(t[0] > 0, f"flight {k + 1} does not last")
             for face in self.watched:
-                sign, met = -1 if face in self.closed[k] else 1, []
+                sign, met, lies = -1 if face in self.closed[k] else 1, [], []
                 for event, w, out in ((k, begins[k], -1), (k + 1, ends[k], 1)):
                     place = self.place(event, face)
                     met.append(place in self.met)
+                    lies.append(met[-1] or self.rests(event))
                     need(not met[-1] or self.still(*place)
                          or (self.m.speeds[face] @ w)[0] * (out * sign) > 0,
                          "an impact has no speed")
-                phase.flies(self.m.rows[face] * sign, begins[k], t, depth, *met)
+                phase.flies(self.m.rows[face] * sign, begins[k], t, depth, *met, all(lies))
+
+    def rests(self, event):
+        """At a mirror point, from which the flight goes back as it came."""
+        return event in (0, self.count) and self.ends[event > 0] == "rest"
 
     def still(self, event, face):
         """Whether a face that is met has exactly no speed: at the slow event, at rest, or where the
         impact of a mirror point changes nothing that its contact sees."""
-        own, rest = self.faces[event], self.ends[event > 0] == "rest"
-        mirror = not self.general and event in (0, self.count)
-        return (event, face) == self.slow or mirror and (
-            rest or own and self.m.speed[face] @ self.m.kick[own] == 0)
+        own, mirror = self.faces[event], not self.general and event in (0, self.count)
+        return (event, face) == self.slow or self.rests(event) or (
+            mirror and own and self.m.speed[face] @ self.m.kick[own] == 0)
 
     def join(self, u, other, v):
         """On planes across the line between two centres lies one arc, with both orbits."""
@@ -226,15 +239,30 @@ class System:
         tube.start, tube.along = middle(self.centre), middle(other.centre - self.centre)
         spot = tube.start + tube.along * Ball(ONE >> 1)
         tube.linear = [[*tube.along[:, 0], *[0] * 2 * self.n, -(tube.along.T @ spot)[0, 0]]]
-        bent = inverse(tube.slopes(spot)) @ tube.equations(spot)
-        tube.shape = each(lambda x: Ball(max(abs(x).mid, size(bent) >> 2, 1)))(bent)
-        tube.shape = middle(tube.shape / Ball(size(tube.shape)))
+        tube.shape = tube.shaped(spot)
         radius = tube.follow(-MORE, ONE + MORE)
         for orbit, s in ((u, 0), (v, ONE)):
             off = orbit - tube.start - tube.along * Ball(s)
             share = (tube.along.T @ off)[0, 0] / (tube.along.T @ tube.along)[0, 0]
             far = size((off - tube.along * share) / tube.shape)
             need(abs(share).mid < MORE and far < radius, "tubes are not proved to meet")
+
+    def shaped(self, spot):
+        """Of boxes: of the least one that contains how the arc bends off the line, and what the
+        contraction makes of itself, on the first share about the middle where there is one."""
+        C, at = inverse(self.slopes(spot)), self.equations(spot)
+        for depth in range(PARTS):
+            span = Ball(0, ONE >> depth + 1)
+            J = self.slopes(spot + self.along * span)
+            bent = each(lambda x: Ball(abs(x).mid))(C[:, :-1] @ (at + J @ self.along * span)[:-1])
+            spread, box = each(lambda x: abs(x + Ball(0)))(C @ J - eye(self.size)), bent
+            for _ in range(ROUNDS):
+                last, box = box, bent + spread @ box
+            if size(box - last) < size(last) >> 4:
+                break
+        least = max(size(box) >> THIN, 1)
+        box = each(lambda x: Ball(max(x.mid, least)))(box)
+        return middle(box / Ball(size(box)))
 
     def follow(self, first, last, depth=0):
         """The least size of boxes around the line, of a shape that tells how it bends, with one
@@ -249,13 +277,12 @@ class System:
                 box = spot + self.along * span + self.shape * Ball(0, radius)
                 J = self.slopes(box)
                 shrinks = narrow((C @ J - eye(self.size)) * self.shape.T)
-                least = narrow(C[:, :-1] @ (at + J @ self.along * span)[:-1])
-                least += (shrinks * radius >> P) + 1
-                if least < radius:
+                bent = narrow(C[:, :-1] @ (at + J @ self.along * span)[:-1])
+                if bent + (shrinks * radius >> P) + 1 < radius:
                     self.stands(box, SHALLOW)
                     return radius
-                radius = least * 9 // 8
                 need(shrinks < ONE and attempt < TRIES - 1, "an arc is not proved to be one")
+                radius = bent * ONE // (ONE - shrinks) * 9 // 8 + 1
         except (ArithmeticError, ValueError):
             if depth == PARTS:
                 raise

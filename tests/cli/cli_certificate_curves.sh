@@ -5,7 +5,7 @@ set -u
 . tests/support/proofs.sh
 
 needs_checker
-for name in elementary three-masses corner stop-and-spring symmetric-chain; do
+for name in elementary three-masses corner stop-and-spring symmetric-chain bilinear; do
     "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
     if "$ricochet" prove "$folder/$name.ricochet" --junctions -o "$folder/$name-j.jsonl" 2>&1 | grep -q 'left out of this program'; then
         echo '1..0 # SKIP the program was built without FLINT'
@@ -14,6 +14,7 @@ for name in elementary three-masses corner stop-and-spring symmetric-chain; do
 done
 certificates "$folder/elementary.ricochet" "$folder/elementary-c.jsonl" --curves $(some_of '3 4 5 8 11' '') >"$folder/said" 2>&1
 certificates "$folder/three-masses.ricochet" "$folder/three-masses-c.jsonl" --curves $(some_of 4 '') >"$folder/said" 2>&1
+certificates "$folder/bilinear.ricochet" "$folder/bilinear-c.jsonl" --curves $(some_of 3 '') >"$folder/said" 2>&1
 accepted() { "$python" tools/check_certificate.py "$@" >"$folder/checked" && [ "$(tail -1 "$folder/checked")" = "$count accepted, 0 refused" ]; }
 count=18
 ok 'all junctions of elementary are accepted, and are those of the atlas' accepted "$folder/elementary-j.jsonl" "$folder/elementary.ricochet"
@@ -25,6 +26,8 @@ some stop-and-spring "$(every_of 2)"
 ok 'junctions beside a spring' accepted "$folder/some.jsonl" "$folder/stop-and-spring.ricochet"
 some three-masses "$(every_of 6)"
 ok 'and those of three masses' accepted "$folder/some.jsonl" "$folder/three-masses.ricochet"
+count=8
+ok 'and all of bilinear' accepted "$folder/bilinear-j.jsonl" "$folder/bilinear.ricochet"
 
 count=13
 ok 'and those that a permutation and the way back take to themselves' accepted "$folder/symmetric-chain-j.jsonl" "$folder/symmetric-chain.ricochet"
@@ -67,6 +70,12 @@ ok 'and of three masses' lies '
 other, lines = read("three-masses-c")
 line = min(lines, key=lambda line: len(line["faces"]))
 assert not refused(part(line, 1, 3), other)'
+# Where the spring is just met, and where it turns the motion within a thousandth of the period.
+ok 'and of a stiff spring' lies '
+other, lines = read("bilinear-c")
+for line in lines:
+    last = len(line["arcs"][0])
+    for first in [0, last // 2] if every > 1 else range(last - 1): assert not refused(part(line, first, first + 2), other), first'
 ok 'a chord from one branch to another is none' lies '
 assert (of[3]["faces"], of[3]["start"]) == (of[4]["faces"], of[4]["start"])
 assert refused({**of[3], "arcs": [[of[3]["arcs"][0][44], of[4]["arcs"][0][20]]]})'
@@ -126,7 +135,8 @@ for line in slow[:2 if every > 1 else 4]:
         lie[key][0] += 1
         assert refused(lie) == f"the {key} is another one", lie
     others = [k for k in range(len(line["faces"])) if k != line["where"][1]]
-    assert all(refused({**line, "where": ["speed", k]}) for k in others), line'
+    assert all(refused({**line, "where": ["speed", k]}) for k in others), line
+    assert refused({**line, "where": [*line["where"], 0]}) == "what is held or vanishes has other numbers", line'
 ok 'no junction of another kind' lies '
 model, lines = read("elementary-j")
 others = [["energy"], ["period"], ["double"], ["break", 0, 1], ["break", 1, 0], ["break", 1, 1], ["turn", 1, 3], ["turn", 1, 6]]
