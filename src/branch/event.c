@@ -233,6 +233,10 @@ static ric_status find_zeros(ric_continuation *tr, int test, double to, double h
                              bool *retry)
 {
     const ric_event_samples *q = &tr->samples;
+    if (q->n == q->now + 2 && ric_event_samples_values(tr, q->now)[test] *
+                                      ric_event_samples_values(tr, q->now + 1)[test] >
+                                  0)
+        return RIC_OK; /* as nearly always */
     double last = test < RIC_N_TEST ? tr->definite[test] : 0, hidden = 0;
     for (int i = q->now; i < q->n && q->x[i] < to; i++) {
         double f = ric_event_samples_values(tr, i)[test], x;

@@ -203,28 +203,60 @@ static double read_at(const ric_continuation *tr, const reading *of, int i)
     return fabs(value[of->other]) > of->most ? NAN : apart * apart;
 }
 
-static bool is_resolved(const ric_continuation *tr, int i, const reading *of)
+/* The nearest points of an interval, itself first, with what divided differences over them divide
+ * by. */
+typedef struct {
+    int i, n, at[4];
+    double x[4];
+} stencil;
+
+/* The next nearest point to an interval, of which *before and *after are not yet taken; -1: none.
+ */
+static int nearest(const ric_event_samples *q, int i, int *before, int *after)
+{
+    const bool lower = *before >= 0, upper = *after < q->n;
+    if (!lower && !upper) return -1;
+    if (lower && (!upper || q->x[i] - q->x[*before] <= q->x[*after] - q->x[i + 1]))
+        return (*before)--;
+    return (*after)++;
+}
+
+static stencil stencil_of(const ric_event_samples *q, int i)
+{
+    stencil st = {.i = i, .n = 2, .at = {i, i + 1}, .x = {0, q->x[i + 1] - q->x[i]}};
+    for (int before = i - 1, after = i + 2, j; st.n < 4; st.n++) {
+        if ((j = nearest(q, i, &before, &after)) < 0) break;
+        st.at[st.n] = j;
+        st.x[st.n] = q->x[j] - q->x[i];
+    }
+    return st;
+}
+
+/* The same without points at which a function is not known: the number of points. */
+static int known_stencil(const ric_continuation *tr, const reading *of, stencil *st, double f[4])
 {
     const ric_event_samples *q = &tr->samples;
-    double x[4], f[4];
     int n = 2;
-    for (int j = 0; j < 2; j++) {
-        x[j] = q->x[i + j] - q->x[i];
-        f[j] = read_at(tr, of, i + j);
-    }
-    if (!isfinite(f[0] + f[1]) || (of->lost_at_zero && f[0] * f[1] == 0)) return true;
-    for (int before = i - 1, after = i + 2; n < 4 && (before >= 0 || after < q->n);) {
-        bool first = after >= q->n ||
-                     (before >= 0 && q->x[i] - q->x[before] <= q->x[after] - q->x[i + 1]);
-        int j = first ? before-- : after++;
+    for (int before = st->i - 1, after = st->i + 2, j; n < 4;) {
+        if ((j = nearest(q, st->i, &before, &after)) < 0) break;
         f[n] = read_at(tr, of, j);
-        x[n] = q->x[j] - q->x[i];
+        st->x[n] = q->x[j] - q->x[st->i];
         if (isfinite(f[n])) n++;
     }
-    if (n < 3) return true; /* the first step, as short as it is */
+    return n;
+}
+
+static bool is_resolved(const ric_continuation *tr, const stencil *of_all, const reading *of)
+{
+    stencil st = *of_all;
+    double f[4] = {0}, *const x = st.x;
+    for (int j = 0; j < st.n; j++) f[j] = read_at(tr, of, st.at[j]);
+    if (!isfinite(f[0] + f[1]) || (of->lost_at_zero && f[0] * f[1] == 0)) return true;
+    if (!isfinite(f[2] + f[3])) st.n = known_stencil(tr, of, &st, f);
+    if (st.n < 3) return true; /* the first step, as short as it is */
     double slope = (f[1] - f[0]) / x[1], second = ((f[2] - f[1]) / (x[2] - x[1]) - slope) / x[2],
            third = 0;
-    if (n == 4) {
+    if (st.n == 4) {
         double other = ((f[3] - f[1]) / (x[3] - x[1]) - slope) / x[3];
         third = (other - second) / (x[3] - x[2]);
     } else third = second / (fabs(x[2]) + x[1]);
@@ -240,27 +272,54 @@ static bool is_resolved(const ric_continuation *tr, int i, const reading *of)
     return !shows_more(&c);
 }
 
-static bool resolved(const ric_continuation *tr, int i, int test)
+/* For n columns at once how far parabola and error reach, as in is_resolved, which nearly no
+ * function comes to: HUGE_VAL where four points are not known. */
+static void find_reach(const ric_continuation *tr, const stencil *st, int n, double *restrict far)
 {
-    return is_resolved(tr, i,
+    const double *restrict v[4], x1 = st->x[1], x2 = st->x[2], x3 = st->x[3];
+    const double reach = ric_larger(fabs(x2), fabs(x2 - x1));
+    for (int j = 0; j < st->n; j++) v[j] = ric_event_samples_values(tr, st->at[j]);
+    for (int k = 0; k < n && st->n < 4; k++) far[k] = HUGE_VAL;
+    for (int k = 0; k < n && st->n == 4; k++) {
+        const double f1 = v[1][k], slope = (f1 - v[0][k]) / x1;
+        const double second = ((v[2][k] - f1) / (x2 - x1) - slope) / x2;
+        const double other = ((v[3][k] - f1) / (x3 - x1) - slope) / x3;
+        const double error = SAFETY * fabs((other - second) / (x3 - x2));
+        far[k] = x1 * x1 / 4 * (fabs(second) + error * reach);
+    }
+}
+
+/* Whether a function is farther from zero than that at both ends of an interval, on the same side.
+ */
+static bool is_clear(const ric_continuation *tr, int i, int test, double far)
+{
+    const double a = ric_event_samples_values(tr, i)[test],
+                 b = ric_event_samples_values(tr, i + 1)[test];
+    return a * b > 0 && ric_smaller(fabs(a), fabs(b)) > far;
+}
+
+static bool resolved(const ric_continuation *tr, const stencil *st, int test)
+{
+    return is_resolved(tr, st,
                        &(reading){test, -1, 0, HUGE_VAL,
                                   test < RIC_N_TEST || test >= RIC_N_TEST + tr->n_resonance});
 }
 
 /* Whether each pair by itself, of several, stays on its side of rho, and none comes from there to
  * meet another. */
-static bool pairs_stay(const ric_continuation *tr, int i, double rho)
+static bool pairs_stay(const ric_continuation *tr, const stencil *st, double rho)
 {
+    const int i = st->i;
     const double *a = ric_event_samples_values(tr, i), *b = ric_event_samples_values(tr, i + 1);
     for (int j = 0; j < tr->floquet.n_pair; j++) {
         const int own = pair_column(tr, j);
         const bool below = a[own] < rho && b[own] < rho;
         const bool above = a[own] > rho && b[own] > rho;
-        if ((below || above) && !is_resolved(tr, i, &(reading){own, -1, rho, NEAR_PAIR, false}))
+        if ((below || above) && !is_resolved(tr, st, &(reading){own, -1, rho, NEAR_PAIR, false}))
             return false;
         if (!below || j + 1 == tr->floquet.n_pair || !(a[own + 1] > rho && b[own + 1] > rho))
             continue;
-        if (!is_resolved(tr, i, &(reading){own, own + 1, 0, NEAR_PAIR, false})) return false;
+        if (!is_resolved(tr, st, &(reading){own, own + 1, 0, NEAR_PAIR, false})) return false;
     }
     return true;
 }
@@ -284,22 +343,31 @@ static bool half_lost(const ric_continuation *tr, int i, double from, double to)
 
 /* The same of the factor of a test, which is smooth where the test jumps; beside a grazing it falls
  * by powers of ten, and tells nothing. */
-static bool smoothly(const ric_continuation *tr, int i, int test)
+static bool smoothly(const ric_continuation *tr, const stencil *st, int test)
 {
+    const int i = st->i;
     int column = smooth(tr, test);
     if (column < 0) return true;
     double a = fabs(ric_event_samples_values(tr, i)[column]),
            b = fabs(ric_event_samples_values(tr, i + 1)[column]);
-    return fmax(a, b) > FALLS * fmin(a, b) || resolved(tr, i, column);
+    return fmax(a, b) > FALLS * fmin(a, b) || resolved(tr, st, column);
 }
 
 static bool all_resolved(const ric_continuation *tr, int i, unsigned which, bool pairs)
 {
+    const stencil st = stencil_of(&tr->samples, i);
+    const int n = RIC_N_TEST + (pairs ? tr->n_resonance : 0);
+    double far[n];
+    find_reach(tr, &st, n, far);
     for (int test = 0; test < RIC_N_TEST; test++)
-        if (which >> test & 1 && !(resolved(tr, i, test) && smoothly(tr, i, test))) return false;
+        if (which >> test & 1 && !((is_clear(tr, i, test, far[test]) || resolved(tr, &st, test)) &&
+                                   smoothly(tr, &st, test)))
+            return false;
     for (int k = 0; pairs && k < tr->n_resonance; k++) {
-        if (!resolved(tr, i, RIC_N_TEST + k)) return false;
-        if (tr->floquet.n_pair > 1 && !pairs_stay(tr, i, tr->resonances[k].rho)) return false;
+        if (!(is_clear(tr, i, RIC_N_TEST + k, far[RIC_N_TEST + k]) ||
+              resolved(tr, &st, RIC_N_TEST + k)))
+            return false;
+        if (tr->floquet.n_pair > 1 && !pairs_stay(tr, &st, tr->resonances[k].rho)) return false;
     }
     return true;
 }
@@ -332,6 +400,7 @@ ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool p
  * whole period -2 is a resonance. */
 static bool pairs_stay_at_two(const ric_continuation *tr, int i, unsigned which)
 {
+    const stencil st = stencil_of(&tr->samples, i);
     static const unsigned vanish[2] = {1u << RIC_TEST_DET | 1u << RIC_TEST_B,
                                        1u << RIC_TEST_A | 1u << RIC_TEST_D};
     for (int k = 0; k < (ric_shooting_halves(tr->chain) ? 2 : 1); k++) {
@@ -341,7 +410,7 @@ static bool pairs_stay_at_two(const ric_continuation *tr, int i, unsigned which)
                 const double value = ric_event_samples_values(tr, j)[test];
                 known &= isfinite(value) && value != 0;
             }
-        if (known && !pairs_stay(tr, i, k ? -2 : 2)) return false;
+        if (known && !pairs_stay(tr, &st, k ? -2 : 2)) return false;
     }
     return true;
 }
