@@ -34,19 +34,28 @@ void ric_curve_node_clear(ric_node *a)
 {
     if (a->last) _arb_vec_clear(a->last, (slong)a->c.m * a->c.size + 1);
     a->last = NULL;
+    flint_free(a->tangent);
+    a->tangent = NULL;
     ric_chain_free(&a->c);
     arb_clear(a->exists);
+}
+
+static void prove_node(ric_node *a, ric_existence *x, const ric_enclosure *e)
+{
+    a->why = ric_existence_prove(x, &a->c, e);
+    arb_set(a->exists, x->exists);
+    a->tangent = x->tangent;
+    x->tangent = NULL;
 }
 
 void ric_curve_node_prove(ric_node *a, const ric_enclosure *e)
 {
     ric_existence x;
     ric_existence_init(&x);
-    a->why = ric_existence_prove(&x, &a->c, e);
+    prove_node(a, &x, e);
     if (!a->why && !x.identified) a->why = "another orbit may lie as near: a junction";
-    if (!a->why && !(x.moved <= RIC_PROVER_NEAR))
+    if (!a->why && !(x.moved <= RIC_PROVER_NEAR) && !(x.shift <= x.blur))
         a->why = "the orbit that was proved lies elsewhere";
-    arb_set(a->exists, x.exists);
     a->unique = a->why ? 0 : arf_get_d(arb_midref(x.unique), ARF_RND_FLOOR);
     ric_existence_clear(&x);
 }
@@ -74,6 +83,51 @@ void ric_curve_node_place(ric_node *a, const ric_chain *like, arb_srcptr u, bool
     arb_clear(radius);
 }
 
+/* What the curve is beside its chord at an end, over s (1 - s): its slope there less the chord. The
+ * tangent may point either way. false where it is not known. */
+static bool find_bend(const ric_node *a, bool end, arb_srcptr chord, double *out)
+{
+    const slong count = (slong)a->c.m * a->c.size;
+    double along = 0, length = 0;
+    if (!a->tangent) return false;
+    for (slong i = 0; i < count; i++) {
+        const double way = ric_arb_middle(chord + i);
+        along += way * a->tangent[i];
+        length += way * way;
+    }
+    length = copysign(sqrt(length), along);
+    for (slong i = 0; i < count; i++) {
+        const double bend = length * a->tangent[i] - ric_arb_middle(chord + i);
+        out[i] += end ? -bend : bend;
+    }
+    return true;
+}
+
+/* The middle of the cubic that has the tangents of both, or of the parabola with that of one: off
+ * the curve by the fourth power of the chord, where the mean of both is by its square, from which
+ * Newton's method need not come back if D is near to singular. */
+static void place_between(ric_chain *c, const ric_node *a, const ric_node *b, slong prec)
+{
+    const slong count = (slong)c->m * c->size;
+    arb_ptr chord = _arb_vec_init(count);
+    double *bend = flint_calloc((size_t)count, sizeof *bend);
+    arb_t x;
+    arb_init(x);
+    _arb_vec_sub(chord, b->c.u, a->c.u, count, prec);
+    int known = find_bend(a, false, chord, bend);
+    known += find_bend(b, true, chord, bend);
+    for (slong i = 0; i < count; i++) {
+        arb_mul_2exp_si(chord + i, chord + i, -1);
+        arb_add(c->u + i, a->c.u + i, chord + i, prec);
+        arb_set_d(x, known > 0 ? bend[i] / (4 * known) : 0);
+        arb_add(c->u + i, c->u + i, x, prec);
+        arb_get_mid_arb(c->u + i, c->u + i);
+    }
+    _arb_vec_clear(chord, count);
+    flint_free(bend);
+    arb_clear(x);
+}
+
 /* The orbit near the middle of two; it is solved from there, so that it may be moved by more than a
  * stored one. */
 static void node_between(ric_node *m, const ric_node *a, const ric_node *b, const ric_enclosure *e)
@@ -81,13 +135,8 @@ static void node_between(ric_node *m, const ric_node *a, const ric_node *b, cons
     ric_existence x;
     ric_existence_init(&x);
     ric_chain_copy(&m->c, &a->c);
-    for (slong i = 0; i < (slong)a->c.m * a->c.size; i++) {
-        arb_add(m->c.u + i, a->c.u + i, b->c.u + i, e->prec);
-        arb_mul_2exp_si(m->c.u + i, m->c.u + i, -1);
-        arb_get_mid_arb(m->c.u + i, m->c.u + i);
-    }
-    m->why = ric_existence_prove(&x, &m->c, e);
-    arb_set(m->exists, x.exists);
+    place_between(&m->c, a, b, e->prec);
+    prove_node(m, &x, e);
     ric_existence_clear(&x);
 }
 
@@ -190,11 +239,11 @@ static bool join_by_one(ric_curve *x, const ric_node *a, const ric_node *b)
 {
     ric_tube t;
     snprintf(x->why, sizeof x->why, "the arc between two orbits is not proved to be one");
-    bool done = ric_tube_create(&t, &a->c, &b->c, x->e);
+    bool done = ric_tube_create(&t, (ric_tube_end){&a->c, a->exists},
+                                (ric_tube_end){&b->c, b->exists}, x->e);
     if (done) {
         snprintf(x->why, sizeof x->why, "tubes are not proved to meet");
-        done = ric_tube_holds(&t, &a->c, a->exists) && ric_tube_holds(&t, &b->c, b->exists) &&
-               tube_stands(x, &t, b->last);
+        done = ric_tube_holds(&t) && tube_stands(x, &t, b->last);
     }
     if (done) record(x, &t, a, b);
     ric_tube_free(&t);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "ball.h"
 #include "base/room.h"
 #include "contraction.h"
 #include "factor.h"
@@ -210,27 +211,39 @@ static void hold(problem *p, int k, int i)
     arb_clear(unit);
 }
 
-/* y: the tangent of the curve of orbits, D v = (0, .., 0, 1). */
-static bool find_tangent(problem *p)
+/* y: the tangent of the curve of orbits, D v = (0, .., 0, 1), with D as it was taken apart. */
+static void find_tangent(problem *p)
 {
     const ric_chain *c = p->c;
-    if (!factorise(p)) return false;
+    const slong at = (slong)c->at * c->size;
     if (p->way == INVERSE) {
         _arb_vec_zero(p->F, p->n - 1);
         arb_one(p->F + p->n - 1);
         invert_rows(p);
-        return true;
+        return;
     }
     memset(p->y, 0, (size_t)p->n * sizeof *p->y);
     vector_zero(p);
     for (slong i = 0; i < c->size; i++) {
-        p->y[i] = ric_arb_middle(c->row + i);
-        arb_get_mid_arb(arb_mat_entry(p->x[0], i, 0), c->row + i);
+        p->y[at + i] = ric_arb_middle(c->row + i);
+        arb_get_mid_arb(arb_mat_entry(p->x[c->at], i, 0), c->row + i);
     }
     solve(p);
     for (slong i = 0; i < (slong)c->m * c->size && p->way == BALLS; i++)
         p->y[i] = ric_arb_middle(arb_mat_entry(p->x[i / c->size], i % c->size, 0));
-    return true;
+}
+
+static void keep_tangent(problem *p, ric_existence *x)
+{
+    const slong count = (slong)p->c->m * p->c->size;
+    double sum = 0;
+    find_tangent(p);
+    for (slong i = 0; i < count; i++) sum += p->y[i] * p->y[i];
+    flint_free(x->tangent);
+    x->tangent = NULL;
+    if (!(sum > 0) || !isfinite(sum)) return;
+    x->tangent = flint_malloc((size_t)count * sizeof *x->tangent);
+    for (slong i = 0; i < count; i++) x->tangent[i] = p->y[i] / sqrt(sum);
 }
 
 /* The derivatives of all numbers of a block, as units, out [numbers * size]. */
@@ -253,7 +266,8 @@ static void number_rows(const problem *p, double *out)
 static bool find_plane(problem *p)
 {
     const ric_chain *c = p->c;
-    if (!lay_first(p) || !find_tangent(p)) return false;
+    if (!lay_first(p) || !factorise(p)) return false;
+    find_tangent(p);
     const int numbers = 2 * p->e->n_dof + 1;
     double *rows = flint_malloc((size_t)numbers * (size_t)c->size * sizeof *rows), most = 0;
     int block = 0, number = -1;
@@ -583,6 +597,7 @@ void ric_existence_clear(ric_existence *x)
 {
     arb_clear(x->exists);
     arb_clear(x->unique);
+    flint_free(x->tangent);
 }
 
 /* What is stored lies where the orbit is the only one. */
@@ -669,12 +684,15 @@ static const char *prove(problem *p, ric_existence *x, arb_srcptr start)
     if (!find_plane(p)) return "the equations are singular there: a junction";
     if (!refine(p, &x->shift, &x->moved)) return "no orbit was found from it";
     if (!factorise(p)) return "the equations are singular there: a junction";
+    keep_tangent(p, x);
     arb_init(least);
     const char *why = !bound_inverse(p, least) ? "the equations are all but singular there"
                       : !conclude(p, x, least)
                           ? "the equations are too near to singular for what is left of them"
                           : NULL;
     x->identified = !why && (identifies(x) || alone_in_box(p, x, start));
+    x->blur = size_of_vector(start, (slong)p->c->m * p->c->size) * RIC_BALL_UNIT /
+              arf_get_d(arb_midref(least), ARF_RND_NEAR);
     arb_clear(least);
     return why;
 }

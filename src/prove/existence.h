@@ -12,8 +12,11 @@
 typedef struct {
     double moved; /* of the centre from where the chain began, over 1 + |its largest block| */
     double shift; /* the same, as it is */
+    double blur;  /* what rounding to doubles of what the chain began with may do to the orbit:
+                     |D^-1| times that; about */
     arb_t exists, unique; /* radii around the centre */
     bool identified;      /* the chain began where the orbit is the only one */
+    double *tangent; /* [m * size] of the curve of orbits there, of length 1: a guess, or NULL */
 } ric_existence;
 
 void ric_existence_init(ric_existence *x);

@@ -9,9 +9,7 @@ enum {
     TRIES = 5,   /* boxes */
     ROUNDS = 40, /* of radii that are looked for with one Z */
     TIGHT = 8,   /* steps from the radii that are alone to those that hold the zeros */
-    TURNS = 2,   /* directions of the basis */
-    FLOOR = -14, /* 2^FLOOR of the largest change along the line: no radius is less, so that orbits
-                    at its ends fit in */
+    TURNS = 3,   /* directions of the basis */
 };
 
 /* The unknowns of a chain in a row; lambda of a reversible one is none. */
@@ -136,20 +134,52 @@ static void bound_bend(ric_tube *t, const arb_mat_t A)
     _arb_vec_clear(x, n);
 }
 
-/* No radius is less than that. */
+/* The orbit u at an end is on the plane of s = s0 + v.(u - centre) / (v.(b - a)), |s - s0| <= |v|
+ * exists / length < MORE, and the box around p(s) holds it if radii = |T^-1| (exists + |s - s0| |b
+ * - a|) < b. */
+static bool reach_end(const ric_tube *t, arb_srcptr exists, mag_ptr radii)
+{
+    const slong n = t->k.n;
+    mag_t away, x, radius;
+    arb_t y;
+    mag_init(away);
+    mag_init(x);
+    mag_init(radius);
+    arb_init(y);
+    ric_chain_norm(n, t->row, t->k.prec, y);
+    arb_mul(y, y, exists, t->k.prec);
+    arb_div(y, y, t->length, t->k.prec);
+    arb_get_mag(away, y);
+    arb_get_mag(radius, exists);
+    mag_set_d_lower(x, RIC_TUBE_MORE);
+    const bool near = mag_cmp(away, x) < 0;
+    for (slong i = 0; i < n; i++) {
+        arb_get_mag(x, t->chord + i);
+        mag_mul(x, x, away);
+        mag_add(radii + i, x, radius);
+    }
+    ric_skew_enter(&t->basis, radii, radii);
+    mag_clear(away);
+    mag_clear(x);
+    mag_clear(radius);
+    arb_clear(y);
+    return near;
+}
+
+/* No radius is less than twice what the orbits at the ends need. */
 static void floor_box(ric_tube *t)
 {
-    mag_t floor, x;
-    mag_init(floor);
-    mag_init(x);
-    for (slong i = 0; i < t->k.n; i++) {
-        arb_get_mag(x, t->chord + i);
-        mag_max(floor, floor, x);
+    const slong n = t->k.n;
+    mag_ptr radii = _mag_vec_init(n);
+    for (slong i = 0; i < n; i++) mag_zero(t->k.b + i);
+    for (int end = 0; end < 2; end++) {
+        reach_end(t, t->exists[end], radii);
+        for (slong i = 0; i < n; i++) {
+            mag_mul_2exp_si(radii + i, radii + i, 1);
+            mag_max(t->k.b + i, t->k.b + i, radii + i);
+        }
     }
-    mag_mul_2exp_si(floor, floor, FLOOR);
-    for (slong i = 0; i < t->k.n; i++) mag_set(t->k.b + i, floor);
-    mag_clear(floor);
-    mag_clear(x);
+    _mag_vec_clear(radii, n);
 }
 
 /* C and the basis from J in the middle, which becomes J T, in doubles; and Z, what is left of 1 - C
@@ -196,28 +226,46 @@ static void add_bends(ric_tube *t, const ric_enclosure *e, arb_mat_t A)
     _arb_vec_clear(along, count);
 }
 
-/* Boxes that grow while the one before is too small for Z on it; A: scratch. */
+/* Whether radii hold for Z as it is, after some rounds in which they grow. */
+static bool radii_hold(ric_tube *t)
+{
+    bool holds = false;
+    for (int round = 0; round <= ROUNDS && !holds; round++) holds = ric_contraction_holds(&t->k);
+    return holds;
+}
+
+/* Z from what is left of the middle, and what the line is off it. */
+static void add_line(ric_tube *t, const ric_enclosure *e, bool first, arb_mat_t A)
+{
+    place_hull(t);
+    bend(t, e, t->chord, A);
+    if (first) bound_bend(t, A);
+    ric_skew_columns(&t->basis, A, e->prec);
+    ric_contraction_add(&t->k, A, 0.5 + RIC_TUBE_MORE);
+}
+
+/* Boxes that grow while the one before is too small for Z on it, the first one with room for what
+ * it adds to what the line does; A: scratch. */
 static bool box_holds(ric_tube *t, const ric_enclosure *e, arb_mat_t A)
 {
     const ric_enclosure coarse = ric_enclosure_coarse(e);
     const size_t size = (size_t)t->k.n * (size_t)t->k.n * sizeof(double);
     double *least = flint_malloc(size);
-    bool holds = false, hopeless = false;
+    memcpy(least, t->k.Z, size);
     bound_ends(t, e);
     floor_box(t);
-    memcpy(least, t->k.Z, size);
-    for (int i = 0; i < TRIES && !holds && !hopeless; i++) {
+    add_line(t, &coarse, true, A);
+    bool hopeful = radii_hold(t), holds = false;
+    for (slong i = 0; i < t->k.n; i++) {
+        mag_mul_ui(t->k.b + i, t->k.b + i, 3);
+        mag_mul_2exp_si(t->k.b + i, t->k.b + i, -1);
+    }
+    for (int i = 0; i < TRIES && !holds && hopeful; i++) {
         memcpy(t->k.Z, least, size);
-        place_hull(t);
-        bend(t, &coarse, t->chord, A);
-        if (i == 0) bound_bend(t, A);
-        ric_skew_columns(&t->basis, A, coarse.prec);
-        ric_contraction_add(&t->k, A, 0.5 + RIC_TUBE_MORE);
+        add_line(t, &coarse, false, A);
         add_bends(t, &coarse, A);
         holds = ric_contraction_holds(&t->k);
-        hopeless = !holds;
-        for (int round = 0; round < ROUNDS && hopeless; round++)
-            hopeless = !ric_contraction_holds(&t->k);
+        hopeful = holds || radii_hold(t);
     }
     flint_free(least);
     return holds;
@@ -281,13 +329,12 @@ static void set_family(ric_tube *t)
     arb_clear(half);
 }
 
-bool ric_tube_create(ric_tube *t, const ric_chain *from, const ric_chain *to,
-                     const ric_enclosure *e)
+bool ric_tube_create(ric_tube *t, ric_tube_end from, ric_tube_end to, const ric_enclosure *e)
 {
-    const slong count = (slong)from->m * from->size + 1;
-    *t = (ric_tube){.from = from, .to = to};
-    ric_chain_copy(&t->hull, from);
-    ric_contraction_create(&t->k, count_unknowns(from), e->prec);
+    const slong count = (slong)from.c->m * from.c->size + 1;
+    *t = (ric_tube){.from = from.c, .to = to.c, .exists = {from.exists, to.exists}};
+    ric_chain_copy(&t->hull, from.c);
+    ric_contraction_create(&t->k, count_unknowns(from.c), e->prec);
     ric_skew_create(&t->basis, t->k.n);
     t->spread = _mag_vec_init(t->k.n);
     t->chord = _arb_vec_init(count);
@@ -317,37 +364,16 @@ void ric_tube_free(ric_tube *t)
 
 /* ---------------------------------------------------------------- the arc */
 
-/* The orbit u is on the plane of s = s0 + v.(u - centre) / (v.(b - a)), |s - s0| <= |v| exists /
- * length < MORE, and the box around p(s) holds it if |T^-1| (exists + |s - s0| |b - a|) < b. */
-bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exists)
+bool ric_tube_holds(const ric_tube *t)
 {
     const slong n = t->k.n;
     mag_ptr radii = _mag_vec_init(n);
-    mag_t away, x, radius;
-    arb_t y;
-    mag_init(away);
-    mag_init(x);
-    mag_init(radius);
-    arb_init(y);
-    ric_chain_norm(n, t->row, t->k.prec, y);
-    arb_mul(y, y, exists, t->k.prec);
-    arb_div(y, y, t->length, t->k.prec);
-    arb_get_mag(away, y);
-    arb_get_mag(radius, exists);
-    mag_set_d_lower(x, RIC_TUBE_MORE);
-    bool holds = (centre == t->from || centre == t->to) && mag_cmp(away, x) < 0;
-    for (slong i = 0; i < n; i++) {
-        arb_get_mag(x, t->chord + i);
-        mag_mul(x, x, away);
-        mag_add(radii + i, x, radius);
+    bool holds = true;
+    for (int end = 0; end < 2; end++) {
+        holds = reach_end(t, t->exists[end], radii) && holds;
+        for (slong i = 0; i < n && holds; i++) holds = mag_cmp(radii + i, t->k.b + i) < 0;
     }
-    ric_skew_enter(&t->basis, radii, radii);
-    for (slong i = 0; i < n && holds; i++) holds = mag_cmp(radii + i, t->k.b + i) < 0;
     _mag_vec_clear(radii, n);
-    mag_clear(away);
-    mag_clear(x);
-    mag_clear(radius);
-    arb_clear(y);
     return holds;
 }
 

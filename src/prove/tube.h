@@ -13,24 +13,29 @@
 
 #define RIC_TUBE_MORE 0x1p-12
 
+/* An orbit: within `exists` of a centre; borrowed. */
+typedef struct {
+    const ric_chain *c;
+    arb_srcptr exists;
+} ric_tube_end;
+
 typedef struct {
     const ric_chain *from, *to; /* centres, borrowed */
-    ric_chain hull;             /* u: balls that hold every orbit of the arc */
-    ric_contraction k;          /* of the equations in the basis: its radii are those of x */
-    ric_skew basis;             /* u = p(s) + T x */
-    mag_ptr spread;             /* [n] |T| radii: how far u goes */
-    arb_ptr chord, row;         /* [n] b - a; the same times a power of two */
+    arb_srcptr exists[2];
+    ric_chain hull;       /* u: balls that hold every orbit of the arc */
+    ric_contraction k;    /* of the equations in the basis: its radii are those of x */
+    ric_skew basis;       /* u = p(s) + T x */
+    mag_ptr spread;       /* [n] |T| radii: how far u goes */
+    arb_ptr chord, row;   /* [n] b - a; the same times a power of two */
     arb_ptr middle, half; /* [m * size + 1] of the arc, with its distance from the line; and of the
                              line (ric_family) */
     arb_t length;         /* row . chord */
 } ric_tube;
 
-bool ric_tube_create(ric_tube *t, const ric_chain *from, const ric_chain *to,
-                     const ric_enclosure *e);
+bool ric_tube_create(ric_tube *t, ric_tube_end from, ric_tube_end to, const ric_enclosure *e);
 void ric_tube_free(ric_tube *t);
-/* Whether the orbit within `exists` of a centre of the class, at s = 0 or s = 1, is one of the arc.
- */
-bool ric_tube_holds(const ric_tube *t, const ric_chain *centre, const arb_t exists);
+/* Whether the orbits at both ends are of the arc. */
+bool ric_tube_holds(const ric_tube *t);
 
 /* Balls that hold the orbits of a part of the arc, out [m * size + 1]; of a tube that was created.
  */

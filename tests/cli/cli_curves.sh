@@ -43,6 +43,10 @@ ok 'linear modes are left out' bash -c '[[ $1 =~ ^left\ out ]]' . "$(curve "$fol
 "$ricochet" run examples/two-walls/study.yaml -o "$folder/w.ricochet" --quiet
 ok 'curves without a mirror cross those with one' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/w.ricochet" 10)"
 
+# Between some of its points the curve is bent so much that Newton's method does not find it from their mean
+"$ricochet" run examples/symmetric-path/study.yaml -o "$folder/s.ricochet" --quiet
+ok 'a branch is one up to a grazing beside which it is all but singular' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/s.ricochet" 37)"
+
 # S2- has the word and the class of S2+
 planted '
 columns = [row[1] for row in db.execute("PRAGMA table_info(point)") if row[1] not in ("branch", "point", "arclength")]
