@@ -419,49 +419,83 @@ static bool is_touch(const ric_chain *c, const ric_family *u, int block)
            (ric_chain_general(c) && block == c->m && u->touch->impact == 0);
 }
 
-/* The event that a chain begins with: an impact from the velocities behind it, turned. */
-static bool begins_with_approach(ric_passage *p, const ric_chain *c, const ric_enclosure *e,
-                                 const ric_family *u)
+/* The speed of the event that block k begins with, from velocities behind it, or any change of
+ * them: an impact turns them. */
+static void speed_behind(const ric_chain *c, const ric_enclosure *e, int k, arb_srcptr velocities,
+                         arb_t out)
 {
-    if (c->face[0] < 0) return true;
+    speed_of(c, e, k, velocities, out);
+    if (!e->wall[c->face[k]].closes) arb_neg(out, out);
+}
+
+/* That is linear in the unknowns: along an arc it is what it is in the middle, and what the line
+ * changes of it. */
+static bool block_approaches(ric_passage *p, const ric_chain *c, const ric_enclosure *e, int k,
+                             const ric_family *u)
+{
+    const slong at = (slong)k * c->size + e->n;
+    if (c->face[k] < 0 || is_touch(c, u, k)) return true;
     arb_t speed, rate;
     arb_init(speed);
     arb_init(rate);
-    speed_of(c, e, 0, u->hull + e->n, speed);
-    if (u->arrival) speed_of(c, e, 0, u->arrival->slope + e->n, rate);
-    if (!e->wall[c->face[0]].closes) {
-        arb_neg(speed, speed);
-        arb_neg(rate, rate);
-    }
+    speed_behind(c, e, k, (u->middle ? u->middle : u->hull) + at, speed);
+    if (u->half) speed_behind(c, e, k, u->half + at, rate);
+    arb_add_error(speed, rate);
+    if (u->arrival) speed_behind(c, e, k, u->arrival->slope + at, rate);
     const bool positive = approaches(p, e, speed, u->arrival ? rate : NULL);
     arb_clear(speed);
     arb_clear(rate);
     return positive;
 }
 
-/* How the speed of the impact behind flight k changes towards the end of the arc: c . (F w + F' w
- * tau) of the slope. */
-static void find_rate(const ric_chain *c, const ric_enclosure *e, int k, const ric_family *u,
+/* How the speed of the impact that the chain ends with changes along `slope`: c . (F w + F' w tau)
+ * of it, for all that the hull holds. */
+static void find_rate(const ric_chain *c, const ric_enclosure *e, arb_srcptr hull, arb_srcptr slope,
                       arb_t out)
 {
-    const slong n = c->n, at = (slong)k * c->size;
-    arb_srcptr w = u->hull + at, slope = u->arrival->slope + at;
+    const slong n = c->n, at = (slong)(c->m - 1) * c->size;
+    const ric_phase *phase = c->phase[c->m - 1];
+    arb_srcptr w = hull + at;
     arb_ptr flown = _arb_vec_init(2 * n), change = _arb_vec_init(n);
     arb_mat_t D;
     arb_t slack;
     arb_init(slack);
     arb_mat_init(D, 2 * n, 2 * n + 1);
-    ric_equation_flight(e, c->phase[k], w, w + 2 * n, D, flown);
-    ric_chain_slack(e, c->phase[k], w, w + 2 * n, slack);
+    ric_equation_flight(e, phase, w, w + 2 * n, D, flown);
+    ric_chain_slack(e, phase, w, w + 2 * n, slack);
     for (slong i = 0; i < n; i++) {
         for (slong j = 0; j <= 2 * n; j++) arb_add_error(arb_mat_entry(D, n + i, j), slack);
-        arb_dot(change + i, NULL, 0, arb_mat_entry(D, n + i, 0), 1, slope, 1, 2 * n + 1, e->prec);
+        arb_dot(change + i, NULL, 0, arb_mat_entry(D, n + i, 0), 1, slope + at, 1, 2 * n + 1,
+                e->prec);
     }
-    speed_of(c, e, k + 1, change, out);
+    speed_of(c, e, c->m, change, out);
     arb_mat_clear(D);
     arb_clear(slack);
     _arb_vec_clear(flown, 2 * n);
     _arb_vec_clear(change, n);
+}
+
+/* The impact that a chain between mirror points ends with; g: of its last flight, and its face. */
+static bool end_approaches(ric_passage *p, const ric_chain *c, const gap *g, const ric_family *u)
+{
+    const ric_enclosure *e = g->e;
+    const slong n = c->n, at = (slong)(c->m - 1) * c->size;
+    arb_srcptr w = (u->middle ? u->middle : u->hull) + at;
+    arb_ptr flown = _arb_vec_init(2 * n);
+    arb_t speed, rate;
+    arb_init(speed);
+    arb_init(rate);
+    ric_chain_fly(e, c->phase[c->m - 1], w, w + 2 * n, flown);
+    speed_of(c, e, c->m, flown + n, speed);
+    arb_add_error(speed, g->slack);
+    if (u->half) find_rate(c, e, u->hull, u->half, rate);
+    arb_add_error(speed, rate);
+    if (u->arrival) find_rate(c, e, u->hull, u->arrival->slope, rate);
+    const bool positive = approaches(p, e, speed, u->arrival ? rate : NULL);
+    arb_clear(speed);
+    arb_clear(rate);
+    _arb_vec_clear(flown, 2 * n);
+    return positive;
 }
 
 /* A face is the image of another one of its contact. */
@@ -474,13 +508,12 @@ static bool touches_in(const gap *g, const ric_family *u, int flight)
            (t->together && t->together[g->contact] == g->facing);
 }
 
-static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, const ric_family *u,
-                          arb_ptr flown)
+/* Flight k lasts, passes no face, and ends with an approach. */
+static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, const ric_family *u)
 {
     const ric_enclosure *e = g->e;
     const slong at = (slong)k * c->size;
-    arb_srcptr w = u->hull + at, tau = w + 2 * c->n;
-    ric_chain_fly(e, c->phase[k], w, tau, flown);
+    arb_srcptr tau = u->hull + at + 2 * c->n;
     snprintf(p->why, sizeof p->why, "flight %d does not last", k + 1);
     const bool empty = u->corner && u->corner->empty == k;
     bool stands = empty || arb_is_positive(tau) ||
@@ -494,21 +527,12 @@ static bool flight_stands(ric_passage *p, const ric_chain *c, gap *g, int k, con
                      image ? ", or its image," : "", k + 1);
             stands = stays_open(g, c, k, tau, u->corner);
         }
-    if (stands && c->face[k + 1] >= 0 && !is_touch(c, u, k + 1)) {
-        snprintf(p->why, sizeof p->why, "the impact behind flight %d is not proved to approach",
-                 k + 1);
-        gap_place(g, c->face[k + 1], false);
-        arb_t speed, rate;
-        arb_init(speed);
-        arb_init(rate);
-        speed_of(c, e, k + 1, flown + c->n, speed);
-        arb_add_error(speed, g->slack);
-        if (u->arrival) find_rate(c, e, k, u, rate);
-        stands = approaches(p, e, speed, u->arrival ? rate : NULL);
-        arb_clear(speed);
-        arb_clear(rate);
-    }
-    return stands;
+    if (!stands) return false;
+    snprintf(p->why, sizeof p->why, "the impact behind flight %d is not proved to approach", k + 1);
+    if (k < c->m - 1) return block_approaches(p, c, e, k + 1, u);
+    if (ric_chain_general(c) || c->face[k + 1] < 0 || is_touch(c, u, k + 1)) return true;
+    gap_place(g, c->face[k + 1], false);
+    return end_approaches(p, c, g, u);
 }
 
 void ric_passage_init(ric_passage *p)
@@ -528,11 +552,9 @@ bool ric_passage_prove(ric_passage *p, const ric_chain *c, const ric_enclosure *
 {
     gap g;
     gap_init(&g, e);
-    arb_ptr flown = _arb_vec_init(2 * c->n);
     snprintf(p->why, sizeof p->why, "the first impact is not proved to approach");
-    p->done = is_touch(c, u, 0) || begins_with_approach(p, c, e, u);
-    for (int k = 0; k < c->m && p->done; k++) p->done = flight_stands(p, c, &g, k, u, flown);
-    _arb_vec_clear(flown, 2 * c->n);
+    p->done = block_approaches(p, c, e, 0, u);
+    for (int k = 0; k < c->m && p->done; k++) p->done = flight_stands(p, c, &g, k, u);
     gap_clear(&g);
     return p->done;
 }

@@ -46,6 +46,8 @@ ok 'curves without a mirror cross those with one' bash -c '[[ $1 =~ ^proved\ Tru
 # Between some of its points the curve is bent so much that Newton's method does not find it from their mean
 "$ricochet" run examples/symmetric-path/study.yaml -o "$folder/s.ricochet" --quiet
 ok 'a branch is one up to a grazing beside which it is all but singular' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/s.ricochet" 37)"
+# It comes to a grazing by ever slower impacts, as slow as the tube is short where their speed is told from a flight
+ok 'slow impacts are told from the states behind them, by few tubes' bash -c '[[ $1 =~ ^proved\ True\ True\ (3|4).\  ]]' . "$(curve "$folder/s.ricochet" 26)"
 
 # S2- has the word and the class of S2+
 planted '
