@@ -16,7 +16,7 @@ enum {
     TUBE = 1000000, /* multiplications of one, about */
     FINEST = 7,     /* halvings of a tube for its certificate */
     MANY_PARTS = 7, /* halvings of a tube for its stability: of two modes */
-    FEW_PARTS = 3   /* of more, where it is dear */
+    FEW_PARTS = 5   /* of more, where it is dear */
 };
 
 /* Of lines between orbits of a certificate. */
@@ -152,23 +152,34 @@ static double size_of(const ric_tube *t)
     return size;
 }
 
-/* What multipliers say along a part of a tube, from s = at on; where that is nothing, along its
- * halves. */
-static void judge_part(ric_curve *x, const ric_tube *t, double at, double part, int depth)
+/* What multipliers say of a part of a tube. */
+static ric_stability judge(const ric_curve *x, const ric_tube *t, double from, double to)
 {
     const slong count = (slong)t->hull.m * t->hull.size + 1;
     ric_monodromy multipliers;
     arb_ptr hull = _arb_vec_init(count);
     ric_monodromy_init(&multipliers);
-    ric_tube_part(t, at, at + part, hull);
+    ric_tube_part(t, from, to, hull);
     ric_monodromy_judge(&multipliers, &t->hull, x->e, hull);
-    if (multipliers.stable != RIC_STABLE_UNDECIDED || depth == 0 || ric_halt(TUBE))
-        x->length[multipliers.stable] += part * size_of(t);
+    const ric_stability stable = multipliers.stable;
+    ric_monodromy_clear(&multipliers);
+    _arb_vec_clear(hull, count);
+    return stable;
+}
+
+/* From s = at on; where that is nothing, along its halves. Of more than two modes halves say no
+ * more where the orbits at its middle alone say nothing: multipliers are on the unit circle, and as
+ * near as those balls are wide. */
+static void judge_part(ric_curve *x, const ric_tube *t, double at, double part, int depth)
+{
+    const double mid = at + part / 2;
+    const ric_stability stable = judge(x, t, at, at + part);
+    if (stable != RIC_STABLE_UNDECIDED || depth == 0 || ric_halt(TUBE) ||
+        (x->e->n > 2 && judge(x, t, mid, mid) == RIC_STABLE_UNDECIDED))
+        x->length[stable] += part * size_of(t);
     else
         for (int half = 0; half < 2; half++)
             judge_part(x, t, at + half * part / 2, part / 2, depth - 1);
-    ric_monodromy_clear(&multipliers);
-    _arb_vec_clear(hull, count);
 }
 
 /* All of the arc are motions, but for its end where that is `last`: gaps, and what multipliers say.

@@ -43,6 +43,12 @@ ok 'linear modes are left out' bash -c '[[ $1 =~ ^left\ out ]]' . "$(curve "$fol
 "$ricochet" run examples/two-walls/study.yaml -o "$folder/w.ricochet" --quiet
 ok 'curves without a mirror cross those with one' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/w.ricochet" 10)"
 
+"$ricochet" run examples/three-masses/study.yaml -o "$folder/t.ricochet" --quiet
+ok 'of three modes, too, tubes are halved where stability is told by that' bash -c '"$0" prove "$1" --curves --branch 7 --json | python3 -S -c "
+import json, sys
+row, = json.load(sys.stdin)
+assert row[\"unstable\"] > 0.45, row"' "$ricochet" "$folder/t.ricochet"
+
 # Between some of its points the curve is bent so much that Newton's method does not find it from their mean
 "$ricochet" run examples/symmetric-path/study.yaml -o "$folder/s.ricochet" --quiet
 ok 'a branch is one up to a grazing beside which it is all but singular' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/s.ricochet" 37)"
