@@ -10,7 +10,10 @@
 
 enum {
     NEWTON = 24, /* steps at most */
-    POWER = 4,   /* steps of the inverse iteration for motions beside the orbit */
+    CHORD = 48,  /* the same with an inverse in doubles */
+    FIRST = 6,   /* steps that need not shrink */
+    SLOW = -4, /* a step of 2^-4 of the one before, or more, has the next one take a new inverse */
+    POWER = 4, /* steps of the inverse iteration for motions beside the orbit */
     WIDEST = 3,
     FINEST = 50, /* 2^-k: radii in which there is no other zero, as far as they are tried */
     TIGHT = 24   /* doublings of a radius of existence */
@@ -22,6 +25,7 @@ static bool find_motions(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
     const slong first = x->n_orbit, count = ric_augmented_motions(x) * x->n_motion;
     arb_mat_t A, b;
+    slong *order = flint_malloc((size_t)count * sizeof *order);
     arb_mat_init(A, count, count);
     arb_mat_init(b, count, 1);
     ric_augmented_evaluate(x, x->z, J, F);
@@ -30,20 +34,63 @@ static bool find_motions(ric_augmented *x, arb_mat_t J, arb_ptr F)
         for (slong j = 0; j < count; j++)
             arb_get_mid_arb(arb_mat_entry(A, i, j), arb_mat_entry(J, first - 1 + i, first + j));
     }
-    bool done = true;
-    for (int step = 0; step < POWER && done; step++)
-        done = arb_mat_approx_solve(b, A, b, x->e->prec) && ric_arb_normalise(b, x->e->prec);
+    bool done = arb_mat_approx_lu(order, A, A, x->e->prec);
+    for (int step = 0; step < POWER && done; step++) {
+        arb_mat_approx_solve_lu_precomp(b, order, A, b, x->e->prec);
+        done = ric_arb_normalise(b, x->e->prec);
+    }
     for (slong i = 0; i < count && done; i++) {
         arb_set(x->z + first + i, arb_mat_entry(b, i, 0));
         arb_set(x->l + i, arb_mat_entry(b, i, 0));
     }
+    flint_free(order);
     arb_mat_clear(A);
     arb_mat_clear(b);
     return done;
 }
 
-/* Newton's method until steps no longer shrink. */
-static bool refine(ric_augmented *x, arb_mat_t J, arb_ptr F)
+/* z <- z - C F, in balls that are cut to their middles; the largest number of that. */
+static double step_back(ric_augmented *x, arb_srcptr F, arb_ptr step)
+{
+    double size = 0;
+    ric_contraction_apply(&x->k, F, step);
+    for (slong i = 0; i < x->n; i++) {
+        arb_get_mid_arb(step + i, step + i);
+        const double here = fabs(ric_arb_middle(step + i));
+        if (!(here <= size)) size = here;
+        arb_sub(x->z + i, x->z + i, step + i, x->e->prec);
+        arb_get_mid_arb(x->z + i, x->z + i);
+    }
+    return size;
+}
+
+/* Newton's method with an inverse in doubles, which is made again where it does not do: F has all
+ * digits, so that each step has as many more as the inverse bears. `sound`: the first inverse is
+ * one, so that more digits would take the same way. */
+static bool refine_quickly(ric_augmented *x, arb_mat_t J, arb_ptr F, bool *sound)
+{
+    const double last = ldexp(1, 12 - (int)x->e->prec), noise = ldexp(1, 32 - (int)x->e->prec);
+    arb_ptr step = _arb_vec_init(x->n);
+    double before = HUGE_VAL;
+    bool done = false, good = true, fresh = false;
+    *sound = false;
+    for (int k = 0; k < CHORD && good && !done; k++) {
+        ric_augmented_evaluate(x, x->z, J, F);
+        if (!fresh) good = ric_contraction_invert_quickly(&x->k, J);
+        if (k == 0 && good) ric_contraction_defect(&x->k, J);
+        if (k == 0) *sound = good && ric_contraction_is_fine(&x->k);
+        const double size = good ? step_back(x, F, step) : HUGE_VAL;
+        fresh = size < ldexp(before, SLOW);
+        done = size < last || (size > before / 2 && before < noise);
+        good = good && isfinite(size) && (k < FIRST || size < before / 2);
+        before = size;
+    }
+    _arb_vec_clear(step, x->n);
+    return done;
+}
+
+/* The same with all digits, until steps no longer shrink. */
+static bool refine_widely(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
     arb_mat_t b;
     arb_mat_init(b, x->n, 1);
@@ -57,7 +104,7 @@ static bool refine(ric_augmented *x, arb_mat_t J, arb_ptr F)
         done = arb_mat_approx_solve(b, J, b, x->e->prec);
         for (slong i = 0; i < x->n && done; i++)
             size = fmax(size, fabs(ric_arb_middle(arb_mat_entry(b, i, 0))));
-        if (!done || !isfinite(size) || (step > 6 && size > before / 2)) break;
+        if (!done || !isfinite(size) || (step > FIRST && size > before / 2)) break;
         for (slong i = 0; i < x->n; i++) {
             arb_sub(x->z + i, x->z + i, arb_mat_entry(b, i, 0), x->e->prec);
             arb_get_mid_arb(x->z + i, x->z + i);
@@ -67,6 +114,20 @@ static bool refine(ric_augmented *x, arb_mat_t J, arb_ptr F)
     }
     arb_mat_clear(b);
     return done && before < CONVERGED;
+}
+
+static bool refine(ric_augmented *x, arb_mat_t J, arb_ptr F)
+{
+    arb_ptr start = _arb_vec_init(x->n);
+    bool sound;
+    _arb_vec_set(start, x->z, x->n);
+    bool done = refine_quickly(x, J, F, &sound);
+    if (!done && !sound) {
+        _arb_vec_set(x->z, start, x->n);
+        done = refine_widely(x, J, F);
+    }
+    _arb_vec_clear(start, x->n);
+    return done;
 }
 
 /* z with all of a box; the radii of k.b. */
