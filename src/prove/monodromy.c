@@ -184,8 +184,7 @@ static void turn_back(const arb_mat_t P, arb_mat_t out)
         }
 }
 
-/* The state behind the last impact of a reversible chain. */
-static void behind_end(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_ptr out)
+void ric_monodromy_end(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_ptr out)
 {
     arb_srcptr w = u + (slong)(c->m - 1) * c->size;
     arb_t slack;
@@ -197,20 +196,9 @@ static void behind_end(const ric_chain *c, const ric_enclosure *e, arb_srcptr u,
     arb_clear(slack);
 }
 
-/* In doubles if what is asked is `quick`, and they do. */
-static void multiply(arb_mat_t out, const arb_mat_t A, const arb_mat_t B, slong prec, bool quick)
-{
-    arb_mat_t product;
-    arb_mat_init(product, arb_mat_nrows(A), arb_mat_ncols(B));
-    if (!quick || !ric_monodromy_product(product, A, B)) arb_mat_mul(product, A, B, prec);
-    arb_mat_swap(out, product);
-    arb_mat_clear(product);
-}
-
 /* P, along the chain, becomes the map over the period, or over half of it, turned round, if the
  * orbit is symmetric. */
-static void round_trip(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, bool quick,
-                       arb_mat_t H)
+static void round_trip(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_mat_t H)
 {
     arb_mat_t back;
     arb_mat_init(back, 2 * c->n, 2 * c->n);
@@ -218,11 +206,11 @@ static void round_trip(const ric_chain *c, const ric_enclosure *e, arb_srcptr u,
         turn_back(H, back);
         if (c->end == RIC_CHAIN_IMPACT) {
             arb_ptr w = _arb_vec_init(2 * c->n);
-            behind_end(c, e, u, w);
+            ric_monodromy_end(c, e, u, w);
             salt(e, c->phase[c->m - 1], c->face[c->m], w, H);
             _arb_vec_clear(w, 2 * c->n);
         }
-        multiply(H, back, H, e->prec, quick);
+        arb_mat_mul(H, back, H, e->prec);
     }
     if (c->face[0] >= 0) salt(e, c->phase[0], c->face[0], u, H);
     if (ric_chain_symmetric(c)) arb_mat_neg(H, H);
@@ -252,7 +240,7 @@ static void judge_trace(ric_monodromy *m, const arb_mat_t H, bool symmetric, slo
 /* tr H^k = 2 + the sum of x^k + x^-k over n - 1 pairs: if that is more than 2 (n - 1) in
  * size, one is off the unit circle. It needs few bits where multipliers are large, and all of them
  * at once need many. */
-static bool one_is_outside(const arb_mat_t H, slong prec, bool quick)
+static bool one_is_outside(const arb_mat_t H, slong prec)
 {
     const slong n = arb_mat_nrows(H) / 2;
     bool outside = false;
@@ -262,7 +250,7 @@ static bool one_is_outside(const arb_mat_t H, slong prec, bool quick)
     arb_mat_init(P, 2 * n, 2 * n);
     arb_mat_set(P, H);
     for (int k = 0; k <= SQUARINGS && !outside; k++) {
-        if (k > 0) multiply(P, P, P, prec, quick);
+        if (k > 0) arb_mat_sqr(P, P, prec);
         arb_mat_trace(x, P, prec);
         arb_sub_ui(x, x, 2, prec);
         arb_abs(x, x);
@@ -364,17 +352,16 @@ static double radius_of(const arb_mat_t H)
 /* Coefficients of a polynomial of degree d with all roots on the unit circle are up to 2^d, and its
  * matrix is known to less than that times its radius: with more than LOST nothing is told from it.
  */
-static bool polynomial_tells(const arb_mat_t H)
+static bool polynomial_tells(int n, double radius)
 {
-    return ldexp(radius_of(H), (int)arb_mat_nrows(H) - 2) < LOST;
+    return ldexp(radius, n - 2) < LOST;
 }
 
-static void judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, bool quick,
-                  arb_mat_t H)
+static void judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, const arb_mat_t H)
 {
     if (c->n == 2) judge_trace(m, H, ric_chain_symmetric(c), e->prec);
-    else if (one_is_outside(H, e->prec, quick)) m->stable = RIC_STABLE_NO;
-    else if (polynomial_tells(H)) judge_polynomial(m, H, e->prec);
+    else if (one_is_outside(H, e->prec)) m->stable = RIC_STABLE_NO;
+    else if (polynomial_tells(2 * c->n, radius_of(H))) judge_polynomial(m, H, e->prec);
 }
 
 void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
@@ -385,9 +372,34 @@ void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclo
     arb_mat_t H;
     arb_mat_init(H, 2 * c->n, 2 * c->n);
     along_chain(c, e, u, H);
-    round_trip(c, e, u, false, H);
-    judge(m, c, e, false, H);
+    round_trip(c, e, u, H);
+    judge(m, c, e, H);
     arb_mat_clear(H);
+}
+
+/* What H in doubles says; returns its largest radius. */
+static double judge_quickly(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
+                            const ric_ball *H)
+{
+    const int n = 2 * c->n;
+    double radius = 0;
+    for (int i = 0; i < n * n; i++)
+        if (!(H[i].r <= radius)) radius = H[i].r;
+    if (c->n > 2 && ric_monodromy_leaves(n, H, SQUARINGS)) {
+        m->stable = RIC_STABLE_NO;
+        return radius;
+    }
+    if (c->n > 2 && !polynomial_tells(n, radius)) return radius;
+    arb_mat_t A;
+    arb_mat_init(A, n, n);
+    for (int i = 0; i < n * n; i++) {
+        arb_set_d(arb_mat_entry(A, i / n, i % n), H[i].m);
+        mag_set_d(arb_radref(arb_mat_entry(A, i / n, i % n)), H[i].r);
+    }
+    if (c->n == 2) judge_trace(m, A, ric_chain_symmetric(c), e->prec);
+    else judge_polynomial(m, A, e->prec);
+    arb_mat_clear(A);
+    return radius;
 }
 
 void ric_monodromy_judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
@@ -398,14 +410,10 @@ void ric_monodromy_judge(ric_monodromy *m, const ric_chain *c, const ric_enclosu
         springs = springs || (c->face[k] >= 0 && e->wall[c->face[k]].closes);
     bool wide = false;
     if (!springs) {
-        arb_mat_t H;
-        arb_mat_init(H, 2 * c->n, 2 * c->n);
-        double noise = ric_monodromy_quick(c, e, u, H);
-        if (!ric_chain_general(c)) noise *= noise / (c->m * 0x1p-53);
-        round_trip(c, e, u, true, H);
-        judge(m, c, e, true, H);
-        wide = radius_of(H) > MUCH * noise;
-        arb_mat_clear(H);
+        ric_ball *H = flint_malloc((size_t)(4 * c->n * c->n) * sizeof *H);
+        const double noise = ric_monodromy_quick(c, e, u, H);
+        if (isfinite(noise)) wide = judge_quickly(m, c, e, H) > MUCH * noise;
+        flint_free(H);
     }
     if (m->stable == RIC_STABLE_UNDECIDED && !wide) ric_monodromy_enclose(m, c, e, u);
 }

@@ -91,54 +91,88 @@ static void salt(quick *z, int face, arb_srcptr w)
 
 /* ------------------------------------------------------------------ products */
 
-static ric_ball *take_balls(const arb_mat_t A)
-{
-    const slong n = arb_mat_nrows(A);
-    ric_ball *out = flint_malloc((size_t)(n * n) * sizeof *out);
-    for (slong i = 0; i < n * n; i++) out[i] = ric_ball_of(arb_mat_entry(A, i / n, i % n));
-    return out;
-}
-
-/* Row i of A B: sums, sums of sizes, and of what the radii add (ric_ball_dot). */
-static void multiply_row(slong n, const ric_ball *a, const ric_ball *B, double *sum)
+/* Row i of A B: sums, sums of sizes, and of what the radii add (ric_ball_dot); m, size and r of B
+ * apart from each other. */
+static void multiply_row(int n, const ric_ball *a, const double *B, double *restrict sum)
 {
     double *size = sum + n, *radius = sum + 2 * n;
     memset(sum, 0, 3 * (size_t)n * sizeof *sum);
-    for (slong k = 0; k < n; k++) {
+    for (int k = 0; k < n; k++) {
         const double m = a[k].m, most = fabs(a[k].m), r = a[k].r;
-        for (slong j = 0; j < n; j++) {
-            const ric_ball b = B[k * n + j];
-            sum[j] += m * b.m;
-            size[j] += most * fabs(b.m);
-            radius[j] += most * b.r + r * (fabs(b.m) + b.r);
+        const double *middle = B + 3 * k * n, *mean = middle + n, *wide = mean + n;
+        for (int j = 0; j < n; j++) {
+            sum[j] += m * middle[j];
+            size[j] += most * mean[j];
+            radius[j] += most * wide[j] + r * (mean[j] + wide[j]);
         }
     }
 }
 
-bool ric_monodromy_product(arb_mat_t out, const arb_mat_t A, const arb_mat_t B)
+bool ric_monodromy_product(int n, const ric_ball *A, const ric_ball *B, ric_ball *out)
 {
-    const slong n = arb_mat_nrows(A);
     const double more = (double)(2 * n + 4) * 2 * RIC_BALL_UNIT;
-    ric_ball *a = take_balls(A), *b = take_balls(B);
-    double *sum = flint_malloc(3 * (size_t)n * sizeof *sum);
+    double *b = flint_malloc((size_t)(3 * n * n + 3 * n) * sizeof *b), *sum = b + 3 * n * n;
     bool finite = true;
-    for (slong i = 0; i < n; i++) {
-        multiply_row(n, a + i * n, b, sum);
-        for (slong j = 0; j < n; j++) {
+    for (int k = 0; k < n; k++)
+        for (int j = 0; j < n; j++) {
+            b[(3 * k + 0) * n + j] = B[k * n + j].m;
+            b[(3 * k + 1) * n + j] = fabs(B[k * n + j].m);
+            b[(3 * k + 2) * n + j] = B[k * n + j].r;
+        }
+    for (int i = 0; i < n; i++) {
+        multiply_row(n, A + i * n, b, sum);
+        for (int j = 0; j < n; j++) {
             const double r = ric_up((sum[2 * n + j] + sum[n + j] * more) * (1 + more) +
-                                    (double)n * 0x1p-1000);
+                                    n * 0x1p-1000);
             finite = finite && isfinite(sum[j]) && isfinite(r);
-            arb_set_d(arb_mat_entry(out, i, j), sum[j]);
-            mag_set_d(arb_radref(arb_mat_entry(out, i, j)), r);
+            out[i * n + j] = (ric_ball){sum[j], r};
         }
     }
-    flint_free(sum);
-    flint_free(a);
     flint_free(b);
     return finite;
 }
 
-double ric_monodromy_quick(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_mat_t P)
+/* -------------------------------------------------------------- there and back */
+
+/* The way back of P, as in monodromy.c: no arithmetic. */
+static void turn_back(int n, const ric_ball *P, ric_ball *out)
+{
+    const int wide = 2 * n;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            out[i * wide + j] = P[(n + j) * wide + n + i];
+            out[i * wide + n + j] = P[j * wide + n + i];
+            out[(n + i) * wide + j] = P[(n + j) * wide + i];
+            out[(n + i) * wide + n + j] = P[j * wide + i];
+        }
+}
+
+/* P, along the chain, becomes the map over the period, or over half of it, turned round. */
+static bool round_trip(quick *z, const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
+{
+    const size_t count = (size_t)(z->wide * z->wide);
+    bool finite = true;
+    if (!ric_chain_general(c)) {
+        ric_ball *back = flint_malloc(count * sizeof *back),
+                 *there = flint_malloc(count * sizeof *back);
+        turn_back(z->n, z->P, back);
+        if (c->end == RIC_CHAIN_IMPACT) {
+            arb_ptr w = _arb_vec_init(2 * c->n);
+            ric_monodromy_end(c, e, u, w);
+            salt(z, c->face[c->m], w);
+            _arb_vec_clear(w, 2 * c->n);
+        }
+        memcpy(there, z->P, count * sizeof *there);
+        finite = ric_monodromy_product(z->wide, back, there, z->P);
+        flint_free(back);
+        flint_free(there);
+    }
+    if (c->face[0] >= 0) salt(z, c->face[0], u);
+    for (size_t i = 0; i < count && ric_chain_symmetric(c); i++) z->P[i].m = -z->P[i].m;
+    return finite;
+}
+
+double ric_monodromy_quick(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, ric_ball *H)
 {
     quick z;
     double sum = 0;
@@ -148,12 +182,50 @@ double ric_monodromy_quick(const ric_chain *c, const ric_enclosure *e, arb_srcpt
         if (k > 0) salt(&z, c->face[k], w);
         fly(&z, w + 2 * c->n);
     }
-    for (int i = 0; i < z.wide * z.wide; i++) {
-        arb_ptr to = arb_mat_entry(P, i / z.wide, i % z.wide);
-        arb_set_d(to, z.P[i].m);
-        mag_set_d(arb_radref(to), z.P[i].r);
-        sum += z.P[i].m * z.P[i].m;
-    }
+    for (int i = 0; i < z.wide * z.wide; i++) sum += z.P[i].m * z.P[i].m;
+    const double size = sqrt(sum), noise = c->m * RIC_BALL_UNIT * size;
+    const bool finite = round_trip(&z, c, e, u);
+    memcpy(H, z.P, (size_t)(z.wide * z.wide) * sizeof *H);
     close_quick(&z);
-    return c->m * RIC_BALL_UNIT * sqrt(sum);
+    if (!finite) return HUGE_VAL;
+    return ric_chain_general(c) ? noise : noise * size;
+}
+
+/* ------------------------------------------------------------------- traces */
+
+static ric_ball trace(int n, const ric_ball *P)
+{
+    ric_ball sum = {0, 0};
+    for (int i = 0; i < n; i++) sum = ric_ball_add(sum, P[i * n + i]);
+    return sum;
+}
+
+/* Of P^2, which is not needed for that. */
+static ric_ball trace_square(int n, const ric_ball *P)
+{
+    ric_ball sum = {0, 0};
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            sum = ric_ball_add(sum, ric_ball_mul(P[i * n + j], P[j * n + i]));
+    return sum;
+}
+
+bool ric_monodromy_leaves(int n, const ric_ball *H, int squarings)
+{
+    const size_t size = (size_t)(n * n) * sizeof *H;
+    ric_ball *P = flint_malloc(size), *square = flint_malloc(size);
+    bool outside = false, finite = true;
+    memcpy(P, H, size);
+    for (int k = 0; k <= squarings && finite && !outside; k++) {
+        if (k > 1) {
+            finite = ric_monodromy_product(n, P, P, square);
+            memcpy(P, square, size);
+        }
+        const ric_ball x = ric_ball_sub(k > 0 ? trace_square(n, P) : trace(n, P),
+                                        ric_ball_exact(2));
+        outside = finite && ric_down(fabs(x.m) - x.r) > ric_up(n - 2);
+    }
+    flint_free(P);
+    flint_free(square);
+    return outside;
 }
