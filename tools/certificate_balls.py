@@ -141,22 +141,23 @@ class Phase:
         W = W + self.series(0, t0.rad) @ (self.A @ W) * Ball(0, t0.rad)
         return W + self.A @ W[:, :1] * [0, *t[1:]]
 
-    def flies(self, row, w, t, depth, opens, closes, pressed=False):
-        """Halves a flight until a gap is positive, or moves or bends away from where it is 0; or
-        `pressed` together: to 0, or to rest, at both ends, and bent towards 0 all the way."""
+    def flies(self, row, W, factors, t, depth, opens, closes, pressed=False):
+        """Halves a flight of W @ factors until a gap is positive, or moves or bends away from where
+        it is 0; or `pressed` together: to 0, or to rest, at both ends, and bent towards 0 all the
+        way."""
         need(depth, "a face is passed, or not approached")
         part = (t[0].mid + t[0].rad >> 1) + 1
         if part * self.norm < LONG:
-            moves = self.A @ w
-            rate, bend = (-(row @ (self.series(part, part) @ dw))[0]
-                          for dw in (moves, self.A @ moves))
-            gap = Ball(part, part) * rate - (row @ w)[0]
+            moves = self.A @ W
+            rate, bend = (-(row @ (self.series(part, part) @ dW)) @ factors
+                          for dW in (moves, self.A @ moves))
+            gap = Ball(part, part) * rate - row @ W @ factors
             if (gap > 0 or opens and rate > 0 or closes and -rate > 0
                     or (opens or closes) and bend > 0 or pressed and -bend > 0):
                 return
         half = t / Ball(2 * ONE)
-        self.flies(row, w, half, depth - 1, opens, False)
-        self.flies(row, self.fly(w, half), half, depth - 1, False, closes)
+        self.flies(row, W, factors, half, depth - 1, opens, False)
+        self.flies(row, self.fly(W, half), factors, half, depth - 1, False, closes)
 
 
 class Model:

@@ -1,6 +1,5 @@
 """The chain of a certificate for check_certificate.py: its equations, the proof that they have one
-zero, that the zero is a motion, and that an arc of motions joins two of them."""
-import copy
+zero, and that the zero is a motion."""
 from fractions import Fraction
 
 import numpy as np
@@ -11,9 +10,6 @@ from certificate_balls import (ONE, P, TAIL, Ball, balls, each, eye, inverse, mi
 
 STEPS, DEEPEST = 6, 60  # towards a zero; halvings of a flight
 RADII = [ONE >> k for k in (10, 20, 30, 40)]  # within which a zero may be the only one
-FLOOR, TRIES, PARTS, SHALLOW = 14, 4, 9, 14  # tubes: 2^-radius, boxes, halvings, those of flights
-ROUNDS, THIN = 8, 24  # towards the shape of a box, whose least side is 2^-24 of its largest
-MORE = ONE >> 12  # of a line, beyond its ends
 UNIT, HELD = 18, 1000  # decimals of states and times; the held one is a multiple of 1000 units
 ASKED = {"held": 2, "speed": 1, "gap": 3, "time": 1, "break": 2, "turn": 2}  # numbers behind it
 BESIDE = {"energy": [(0, 0)], "period": [(0, 0)], "double": [(0, 1)], "turn": [(0, 0), (1, 1)]}
@@ -199,9 +195,10 @@ class System:
         need([x.rounded(UNIT) for x in u[:, 0]] == self.said, "other states or times")
         return u
 
-    def stands(self, u, depth=DEEPEST):
-        """Rows left out follow, flights last, events approach, and gaps are open."""
-        begins, ends = self.path(u)[0]
+    def stands(self, u, depth=DEEPEST, split=None):
+        """Rows left out follow, flights last, events approach, and gaps are open. What is known of
+        the numbers of an arc together is in `split`: columns of them, and a factor for each."""
+        (begins, ends), (columns, factors) = self.path(u)[0], split or (u, [1])
         if self.left_out is not None:
             1 / self.gradient(begins[0], ends[-1])[self.left_out]
         for k, phase in enumerate(self.phases):
@@ -209,6 +206,7 @@ class System:
                 continue
             t = u[(k + 1) * self.width - 1]
             need(t[0] > 0, f"flight {k + 1} does not last")
+            W = np.vstack([columns[k * self.width:(k + 1) * self.width - 1], eye(len(factors))[:1]])
             for face in self.watched:
                 sign, met, lies = -1 if face in self.closed[k] else 1, [], []
                 for event, w, out in ((k, begins[k], -1), (k + 1, ends[k], 1)):
@@ -218,7 +216,8 @@ class System:
                     need(not met[-1] or self.still(*place)
                          or (self.m.speeds[face] @ w)[0] * (out * sign) > 0,
                          "an impact has no speed")
-                phase.flies(self.m.rows[face] * sign, begins[k], t, depth, *met, all(lies))
+                row = self.m.rows[face] * sign
+                phase.flies(row, W, factors, t, depth, *met, all(lies))
 
     def rests(self, event):
         """At a mirror point, from which the flight goes back as it came."""
@@ -230,61 +229,3 @@ class System:
         own, mirror = self.faces[event], not self.general and event in (0, self.count)
         return (event, face) == self.slow or self.rests(event) or (
             mirror and own and self.m.speed[face] @ self.m.kick[own] == 0)
-
-    def join(self, u, other, v):
-        """On planes across the line between two centres lies one arc, with both orbits."""
-        need(self.kind == other.kind == "held", "an orbit of a curve is held")
-        need(self.said != other.said, "an orbit stands there twice")
-        tube = copy.copy(self)
-        tube.start, tube.along = middle(self.centre), middle(other.centre - self.centre)
-        spot = tube.start + tube.along * Ball(ONE >> 1)
-        tube.linear = [[*tube.along[:, 0], *[0] * 2 * self.n, -(tube.along.T @ spot)[0, 0]]]
-        tube.shape = tube.shaped(spot)
-        radius = tube.follow(-MORE, ONE + MORE)
-        for orbit, s in ((u, 0), (v, ONE)):
-            off = orbit - tube.start - tube.along * Ball(s)
-            share = (tube.along.T @ off)[0, 0] / (tube.along.T @ tube.along)[0, 0]
-            far = size((off - tube.along * share) / tube.shape)
-            need(abs(share).mid < MORE and far < radius, "tubes are not proved to meet")
-
-    def shaped(self, spot):
-        """Of boxes: of the least one that contains how the arc bends off the line, and what the
-        contraction makes of itself, on the first share about the middle where there is one."""
-        C, at = inverse(self.slopes(spot)), self.equations(spot)
-        for depth in range(PARTS):
-            span = Ball(0, ONE >> depth + 1)
-            J = self.slopes(spot + self.along * span)
-            bent = each(lambda x: Ball(abs(x).mid))(C[:, :-1] @ (at + J @ self.along * span)[:-1])
-            spread, box = each(lambda x: abs(x + Ball(0)))(C @ J - eye(self.size)), bent
-            for _ in range(ROUNDS):
-                last, box = box, bent + spread @ box
-            if size(box - last) < size(last) >> 4:
-                break
-        least = max(size(box) >> THIN, 1)
-        box = each(lambda x: Ball(max(x.mid, least)))(box)
-        return middle(box / Ball(size(box)))
-
-    def follow(self, first, last, depth=0):
-        """The least size of boxes around the line, of a shape that tells how it bends, with one
-        zero on each plane, all motions."""
-        half = (last - first) // 2
-        try:
-            spot = self.start + self.along * Ball(first + half)
-            C, at = inverse(self.slopes(spot)), self.equations(spot)
-            span, radius = Ball(0, half + 1), size(self.along) >> FLOOR
-            narrow = lambda A: size(A / self.shape)
-            for attempt in range(TRIES):
-                box = spot + self.along * span + self.shape * Ball(0, radius)
-                J = self.slopes(box)
-                shrinks = narrow((C @ J - eye(self.size)) * self.shape.T)
-                bent = narrow(C[:, :-1] @ (at + J @ self.along * span)[:-1])
-                if bent + (shrinks * radius >> P) + 1 < radius:
-                    self.stands(box, SHALLOW)
-                    return radius
-                need(shrinks < ONE and attempt < TRIES - 1, "an arc is not proved to be one")
-                radius = bent * ONE // (ONE - shrinks) * 9 // 8 + 1
-        except (ArithmeticError, ValueError):
-            if depth == PARTS:
-                raise
-        parts = ((first, first + half), (first + half, last))
-        return min(self.follow(*part, depth + 1) for part in parts)

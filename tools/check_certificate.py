@@ -6,7 +6,8 @@ Each is a zero of one system of equations, closed by a number that is held, by w
 junction, or by planes across a line. A contraction in balls proves that it is there once, and all
 that the line says has to follow from it, digit by digit. See docs/proofs.md.
 Here is what each line says; the equations, with the proof that their zero is a motion, are in
-certificate_chain.py, and numbers, matrices and flights in certificate_balls.py.
+certificate_chain.py, arcs of them in certificate_tube.py, and numbers, matrices and flights in
+certificate_balls.py.
 """
 import json
 import math
@@ -17,6 +18,7 @@ import numpy as np
 
 from certificate_balls import ONE, P, SIDES, Ball, Model, balls, eye, need, pivots
 from certificate_chain import UNIT, System
+from certificate_tube import join
 
 DIGITS = 12  # of energy, period and trace
 NEAR = 1e-8  # what an atlas stores is that near
@@ -66,7 +68,7 @@ def check(model, line, points=None):
             nodes = [System(model, {**line, **node}) for node in arc]
             orbits = [(node, node.prove()) for node in nodes]
             for (a, u), (b, v) in zip(orbits, orbits[1:]):
-                a.join(u, b, v)
+                join(a, u, b, v)
         return
     s, point = System(model, line), line["type"] == "point"
     need(point == (s.kind == "held") and not (point and "twin" in line), "it is no junction")

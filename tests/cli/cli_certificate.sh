@@ -125,8 +125,8 @@ u = orbit.prove()
 orbit.stands(u)
 closed = next(phase for phase, faces in zip(orbit.phases, orbit.closed) if faces)
 flies = type(closed).flies
-def other(phase, row, w, t, depth, *met):
-    flies(phase, -row if phase is closed and depth == DEEPEST else row, w, t, depth, *met)
+def other(phase, row, W, factors, t, depth, *met):
+    flies(phase, -row if phase is closed and depth == DEEPEST else row, W, factors, t, depth, *met)
 type(closed).flies = other
 assert reason(lambda: orbit.stands(u)) == "a face is passed, or not approached"'
 
