@@ -78,7 +78,7 @@ static bool refine_quickly(ric_augmented *x, arb_mat_t J, arb_ptr F, bool *sound
         ric_augmented_evaluate(x, x->z, J, F);
         if (!fresh) good = ric_contraction_invert_quickly(&x->k, J);
         if (k == 0 && good) ric_contraction_defect(&x->k, J);
-        if (k == 0) *sound = good && ric_contraction_is_fine(&x->k);
+        if (k == 0) *sound = good && ric_contraction_left(&x->k) < RIC_CONTRACTION_EVEN;
         const double size = good ? step_back(x, F, step) : HUGE_VAL;
         fresh = size < ldexp(before, SLOW);
         done = size < last || (size > before / 2 && before < noise);
@@ -159,7 +159,7 @@ static bool contracts(ric_augmented *x, arb_mat_t J, arb_ptr F)
     arb_ptr box = _arb_vec_init(x->n);
     bool holds = false;
     ric_augmented_evaluate(x, x->z, J, F);
-    if (ric_contraction_invert(&x->k, J)) {
+    if (ric_contraction_invert(&x->k, J, RIC_CONTRACTION_EVEN)) {
         ric_contraction_apply(&x->k, F, box);
         for (slong i = 0; i < x->n; i++) arb_get_mag(x->k.y + i, box + i);
         for (int width = WIDEST; width <= FINEST && !holds; width++) {

@@ -6,9 +6,6 @@
 #include "ball.h"
 #include "base/room.h"
 
-/* FINE: of 1 - C J that doubles leave: 2^-10 where radii are as 1 : 2^14, the most of tubes */
-#define FINE 0x1p-18
-
 void ric_contraction_create(ric_contraction *k, slong n, slong prec)
 {
     *k = (ric_contraction){.n = n, .prec = prec};
@@ -101,7 +98,7 @@ static bool invert_middle(ric_contraction *k, const arb_mat_t J)
     return done;
 }
 
-bool ric_contraction_is_fine(const ric_contraction *k)
+double ric_contraction_left(const ric_contraction *k)
 {
     double most = 0;
     for (slong i = 0; i < k->n; i++) {
@@ -109,18 +106,23 @@ bool ric_contraction_is_fine(const ric_contraction *k)
         for (slong j = 0; j < k->n; j++) sum += k->Z[i * k->n + j];
         if (!(sum <= most)) most = sum;
     }
-    return most < FINE;
+    return most;
 }
 
-/* Whether what C is off the inverse by is of no account; Z is that. */
-static bool is_fine(ric_contraction *k, const arb_mat_t J)
+bool ric_contraction_is_fine(const ric_contraction *k)
+{
+    return ric_contraction_left(k) < RIC_CONTRACTION_FINE;
+}
+
+/* What C is off the inverse by, which Z is then. */
+static double find_left(ric_contraction *k, const arb_mat_t J)
 {
     arb_mat_t middle;
     arb_mat_init(middle, k->n, k->n);
     arb_mat_get_mid(middle, J);
     ric_contraction_defect(k, middle);
     arb_mat_clear(middle);
-    return ric_contraction_is_fine(k);
+    return ric_contraction_left(k);
 }
 
 bool ric_contraction_invert_quickly(ric_contraction *k, const arb_mat_t J)
@@ -141,9 +143,9 @@ bool ric_contraction_invert_widely(ric_contraction *k, const arb_mat_t J)
     return done;
 }
 
-bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J)
+bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J, double left)
 {
-    return (ric_contraction_invert_quickly(k, J) && is_fine(k, J)) ||
+    return (ric_contraction_invert_quickly(k, J) && find_left(k, J) < left) ||
            ric_contraction_invert_widely(k, J);
 }
 

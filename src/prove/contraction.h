@@ -11,6 +11,11 @@
 
 #include "arb_numbers.h"
 
+/* Of 1 - C J that doubles may leave: 2^-10 where radii are as 1 : 2^8, and more where all of a box
+ * are the same. */
+#define RIC_CONTRACTION_FINE 0x1p-18
+#define RIC_CONTRACTION_EVEN 0x1p-4
+
 typedef struct {
     slong n, prec;
     double *C, *size; /* [n * n] column by column, exact, and |C| number by number */
@@ -23,8 +28,9 @@ typedef struct {
 
 void ric_contraction_create(ric_contraction *k, slong n, slong prec);
 void ric_contraction_free(ric_contraction *k);
-/* C from the middle of J; false where that is singular. */
-bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J);
+/* C from the middle of J, in doubles if they leave less than that of 1 - C J in a row; false where
+ * it is singular. */
+bool ric_contraction_invert(ric_contraction *k, const arb_mat_t J, double left);
 /* The same in doubles alone, however well they do. */
 bool ric_contraction_invert_quickly(ric_contraction *k, const arb_mat_t J);
 /* out = C x. */
@@ -36,6 +42,8 @@ double ric_contraction_least(const ric_contraction *k);
 void ric_contraction_defect(ric_contraction *k, const arb_mat_t J);
 /* Z += by |C A|: of what J has more at some distance. */
 void ric_contraction_add(ric_contraction *k, const arb_mat_t A, double by);
+/* The largest sum of a row of Z. */
+double ric_contraction_left(const ric_contraction *k);
 /* Whether what Z is now, that of the middle of J, is of no account: C is near enough to its
  * inverse. */
 bool ric_contraction_is_fine(const ric_contraction *k);

@@ -666,7 +666,7 @@ static bool alone_in_box(problem *p, ric_existence *x, arb_srcptr start)
     bool alone = true, done = false;
     if (p->way != INVERSE) {
         evaluate_box(p, p->c);
-        alone = p->way == BALLS ? ric_contraction_invert(&p->k, p->J)
+        alone = p->way == BALLS ? ric_contraction_invert(&p->k, p->J, RIC_CONTRACTION_FINE)
                                 : ric_contraction_invert_quickly(&p->k, p->J);
     }
     for (int i = 0; i < 2 && alone && !done; i++) {

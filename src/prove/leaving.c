@@ -163,6 +163,18 @@ static slong put_small(problem *p, arb_srcptr z)
     return p->n_small - 1;
 }
 
+/* out = A B, of which both have few numbers that are not zero: those of a block, and images. */
+static void multiply_few(arb_mat_t out, const arb_mat_t A, const arb_mat_t B, slong prec)
+{
+    arb_mat_zero(out);
+    for (slong i = 0; i < arb_mat_nrows(A); i++)
+        for (slong l = 0; l < arb_mat_ncols(A); l++) {
+            arb_srcptr a = arb_mat_entry(A, i, l), row = arb_mat_entry(B, l, 0);
+            for (slong j = 0; j < arb_mat_ncols(B) && !arb_is_zero(a); j++)
+                if (!arb_is_zero(row + j)) arb_addmul(arb_mat_entry(out, i, j), a, row + j, prec);
+        }
+}
+
 /* All equations and their derivatives at e = 0, with e = NULL; else their derivatives for all |e'|
  * <= e, where F is of no use: by a they are F', and by v F'' a, at some place between T v and T v +
  * e a. */
@@ -180,7 +192,7 @@ static void evaluate(problem *p, arb_srcptr z, const arb_struct *e)
     place_large(p, z, spread, u);
     evaluate_large(p, u, D, F);
     bend_large(p, u, z + p->n_small, S);
-    arb_mat_mul(ST, S, p->T, prec);
+    multiply_few(ST, S, p->T, prec);
     for (slong i = 0; i < rows; i++) {
         arb_dot(p->F + first + i, NULL, 0, arb_mat_entry(D, i, 0), 1, z + p->n_small, 1, p->n_large,
                 prec);
@@ -284,7 +296,7 @@ static bool find_centre(problem *p)
     arb_ptr x = _arb_vec_init(p->n);
     for (int step = 0; step < NEWTON && done && size > ldexp(1, 20 - (int)p->e->prec); step++) {
         evaluate(p, p->centre, NULL);
-        done = ric_contraction_invert(&p->c, p->J);
+        done = ric_contraction_invert(&p->c, p->J, RIC_CONTRACTION_EVEN);
         ric_contraction_apply(&p->c, p->F, x);
         size = 0;
         for (slong i = 0; i < p->n && done; i++) {

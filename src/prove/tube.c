@@ -12,6 +12,9 @@ enum {
     TURNS = 3,   /* directions of the basis */
 };
 
+/* DIGITS: the root of 1 - C J T beside which digits are not why no box holds */
+#define DIGITS 0x1p-5
+
 /* The unknowns of a chain in a row; lambda of a reversible one is none. */
 static slong count_unknowns(const ric_chain *c)
 {
@@ -271,6 +274,24 @@ static bool box_holds(ric_tube *t, const ric_enclosure *e, arb_mat_t A)
     return holds;
 }
 
+/* The largest eigenvalue of W, which has no negative number, about. */
+static double find_root(slong n, const double *W)
+{
+    enum { STEPS = 12 };
+    double *x = flint_malloc(2 * (size_t)n * sizeof *x), *y = x + n, most = 0;
+    for (slong i = 0; i < n; i++) x[i] = 1;
+    for (int step = 0; step < STEPS; step++) {
+        memset(y, 0, (size_t)n * sizeof *y);
+        for (slong j = 0; j < n; j++)
+            for (slong i = 0; i < n; i++) y[i] += W[j * n + i] * x[j];
+        most = 0;
+        for (slong i = 0; i < n; i++) most = fmax(most, y[i]);
+        for (slong i = 0; i < n; i++) x[i] = most > 0 ? y[i] / most : 0;
+    }
+    flint_free(x);
+    return most;
+}
+
 /* In Arb's numbers where doubles do not do, and leave of 1 - C J what may be why. */
 static bool contracts(ric_tube *t, const ric_enclosure *e)
 {
@@ -288,7 +309,7 @@ static bool contracts(ric_tube *t, const ric_enclosure *e)
     if (!ric_halt(pow((double)n, 3))) {
         bool fine = invert(t, J);
         if (fine) {
-            fine = ric_contraction_is_fine(&t->k);
+            fine = find_root(n, t->k.Z) < DIGITS;
             holds = box_holds(t, e, A);
         }
         if (!holds && !fine && !ric_halted()) holds = invert_widely(t, J) && box_holds(t, e, A);
@@ -444,24 +465,6 @@ static void multiply_bend(const ric_tube *t, const arb_mat_t A, double *W)
             for (slong i = 0, at = t->basis.at[d]; i < n; i++)
                 if (i != at) W[j * n + i] += t->basis.r[d][i] * W[j * n + at];
     for (slong i = 0; i < n * n; i++) W[i] = fabs(W[i]);
-}
-
-/* The largest eigenvalue of W, which has no negative number, about. */
-static double find_root(slong n, const double *W)
-{
-    enum { STEPS = 12 };
-    double *x = flint_malloc(2 * (size_t)n * sizeof *x), *y = x + n, most = 0;
-    for (slong i = 0; i < n; i++) x[i] = 1;
-    for (int step = 0; step < STEPS; step++) {
-        memset(y, 0, (size_t)n * sizeof *y);
-        for (slong j = 0; j < n; j++)
-            for (slong i = 0; i < n; i++) y[i] += W[j * n + i] * x[j];
-        most = 0;
-        for (slong i = 0; i < n; i++) most = fmax(most, y[i]);
-        for (slong i = 0; i < n; i++) x[i] = most > 0 ? y[i] / most : 0;
-    }
-    flint_free(x);
-    return most;
 }
 
 double ric_tube_strain(const ric_tube *t, const ric_enclosure *e)
