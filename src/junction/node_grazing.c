@@ -214,15 +214,16 @@ static bool is_spelt(const ric_model *m, const ric_periodic *c)
     return !(c->closed & ~said);
 }
 
-/* Whether the orbit without its touches, which is what is stored, comes back, passes no stop and
- * has a word. What does not become a chain is not judged. */
+/* Whether the orbit without its touches, which is what is stored, comes back, passes no stop, has a
+ * word, and touches: it is solved once more, and what was listed by its speed alone may not. What
+ * does not become a chain is not judged. */
 static bool is_motion(const ric_model *m, const ric_node *node)
 {
     if (node->refusal) return true;
     if (is_bare(node)) return comes_back(m, node);
     bool bare;
     ric_periodic *left = ric_node_original(m, node, &bare);
-    const bool motion = left && is_spelt(m, left) && ric_node_solve_admissible(m, left);
+    const bool motion = left && is_spelt(m, left) && ric_node_solve_grazes(m, left);
     ric_periodic_free(left);
     return motion;
 }
@@ -266,9 +267,9 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
     if (!listed) status = ric_no_memory("a junction");
     else if (!motion)
         status = ric_fail(RIC_E_NUMERIC,
-                          "a grazing orbit of %d impacts passes a stop, does not come back, or "
-                          "keeps a spring closed "
-                          "without end, which no word says",
+                          "a grazing orbit of %d impacts passes a stop, does not come back, "
+                          "touches nothing, or keeps a spring closed without end, which no word "
+                          "says",
                           events);
     if (status) {
         ric_node_free(node);

@@ -44,7 +44,9 @@
 #define TOUCHES 1e-13 /* of the clearance: a motion that ends so near to a stop touches it */
 /* WORSE: times what a motion is off touching: how far it may be from where it touches */
 #define WORSE 10
-#define BEYOND 1e-9 /* of the clearance: an orbit that goes through a stop by more is no motion */
+/* BEYOND: of the clearance: an orbit that goes through a stop by more is no motion, and one that
+ * stays farther from all no grazing */
+#define BEYOND 1e-9
 /* PASSES: most of them: where a place is known to less than a grain they need not come to an end */
 #define PASSES 5
 /* COARSE_GRAIN: the same where what vanishes is regular: the fewer orbits that differ by rounding
@@ -508,7 +510,9 @@ bool ric_node_solve_touches(const ric_model *m, const ric_periodic *cycle)
     return touches;
 }
 
-bool ric_node_solve_admissible(const ric_model *m, const ric_periodic *cycle)
+/* Whether an orbit is a motion that closes and goes through no stop; *reach: how near it comes to
+ * one, of the clearance. */
+static bool is_motion(const ric_model *m, const ric_periodic *cycle, double *reach)
 {
     ric_shooting *chain = NULL;
     double *u = NULL;
@@ -518,9 +522,22 @@ bool ric_node_solve_admissible(const ric_model *m, const ric_periodic *cycle)
     admissible = admissible && !ric_periodic_to_chain(m, cycle, &chain, &u);
     if (admissible) {
         ric_shooting_fly(chain, u);
-        admissible = chain->residual <= RIC_SAME_SOLVED && ric_reach(chain, u, NULL) <= 1 + BEYOND;
+        *reach = ric_reach(chain, u, NULL);
+        admissible = chain->residual <= RIC_SAME_SOLVED && *reach <= 1 + BEYOND;
     }
     ric_shooting_free(chain);
     free(u);
     return admissible;
+}
+
+bool ric_node_solve_admissible(const ric_model *m, const ric_periodic *cycle)
+{
+    double reach;
+    return is_motion(m, cycle, &reach);
+}
+
+bool ric_node_solve_grazes(const ric_model *m, const ric_periodic *cycle)
+{
+    double reach;
+    return is_motion(m, cycle, &reach) && reach >= 1 - BEYOND;
 }

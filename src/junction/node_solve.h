@@ -18,6 +18,8 @@ bool ric_node_solve_touches(const ric_model *model, const ric_periodic *cycle);
  * end of a branch it solves them with flights of less than no time, or through a stop. What does
  * not become a chain is none. */
 bool ric_node_solve_admissible(const ric_model *model, const ric_periodic *cycle);
+/* Whether it is one, and touches. */
+bool ric_node_solve_grazes(const ric_model *model, const ric_periodic *cycle);
 /* Whether rounding leaves an extremum its place: dE/ds or dT/ds passes zero there fast enough. */
 bool ric_node_solve_sharp(const ric_model *model, const ric_periodic *cycle, int test);
 
