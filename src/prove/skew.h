@@ -8,7 +8,7 @@
 
 #include "contraction.h"
 
-enum { RIC_SKEW_MOST = 3 };
+enum { RIC_SKEW_MOST = 4 };
 
 typedef struct {
     slong n;

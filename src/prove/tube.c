@@ -9,7 +9,8 @@ enum {
     TRIES = 5,   /* boxes */
     ROUNDS = 40, /* of radii that are looked for with one Z */
     TIGHT = 8,   /* steps from the radii that are alone to those that hold the zeros */
-    TURNS = 3,   /* directions of the basis */
+    FEW = 3,     /* directions of the basis: of two modes */
+    MANY = 4,    /* and of more */
 };
 
 /* DIGITS: the root of 1 - C J T beside which digits are not why no box holds */
@@ -191,7 +192,7 @@ static bool invert(ric_tube *t, arb_mat_t J)
 {
     ric_contraction *k = &t->k;
     if (!ric_contraction_invert_quickly(k, J)) return false;
-    for (int i = 0; i < TURNS; i++) ric_skew_find(&t->basis, k);
+    for (int i = 0; i < (t->hull.n > 2 ? MANY : FEW); i++) ric_skew_find(&t->basis, k);
     ric_skew_columns(&t->basis, J, k->prec);
     ric_contraction_defect(k, J);
     if (ric_contraction_is_fine(k)) return true;
