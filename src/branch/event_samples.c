@@ -203,99 +203,75 @@ static double read_at(const ric_continuation *tr, const reading *of, int i)
     return fabs(value[of->other]) > of->most ? NAN : apart * apart;
 }
 
-/* The nearest points of an interval, itself first, with what divided differences over them divide
- * by. */
+/* The nearest points of an interval, its own two first. */
 typedef struct {
     int i, n, at[4];
-    double x[4];
+    double x[4]; /* from the first of them */
 } stencil;
 
-/* The next nearest point to an interval, of which *before and *after are not yet taken; -1: none.
- */
-static int nearest(const ric_event_samples *q, int i, int *before, int *after)
+/* A function at those of them at which it is known; of NULL all are. */
+static stencil stencil_of(const ric_continuation *tr, int i, const reading *of, double f[4])
 {
-    const bool lower = *before >= 0, upper = *after < q->n;
-    if (!lower && !upper) return -1;
-    if (lower && (!upper || q->x[i] - q->x[*before] <= q->x[*after] - q->x[i + 1]))
-        return (*before)--;
-    return (*after)++;
-}
-
-static stencil stencil_of(const ric_event_samples *q, int i)
-{
+    const ric_event_samples *q = &tr->samples;
     stencil st = {.i = i, .n = 2, .at = {i, i + 1}, .x = {0, q->x[i + 1] - q->x[i]}};
-    for (int before = i - 1, after = i + 2, j; st.n < 4; st.n++) {
-        if ((j = nearest(q, i, &before, &after)) < 0) break;
+    for (int before = i - 1, after = i + 2; st.n < 4 && (before >= 0 || after < q->n);) {
+        const bool first = after >= q->n ||
+                           (before >= 0 && q->x[i] - q->x[before] <= q->x[after] - q->x[i + 1]);
+        const int j = first ? before-- : after++;
+        if (of && !isfinite(f[st.n] = read_at(tr, of, j))) continue;
         st.at[st.n] = j;
-        st.x[st.n] = q->x[j] - q->x[i];
+        st.x[st.n++] = q->x[j] - q->x[i];
     }
     return st;
 }
 
-/* The same without points at which a function is not known: the number of points. */
-static int known_stencil(const ric_continuation *tr, const reading *of, stencil *st, double f[4])
+/* Of the parabola through three points, and SAFETY times what the fourth one adds to it: divided
+ * differences, and how far both reach from the line between the first two. */
+typedef struct {
+    double bend, error, far;
+} bent;
+
+static inline __attribute__((always_inline)) bent bend_of(int n, const double x[4], double f0,
+                                                          double f1, double f2, double f3)
 {
-    const ric_event_samples *q = &tr->samples;
-    int n = 2;
-    for (int before = st->i - 1, after = st->i + 2, j; n < 4;) {
-        if ((j = nearest(q, st->i, &before, &after)) < 0) break;
-        f[n] = read_at(tr, of, j);
-        st->x[n] = q->x[j] - q->x[st->i];
-        if (isfinite(f[n])) n++;
-    }
-    return n;
+    const double slope = (f1 - f0) / x[1], second = ((f2 - f1) / (x[2] - x[1]) - slope) / x[2];
+    const double other = n == 4 ? ((f3 - f1) / (x[3] - x[1]) - slope) / x[3] : 0;
+    const double third = n == 4 ? (other - second) / (x[3] - x[2]) : second / (fabs(x[2]) + x[1]);
+    const double error = SAFETY * fabs(third), reach = ric_larger(fabs(x[2]), fabs(x[2] - x[1]));
+    return (bent){second, error, x[1] * x[1] / 4 * (fabs(second) + error * reach)};
 }
 
-static bool is_resolved(const ric_continuation *tr, const stencil *of_all, const reading *of)
+/* Whether both ends of an interval lie on one side of zero, and farther than that. */
+static bool is_clear(double a, double b, double far)
 {
-    stencil st = *of_all;
-    double f[4] = {0}, *const x = st.x;
+    return a * b > 0 && ric_smaller(fabs(a), fabs(b)) > far;
+}
+
+static bool is_resolved(const ric_continuation *tr, const stencil *all, const reading *of)
+{
+    stencil st = *all;
+    double f[4] = {0};
     for (int j = 0; j < st.n; j++) f[j] = read_at(tr, of, st.at[j]);
     if (!isfinite(f[0] + f[1]) || (of->lost_at_zero && f[0] * f[1] == 0)) return true;
-    if (!isfinite(f[2] + f[3])) st.n = known_stencil(tr, of, &st, f);
+    if (!isfinite(f[2] + f[3])) st = stencil_of(tr, st.i, of, f);
     if (st.n < 3) return true; /* the first step, as short as it is */
-    double slope = (f[1] - f[0]) / x[1], second = ((f[2] - f[1]) / (x[2] - x[1]) - slope) / x[2],
-           third = 0;
-    if (st.n == 4) {
-        double other = ((f[3] - f[1]) / (x[3] - x[1]) - slope) / x[3];
-        third = (other - second) / (x[3] - x[2]);
-    } else third = second / (fabs(x[2]) + x[1]);
-    curve c = {.length = x[1],
-               .fa = f[0],
-               .fb = f[1],
-               .bend = second,
-               .error = SAFETY * fabs(third),
-               .at = x[2]};
-    const double reach = ric_larger(fabs(x[2]), fabs(x[2] - x[1])),
-                 all = fabs(c.bend) + c.error * reach, least = ric_smaller(fabs(f[0]), fabs(f[1]));
-    if (f[0] * f[1] > 0 && least > x[1] * x[1] / 4 * all) return true;
-    return !shows_more(&c);
+    const bent b = bend_of(st.n, st.x, f[0], f[1], f[2], f[3]);
+    return is_clear(f[0], f[1], b.far) || !shows_more(&(curve){.length = st.x[1],
+                                                               .fa = f[0],
+                                                               .fb = f[1],
+                                                               .bend = b.bend,
+                                                               .error = b.error,
+                                                               .at = st.x[2]});
 }
 
-/* For n columns at once how far parabola and error reach, as in is_resolved, which nearly no
- * function comes to: HUGE_VAL where four points are not known. */
-static void find_reach(const ric_continuation *tr, const stencil *st, int n, double *restrict far)
+/* The reach of n columns side by side, HUGE_VAL where four points are not known: nearly all of them
+ * are clear of it, and is_resolved has nothing more to tell. */
+static void find_far(const ric_continuation *tr, const stencil *st, int n, double *restrict far)
 {
-    const double *restrict v[4], x1 = st->x[1], x2 = st->x[2], x3 = st->x[3];
-    const double reach = ric_larger(fabs(x2), fabs(x2 - x1));
+    const double *restrict v[4];
     for (int j = 0; j < st->n; j++) v[j] = ric_event_samples_values(tr, st->at[j]);
-    for (int k = 0; k < n && st->n < 4; k++) far[k] = HUGE_VAL;
-    for (int k = 0; k < n && st->n == 4; k++) {
-        const double f1 = v[1][k], slope = (f1 - v[0][k]) / x1;
-        const double second = ((v[2][k] - f1) / (x2 - x1) - slope) / x2;
-        const double other = ((v[3][k] - f1) / (x3 - x1) - slope) / x3;
-        const double error = SAFETY * fabs((other - second) / (x3 - x2));
-        far[k] = x1 * x1 / 4 * (fabs(second) + error * reach);
-    }
-}
-
-/* Whether a function is farther from zero than that at both ends of an interval, on the same side.
- */
-static bool is_clear(const ric_continuation *tr, int i, int test, double far)
-{
-    const double a = ric_event_samples_values(tr, i)[test],
-                 b = ric_event_samples_values(tr, i + 1)[test];
-    return a * b > 0 && ric_smaller(fabs(a), fabs(b)) > far;
+    for (int k = 0; k < n; k++)
+        far[k] = st->n < 4 ? HUGE_VAL : bend_of(4, st->x, v[0][k], v[1][k], v[2][k], v[3][k]).far;
 }
 
 static bool resolved(const ric_continuation *tr, const stencil *st, int test)
@@ -355,19 +331,19 @@ static bool smoothly(const ric_continuation *tr, const stencil *st, int test)
 
 static bool all_resolved(const ric_continuation *tr, int i, unsigned which, bool pairs)
 {
-    const stencil st = stencil_of(&tr->samples, i);
+    const stencil st = stencil_of(tr, i, NULL, NULL);
+    const double *a = ric_event_samples_values(tr, i), *b = ric_event_samples_values(tr, i + 1);
     const int n = RIC_N_TEST + (pairs ? tr->n_resonance : 0);
     double far[n];
-    find_reach(tr, &st, n, far);
-    for (int test = 0; test < RIC_N_TEST; test++)
-        if (which >> test & 1 && !((is_clear(tr, i, test, far[test]) || resolved(tr, &st, test)) &&
-                                   smoothly(tr, &st, test)))
+    find_far(tr, &st, n, far);
+    for (int test = 0; test < n; test++) {
+        const bool own = test < RIC_N_TEST;
+        if (own && !(which >> test & 1)) continue;
+        if (!is_clear(a[test], b[test], far[test]) && !resolved(tr, &st, test)) return false;
+        if (own ? !smoothly(tr, &st, test)
+                : tr->floquet.n_pair > 1 &&
+                      !pairs_stay(tr, &st, tr->resonances[test - RIC_N_TEST].rho))
             return false;
-    for (int k = 0; pairs && k < tr->n_resonance; k++) {
-        if (!(is_clear(tr, i, RIC_N_TEST + k, far[RIC_N_TEST + k]) ||
-              resolved(tr, &st, RIC_N_TEST + k)))
-            return false;
-        if (tr->floquet.n_pair > 1 && !pairs_stay(tr, &st, tr->resonances[k].rho)) return false;
     }
     return true;
 }
@@ -400,7 +376,7 @@ ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool p
  * whole period -2 is a resonance. */
 static bool pairs_stay_at_two(const ric_continuation *tr, int i, unsigned which)
 {
-    const stencil st = stencil_of(&tr->samples, i);
+    const stencil st = stencil_of(tr, i, NULL, NULL);
     static const unsigned vanish[2] = {1u << RIC_TEST_DET | 1u << RIC_TEST_B,
                                        1u << RIC_TEST_A | 1u << RIC_TEST_D};
     for (int k = 0; k < (ric_shooting_halves(tr->chain) ? 2 : 1); k++) {
