@@ -5,7 +5,7 @@ set -u
 . tests/support/proofs.sh
 
 needs_checker
-for name in elementary three-masses corner stop-and-spring symmetric-chain bilinear; do
+for name in elementary three-masses two-walls corner stop-and-spring symmetric-chain bilinear; do
     "$ricochet" run "examples/$name/study.yaml" -o "$folder/$name.ricochet" --quiet
     if "$ricochet" prove "$folder/$name.ricochet" --junctions -o "$folder/$name-j.jsonl" 2>&1 | grep -q 'left out of this program'; then
         echo '1..0 # SKIP the program was built without FLINT'
@@ -14,6 +14,7 @@ for name in elementary three-masses corner stop-and-spring symmetric-chain bilin
 done
 certificates "$folder/elementary.ricochet" "$folder/elementary-c.jsonl" --curves $(some_of '3 4 5 8 11' '') >"$folder/said" 2>&1
 certificates "$folder/three-masses.ricochet" "$folder/three-masses-c.jsonl" --curves $(some_of 4 '') >"$folder/said" 2>&1
+certificates "$folder/two-walls.ricochet" "$folder/two-walls-c.jsonl" --curves $(some_of 21 '') >"$folder/said" 2>&1
 certificates "$folder/bilinear.ricochet" "$folder/bilinear-c.jsonl" --curves $(some_of 3 '') >"$folder/said" 2>&1
 accepted() { "$python" tools/check_certificate.py "$@" >"$folder/checked" && [ "$(tail -1 "$folder/checked")" = "$count accepted, 0 refused" ]; }
 count=18
@@ -76,6 +77,10 @@ other, lines = read("bilinear-c")
 for line in lines:
     last = len(line["arcs"][0])
     for first in [0, last // 2] if every > 1 else range(last - 1): assert not refused(part(line, first, first + 2), other), first'
+ok 'and beside a grazing, where the arc bends off its chord by more than what a gap is open' lies '
+other, lines = read("two-walls-c")
+line = next(line for line in lines if line["branch"] == 21)
+for first in [16] if every > 1 else range(14, len(line["arcs"][0]) - 1): assert not refused(part(line, first, first + 2), other), first'
 ok 'a chord from one branch to another is none' lies '
 assert (of[3]["faces"], of[3]["start"]) == (of[4]["faces"], of[4]["start"])
 assert refused({**of[3], "arcs": [[of[3]["arcs"][0][44], of[4]["arcs"][0][20]]]})'
