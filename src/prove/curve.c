@@ -40,9 +40,10 @@ void ric_curve_node_clear(ric_node *a)
     arb_clear(a->exists);
 }
 
-static void prove_node(ric_node *a, ric_existence *x, const ric_enclosure *e)
+static void take_proof(ric_node *a, ric_existence *x, const char *why)
 {
-    a->why = ric_existence_prove(x, &a->c, e);
+    a->why = why;
+    a->way = x->way;
     arb_set(a->exists, x->exists);
     a->tangent = x->tangent;
     x->tangent = NULL;
@@ -52,7 +53,7 @@ void ric_curve_node_prove(ric_node *a, const ric_enclosure *e)
 {
     ric_existence x;
     ric_existence_init(&x);
-    prove_node(a, &x, e);
+    take_proof(a, &x, ric_existence_prove(&x, &a->c, e));
     if (!a->why && !x.identified) a->why = "another orbit may lie as near: a junction";
     if (!a->why && !(x.moved <= RIC_PROVER_NEAR) && !(x.shift <= x.blur))
         a->why = "the orbit that was proved lies elsewhere";
@@ -129,14 +130,15 @@ static void place_between(ric_chain *c, const ric_node *a, const ric_node *b, sl
 }
 
 /* The orbit near the middle of two; it is solved from there, so that it may be moved by more than a
- * stored one. */
+ * stored one. Where it took one of both more than doubles to tell, so it does there. */
 static void node_between(ric_node *m, const ric_node *a, const ric_node *b, const ric_enclosure *e)
 {
     ric_existence x;
     ric_existence_init(&x);
     ric_chain_copy(&m->c, &a->c);
     place_between(&m->c, a, b, e->prec);
-    prove_node(m, &x, e);
+    x.way = a->way > b->way ? a->way : b->way;
+    take_proof(m, &x, ric_existence_find(&x, &m->c, e));
     ric_existence_clear(&x);
 }
 

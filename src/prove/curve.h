@@ -14,6 +14,7 @@ typedef struct {
     arb_t exists;
     double unique;   /* no other orbit of the class holds its number at the same value so near the
                         centre; 0: not known */
+    int way;         /* of its proof (existence.h) */
     double *tangent; /* [m * size] of the curve there, of length 1: a guess, or NULL */
     arb_ptr last;    /* [m * size + 1] balls, of an orbit that touches and ends the curve; NULL */
     const char *why; /* why it is none, or NULL */

@@ -677,8 +677,9 @@ static bool alone_in_box(problem *p, ric_existence *x, arb_srcptr start)
     return done;
 }
 
-/* start [m * size]: the centre as it is stored. */
-static const char *prove(problem *p, ric_existence *x, arb_srcptr start)
+/* start [m * size]: the centre as it is stored; `alone`: whether it is the only one there is asked.
+ */
+static const char *prove(problem *p, ric_existence *x, arb_srcptr start, bool alone)
 {
     arb_t least;
     if (!find_plane(p)) return "the equations are singular there: a junction";
@@ -690,7 +691,7 @@ static const char *prove(problem *p, ric_existence *x, arb_srcptr start)
                       : !conclude(p, x, least)
                           ? "the equations are too near to singular for what is left of them"
                           : NULL;
-    x->identified = !why && (identifies(x) || alone_in_box(p, x, start));
+    x->identified = !why && alone && (identifies(x) || alone_in_box(p, x, start));
     x->blur = size_of_vector(start, (slong)p->c->m * p->c->size) * RIC_BALL_UNIT /
               arf_get_d(arb_midref(least), ARF_RND_NEAR);
     arb_clear(least);
@@ -725,8 +726,8 @@ static void close_problem(problem *p)
     _arb_vec_clear(p->z, p->n);
 }
 
-/* In each way, until one proves it and tells it apart from others. */
-const char *ric_existence_prove(ric_existence *x, ric_chain *c, const ric_enclosure *e)
+/* In each way, until one proves it and, where that is asked, tells it apart from others. */
+static const char *prove_in_ways(ric_existence *x, ric_chain *c, const ric_enclosure *e, bool alone)
 {
     problem p = {.c = c, .e = e};
     open_problem(&p);
@@ -734,17 +735,28 @@ const char *ric_existence_prove(ric_existence *x, ric_chain *c, const ric_enclos
     arb_ptr start = _arb_vec_init(count);
     _arb_vec_set(start, c->u, count);
     const char *why = NULL;
-    for (p.way = QUICK; p.way <= BALLS; p.way++) {
+    for (p.way = (way)x->way; p.way <= BALLS; p.way++) {
         if (ric_halt((double)(WORK * p.n))) why = "stopped";
         if (ric_halted()) break;
         if (p.way == QUICK && p.d.wide > WIDEST) continue;
         if (p.way == INVERSE && p.n > DENSE) continue;
         if (p.way == INVERSE) open_dense(&p);
         _arb_vec_set(c->u, start, count);
-        why = prove(&p, x, start);
-        if (!why && x->identified) break;
+        why = prove(&p, x, start, alone);
+        x->way = (int)p.way;
+        if (!why && (x->identified || !alone)) break;
     }
     _arb_vec_clear(start, count);
     close_problem(&p);
     return why;
+}
+
+const char *ric_existence_prove(ric_existence *x, ric_chain *c, const ric_enclosure *e)
+{
+    return prove_in_ways(x, c, e, true);
+}
+
+const char *ric_existence_find(ric_existence *x, ric_chain *c, const ric_enclosure *e)
+{
+    return prove_in_ways(x, c, e, false);
 }

@@ -16,6 +16,8 @@ typedef struct {
                      |D^-1| times that; about */
     arb_t exists, unique; /* radii around the centre */
     bool identified;      /* the chain began where the orbit is the only one */
+    int way; /* in which numbers equations are looked at first, and what they were proved in: from
+                doubles, 0, on to what bears equations nearer to singular */
     double *tangent; /* [m * size] of the curve of orbits there, of length 1: a guess, or NULL */
 } ric_existence;
 
@@ -24,5 +26,7 @@ void ric_existence_clear(ric_existence *x);
 /* Moves the centre of the chain to the orbit, chooses the plane across the curve that it lies on,
  * and proves. NULL, or why there is no proof at this precision. */
 const char *ric_existence_prove(ric_existence *x, ric_chain *c, const ric_enclosure *e);
+/* The same of an orbit that began anywhere: whether it was alone there is not asked. */
+const char *ric_existence_find(ric_existence *x, ric_chain *c, const ric_enclosure *e);
 
 #endif
