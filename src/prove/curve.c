@@ -154,30 +154,42 @@ static double size_of(const ric_tube *t)
     return size;
 }
 
-/* What multipliers say of a part of a tube. */
-static ric_stability judge(const ric_curve *x, const ric_tube *t, double from, double to)
+/* What multipliers say of a part of a tube; of two modes also the trace along it. */
+static ric_stability judge(const ric_curve *x, const ric_tube *t, double from, double to,
+                           ric_line *along)
 {
     const slong count = (slong)t->hull.m * t->hull.size + 1;
     ric_monodromy multipliers;
-    arb_ptr hull = _arb_vec_init(count);
+    arb_ptr middle = _arb_vec_init(count), half = _arb_vec_init(count);
     ric_monodromy_init(&multipliers);
-    ric_tube_part(t, from, to, hull);
-    ric_monodromy_judge(&multipliers, &t->hull, x->e, hull);
+    ric_tube_line(t, from, to, middle, half);
+    ric_monodromy_judge(&multipliers, &t->hull, x->e, &(ric_monodromy_line){middle, half});
     const ric_stability stable = multipliers.stable;
+    *along = multipliers.along;
     ric_monodromy_clear(&multipliers);
-    _arb_vec_clear(hull, count);
+    _arb_vec_clear(middle, count);
+    _arb_vec_clear(half, count);
     return stable;
 }
 
-/* From s = at on; where that is nothing, along its halves. Of more than two modes halves say no
- * more where the orbits at its middle alone say nothing: multipliers are on the unit circle, and as
- * near as those balls are wide. */
+/* Whether halves of a part on which nothing is told say more than it does: nothing is told of its
+ * middle alone where multipliers are on the unit circle, and as near as those balls are wide. Of
+ * two modes one passes from stable to unstable somewhere else, unless the trace is nowhere on the
+ * part farther from 2 or -2 than it is known. */
+static bool halves_tell(const ric_curve *x, const ric_tube *t, double mid, ric_line along)
+{
+    ric_line there;
+    if (judge(x, t, mid, mid, &there) != RIC_STABLE_UNDECIDED) return true;
+    return x->e->n == 2 && !(fabs(fabs(along.m) - 2) + fabs(along.g) <= there.r);
+}
+
+/* From s = at on; where that is nothing, along its halves. */
 static void judge_part(ric_curve *x, const ric_tube *t, double at, double part, int depth)
 {
-    const double mid = at + part / 2;
-    const ric_stability stable = judge(x, t, at, at + part);
+    ric_line along;
+    const ric_stability stable = judge(x, t, at, at + part, &along);
     if (stable != RIC_STABLE_UNDECIDED || depth == 0 || ric_halt(TUBE) ||
-        (x->e->n > 2 && judge(x, t, mid, mid) == RIC_STABLE_UNDECIDED))
+        !halves_tell(x, t, at + part / 2, along))
         x->length[stable] += part * size_of(t);
     else
         for (int half = 0; half < 2; half++)

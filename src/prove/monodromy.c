@@ -4,7 +4,7 @@
 
 #include "base/room.h"
 #include "equations.h"
-#include "monodromy_quick.h"
+#include "pairs.h"
 
 enum {
     ROOT_STEPS = 0, /* of the search for roots: as many as Arb takes */
@@ -17,7 +17,7 @@ enum {
 
 void ric_monodromy_init(ric_monodromy *m)
 {
-    *m = (ric_monodromy){.stable = RIC_STABLE_UNDECIDED};
+    *m = (ric_monodromy){.stable = RIC_STABLE_UNDECIDED, .along = {NAN, NAN, NAN}};
     arb_init(m->trace);
     arb_indeterminate(m->trace);
 }
@@ -105,8 +105,8 @@ static void fly(const ric_enclosure *e, arb_srcptr w, arb_mat_t P)
 
 /* 2 (c.q'') / ((c.c) (c.p-)) of an impact with the state w behind it: c.p- = -c.p, q'' = -(L + R) q
  * - sum k (c.q - d) c. */
-void ric_monodromy_kick(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w,
-                        arb_t out)
+static void find_kick(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w,
+                      arb_t out)
 {
     const int contact = e->wall[face].contact;
     arb_ptr pull = _arb_vec_init(e->n);
@@ -136,7 +136,7 @@ static void salt(const ric_enclosure *e, const ric_phase *phase, int face, arb_s
     arb_init(factor);
     arb_init(q);
     arb_init(p);
-    ric_monodromy_kick(e, phase, face, w, factor);
+    find_kick(e, phase, face, w, factor);
     for (slong j = 0; j < 2 * n; j++) {
         arb_dot(q, NULL, 0, c, 1, arb_mat_entry(P, 0, j), 2 * n, n, e->prec);
         arb_dot(p, NULL, 0, c, 1, arb_mat_entry(P, n, j), 2 * n, n, e->prec);
@@ -184,7 +184,7 @@ static void turn_back(const arb_mat_t P, arb_mat_t out)
         }
 }
 
-void ric_monodromy_end(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_ptr out)
+static void fly_to_end(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_ptr out)
 {
     arb_srcptr w = u + (slong)(c->m - 1) * c->size;
     arb_t slack;
@@ -206,7 +206,7 @@ static void round_trip(const ric_chain *c, const ric_enclosure *e, arb_srcptr u,
         turn_back(H, back);
         if (c->end == RIC_CHAIN_IMPACT) {
             arb_ptr w = _arb_vec_init(2 * c->n);
-            ric_monodromy_end(c, e, u, w);
+            fly_to_end(c, e, u, w);
             salt(e, c->phase[c->m - 1], c->face[c->m], w, H);
             _arb_vec_clear(w, 2 * c->n);
         }
@@ -364,6 +364,12 @@ static void judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, 
     else if (polynomial_tells(2 * c->n, radius_of(H))) judge_polynomial(m, H, e->prec);
 }
 
+void ric_monodromy_map(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_mat_t H)
+{
+    along_chain(c, e, u, H);
+    round_trip(c, e, u, H);
+}
+
 void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
                            arb_srcptr u)
 {
@@ -371,49 +377,63 @@ void ric_monodromy_enclose(ric_monodromy *m, const ric_chain *c, const ric_enclo
     if (c->n < 2) return;
     arb_mat_t H;
     arb_mat_init(H, 2 * c->n, 2 * c->n);
-    along_chain(c, e, u, H);
-    round_trip(c, e, u, H);
+    ric_monodromy_map(c, e, u, H);
     judge(m, c, e, H);
     arb_mat_clear(H);
 }
 
-/* What H in doubles says; returns its largest radius. */
-static double judge_quickly(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
-                            const ric_ball *H)
+/* What H in doubles says; returns how wide it is. */
+static double judge_quickly(ric_monodromy *m, const ric_line *H, int n, slong prec)
 {
-    const int n = 2 * c->n;
-    double radius = 0;
-    for (int i = 0; i < n * n; i++)
-        if (!(H[i].r <= radius)) radius = H[i].r;
-    if (c->n > 2 && ric_monodromy_leaves(n, H, SQUARINGS)) {
-        m->stable = RIC_STABLE_NO;
-        return radius;
-    }
-    if (c->n > 2 && !polynomial_tells(n, radius)) return radius;
-    arb_mat_t A;
-    arb_mat_init(A, n, n);
+    double wide = 0;
     for (int i = 0; i < n * n; i++) {
-        arb_set_d(arb_mat_entry(A, i / n, i % n), H[i].m);
-        mag_set_d(arb_radref(arb_mat_entry(A, i / n, i % n)), H[i].r);
+        const double r = ric_line_whole(H[i]).r;
+        if (!(r <= wide)) wide = r;
     }
-    if (c->n == 2) judge_trace(m, A, ric_chain_symmetric(c), e->prec);
-    else judge_polynomial(m, A, e->prec);
-    arb_mat_clear(A);
-    return radius;
+    const int d = n / 2 - 1;
+    if (d > 1 && ric_monodromy_leaves(n, H, SQUARINGS)) m->stable = RIC_STABLE_NO;
+    else if (d <= RIC_PAIRS_MOST) {
+        ric_line sum[RIC_PAIRS_MOST];
+        ric_monodromy_traces(n, H, d, sum);
+        m->stable = ric_pairs_judge(d, sum);
+        if (d == 1) m->along = sum[0];
+    } else if (polynomial_tells(n, wide)) {
+        arb_mat_t A;
+        arb_mat_init(A, n, n);
+        for (int i = 0; i < n * n; i++) {
+            const ric_ball x = ric_line_whole(H[i]);
+            arb_set_d(arb_mat_entry(A, i / n, i % n), x.m);
+            mag_set_d(arb_radref(arb_mat_entry(A, i / n, i % n)), x.r);
+        }
+        judge_polynomial(m, A, prec);
+        arb_mat_clear(A);
+    }
+    return wide;
 }
 
-void ric_monodromy_judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e, arb_srcptr u)
+/* All of the line in balls. */
+static void judge_in_balls(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
+                           const ric_monodromy_line *u)
 {
-    bool springs = c->n < 2;
-    for (int k = 0; k < c->m; k++) springs = springs || c->phase[k];
-    for (int k = 0; k <= c->m; k++)
-        springs = springs || (c->face[k] >= 0 && e->wall[c->face[k]].closes);
+    const slong count = (slong)c->m * c->size + 1;
+    arb_ptr hull = _arb_vec_init(count);
+    for (slong i = 0; i < count; i++) {
+        arb_set(hull + i, u->middle + i);
+        arb_add_error(hull + i, u->half + i);
+    }
+    ric_monodromy_enclose(m, c, e, hull);
+    _arb_vec_clear(hull, count);
+}
+
+void ric_monodromy_judge(ric_monodromy *m, const ric_chain *c, const ric_enclosure *e,
+                         const ric_monodromy_line *u)
+{
     bool wide = false;
-    if (!springs) {
-        ric_ball *H = flint_malloc((size_t)(4 * c->n * c->n) * sizeof *H);
+    if (c->n > 1) {
+        ric_line *H = flint_malloc((size_t)(4 * c->n * c->n) * sizeof *H);
         const double noise = ric_monodromy_quick(c, e, u, H);
-        if (isfinite(noise)) wide = judge_quickly(m, c, e, H) > MUCH * noise;
+        if (isfinite(noise)) wide = judge_quickly(m, H, 2 * c->n, e->prec) > MUCH * noise;
         flint_free(H);
     }
-    if (m->stable == RIC_STABLE_UNDECIDED && !wide) ric_monodromy_enclose(m, c, e, u);
+    if (m->stable == RIC_STABLE_UNDECIDED && !wide) judge_in_balls(m, c, e, u);
 }

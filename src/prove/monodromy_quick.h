@@ -1,22 +1,26 @@
 #ifndef RIC_PROVE_MONODROMY_QUICK_H
 #define RIC_PROVE_MONODROMY_QUICK_H
 
-#include "ball.h"
 #include "chain.h"
+#include "line.h"
 
-/* H [2n * 2n], the map of the return of a chain without springs as in monodromy.h; returns what
- * roundings come to, about, and HUGE_VAL where doubles do not hold it. */
-double ric_monodromy_quick(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, ric_ball *H);
+/* Orbits along a line: those within the balls of `middle` + s `half`, -1 <= s <= 1, `half` exact or
+ * nearly so; [m * size + 1] each. */
+typedef struct {
+    arb_srcptr middle, half;
+} ric_monodromy_line;
+
+/* H [2n * 2n], the map of the return of a chain as in monodromy.h; returns what roundings come to,
+ * about, and HUGE_VAL where doubles do not hold it. */
+double ric_monodromy_quick(const ric_chain *c, const ric_enclosure *e, const ric_monodromy_line *u,
+                           ric_line *H);
 /* Whether a multiplier of H [n * n] is off the unit circle, as its traces tell, or those of powers
  * up to 2^squarings. */
-bool ric_monodromy_leaves(int n, const ric_ball *H, int squarings);
+bool ric_monodromy_leaves(int n, const ric_line *H, int squarings);
+/* sum [d]: what the traces of H [n * n], H^2, .. H^d have without the two multipliers that are 1.
+ */
+void ric_monodromy_traces(int n, const ric_line *H, int d, ric_line *sum);
 /* out = A B, [n * n], out neither of them; false where doubles do not hold it. */
-bool ric_monodromy_product(int n, const ric_ball *A, const ric_ball *B, ric_ball *out);
-
-/* 2 (c.q'') / ((c.c) (c.p-)) of an impact with the state w behind it (monodromy.c). */
-void ric_monodromy_kick(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w,
-                        arb_t out);
-/* The state behind the last impact of a reversible chain (monodromy.c). */
-void ric_monodromy_end(const ric_chain *c, const ric_enclosure *e, arb_srcptr u, arb_ptr out);
+bool ric_monodromy_product(int n, const ric_line *A, const ric_line *B, ric_line *out);
 
 #endif

@@ -96,6 +96,13 @@ void ric_skew_columns(const ric_skew *s, arb_mat_t A, slong prec)
     arb_clear(x);
 }
 
+void ric_skew_turn(const ric_skew *s, double *x)
+{
+    for (int d = s->count - 1; d >= 0; d--)
+        for (slong i = 0, at = s->at[d]; i < s->n; i++)
+            if (i != at) x[i] += s->r[d][i] * x[at];
+}
+
 /* What the size along direction d adds to those of the other numbers. */
 static void add_direction(const ric_skew *s, int d, mag_ptr out)
 {

@@ -24,6 +24,8 @@ void ric_skew_free(ric_skew *s);
 bool ric_skew_find(ric_skew *s, ric_contraction *k);
 /* A <- A T. */
 void ric_skew_columns(const ric_skew *s, arb_mat_t A, slong prec);
+/* x <- T x, approximately. */
+void ric_skew_turn(const ric_skew *s, double *x);
 /* out = |T| b: how far u goes in a box of x of radii b; out may be b. */
 void ric_skew_spread(const ric_skew *s, mag_srcptr b, mag_ptr out);
 /* out = |T^-1| u, of the radii u of a box that x has then; out may be u. */

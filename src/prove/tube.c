@@ -9,6 +9,7 @@ enum {
     TRIES = 5,   /* boxes */
     ROUNDS = 40, /* of radii that are looked for with one Z */
     TIGHT = 8,   /* steps from the radii that are alone to those that hold the zeros */
+    CLOSE = 32,  /* .. */
     FEW = 3,     /* directions of the basis: of two modes */
     MANY = 4,    /* and of more */
 };
@@ -73,6 +74,37 @@ void ric_tube_part(const ric_tube *t, double from, double to, arb_ptr out)
     for (slong i = 0; i < t->k.n; i++) arb_add_error_mag(out + i, t->spread + i);
     arb_clear(s);
     arb_clear(end);
+}
+
+/* s (1 - s) = at (1 - at) + (1 - 2 at) s' - s'^2 with s = at + s', and s'^2 is half of way^2 within
+ * the other half. */
+void ric_tube_line(const ric_tube *t, double from, double to, arb_ptr middle, arb_ptr half)
+{
+    const slong prec = t->k.prec;
+    arb_ptr x = _arb_vec_init(5), at = x, way = x + 1, bend = x + 2, sag = x + 3, own = x + 4;
+    arb_set_d(at, from);
+    arb_set_d(way, to);
+    arb_sub(way, way, at, ARF_PREC_EXACT);
+    arb_mul_2exp_si(way, way, -1);
+    arb_add(at, at, way, ARF_PREC_EXACT);
+    place(t, at, middle);
+    arb_mul(bend, way, way, prec);
+    arb_mul_2exp_si(bend, bend, -1);
+    arb_mul(sag, at, at, prec);
+    arb_sub(sag, at, sag, prec);
+    arb_sub(sag, sag, bend, prec);
+    arb_mul_2exp_si(at, at, 1);
+    arb_sub_ui(at, at, 1, prec);
+    arb_mul(at, at, way, prec);
+    for (slong i = 0; i < t->k.n; i++) {
+        arb_addmul(middle + i, t->sag + i, sag, prec);
+        arb_mul(own, t->sag + i, bend, prec);
+        arb_add_error(middle + i, own);
+        arb_add_error_mag(middle + i, t->rest + i);
+        arb_mul(half + i, t->chord + i, way, prec);
+        arb_submul(half + i, t->sag + i, at, prec);
+    }
+    _arb_vec_clear(x, 5);
 }
 
 /* All s, and the box around. */
@@ -351,6 +383,104 @@ static void set_family(ric_tube *t)
     arb_clear(half);
 }
 
+/* w: half of C D^2 F (b - a)^2, where D is all but C^-1. */
+static void guess_sag(ric_tube *t, const arb_mat_t A)
+{
+    const slong n = t->k.n;
+    arb_ptr F = _arb_vec_init(n);
+    double *w = flint_malloc((size_t)n * sizeof *w);
+    for (slong i = 0; i < n; i++)
+        arb_dot(F + i, NULL, 0, arb_mat_entry(A, i, 0), 1, t->chord, 1, n, t->k.prec);
+    ric_contraction_apply(&t->k, F, t->sag);
+    for (slong i = 0; i < n; i++) w[i] = ric_arb_middle(t->sag + i) / 2;
+    ric_skew_turn(&t->basis, w);
+    for (slong i = 0; i < n; i++) arb_set_d(t->sag + i, w[i]);
+    flint_free(w);
+    _arb_vec_clear(F, n);
+}
+
+/* y <- what C F is along q(s) = p(s) + s (1 - s) w: at its ends, and an eighth of its second
+ * derivative C (D^2 F (q', q') - 2 D w), q' = b - a within 1 + 2 RIC_TUBE_MORE of w; A, J: scratch.
+ */
+static void bound_sag(ric_tube *t, const ric_enclosure *e, arb_mat_t A, arb_mat_t J)
+{
+    const slong n = t->k.n, count = (slong)t->hull.m * t->hull.size + 1;
+    arb_ptr way = _arb_vec_init(count), F = _arb_vec_init(n), x = _arb_vec_init(n);
+    mag_t size;
+    arb_t all;
+    mag_init(size);
+    arb_init(all);
+    arb_set_d(all, 1 + 2 * RIC_TUBE_MORE);
+    for (slong i = 0; i < n; i++) {
+        arb_mul(way + i, t->sag + i, all, t->k.prec);
+        arb_get_mag(size, way + i);
+        arb_set(way + i, t->chord + i);
+        arb_add_error_mag(way + i, size);
+    }
+    bound_ends(t, e);
+    bend(t, e, way, A);
+    evaluate(t, &t->hull, e, J, NULL);
+    for (slong i = 0; i < n; i++) {
+        arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->sag, 1, n, t->k.prec);
+        arb_mul_2exp_si(F + i, F + i, 1);
+        arb_dot(F + i, F + i, 1, arb_mat_entry(A, i, 0), 1, way, 1, n, t->k.prec);
+    }
+    ric_contraction_apply(&t->k, F, x);
+    for (slong i = 0; i < n; i++) {
+        arb_get_mag(size, x + i);
+        mag_mul_2exp_si(size, size, -3);
+        mag_add(t->k.y + i, t->k.y + i, size);
+    }
+    mag_clear(size);
+    arb_clear(all);
+    _arb_vec_clear(way, count);
+    _arb_vec_clear(F, n);
+    _arb_vec_clear(x, n);
+}
+
+static double sum_of(slong n, mag_srcptr x)
+{
+    double sum = 0;
+    for (slong i = 0; i < n; i++) sum += mag_get_d(x + i);
+    return sum;
+}
+
+/* The arc is bent as its chord is not: how it is, and what is left of the box around that, of third
+ * order in the chord. 0 = C F(q + T x) = C F(q) + C D T x has |x| <= |C F(q)| + Z |x|, and x is at
+ * most b and |T^-1 w| / 4 to begin with. */
+static void bend_line(ric_tube *t, const ric_enclosure *e)
+{
+    const slong n = t->k.n;
+    const ric_enclosure coarse = ric_enclosure_coarse(e);
+    mag_ptr x = _mag_vec_init(n), next = _mag_vec_init(n);
+    arb_mat_t A, J;
+    arb_mat_init(A, n, n);
+    arb_mat_init(J, n, n);
+    bend(t, &coarse, t->chord, A);
+    guess_sag(t, A);
+    bound_sag(t, &coarse, A, J);
+    for (slong i = 0; i < n; i++) arb_get_mag(x + i, t->sag + i);
+    ric_skew_enter(&t->basis, x, x);
+    for (slong i = 0; i < n; i++) {
+        mag_mul_2exp_si(x + i, x + i, -2);
+        mag_add(x + i, x + i, t->k.b + i);
+    }
+    for (int step = 0; step < CLOSE; step++) {
+        ric_contraction_map(&t->k, x, next);
+        for (slong i = 0; i < n; i++) mag_add(x + i, next + i, t->k.y + i);
+    }
+    ric_skew_spread(&t->basis, x, t->rest);
+    if (!(sum_of(n, t->rest) < sum_of(n, t->spread)))
+        for (slong i = 0; i < n; i++) {
+            arb_zero(t->sag + i);
+            mag_set(t->rest + i, t->spread + i);
+        }
+    arb_mat_clear(A);
+    arb_mat_clear(J);
+    _mag_vec_clear(x, n);
+    _mag_vec_clear(next, n);
+}
+
 bool ric_tube_create(ric_tube *t, ric_tube_end from, ric_tube_end to, const ric_enclosure *e)
 {
     const slong count = (slong)from.c->m * from.c->size + 1;
@@ -363,10 +493,13 @@ bool ric_tube_create(ric_tube *t, ric_tube_end from, ric_tube_end to, const ric_
     t->middle = _arb_vec_init(count);
     t->half = _arb_vec_init(count);
     t->row = _arb_vec_init(t->k.n);
+    t->sag = _arb_vec_init(t->k.n);
+    t->rest = _mag_vec_init(t->k.n);
     arb_init(t->length);
     const bool done = lay_line(t) && contracts(t, e) && ric_chain_closes(&t->hull, e, t->hull.u);
     if (done) tighten(t);
     if (done) set_family(t);
+    if (done) bend_line(t, e);
     return done;
 }
 
@@ -377,6 +510,8 @@ void ric_tube_free(ric_tube *t)
     _arb_vec_clear(t->middle, count);
     _arb_vec_clear(t->half, count);
     _arb_vec_clear(t->row, t->k.n);
+    _arb_vec_clear(t->sag, t->k.n);
+    _mag_vec_clear(t->rest, t->k.n);
     _mag_vec_clear(t->spread, t->k.n);
     arb_clear(t->length);
     ric_skew_free(&t->basis);
@@ -461,10 +596,7 @@ static void multiply_bend(const ric_tube *t, const arb_mat_t A, double *W)
                 W[j * n + i] += a * (k->wide ? ric_arb_middle(arb_mat_entry(k->own, i, l))
                                              : k->C[l * n + i]);
         }
-    for (int d = t->basis.count - 1; d >= 0; d--)
-        for (slong j = 0; j < n; j++)
-            for (slong i = 0, at = t->basis.at[d]; i < n; i++)
-                if (i != at) W[j * n + i] += t->basis.r[d][i] * W[j * n + at];
+    for (slong j = 0; j < n; j++) ric_skew_turn(&t->basis, W + j * n);
     for (slong i = 0; i < n * n; i++) W[i] = fabs(W[i]);
 }
 

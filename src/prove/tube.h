@@ -27,6 +27,8 @@ typedef struct {
     ric_skew basis;       /* u = p(s) + T x */
     mag_ptr spread;       /* [n] |T| radii: how far u goes */
     arb_ptr chord, row;   /* [n] b - a; the same times a power of two */
+    arb_ptr sag;          /* [n] w: orbits lie near p(s) + s (1 - s) w, */
+    mag_ptr rest;         /* [n] and within that of it */
     arb_ptr middle, half; /* [m * size + 1] of the arc, with its distance from the line; and of the
                              line (ric_family) */
     arb_t length;         /* row . chord */
@@ -40,6 +42,8 @@ bool ric_tube_holds(const ric_tube *t);
 /* Balls that hold the orbits of a part of the arc, out [m * size + 1]; of a tube that was created.
  */
 void ric_tube_part(const ric_tube *t, double from, double to, arb_ptr out);
+/* The same as lines: orbits lie within the balls of `middle` + s `half`, -1 <= s <= 1. */
+void ric_tube_line(const ric_tube *t, double from, double to, arb_ptr middle, arb_ptr half);
 /* How much too long the line is, or how little, for a proof that takes all bounds number by number:
  * the root of |C D^2 F (b - a)| / 2, about. A guess; of a tube that was created. */
 double ric_tube_strain(const ric_tube *t, const ric_enclosure *e);

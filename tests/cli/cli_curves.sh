@@ -49,6 +49,12 @@ import json, sys
 row, = json.load(sys.stdin)
 assert row[\"unstable\"] > 0.45, row"' "$ricochet" "$folder/t.ricochet"
 
+"$ricochet" run examples/two-springs/study.yaml -o "$folder/b.ricochet" --quiet
+ok 'so it is between springs, along nearly all of two curves' bash -c '"$0" prove "$1" --curves --json | python3 -S -c "
+import json, sys
+for row in json.load(sys.stdin):
+    if row[\"branch\"] in (4, 5): assert row[\"stable\"] + row[\"unstable\"] > 0.98, row"' "$ricochet" "$folder/b.ricochet"
+
 # Between some of its points the curve is bent so much that Newton's method does not find it from their mean
 "$ricochet" run examples/symmetric-path/study.yaml -o "$folder/s.ricochet" --quiet
 ok 'a branch is one up to a grazing beside which it is all but singular' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/s.ricochet" 37)"

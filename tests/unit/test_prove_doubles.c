@@ -12,7 +12,6 @@
 
 #if __has_include(<arb.h>) || __has_include(<flint/arb.h>)
 #include "prove/contraction.h"
-#include "prove/monodromy_quick.h"
 #include "prove/quick.h"
 #include "prove/skew.h"
 
@@ -473,70 +472,6 @@ static void bases_keep_what_cancels(void **state)
     }
 }
 
-/* Balls of products hold those of their numbers; what is too large for doubles is told. */
-static void products_are_bounded(void **state)
-{
-    (void)state;
-    enum { N = 12 };
-    ric_ball A[N * N], B[N * N], product[N * N];
-    arb_mat_t a, b, exact;
-    arb_t ball;
-    arb_init(ball);
-    arb_mat_init(a, N, N);
-    arb_mat_init(b, N, N);
-    arb_mat_init(exact, N, N);
-    for (int i = 0; i < 40; i++) {
-        const double radius = i % 4 ? pow(10, -3 * (i % 4)) : 0, size = pow(10, 4 * (i % 40));
-        for (slong l = 0; l < N * N; l++) {
-            draw_ball(size * draw(), size * radius, ball, arb_mat_entry(a, l / N, l % N));
-            A[l] = ric_ball_of(ball);
-            draw_ball(size * draw(), size * radius, ball, arb_mat_entry(b, l / N, l % N));
-            B[l] = ric_ball_of(ball);
-        }
-        const bool holds = ric_monodromy_product(N, A, B, product);
-        assert_int_equal(holds, size < 1e154);
-        arb_mat_mul(exact, a, b, BITS);
-        for (slong l = 0; l < N * N && holds; l++) {
-            arb_set_d(ball, product[l].m);
-            mag_set_d(arb_radref(ball), product[l].r);
-            arb_get_mid_arb(arb_mat_entry(exact, 0, 0), arb_mat_entry(exact, l / N, l % N));
-            assert_true(arb_contains(ball, arb_mat_entry(exact, 0, 0)));
-        }
-    }
-    arb_clear(ball);
-    arb_mat_clear(a);
-    arb_mat_clear(b);
-    arb_mat_clear(exact);
-}
-
-/* Turns by angles have all multipliers on the circle, with 4 and 1/4 in place of one not all; balls
- * that hold both say nothing. */
-static void traces_tell_what_leaves(void **state)
-{
-    (void)state;
-    enum { N = 6 };
-    for (int i = 0; i < 30; i++) {
-        const bool stretched = i % 2;
-        ric_ball H[N * N] = {{0, 0}};
-        for (int k = 0; k < N; k += 2) {
-            const double angle = 3 * draw();
-            H[k * N + k] = H[(k + 1) * N + k + 1] = ric_ball_exact(k ? cos(angle) : 1);
-            H[k * N + k + 1] = ric_ball_exact(k ? sin(angle) : 0.5);
-            H[(k + 1) * N + k] = ric_ball_exact(k ? -sin(angle) : 0);
-        }
-        if (stretched) {
-            H[2 * N + 2] = ric_ball_exact(4);
-            H[3 * N + 3] = ric_ball_exact(0.25);
-            H[2 * N + 3] = H[3 * N + 2] = ric_ball_exact(0);
-        }
-        assert_int_equal(ric_monodromy_leaves(N, H, 3), stretched);
-        for (int l = 0; l < N * N; l++) H[l].r = 1e3;
-        assert_false(ric_monodromy_leaves(N, H, 3));
-        H[0].r = NAN;
-        assert_false(ric_monodromy_leaves(N, H, 3));
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -544,8 +479,6 @@ int main(void)
         cmocka_unit_test(numbers_that_are_none_prove_nothing),
         cmocka_unit_test(blocks_are_bounded),
         cmocka_unit_test(bases_keep_what_cancels),
-        cmocka_unit_test(products_are_bounded),
-        cmocka_unit_test(traces_tell_what_leaves),
     };
     return cmocka_run_group_tests_name("prove_doubles", tests, NULL, NULL);
 }
