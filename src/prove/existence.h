@@ -26,7 +26,8 @@ void ric_existence_clear(ric_existence *x);
 /* Moves the centre of the chain to the orbit, chooses the plane across the curve that it lies on,
  * and proves. NULL, or why there is no proof at this precision. */
 const char *ric_existence_prove(ric_existence *x, ric_chain *c, const ric_enclosure *e);
-/* The same of an orbit that began anywhere: whether it was alone there is not asked. */
+/* The same of an orbit that began anywhere: whether it was alone there is not asked, and `unique`
+ * need not be told. */
 const char *ric_existence_find(ric_existence *x, ric_chain *c, const ric_enclosure *e);
 
 #endif

@@ -17,10 +17,13 @@ enum {
                     in */
     LARGEST = 5,
     SMALLEST = 24, /* 2^-k: sizes that are tried */
+    LEAST = 40,    /* of those of structures whose frequencies are far apart */
+    FURTHER = 8,   /* behind one that contracts */
     TRIES = 6,     /* boxes of each */
     POWER = 4,     /* steps of the inverse iteration for directions */
     NEWTON = 12,
     CHORD = 200, /* steps towards the orbit at an end, with one derivative */
+    LEFT = 16,   /* steps from the box to what is left of it */
     TIGHT = 24   /* doublings of its radius */
 };
 
@@ -396,69 +399,142 @@ static void approach_end(problem *p, const arb_t e, arb_ptr z)
     _arb_vec_clear(x, p->n);
 }
 
-/* The zero at an e as a small ball in the box, where Z holds, and its orbit. */
-static bool find_end(problem *p, const arb_t e, arb_ptr out)
+/* Radii that are a share of those of the box: Z, which makes less of these, makes less of them. */
+static void share_radii(problem *p, mag_srcptr whole, double share)
+{
+    mag_t x;
+    mag_init(x);
+    mag_set_d(x, share);
+    for (slong i = 0; i < p->n; i++) mag_mul(p->c.b + i, whole + i, x);
+    mag_clear(x);
+}
+
+/* The zero at an e in a box that is small beside that of all, where Z holds, and its orbit; `even`:
+ * with one radius for all numbers. */
+static bool find_end(problem *p, const arb_t e, bool even, arb_ptr out)
 {
     arb_ptr z = _arb_vec_init(p->n);
-    mag_t radius;
-    mag_init(radius);
+    mag_ptr whole = _mag_vec_init(p->n);
+    double share = ldexp(1, 4 - (int)p->e->prec);
+    for (slong i = 0; i < p->n; i++)
+        if (even) mag_one(whole + i);
+        else mag_set(whole + i, arb_radref(p->box + i));
     approach_end(p, e, z);
-    mag_set_ui_2exp_si(radius, 1, 4 - p->e->prec);
-    for (slong i = 0; i < p->n; i++) mag_max(radius, radius, p->c.y + i);
+    for (slong i = 0; i < p->n; i++)
+        share = fmax(share, mag_get_d(p->c.y + i) / mag_get_d(whole + i));
     bool tight = false;
     for (int i = 0; i < TIGHT && !tight; i++) {
-        mag_mul_2exp_si(radius, radius, 1);
-        for (slong l = 0; l < p->n; l++) mag_set(p->c.b + l, radius);
+        share *= 2;
+        share_radii(p, whole, share);
         tight = ric_contraction_holds(&p->c);
     }
+    share_radii(p, whole, share);
     for (slong i = 0; i < p->n && tight; i++) {
-        arb_add_error_mag(z + i, radius);
+        arb_add_error_mag(z + i, p->c.b + i);
         tight = arb_contains(p->box + i, z + i);
     }
     if (tight) place_large(p, z, e, out);
-    mag_clear(radius);
+    _mag_vec_clear(whole, p->n);
     _arb_vec_clear(z, p->n);
     return tight;
 }
 
 /* -------------------------------------------------------------------- motions */
 
+/* The zeros lie in y + Z b, too, and so on: what is left of the box. */
+static void place_tight(const problem *p, arb_ptr out)
+{
+    mag_ptr b = _mag_vec_init(p->n), next = _mag_vec_init(p->n);
+    for (slong i = 0; i < p->n; i++) mag_set(b + i, p->c.b + i);
+    for (int step = 0; step < LEFT; step++) {
+        ric_contraction_map(&p->c, b, next);
+        for (slong i = 0; i < p->n; i++) mag_add(b + i, next + i, p->c.y + i);
+    }
+    _arb_vec_set(out, p->centre, p->n);
+    for (slong i = 0; i < p->n; i++) arb_add_error_mag(out + i, b + i);
+    _mag_vec_clear(b, p->n);
+    _mag_vec_clear(next, p->n);
+}
+
+/* The arc as a line along a, with the balls of what it is beside it; z: all of the zeros. */
+static void place_line(const problem *p, arb_srcptr z, arb_ptr middle, arb_ptr half)
+{
+    arb_t y, x;
+    arb_init(y);
+    arb_init(x);
+    place_large(p, z, y, middle);
+    for (slong i = 0; i < p->n_large; i++) {
+        arb_srcptr a = z + p->n_small + i;
+        arb_get_mid_arb(y, a);
+        arb_mul(half + i, y, p->size, p->e->prec);
+        arb_sub(x, a, y, p->e->prec);
+        arb_mul(x, x, p->size, p->e->prec);
+        arb_add_error(middle + i, x);
+    }
+    arb_clear(y);
+    arb_clear(x);
+}
+
 /* All orbits of the arc, and those of the smaller class that it is seen from, close, and they pass
  * no stop. */
 static bool arc_stands(problem *p, ric_leaving *v)
 {
     const slong count = (slong)p->large.m * p->large.size + 1;
-    arb_ptr hull = _arb_vec_init(count);
+    arb_ptr hull = _arb_vec_init(3 * count), middle = hull + count, half = middle + count,
+            z = _arb_vec_init(p->n);
     arb_t y;
     ric_passage passage;
     arb_init(y);
     arb_add_error(y, p->size);
-    place_large(p, p->box, y, hull);
+    place_tight(p, z);
+    place_large(p, z, y, hull);
+    place_line(p, z, middle, half);
     ric_passage_init(&passage);
     ric_chain_energy(p->e, p->large.phase[0], hull, y);
     const bool done = arb_is_positive(y) && ric_chain_closes(&p->large, p->e, hull) &&
-                      ric_chain_closes(&p->small, p->e, p->box) &&
-                      ric_passage_prove(&passage, &p->large, p->e, &(ric_family){.hull = hull});
+                      ric_chain_closes(&p->small, p->e, z) &&
+                      ric_passage_prove(&passage, &p->large, p->e,
+                                        &(ric_family){.hull = hull,
+                                                      .middle = middle,
+                                                      .half = half});
     v->approach = arf_get_d(arb_midref(passage.approach), ARF_RND_FLOOR);
     ric_passage_clear(&passage);
     arb_clear(y);
-    _arb_vec_clear(hull, count);
+    _arb_vec_clear(hull, 3 * count);
+    _arb_vec_clear(z, p->n);
     return done;
 }
 
-static bool try_size(problem *p, int size, ric_leaving *v)
+/* *first: the first size that contracts. */
+static bool try_size(problem *p, int size, bool even, int *first, ric_leaving *v)
 {
     arb_t e;
     arb_init(e);
     arb_one(p->size);
     arb_mul_2exp_si(p->size, p->size, -size);
-    bool done = contracts(p) && arc_stands(p, v);
+    bool done = contracts(p);
+    if (done && size < *first) *first = size;
+    done = done && arc_stands(p, v);
     for (int side = 0; side < 2 && done; side++) {
         arb_set(e, p->size);
         if (!side) arb_neg(e, e);
-        done = find_end(p, e, v->end[side]);
+        done = find_end(p, e, even, v->end[side]);
     }
     arb_clear(e);
+    return done;
+}
+
+/* The largest arc whose ends are told by one radius for all numbers, which is short but sharp, or
+ * else one that is told at all. */
+static bool find_size(problem *p, ric_leaving *v)
+{
+    int first = SMALLEST + 1;
+    bool done = false;
+    for (int size = LARGEST; size <= SMALLEST && !done; size++)
+        done = try_size(p, size, true, &first, v);
+    const int last = first > SMALLEST ? LEAST : first + FURTHER;
+    for (int size = first; size <= last && !done; size++)
+        done = try_size(p, size, false, &first, v);
     return done;
 }
 
@@ -504,9 +580,7 @@ bool ric_leaving_prove(ric_leaving *v, const ric_augmented *junction, const ric_
     for (int side = 0; side < 2; side++) v->end[side] = _arb_vec_init(v->count);
     problem_open(&p, junction, like);
     _arb_vec_set(p.centre, junction->z, junction->n_orbit);
-    bool done = false;
-    if (find_images(&p, p.centre) && find_centre(&p))
-        for (int size = LARGEST; size <= SMALLEST && !done; size++) done = try_size(&p, size, v);
+    const bool done = find_images(&p, p.centre) && find_centre(&p) && find_size(&p, v);
     problem_close(&p);
     return done;
 }

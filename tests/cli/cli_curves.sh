@@ -61,6 +61,17 @@ ok 'a branch is one up to a grazing beside which it is all but singular' bash -c
 # It comes to a grazing by ever slower impacts, as slow as the tube is short where their speed is told from a flight
 ok 'slow impacts are told from the states behind them, by few tubes' bash -c '[[ $1 =~ ^proved\ True\ True\ (3|4).\  ]]' . "$(curve "$folder/s.ricochet" 26)"
 
+# A3[001] leaves another one where frequencies are far apart: the arc from there is 1e-9 long. Its first points are enough.
+mkdir "$folder/beam" && cp examples/beam-lumped/*.mtx "$folder/beam"
+sed 's/impacts: .*/impacts: 3/; s/energy: .*/energy: [0, 25]/' examples/beam-lumped/study.yaml >"$folder/beam/study.yaml"
+"$ricochet" run "$folder/beam/study.yaml" -o "$folder/beam.ricochet" --quiet
+plant "$folder/beam.ricochet" "$folder/p.ricochet" '
+high, = db.execute("SELECT energy FROM point WHERE branch = 7 AND point = 2").fetchone()
+db.execute("DELETE FROM point WHERE branch = 7 AND point > 2")
+db.execute("DELETE FROM junction_branch WHERE branch = 7 AND junction = (SELECT to_junction FROM branch WHERE id = 7)")
+db.execute("UPDATE branch SET points = 3, energy_max = ?, to_junction = NULL, stop = ? WHERE id = 7", (high, "window"))'
+ok 'a branch of twenty modes begins in the branch point that it leaves' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/p.ricochet" 7)"
+
 # S2- has the word and the class of S2+
 planted '
 columns = [row[1] for row in db.execute("PRAGMA table_info(point)") if row[1] not in ("branch", "point", "arclength")]
