@@ -21,11 +21,15 @@
 
 #include <stdbool.h>
 
+/* x to the nearest double, as arf_get_d with ARF_RND_NEAR. */
+double ric_arb_nearest(const arf_t x);
 /* The centre, rounded; for guesses. */
 static inline double ric_arb_middle(const arb_t x)
 {
-    return arf_get_d(arb_midref(x), ARF_RND_NEAR);
+    return ric_arb_nearest(arb_midref(x));
 }
+/* A <- 0: of large matrices, in which few numbers are anything else. */
+void ric_arb_clean(arb_mat_t A);
 /* Bounds of x, rounded outwards. */
 void ric_arb_interval(const arb_t x, double out[2]);
 /* x [n * 1] becomes x / |x| without its radii; false if that is nothing. */

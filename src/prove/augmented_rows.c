@@ -491,7 +491,7 @@ static void put_norm(filling *f)
 void ric_augmented_evaluate(ric_augmented *x, arb_srcptr z, arb_mat_struct *J, arb_ptr F)
 {
     filling f = {.x = x, .z = z, .J = J, .F = F};
-    arb_mat_zero(J);
+    ric_arb_clean(J);
     _arb_vec_zero(F, x->n);
     _arb_vec_set(x->c.u, z, x->n_orbit);
     ric_equation_create(&f.q, &x->c);

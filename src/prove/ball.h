@@ -77,7 +77,7 @@ static inline ric_ball ric_ball_dot(int n, const double *y, const double *m, con
 /* The ball of doubles that holds one of Arb. */
 static inline ric_ball ric_ball_of(const arb_t x)
 {
-    const double m = arf_get_d(arb_midref(x), ARF_RND_NEAR);
+    const double m = ric_arb_nearest(arb_midref(x));
     mag_t r;
     mag_init(r);
     mag_set(r, arb_radref(x));

@@ -273,15 +273,30 @@ void ric_contraction_add(ric_contraction *k, const arb_mat_t A, double by)
     add(k, A, false, by);
 }
 
+/* Rows i to i + 3 of Z x, which wait for one another less than the numbers of one row. */
+static void map_rows(const ric_contraction *k, const double *size, slong i, double *sum)
+{
+    const slong n = k->n;
+    const double *row = k->Z + i * n;
+    for (int r = 0; r < 4; r++) sum[r] = 0;
+    if (i + 4 > n) {
+        for (slong r = 0; r < n - i; r++)
+            for (slong j = 0; j < n; j++) sum[r] += row[r * n + j] * size[j];
+        return;
+    }
+    for (slong j = 0; j < n; j++)
+        for (int r = 0; r < 4; r++) sum[r] += row[r * n + j] * size[j];
+}
+
 void ric_contraction_map(const ric_contraction *k, mag_srcptr x, mag_ptr out)
 {
     const slong n = k->n;
     double *size = flint_malloc((size_t)n * sizeof *size);
     for (slong j = 0; j < n; j++) size[j] = mag_get_d(x + j); /* rounded up */
-    for (slong i = 0; i < n; i++) {
-        double sum = 0;
-        for (slong j = 0; j < n; j++) sum += k->Z[i * n + j] * size[j];
-        mag_set_d(out + i, round_up(sum));
+    for (slong i = 0; i < n; i += 4) {
+        double sum[4];
+        map_rows(k, size, i, sum);
+        for (slong r = 0; r < 4 && i + r < n; r++) mag_set_d(out + i + r, round_up(sum[r]));
     }
     flint_free(size);
 }

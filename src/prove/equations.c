@@ -579,17 +579,19 @@ void ric_equation_second(ric_equations *q, const ric_chain *c, const ric_enclosu
 
 /* ---------------------------------------------------------------- gathering */
 
+/* Into a matrix that is zero there. */
 static void put_block(arb_mat_t to, slong row, slong column, const arb_mat_t block)
 {
     for (slong i = 0; i < arb_mat_nrows(block); i++)
         for (slong j = 0; j < arb_mat_ncols(block); j++)
-            arb_set(arb_mat_entry(to, row + i, column + j), arb_mat_entry(block, i, j));
+            if (!arb_is_zero(arb_mat_entry(block, i, j)))
+                arb_set(arb_mat_entry(to, row + i, column + j), arb_mat_entry(block, i, j));
 }
 
 void ric_equation_gather(const ric_equations *q, const ric_chain *c, arb_mat_struct *J, arb_ptr F)
 {
     slong row = 0;
-    if (J) arb_mat_zero(J);
+    if (J) ric_arb_clean(J);
     for (int i = 0; i < q->n - 1; row += q->group[i++].rows) {
         const ric_equation_group *g = &q->group[i];
         if (J) put_block(J, row, (slong)g->first * c->size, g->J);

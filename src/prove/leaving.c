@@ -149,7 +149,7 @@ static slong put_small(problem *p, arb_srcptr z)
     ric_equations q;
     const slong row = p->n_chain - 1, n = p->n, prec = p->e->prec;
     arb_srcptr a = z + p->n_small;
-    arb_mat_zero(p->J);
+    ric_arb_clean(p->J);
     _arb_vec_set(p->small.u, z, p->n_chain);
     ric_equation_create(&q, &p->small);
     ric_equation_evaluate(&q, &p->small, p->e);
@@ -169,7 +169,7 @@ static slong put_small(problem *p, arb_srcptr z)
 /* out = A B, of which both have few numbers that are not zero: those of a block, and images. */
 static void multiply_few(arb_mat_t out, const arb_mat_t A, const arb_mat_t B, slong prec)
 {
-    arb_mat_zero(out);
+    ric_arb_clean(out);
     for (slong i = 0; i < arb_mat_nrows(A); i++)
         for (slong l = 0; l < arb_mat_ncols(A); l++) {
             arb_srcptr a = arb_mat_entry(A, i, l), row = arb_mat_entry(B, l, 0);

@@ -472,6 +472,33 @@ static void bases_keep_what_cancels(void **state)
     }
 }
 
+/* Of one to six limbs, half way between doubles and just beside, and where doubles end. */
+static void nearest_doubles(void **state)
+{
+    (void)state;
+    arb_t x, small;
+    arb_init(x);
+    arb_init(small);
+    for (int i = 0; i < 4000; i++) {
+        arb_set_d(x, draw());
+        if (i % 2) arb_set_d(small, ldexp(i % 3 ? 1 : -1, ilogb(ric_arb_middle(x)) - 53));
+        else arb_set_d(small, ldexp(draw(), -40));
+        arb_add(x, x, small, ARF_PREC_EXACT);
+        arb_set_d(small, ldexp(i % 5 ? 1 : -1, -100 - 50 * (i % 7)));
+        if (i % 4) arb_add(x, x, small, ARF_PREC_EXACT);
+        arb_mul_2exp_si(x, x, i % 11 ? 37 * (i % 60 - 30) : 0);
+        assert_true(ric_arb_nearest(arb_midref(x)) == arf_get_d(arb_midref(x), ARF_RND_NEAR));
+    }
+    arb_zero(x);
+    assert_true(ric_arb_nearest(arb_midref(x)) == 0);
+    arb_pos_inf(x);
+    assert_true(isinf(ric_arb_nearest(arb_midref(x))));
+    arf_nan(arb_midref(x));
+    assert_true(isnan(ric_arb_nearest(arb_midref(x))));
+    arb_clear(x);
+    arb_clear(small);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -479,6 +506,7 @@ int main(void)
         cmocka_unit_test(numbers_that_are_none_prove_nothing),
         cmocka_unit_test(blocks_are_bounded),
         cmocka_unit_test(bases_keep_what_cancels),
+        cmocka_unit_test(nearest_doubles),
     };
     return cmocka_run_group_tests_name("prove_doubles", tests, NULL, NULL);
 }
