@@ -14,7 +14,7 @@ enum {
         1500, /* tubes of a step that are tried: some tens are taken where they get shorter towards
                  an end, and as many as there are halvings allow where nothing is gained by that */
     TUBE = 1000000, /* multiplications of one, about */
-    FINEST = 7,     /* halvings of a tube for its certificate */
+    FINEST = 128,   /* parts of a tube for its certificate */
     MANY_PARTS = 7, /* halvings of a tube for its stability: of two modes */
     FEW_PARTS = 5   /* of more, where it is dear */
 };
@@ -84,13 +84,12 @@ void ric_curve_node_place(ric_node *a, const ric_chain *like, arb_srcptr u, bool
     arb_clear(radius);
 }
 
-/* What the curve is beside its chord at an end, over s (1 - s): its slope there less the chord. The
- * tangent may point either way. false where it is not known. */
-static bool find_bend(const ric_node *a, bool end, arb_srcptr chord, double *out)
+/* out += weight times what the curve is beside its chord at an end, over s (1 - s): its slope there
+ * less the chord. The tangent, which is known, may point either way. */
+static void add_bend(const ric_node *a, bool end, arb_srcptr chord, double weight, double *out)
 {
     const slong count = (slong)a->c.m * a->c.size;
     double along = 0, length = 0;
-    if (!a->tangent) return false;
     for (slong i = 0; i < count; i++) {
         const double way = ric_arb_middle(chord + i);
         along += way * a->tangent[i];
@@ -99,44 +98,49 @@ static bool find_bend(const ric_node *a, bool end, arb_srcptr chord, double *out
     length = copysign(sqrt(length), along);
     for (slong i = 0; i < count; i++) {
         const double bend = length * a->tangent[i] - ric_arb_middle(chord + i);
-        out[i] += end ? -bend : bend;
+        out[i] += end ? -weight * bend : weight * bend;
     }
-    return true;
 }
 
-/* The middle of the cubic that has the tangents of both, or of the parabola with that of one: off
- * the curve by the fourth power of the chord, where the mean of both is by its square, from which
+/* A share of the way along the cubic that has the tangents of both, or the parabola with that of
+ * one: off the curve by the fourth power of the chord, where the chord is by its square, from which
  * Newton's method need not come back if D is near to singular. */
-static void place_between(ric_chain *c, const ric_node *a, const ric_node *b, slong prec)
+static void place_between(ric_chain *c, const ric_node *a, const ric_node *b, double share,
+                          slong prec)
 {
     const slong count = (slong)c->m * c->size;
     arb_ptr chord = _arb_vec_init(count);
     double *bend = flint_calloc((size_t)count, sizeof *bend);
-    arb_t x;
+    arb_t x, at;
     arb_init(x);
+    arb_init(at);
+    arb_set_d(at, share);
     _arb_vec_sub(chord, b->c.u, a->c.u, count, prec);
-    int known = find_bend(a, false, chord, bend);
-    known += find_bend(b, true, chord, bend);
+    if (a->tangent) add_bend(a, false, chord, b->tangent ? 1 - share : 1, bend);
+    if (b->tangent) add_bend(b, true, chord, a->tangent ? share : 1, bend);
     for (slong i = 0; i < count; i++) {
-        arb_mul_2exp_si(chord + i, chord + i, -1);
+        arb_mul(chord + i, chord + i, at, prec);
         arb_add(c->u + i, a->c.u + i, chord + i, prec);
-        arb_set_d(x, known > 0 ? bend[i] / (4 * known) : 0);
+        arb_set_d(x, bend[i] * share * (1 - share));
         arb_add(c->u + i, c->u + i, x, prec);
         arb_get_mid_arb(c->u + i, c->u + i);
     }
     _arb_vec_clear(chord, count);
     flint_free(bend);
     arb_clear(x);
+    arb_clear(at);
 }
 
-/* The orbit near the middle of two; it is solved from there, so that it may be moved by more than a
- * stored one. Where it took one of both more than doubles to tell, so it does there. */
-static void node_between(ric_node *m, const ric_node *a, const ric_node *b, const ric_enclosure *e)
+/* The orbit near a share of the way from one to another; it is solved from there, so that it may be
+ * moved by more than a stored one. Where it took one of both more than doubles to tell, so it does
+ * there. */
+static void node_between(ric_node *m, const ric_node *a, const ric_node *b, double share,
+                         const ric_enclosure *e)
 {
     ric_existence x;
     ric_existence_init(&x);
     ric_chain_copy(&m->c, &a->c);
-    place_between(&m->c, a, b, e->prec);
+    place_between(&m->c, a, b, share, e->prec);
     x.way = a->way > b->way ? a->way : b->way;
     take_proof(m, &x, ric_existence_find(&x, &m->c, e));
     ric_existence_clear(&x);
@@ -230,19 +234,20 @@ static bool lies_in(const ric_tube *t, const ric_node *m)
     return inside;
 }
 
-/* What is between two orbits of a tube, b itself left out, 2^levels - 1 of them: a checker that
- * bounds all number by number needs shorter lines. */
+/* What is between two orbits of a tube, b itself left out, so that there are `parts` lines: a
+ * checker that bounds all number by number needs shorter ones. */
 static void record_between(ric_curve *x, const ric_tube *t, const ric_node *a, const ric_node *b,
-                           int levels)
+                           int parts)
 {
-    if (levels == 0) return;
+    if (parts < 2) return;
+    const int first = parts / 2;
     ric_node m;
     ric_curve_node_init(&m);
-    node_between(&m, a, b, x->e);
+    node_between(&m, a, b, (double)first / parts, x->e);
     if (!m.why && m.c.number >= 0 && lies_in(t, &m)) {
-        record_between(x, t, a, &m, levels - 1);
+        record_between(x, t, a, &m, first);
         ric_certificate_arcs_add(x->arcs, &m.c, x->e, m.exists);
-        record_between(x, t, &m, b, levels - 1);
+        record_between(x, t, &m, b, parts - first);
     }
     ric_curve_node_clear(&m);
 }
@@ -253,10 +258,9 @@ static void record(ric_curve *x, const ric_tube *t, const ric_node *a, const ric
     if (!x->arcs || a->last || b->last) return;
     if (!x->arcs->open && a->c.number >= 0)
         ric_certificate_arcs_add(x->arcs, &a->c, x->e, a->exists);
-    int levels = 0;
-    for (double strain = ric_tube_strain(t, x->e); strain > STRAIN && levels < FINEST; strain /= 2)
-        levels++;
-    if (x->arcs->open && b->c.number >= 0) record_between(x, t, a, b, levels);
+    const double strain = ric_tube_strain(t, x->e);
+    const int parts = strain > STRAIN ? (int)fmin(ceil(strain / STRAIN), FINEST) : 1;
+    if (x->arcs->open && b->c.number >= 0) record_between(x, t, a, b, parts);
     if (b->c.number >= 0) ric_certificate_arcs_add(x->arcs, &b->c, x->e, b->exists);
 }
 
@@ -281,7 +285,7 @@ static bool join(ric_curve *x, const ric_node *a, const ric_node *b, int depth)
     if (depth == DEEPEST || ++x->tried > MOST || ric_halt(TUBE)) return false;
     ric_node m;
     ric_curve_node_init(&m);
-    node_between(&m, a, b, x->e);
+    node_between(&m, a, b, 0.5, x->e);
     bool done = !m.why;
     if (m.why) snprintf(x->why, sizeof x->why, "between two orbits: %s", m.why);
     done = done && join(x, a, &m, depth + 1) && join(x, &m, b, depth + 1);
