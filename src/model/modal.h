@@ -4,29 +4,57 @@
 
 #include <math.h>
 
+#include "base/room.h"
 #include "model.h"
 
-/* trig [3n]: cos(omega tau), kappa sin(omega tau) / omega, omega sin(omega tau) / kappa. */
-static inline void ric_flight_trig(const ric_model *m, int n, double tau, double *restrict trig)
+/* What modes that do not turn have instead, and those that turn so often that rounding of their
+ * phase counts: mode i, with cosine and sine of its rounded phase. */
+static inline void ric_flight_mend(const ric_model *m, int i, double tau, double *c, double *s,
+                                   double *other)
 {
-    for (int i = 0; i < n; i++) {
-        double s, c;
-        if (m->omega[i] > 0) {
-            double phase = m->omega[i] * tau;
-            sincos(phase, &s, &c);
-            if (m->fast) { /* turn by what rounding took from the phase */
-                double low = fma(m->omega[i], tau, -phase) + m->omega_low[i] * tau, t = s;
-                s += low * c;
-                c -= low * t;
-            }
-            trig[i] = c;
-            trig[n + i] = trig[2 * n + i] = s;
-        } else {
-            trig[i] = 1;
-            trig[n + i] = tau;
-            trig[2 * n + i] = 0;
-        }
+    const double phase = m->omega[i] * tau;
+    if (m->omega[i] > 0 && !m->fast) return;
+    if (m->omega[i] > 0) { /* turn by what rounding took from the phase */
+        const double low = fma(m->omega[i], tau, -phase) + m->omega_low[i] * tau, t = *s;
+        *s += low * *c;
+        *c -= low * t;
+        *other = *s;
+    } else {
+        *c = 1;
+        *s = tau;
+        *other = 0;
     }
+}
+
+/* cos(omega tau), kappa sin(omega tau) / omega and omega sin(omega tau) / kappa of modes i and j,
+ * one in each lane. */
+static inline __attribute__((always_inline)) void ric_flight_trig_lanes(const ric_model *m, int i,
+                                                                        int j, double tau,
+                                                                        ric_lane trig[3])
+{
+    const ric_lane omega = {m->omega[i], m->omega[j]};
+    ric_sine_lanes(omega * tau, &trig[1], &trig[0]);
+    trig[2] = trig[1];
+    if (!m->fast && omega[0] > 0 && omega[1] > 0) return;
+    double each[3][2];
+    memcpy(each, trig, sizeof each);
+    for (int l = 0; l < 2; l++)
+        ric_flight_mend(m, l ? j : i, tau, &each[0][l], &each[1][l], &each[2][l]);
+    memcpy(trig, each, sizeof each);
+}
+
+/* The same of all modes, trig [3n]. */
+static inline __attribute__((always_inline)) void ric_flight_trig(const ric_model *m, int n,
+                                                                  double tau, double *restrict trig)
+{
+    ric_lane two[3];
+    for (int i = 0; i + 1 < n; i += 2) {
+        ric_flight_trig_lanes(m, i, i + 1, tau, two);
+        for (int k = 0; k < 3; k++) ric_lane_store(trig + k * n + i, two[k]);
+    }
+    if (n % 2 == 0) return;
+    ric_flight_trig_lanes(m, n - 1, n - 1, tau, two);
+    for (int k = 0; k < 3; k++) trig[k * n + n - 1] = two[k][0];
 }
 
 /* w_after = rotation * w. May work in place. */

@@ -335,7 +335,7 @@ void ric_regime_leave(const ric_regime *p, const double *z, double *w)
 static void turn(const ric_regime *p, int i, double tau, double *co, double *si)
 {
     double y = p->omega[i] * tau, low = fma(p->omega[i], tau, -y) + p->omega_low[i] * tau, c, s;
-    sincos(y, &s, &c);
+    ric_sine_cosine(y, &s, &c);
     *co = c - low * s;
     *si = s + low * c;
 }
@@ -396,7 +396,7 @@ void ric_regime_fly_fine(const ric_regime *p, long double tau, int ld, bool stat
     long double co[n], s1[n], s2[n];
     for (int i = 0; i < n; i++) {
         long double omega = (long double)p->omega[i] + p->omega_low[i];
-        sincosl(omega * tau, &s1[i], &co[i]);
+        ric_sine_cosine_fine(omega * tau, &s1[i], &co[i]);
         s2[i] = s1[i];
         if (!(omega > 0)) s1[i] = tau;
     }
@@ -434,8 +434,9 @@ static void ratios(double y, double *h1, double *h2, double *d1, double *d2)
         *d2 = -y / 3 * (1 - x / 10 * (1 - x / 28 * (1 - x / 54 * (1 - x / 88))));
         return;
     }
-    double s, c, half = sin(y / 2);
-    sincos(y, &s, &c);
+    double s, c, half, unused;
+    ric_sine_cosine(y, &s, &c);
+    ric_sine_cosine(y / 2, &half, &unused);
     *h1 = 2 * half * half / y;
     *h2 = s / y;
     *d1 = (s - *h1) / y;

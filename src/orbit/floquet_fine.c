@@ -179,7 +179,7 @@ static bool fly(const course *q, real tau, real *w, real *V)
         real omega = (real)m->omega[i] + m->omega_low[i], kappa = m->kappa[i], s,
              by[3] = {1, tau, 0};
         if (m->omega[i] > 0) {
-            sincosl(omega * tau, &s, &by[0]);
+            ric_sine_cosine_fine(omega * tau, &s, &by[0]);
             by[1] = kappa * s / omega;
             by[2] = omega * s / kappa;
         }

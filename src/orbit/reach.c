@@ -37,7 +37,7 @@
 #define BELOW 1e-12
 
 typedef struct {
-    double t, s, ds;
+    double t, s, ds, bend; /* s' and s'' */
 } sample;
 
 typedef struct {
@@ -66,45 +66,34 @@ typedef struct {
     int capacity, count;
 } search;
 
-/* At t; *bend, unless NULL: s'' there. */
-static inline __attribute__((always_inline)) sample sample_of(const search *q, int n, double t,
-                                                              double *bend)
+/* Adds what mode i gives, at time t, from cosine and sine of its phase. */
+static inline __attribute__((always_inline)) void add_mode(const search *q, int i, double co,
+                                                           double si, sample *at)
 {
-    const double *w = q->start, *g = q->g, *omega = q->omega;
-    sample out = {t, q->rest, 0};
-    if (bend) *bend = 0;
-    for (int i = 0; i < n; i++) {
-        double a = w[i], p = w[n + i];
-        if (omega[i] > 0) {
-            double si, co;
-            sincos(omega[i] * t, &si, &co);
-            double sum = g[i] * (a * co + p * si);
-            out.s += sum;
-            out.ds += g[i] * omega[i] * (p * co - a * si);
-            if (bend) *bend -= omega[i] * omega[i] * sum;
-        } else {
-            out.s += g[i] * (a + p * t);
-            out.ds += g[i] * p;
-        }
+    const double a = q->start[i], p = q->start[q->n + i], g = q->g[i], omega = q->omega[i];
+    if (!(omega > 0)) {
+        at->s += g * (a + p * at->t);
+        at->ds += g * p;
+        return;
     }
-    return out;
+    const double sum = g * (a * co + p * si);
+    at->s += sum;
+    at->ds += g * omega * (p * co - a * si);
+    at->bend -= omega * omega * sum;
 }
 
 static sample sample_at(const search *q, double t)
 {
-    return q->n == 2 ? sample_of(q, 2, t, NULL) : sample_of(q, q->n, t, NULL);
-}
-
-static sample bent_sample_at(const search *q, double t, double *bend)
-{
-    return q->n == 2 ? sample_of(q, 2, t, bend) : sample_of(q, q->n, t, bend);
-}
-
-static double curvature(const search *q, double t)
-{
-    double bend;
-    bent_sample_at(q, t, &bend);
-    return bend;
+    const int n = q->n;
+    sample out = {t, q->rest, 0, 0};
+    for (int i = 0; i < n; i += 2) {
+        const int j = i + 1 < n ? i + 1 : i;
+        ric_lane si, co;
+        ric_sine_lanes((ric_lane){q->omega[i], q->omega[j]} * t, &si, &co);
+        add_mode(q, i, co[0], si[0], &out);
+        if (j > i) add_mode(q, j, co[1], si[1], &out);
+    }
+    return out;
 }
 
 static void offer(search *q, double t, double s, int side, bool kink)
@@ -125,14 +114,9 @@ static void offer(search *q, double t, double s, int side, bool kink)
 
 /* A stationary point, which is a maximum on one side only: a closed face that is farthest beyond
  * the clearance does not come near to opening. */
-static void offer_bent(search *q, sample at, double bend)
-{
-    offer(q, at.t, at.s, bend < 0 ? 1 : -1, false);
-}
-
 static void offer_stationary(search *q, sample at)
 {
-    offer_bent(q, at, curvature(q, at.t));
+    offer(q, at.t, at.s, at.bend < 0 ? 1 : -1, false);
 }
 
 /* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal,
@@ -178,11 +162,10 @@ static void polish(search *q, sample l, sample r, bool monotone)
                                                  l.t + (r.t - l.t) * l.ds / (l.ds - r.ds));
     root.least = STATIONARY * q->tau;
     sample mid = l;
-    double bend;
     do {
-        mid = bent_sample_at(q, root.x, &bend);
+        mid = sample_at(q, root.x);
         if (below && stays_below(q, &root, mid, maximum ? 1 : -1)) return;
-    } while (ric_root_slope_next(&root, mid.ds, bend));
+    } while (ric_root_slope_next(&root, mid.ds, mid.bend));
     mid.t = root.x;
     /* a stationary point at the very end of the flight is the impact there, at no speed */
     if ((q->own_start && mid.t < CLOSE * q->tau) || (q->own_end && q->tau - mid.t < CLOSE * q->tau))
@@ -280,7 +263,7 @@ static void search_contact(search *q)
     int n = q->n, k = q->flight, last = c->n_flight - 1;
     enter_contact(q);
     const double *w = q->start, *e = q->end, *g = q->g;
-    sample l = {0, q->rest, 0}, r = {q->tau, q->rest, 0};
+    sample l = {0, q->rest, 0, 0}, r = {q->tau, q->rest, 0, 0};
     double D2 = 0;
     q->D3 = q->D4 = q->bend_start = q->bend_end = q->blur = 0;
     for (int i = 0; i < n; i++) {
@@ -290,6 +273,8 @@ static void search_contact(search *q)
         r.s += g[i] * e[i];
         l.ds += g[i] * q->kappa[i] * w[n + i];
         r.ds += g[i] * q->kappa[i] * e[n + i];
+        l.bend -= omega * omega * (g[i] * w[i]);
+        r.bend -= omega * omega * (g[i] * e[i]);
         double second = omega > 0
                             ? fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * omega * omega
                             : 0;
@@ -309,19 +294,17 @@ static void search_contact(search *q)
     if (q->own_start && f0 == f1 && D2 * q->tau * q->tau < 8 * q->blur) return;
     /* at rest every gap is stationary */
     if (k == 0 && c->start == RIC_MIRROR_REST) {
-        const double bend = curvature(q, 0);
-        offer_bent(q, l, bend);
-        q->bend_start = fabs(bend);
+        offer_stationary(q, l);
+        q->bend_start = fabs(l.bend);
         l.ds = 0;
     }
     const bool rests = k == last && c->end == RIC_MIRROR_REST;
-    const double bend = rests ? curvature(q, q->tau) : 0;
     if (rests) {
-        q->bend_end = fabs(bend);
+        q->bend_end = fabs(r.bend);
         r.ds = 0;
     }
     search_flight(q, l, r);
-    if (rests) offer_bent(q, r, bend);
+    if (rests) offer_stationary(q, r);
     /* the start of the chain counts for the end in the general form */
     if (k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start)
         offer_impact(q, &m->face[f0], l);
@@ -393,12 +376,13 @@ static void search_rest(search *q)
 static void offer_end(search *q, const ric_face *impact, bool start)
 {
     const double *w = start ? q->start : q->end;
-    sample at = {start ? 0 : q->tau, q->rest, 0};
+    sample at = {start ? 0 : q->tau, q->rest, 0, 0};
     q->D1 = 0;
     for (int i = 0; i < q->n; i++) {
         const double slope = q->g[i] * q->kappa[i] * w[q->n + i];
         at.s += q->g[i] * w[i];
         at.ds += slope;
+        at.bend -= q->omega[i] * q->omega[i] * q->g[i] * w[i];
         q->D1 += fabs(slope);
     }
     offer_impact(q, impact, at);

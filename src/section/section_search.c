@@ -28,8 +28,10 @@ static void tabulate_turn(const ric_section_phase *p, int n, double time, double
 {
     for (int i = 0; i < n; i++) {
         bool turns = p->omega[i] > 0;
-        turn[i] = turns ? cos(p->omega[i] * time) : 1;
-        turn[n + i] = turns ? sin(p->omega[i] * time) : time;
+        double sine, cosine;
+        ric_sine_cosine(p->omega[i] * time, &sine, &cosine);
+        turn[i] = turns ? cosine : 1;
+        turn[n + i] = turns ? sine : time;
         turn[2 * n + i] = turns ? turn[n + i] : 0;
     }
 }
@@ -109,7 +111,7 @@ static ric_sample look(const void *of, double t)
             v += g->G[i] * P;
             continue;
         }
-        sincos(omega * t / 2, &sine, &cosine);
+        ric_sine_cosine(omega * t / 2, &sine, &cosine);
         double both = 2 * sine * cosine, one = 1 - 2 * sine * sine, weight = g->G[i] * omega;
         s += 2 * g->G[i] * sine * (cosine * P - sine * A);
         v += weight * (one * P - both * A);

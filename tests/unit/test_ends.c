@@ -17,19 +17,9 @@
 #include "sample.h"
 #include "close.h"
 
-/* Branches through a soft and a stiff spring end where contacts of no time begin or end. */
-static void no_negative_flight(void **state)
+/* Of all flights of an atlas, none of which lasts less than no time, how many last none. */
+static int flights_of_no_time(ric_atlas *atlas)
 {
-    (void)state;
-    ric_atlas *atlas = explore_text(
-        "model:\n  mass: [[2, 0, 0], [0, 1.75, 0], [0, 0, 0.75]]\n"
-        "  stiffness: [[7.75, -7.75, 0], [-7.75, 14, -6.25], [0, -6.25, 6.25]]\n  contacts:\n"
-        "    - {normal: [-1, 1, 0], law: bilinear, clearance: 8.33, sides: both, stiffness: "
-        "0.02617}\n"
-        "    - {normal: [0, -1, 1], law: bilinear, clearance: 8.338, sides: both, stiffness: "
-        "10450}\n"
-        "explore: {energy: [0, 30.98], frequency: [0.4791, 11.41], impacts: 8, multiply: 3, depth: "
-        "2}\n");
     int none = 0;
     for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
         ric_branch b = branch_of(atlas, id);
@@ -46,8 +36,33 @@ static void no_negative_flight(void **state)
         }
         free(flights);
     }
+    return none;
+}
+
+/* Branches through a soft and a stiff spring end where contacts of no time begin or end. To which
+ * side of that rounding puts a flight is luck: of four clearances some are put back to no time. */
+static void no_negative_flight(void **state)
+{
+    int none = 0;
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        char text[640];
+        snprintf(
+            text, sizeof text,
+            "model:\n  mass: [[2, 0, 0], [0, 1.75, 0], [0, 0, 0.75]]\n"
+            "  stiffness: [[7.75, -7.75, 0], [-7.75, 14, -6.25], [0, -6.25, 6.25]]\n  contacts:\n"
+            "    - {normal: [-1, 1, 0], law: bilinear, clearance: %g, sides: both, stiffness: "
+            "0.02617}\n"
+            "    - {normal: [0, -1, 1], law: bilinear, clearance: 8.338, sides: both, stiffness: "
+            "10450}\n"
+            "explore: {energy: [0, 30.98], frequency: [0.4791, 11.41], impacts: 8, multiply: 3, "
+            "depth: 2}\n",
+            8.33 + 0.001 * k);
+        ric_atlas *atlas = explore_text(text);
+        none += flights_of_no_time(atlas);
+        ric_atlas_free(atlas);
+    }
     assert_true(none > 0);
-    ric_atlas_free(atlas);
 }
 
 /* Of a stop and a spring of 4e5 times the stiffness a contact ends within a branch: a doubling seen
