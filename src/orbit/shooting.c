@@ -151,7 +151,7 @@ static inline __attribute__((always_inline)) double fly_one(ric_shooting *c, int
     for (int i = 0; i < n; i++) speed += face->c[i] * w[n + i];
     c->approach[k + 1] = face->side * speed;
     if (face->spring == 0 && !(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) {
-        double factor = 2 * speed / face->cc;
+        const double factor = speed * (2 / face->cc);
         for (int i = 0; i < n; i++) w[n + i] -= factor * face->c[i];
     }
     if (face->spring > 0 && c->face[k] == c->face[k + 1] && !c->plain)
@@ -290,6 +290,27 @@ static inline __attribute__((always_inline)) double chord_row(const ric_shooting
     return by_tau;
 }
 
+/* g [ld] of the rows of X: those of the condition h [n]. */
+static inline __attribute__((always_inline)) void row_of(int n, const double *h, int ld,
+                                                         const double *X, double *g)
+{
+    for (int j = 0; j < ld; j++) g[j] = h[0] * X[j];
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < ld; j++) g[j] += h[i] * X[i * ld + j];
+}
+
+/* An impact of all columns: their velocities are reflected. */
+static inline __attribute__((always_inline)) void strike_columns(int n, const ric_face *face,
+                                                                 int ld, double *X)
+{
+    double sum[ld];
+    row_of(n, face->c, ld, X + n * ld, sum);
+    for (int i = 0; i < n; i++) {
+        const double f = 2 / face->cc * face->c[i];
+        for (int j = 0; j < ld; j++) X[(n + i) * ld + j] -= f * sum[j];
+    }
+}
+
 /* Takes the live columns (nz of them and the inhomogeneous one) through flight k and its impact. */
 static inline __attribute__((always_inline)) double carry(ric_shooting *c, int n, int nz, int k,
                                                           double gap, bool pinned, int rows, int ld)
@@ -320,28 +341,16 @@ static inline __attribute__((always_inline)) double carry(ric_shooting *c, int n
     for (int r = 2 * n; r < rows; r++) X[r * ld + nz] = 0;
     if (c->face[k + 1] < 0) return rho;
     const ric_face *face = &m->face[c->face[k + 1]];
-    int columns = nz + 1;
-    if (pinned) {
-        if (chord) g[nz] = by_tau;
-        for (int j = 0; j <= nz && !chord; j++) g[j] = 0;
-        for (int i = 0; i < n && !chord; i++) {
-            for (int j = 0; j <= nz; j++) g[j] += face->g[i] * X[i * ld + j];
-            offset += face->g[i] * X[i * ld + ld - 1];
-        }
-        rho = ric_pin(c, 1 + k, nz + 1, g, -gap - offset, rows, ld);
-        columns = nz;
+    /* rows are struck before columns are pinned, which wait for nothing of it */
+    if (!(face->spring > 0 || (k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)))
+        strike_columns(n, face, ld, X);
+    if (!pinned) return rho;
+    if (chord) g[nz] = by_tau;
+    else {
+        row_of(n, face->g, ld, X, g);
+        offset = g[ld - 1];
     }
-    if (face->spring > 0 || (k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT)) return rho;
-    double sum[ld], factor = 2 / face->cc;
-    for (int j = 0; j < ld; j++) sum[j] = 0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < ld; j++) sum[j] += face->c[i] * X[(n + i) * ld + j];
-    for (int i = 0; i < n; i++) {
-        double f = factor * face->c[i];
-        for (int j = 0; j < columns; j++) X[(n + i) * ld + j] -= f * sum[j];
-        X[(n + i) * ld + ld - 1] -= f * sum[ld - 1];
-    }
-    return rho;
+    return ric_pin(c, 1 + k, nz + 1, g, -gap - offset, rows, ld);
 }
 
 void ric_shooting_mean_gradient(const ric_shooting *c, double *h)

@@ -3,7 +3,7 @@
 
 #include "base/room.h"
 
-typedef double lane __attribute__((vector_size(16)));
+typedef ric_lane lane;
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -28,78 +28,98 @@ typedef struct {
     double gap;
 } arrival;
 
-INLINE lane load(const double *x)
-{
-    lane out;
-    memcpy(&out, x, sizeof out);
-    return out;
-}
-
-INLINE void store(double *x, lane value)
-{
-    memcpy(x, &value, sizeof value);
-}
-
 INLINE lane turned(lane co, lane si, lane x, lane y)
 {
     return co * x + si * y;
 }
 
-/* fly_one of shooting.c. */
-INLINE double fly(ric_shooting *c, int k, double tau, const ric_face *face, bool strikes)
+/* The turns of flight k. */
+INLINE void turn(ric_shooting *c, const double *u, int k)
 {
-    double *map = c->map + c->stride * (size_t)k, *w = c->w + 4 * (k + 1), trig[6];
-    c->tau[k] = tau;
-    ric_flight_trig(c->model, 2, tau, trig);
-    const lane co = {trig[0], trig[1]}, s1 = {trig[2], trig[3]}, s2 = {trig[4], trig[5]};
-    const lane a = load(w - 4), p = load(w - 2);
-    store(map, co);
-    store(map + 2, s1);
-    store(map + 4, s2);
-    store(w, turned(co, s1, a, p));
-    store(w + 2, turned(co, -s2, p, a));
-    store(c->before + 2 * k, load(w + 2));
-    if (!face) return 0;
-    const double speed = ric_dot(2, face->c, w + 2);
-    c->approach[k + 1] = face->side * speed;
-    if (strikes) store(w + 2, load(w + 2) - 2 * speed / face->cc * load(face->c));
-    return ric_gap(2, face, w) - face->gap;
+    double *map = c->map + c->stride * (size_t)k;
+    lane trig[3];
+    c->tau[k] = u[c->n_start + k];
+    ric_flight_trig_lanes(c->model, 0, 1, c->tau[k], trig);
+    for (int i = 0; i < 3; i++) ric_lane_store(map + 2 * i, trig[i]);
+}
+
+/* fly_one of shooting.c, of flight k that has turned. */
+INLINE arrival fly(ric_shooting *c, const double *left, int k, bool whole)
+{
+    const double *map = c->map + c->stride * (size_t)k;
+    double *w = c->w + 4 * (k + 1);
+    const int to = c->face[k + 1];
+    const bool end = k + 1 == c->n_flight;
+    const lane co = ric_lane_load(map), s1 = ric_lane_load(map + 2), s2 = ric_lane_load(map + 4);
+    const lane a = ric_lane_load(w - 4), p = ric_lane_load(w - 2);
+    const lane position = turned(co, s1, a, p);
+    lane speed = turned(co, -s2, p, a);
+    arrival at = {.gap = left ? left[1 + k] : 0};
+    ric_lane_store(w, position);
+    ric_lane_store(c->before + 2 * k, speed);
+    if (to >= 0) {
+        const ric_face *face = &c->model->face[to];
+        const lane normal = ric_lane_load(face->c), along = normal * speed,
+                   over = ric_lane_load(face->g) * position;
+        const double toward = along[0] + along[1];
+        at.face = face;
+        at.pinned = !(whole && end);
+        at.strikes = !(end && c->end == RIC_MIRROR_IMPACT);
+        c->approach[k + 1] = face->side * toward;
+        if (at.strikes) speed -= toward * (2 / face->cc) * normal;
+        if (!left) at.gap = over[0] + over[1] - face->gap;
+    }
+    ric_lane_store(w + 2, speed);
+    return at;
+}
+
+/* ric_row_dot of shooting_parts.h, of the lane r of each column. */
+INLINE lane row_dot(int m, const double *g, int r, lane (*x)[LANES])
+{
+    lane even = {-0.0, -0.0}, odd = even;
+    int j = 0;
+    for (; j + 1 < m; j += 2) {
+        even += x[j][r] * g[j];
+        odd += x[j + 1][r] * g[j + 1];
+    }
+    if (j < m) even += x[j][r] * g[j];
+    return even + odd;
 }
 
 /* ric_pin of shooting_parts.h, on the first `lanes` lanes. */
 INLINE double pin(ric_shooting *c, condition by, int live, int lanes, lane (*x)[LANES])
 {
     const int m = by.m, last = live + 1;
-    double *kept = c->hv + by.vector * (last + 1), v[LANES] = {0}, sum = 0;
-    for (int j = 0; j < m; j++) sum += by.g[j] * by.g[j];
-    const double norm = sqrt(sum), end = by.g[m - 1], rho = end > 0 ? -norm : norm;
-    const bool found = norm > 0;
-    const double beta = found ? 1 / (norm * (norm + fabs(end))) : 0,
-                 zeta = found ? by.rhs / rho : 0;
-    for (int j = 0; j < m && found; j++) v[j] = j + 1 < m ? by.g[j] : end - rho;
-    for (int j = 0; j < m; j++) kept[j] = v[j];
-    c->beta[by.vector] = beta;
-    c->zeta[by.vector] = zeta;
-    if (!found) {
+    double *v = c->hv + by.vector * (last + 1);
+    const double norm = sqrt(ric_row_dot(m, by.g, by.g));
+    if (!(norm > 0)) {
         c->singular = true;
+        for (int j = 0; j < m; j++) v[j] = 0;
+        c->beta[by.vector] = c->zeta[by.vector] = 0;
         return 0;
     }
+    const double end = by.g[m - 1], rho = -copysign(norm, end), zeta = by.rhs / rho,
+                 beta = 1 / (norm * (norm + fabs(end)));
+    double w[LANES];
+    for (int j = 0; j + 1 < m; j++) w[j] = by.g[j];
+    w[m - 1] = end - rho;
+    memcpy(v, w, (size_t)m * sizeof *v);
+    c->beta[by.vector] = beta;
+    c->zeta[by.vector] = zeta;
     for (int r = 0; r < lanes; r++) {
-        lane s = {0, 0};
-        for (int j = 0; j < m; j++) s += x[j][r] * v[j];
-        s *= beta;
-        for (int j = 0; j < m; j++) x[j][r] -= s * v[j];
+        const lane s = beta * row_dot(m, w, r, x);
+        for (int j = 0; j < m; j++) x[j][r] -= s * w[j];
         x[last][r] += x[m - 1][r] * zeta;
     }
     return rho;
 }
 
-/* g [count]: 0 + by[0] row[0] + by[1] row[1] of each column, of its lane r. */
+/* row_of of shooting.c: g [count] by the lane r of each column. */
 INLINE void combine(int count, const double *by, int r, lane (*x)[LANES], double *g)
 {
     for (int j = 0; j < count; j++) {
-        const lane product = load(by) * x[j][r];
-        g[j] = 0 + product[0] + product[1];
+        const lane product = ric_lane_load(by) * x[j][r];
+        g[j] = product[0] + product[1];
     }
 }
 
@@ -109,7 +129,7 @@ INLINE double carry(ric_shooting *c, int k, arrival at, int live, lane (*x)[LANE
     const ric_model *m = c->model;
     const int last = live + 1, lanes = live == GENERAL ? LANES : A0;
     const double *map = c->map + c->stride * (size_t)k;
-    const lane co = load(map), s1 = load(map + 2), s2 = -load(map + 4);
+    const lane co = ric_lane_load(map), s1 = ric_lane_load(map + 2), s2 = -ric_lane_load(map + 4);
     double rho = 1, g[LANES + 1];
     for (int j = 0; j <= last; j++) {
         if (j == live) continue;
@@ -117,20 +137,18 @@ INLINE double carry(ric_shooting *c, int k, arrival at, int live, lane (*x)[LANE
         x[j][A] = turned(co, s1, a, x[j][P]);
         x[j][P] = turned(co, s2, x[j][P], a);
     }
-    x[live][A] = load(m->kappa) * load(c->before + 2 * k);
-    x[live][P] = -load(m->stiff) * load(c->w + 4 * (k + 1));
+    x[live][A] = ric_lane_load(m->kappa) * ric_lane_load(c->before + 2 * k);
+    x[live][P] = -ric_lane_load(m->stiff) * ric_lane_load(c->w + 4 * (k + 1));
     for (int r = A0; r < lanes; r++) x[live][r] = (lane){0, 0};
     if (!at.face) return rho;
-    if (at.pinned) {
-        combine(last + 1, at.face->g, A, x, g);
-        rho = pin(c, (condition){1 + k, last, g, -at.gap - g[last]}, live, lanes, x);
+    if (at.strikes) {
+        combine(last + 1, at.face->c, P, x, g);
+        const lane f = 2 / at.face->cc * ric_lane_load(at.face->c);
+        for (int j = 0; j <= last; j++) x[j][P] -= f * g[j];
     }
-    if (!at.strikes) return rho;
-    combine(last + 1, at.face->c, P, x, g);
-    const lane f = 2 / at.face->cc * load(at.face->c);
-    for (int j = 0; j <= last; j++)
-        if (j != live || !at.pinned) x[j][P] -= f * g[j];
-    return rho;
+    if (!at.pinned) return rho;
+    combine(last + 1, at.face->g, A, x, g);
+    return pin(c, (condition){1 + k, last, g, -at.gap - g[last]}, live, lanes, x);
 }
 
 /* start_columns of shooting.c, and the elimination of the condition of the start, which leaves
@@ -147,7 +165,8 @@ INLINE double start(ric_shooting *c, double gap, int live, lane (*x)[LANES])
         for (int r = 0; r < lanes; r++) x[j][r] = (lane){0, 0};
     x[0][row] = one;
     x[1][row] = other;
-    if (c->start == RIC_MIRROR_IMPACT) x[2][P] = -face->side / sqrt(face->cc) * load(face->c);
+    if (c->start == RIC_MIRROR_IMPACT)
+        x[2][P] = -face->side / sqrt(face->cc) * ric_lane_load(face->c);
     if (whole) {
         x[2][P] = one;
         x[3][P] = other;
@@ -162,19 +181,18 @@ INLINE double start(ric_shooting *c, double gap, int live, lane (*x)[LANES])
     return rho;
 }
 
+/* First the turns of all flights, of which none waits for another; then the state of each a flight
+ * ahead of the columns, as the two wait for different sums. */
 INLINE double flights(ric_shooting *c, const double *u, const double *left, int live,
                       double *largest, lane (*x)[LANES])
 {
     double sign = 1, most = *largest;
+    for (int k = 0; k < c->n_flight; k++) turn(c, u, k);
+    arrival next = fly(c, left, 0, live == GENERAL);
     for (int k = 0; k < c->n_flight; k++) {
-        const int to = c->face[k + 1];
-        const bool end = k + 1 == c->n_flight;
-        arrival at = {.face = to >= 0 ? &c->model->face[to] : NULL,
-                      .pinned = to >= 0 && !(live == GENERAL && end),
-                      .strikes = to >= 0 && !(end && c->end == RIC_MIRROR_IMPACT)};
-        at.gap = fly(c, k, u[c->n_start + k], at.face, at.strikes);
-        if (left) at.gap = left[1 + k];
-        if (carry(c, k, at, live, x) < 0) sign = -sign;
+        const arrival at = next;
+        if (k + 1 < c->n_flight) next = fly(c, left, k + 1, live == GENERAL);
+        sign *= copysign(1, carry(c, k, at, live, x));
         if (at.pinned) most = ric_larger(most, fabs(at.gap));
     }
     *largest = most;
@@ -192,18 +210,20 @@ INLINE double end_rows(const ric_shooting *c, const double *left, lane (*x)[LANE
         for (int r = A; r <= P; r++) {
             const lane across = sigma * x[j][A0 + r];
             if (j < last) x[j][r] -= across;
-            else if (left) x[j][r] += -across + load(left + 2 * r);
-            else x[j][r] += -across + load(end + 2 * r) - sigma * load(first + 2 * r);
+            else if (left) x[j][r] += -across + ric_lane_load(left + 2 * r);
+            else
+                x[j][r] += -across + ric_lane_load(end + 2 * r) -
+                           sigma * ric_lane_load(first + 2 * r);
         }
     for (int r = 0; r < 4; r++) sum += h[r] * h[r];
     const double norm = sqrt(sum), sign = h[3] < 0 ? -1 : 1,
                  beta = 1 / (norm * (norm + fabs(h[3])));
     h[3] += sign * norm;
     for (int j = 0; j <= last; j++) {
-        const lane a = load(h) * x[j][A], p = load(h + 2) * x[j][P];
+        const lane a = ric_lane_load(h) * x[j][A], p = ric_lane_load(h + 2) * x[j][P];
         const double s = (0 + a[0] + a[1] + p[0] + p[1]) * beta;
-        x[j][A] -= s * load(h);
-        x[j][P] -= s * load(h + 2);
+        x[j][A] -= s * ric_lane_load(h);
+        x[j][P] -= s * ric_lane_load(h + 2);
     }
     return sign;
 }
@@ -252,7 +272,9 @@ bool ric_shooting_lanes_reversible(ric_shooting *c, const double *u, const doubl
     *sign *= flights(c, u, left, REVERSIBLE, largest, x);
     if (closed) {
         for (int j = 0; j < REVERSIBLE + 2 && rests; j++) x[j][A] = x[j][P];
-        x[REVERSIBLE + 1][A] += load(left ? left + 1 + c->n_flight : rests ? end + 2 : end);
+        x[REVERSIBLE + 1][A] += ric_lane_load(left    ? left + 1 + c->n_flight
+                                              : rests ? end + 2
+                                                      : end);
         eliminate(c, *sign, REVERSIBLE, x);
     }
     put(c, REVERSIBLE, x);
@@ -263,11 +285,16 @@ bool ric_shooting_lanes_reversible(ric_shooting *c, const double *u, const doubl
 INLINE void unpin(const ric_shooting *c, int vector, int m, lane pinned, lane *z)
 {
     const double *v = c->hv + (size_t)vector * (size_t)c->ld;
-    lane s = {0, 0};
     z[m - 1] = pinned;
-    for (int j = 0; j < m; j++) s += v[j] * z[j];
-    s *= c->beta[vector];
-    for (int j = 0; j < m; j++) z[j] -= s * v[j];
+    lane even = {-0.0, -0.0}, odd = even;
+    int j = 0;
+    for (; j + 1 < m; j += 2) {
+        even += v[j] * z[j];
+        odd += v[j + 1] * z[j + 1];
+    }
+    if (j < m) even += v[j] * z[j];
+    const lane s = (even + odd) * c->beta[vector];
+    for (j = 0; j < m; j++) z[j] -= s * v[j];
 }
 
 /* unwind_of of shooting.c, of the step and of the kernel vector: each waits for its own sums only,
