@@ -91,12 +91,14 @@ ric_root_slope ric_root_slope_between(double low, double high, bool rises, doubl
                             .rises = rises};
 }
 
-/* To x - move, or to the middle of the bracket where that leaves it or does not shrink. */
+/* To x - move, or to the middle of the bracket where that leaves it or does not shrink. A step that
+ * is lost in the last digit of x, which has just become an end of the bracket, is the last one. */
 static bool go(ric_root_slope *r, double f, double move)
 {
     if ((f > 0) == r->rises) r->high = r->x;
     else r->low = r->x;
     double next = r->x - move;
+    if (next == r->x) return false;
     bool shrinks = fabs(move) <= r->step / 2 || r->step < SHORT * r->whole;
     r->halved = !(next > r->low && next < r->high) || !shrinks;
     if (r->halved) next = (r->low + r->high) / 2;

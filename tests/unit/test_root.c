@@ -191,6 +191,27 @@ static void a_function_that_is_no_number_comes_to_an_end(void **state)
     assert_true(s.x >= 0 && s.x <= 1);
 }
 
+/* A zero that is met to the last digit is an end of the bracket, whatever rounding the function has
+ * there: its other end is not sought by halves. */
+static void a_zero_that_is_met_ends_the_search(void **state)
+{
+    (void)state;
+    for (int i = -50; i <= 50; i++) {
+        const double zero = 0.3 + 1e-3 * i, rest = 1e-18 * (i % 2 ? -1 : 1);
+        int asked = 0;
+        ric_root_slope r = ric_root_slope_between(0, 1, true, 0.6);
+        r.least = 1e-10;
+        double f;
+        do {
+            const double off = r.x - zero;
+            f = off == 0 ? rest : off + off * off;
+            asked++;
+        } while (ric_root_slope_next(&r, f, 1 + 2 * (r.x - zero)));
+        assert_true(fabs(r.x - zero) < 1e-15);
+        assert_in_range(asked, 1, 8);
+    }
+}
+
 /* With the derivative, from any start in the bracket. */
 static void zeros_have_all_digits_by_slopes(void **state)
 {
@@ -300,6 +321,7 @@ int main(void)
         cmocka_unit_test(noise_ends_the_search),
         cmocka_unit_test(a_zero_at_an_end_is_found_there),
         cmocka_unit_test(a_function_that_is_no_number_comes_to_an_end),
+        cmocka_unit_test(a_zero_that_is_met_ends_the_search),
         cmocka_unit_test(zeros_have_all_digits_by_slopes),
         cmocka_unit_test(a_zero_beside_an_extremum_takes_fewer_values_by_parabolas),
         cmocka_unit_test(zeros_between_samples_have_all_digits_after_two_or_three_looks),
