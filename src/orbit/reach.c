@@ -25,6 +25,10 @@
 #define BERNSTEIN 1e-13  /* rounding of a bound from Bernstein coefficients, relative */
 #define NARROWEST 1e-12  /* of the flight: an interval that is not divided any more */
 #define STATIONARY 1e-10 /* of the flight: step to a stationary point */
+/* COARSE: the same where its time is not asked for, and only as long as the third power of the
+ * step, to which the value there is met, is MET of the clearance */
+#define COARSE 1e-6
+#define MET 1e-16
 /* ITSELF: relative: what rounding may take from the largest reach when it is computed again */
 #define ITSELF 1e-14
 /* NO_TIME: scaled: a contact of a spring that has shrunk to this lasts no time, and its s' is
@@ -151,21 +155,40 @@ static bool stays_below(const search *q, const ric_root_slope *in, sample at, in
     return side * at.s + fabs(at.ds) * ahead + q->blur < top - BELOW * fabs(top);
 }
 
+/* Where the slope of the cubic through l and r vanishes between them, in which s' changes its sign,
+ * by its Bernstein coefficients; on short intervals the one in the middle cancels, and the chord of
+ * s' is left. */
+static double stationary_of_cubic(sample l, sample r)
+{
+    const double h = r.t - l.t, middle = 3 * (r.s - l.s) / h - l.ds - r.ds,
+                 a = l.ds - 2 * middle + r.ds, b = 2 * (middle - l.ds),
+                 root = sqrt(ric_larger(0, b * b - 4 * a * l.ds)),
+                 y = 2 * l.ds / (-b + copysign(root, l.ds));
+    return l.t + h * (y > 0 && y < 1 ? y : l.ds / (l.ds - r.ds));
+}
+
+/* The step of Newton's method at which the value is known. */
+static double least_step(const search *q)
+{
+    return ric_smaller(COARSE * q->tau,
+                       ric_larger(STATIONARY * q->tau, cbrt(MET * q->gap / q->D3)));
+}
+
 /* A single sign change of the slope between l and r, and the value there, unless it is below the
  * level; `monotone`: so is the slope. After a step of STATIONARY Newton's method is at the last
- * digit of the time, and the value before it was, as s' = 0. */
+ * digit of the time; what the last step adds to the value is half of it times s'. */
 static void polish(search *q, sample l, sample r, bool monotone)
 {
     bool maximum = l.ds > 0;
     const bool below = monotone && !q->closed;
-    ric_root_slope root = ric_root_slope_between(l.t, r.t, !maximum,
-                                                 l.t + (r.t - l.t) * l.ds / (l.ds - r.ds));
-    root.least = STATIONARY * q->tau;
+    ric_root_slope root = ric_root_slope_between(l.t, r.t, !maximum, stationary_of_cubic(l, r));
+    root.least = q->touches ? STATIONARY * q->tau : least_step(q);
     sample mid = l;
     do {
         mid = sample_at(q, root.x);
         if (below && stays_below(q, &root, mid, maximum ? 1 : -1)) return;
     } while (ric_root_slope_next(&root, mid.ds, mid.bend));
+    mid.s += mid.ds * (root.x - mid.t) / 2;
     mid.t = root.x;
     /* a stationary point at the very end of the flight is the impact there, at no speed */
     if ((q->own_start && mid.t < CLOSE * q->tau) || (q->own_end && q->tau - mid.t < CLOSE * q->tau))
