@@ -1,5 +1,6 @@
 #include "node_solve.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,6 +14,9 @@
 #define TOLD 1e-3  /* of it: two points nearer than this do not tell a slope */
 #define FIRST 1e-6 /* of the size: first step of the secant, and the least that is tried */
 #define LEAST_FIRST 1e-8
+/* SETTLED: of the size: where the secant leads no farther than this from the best place, what is
+ * left is rounding of the function */
+#define SETTLED (4 * DBL_EPSILON)
 #define ASTRAY 1e-2 /* of the size: a secant that goes so far seeks another zero */
 /* FINE: where rounding may move the zero of a determinant of a smooth flow by more, it is sought in
  * higher precision */
@@ -247,7 +251,7 @@ static bool solve_criterion(ric_criterion_work *q, double *u)
     ric_shooting *c = q->chain;
     int size = c->n_unknown, iterations;
     double du[size], origin[size], normal[size], t[size], best[size];
-    double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL, slope = 0, first = FIRST;
+    double x0 = 0, x1 = 0, f0 = 0, f1, least = HUGE_VAL, at = 0, slope = 0, first = FIRST;
     q->u = u;
     if (!ric_continuation_correct(c, u, NULL, NULL, 0, du, &iterations)) return false;
     memcpy(origin, u, sizeof origin);
@@ -257,11 +261,13 @@ static bool solve_criterion(ric_criterion_work *q, double *u)
         if (fabs(x1 - x0) > TOLD * AT_ZERO * c->scale) slope = fabs((f1 - f0) / (x1 - x0));
         if (fabs(f1) < least) {
             least = fabs(f1);
+            at = x1;
             memcpy(best, u, sizeof best);
         } else if (i > 4) break;
         if (f1 == 0) break;
         double x2 = i == 0 ? first * c->scale : x1 - f1 * (x1 - x0) / (f1 - f0);
         if (!isfinite(x2) || fabs(x2) > ASTRAY * c->scale) break;
+        if (i > 0 && fabs(x2 - at) <= SETTLED * c->scale) break;
         x0 = x1;
         f0 = f1;
         x1 = x2;
