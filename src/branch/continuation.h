@@ -81,6 +81,7 @@ typedef struct {
     double x[RIC_MOST_SAMPLES]; /* distance from the present point */
     double s[RIC_PAST_SAMPLES]; /* arclength of those before */
     double *values;             /* [RIC_MOST_SAMPLES * ric_continuation_watched()] */
+    unsigned left_out; /* what is not looked at any more at further points (RIC_LOOK_...) */
 } ric_event_samples;
 
 /* Multipliers of all orbits that were looked at in the step at work: one resonance is passed
@@ -94,7 +95,7 @@ typedef struct {
 
 /* Orbits that the step at work has solved for, the last of them: a place where a function vanishes
  * is asked for again with other things to look at (event_locate.c). */
-enum { RIC_MOST_SOLVED = 16 };
+enum { RIC_MOST_SOLVED = 64 };
 typedef struct {
     int n; /* of all of them: number i is at i % RIC_MOST_SOLVED */
     double x[RIC_MOST_SOLVED];

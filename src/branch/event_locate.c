@@ -9,6 +9,12 @@
 
 #define PLACE 2e-16         /* of the step: a zero within it is at the last digit */
 #define PLACE_AT_ZERO 1e-17 /* scaled arclength: the same beside a step of no length */
+/* PLACED, SEEN_TO: of the size, and of 1 + |rho|: a resonance that near is solved for as a
+ * junction, and what is nearer is noise of the multipliers */
+#define PLACED 1e-14
+#define SEEN_TO 1e-9
+/* How much more than at a known place the error of a cubic may be where it is corrected by that. */
+#define ALIKE 4
 /* A sign change whose function does not fall below this part of its values at the ends is a pole or
  * a hop. */
 #define TRUE_ZERO 1e-5
@@ -56,13 +62,60 @@ static void keep_solved(ric_continuation *tr, double x, const double *u)
     memcpy(q->u + (size_t)place * size, u, size * sizeof *u);
 }
 
+/* How the error of the cubic grows between its ends, at both of which it has a double zero. */
+static double growth(double x, double h)
+{
+    return x * x * (h - x) * (h - x);
+}
+
+/* The two orbits solved for that are nearest to x, by their numbers in the ring; -1: none, which
+ * errors at their places tell nothing of that at x. */
+static void nearest(const ric_continuation *tr, double x, double h, int *near)
+{
+    const ric_solved_orbits *q = &tr->solved;
+    near[0] = near[1] = -1;
+    for (int i = q->n - 1; i >= 0 && i >= q->n - RIC_MOST_SOLVED; i--) {
+        const int k = i % RIC_MOST_SOLVED;
+        if (!(growth(x, h) <= ALIKE * growth(q->x[k], h))) continue;
+        if (near[0] < 0 || fabs(q->x[k] - x) < fabs(q->x[near[0]] - x)) {
+            near[1] = near[0];
+            near[0] = k;
+        } else if (near[1] < 0 || fabs(q->x[k] - x) < fabs(q->x[near[1]] - x)) near[1] = k;
+    }
+}
+
+/* The unknowns at x, from the cubic and what it misses orbits nearby by, over its growth: a number
+ * for one of them, a straight line for two. */
+static void predict(const ric_continuation *tr, double x, double h, double *u)
+{
+    const ric_solved_orbits *q = &tr->solved;
+    const int size = tr->chain->n_unknown;
+    int near[2];
+    double at[size], all = growth(x, h);
+    ric_event_cubic(tr, x, h, u);
+    nearest(tr, x, h, near);
+    double part[2] = {1, 0};
+    if (near[1] >= 0) {
+        const double apart = q->x[near[0]] - q->x[near[1]], aside = (x - q->x[near[0]]) / apart;
+        if (fabs(aside) <= ALIKE) {
+            part[0] = 1 + aside;
+            part[1] = -aside;
+        }
+    }
+    for (int k = 0; k < 2 && near[k] >= 0 && part[k] != 0; k++) {
+        const double *v = q->u + near[k] * size, factor = part[k] * all / growth(q->x[near[k]], h);
+        ric_event_cubic(tr, q->x[near[k]], h, at);
+        for (int i = 0; i < size; i++) u[i] += factor * (v[i] - at[i]);
+    }
+}
+
 static bool correct(ric_continuation *tr, double x, double h, ric_station *out)
 {
     const ric_station *a = &tr->now;
     int iterations;
     out->s = a->s + (tr->next.s - a->s) * (x / h);
     if ((out->solved = solved_before(tr, x, out->u))) return true;
-    ric_event_cubic(tr, x, h, out->u);
+    predict(tr, x, h, out->u);
     out->solved = ric_continuation_correct(tr->chain, out->u, a->u, a->t, x, tr->du, &iterations);
     tr->evaluations += iterations + 1;
     if (out->solved) keep_solved(tr, x, out->u);
@@ -160,17 +213,22 @@ ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa
     double x[2] = {xa, xb}, f[2] = {fa, fb};
     if (resonance) draw_together(tr, resonance->rho, x, f);
     const bool quotient = resonance && off_resonance(tr, resonance->rho, x, f);
-    ric_root r = ric_root_between(x[0], f[0], x[1], f[1], PLACE * h + PLACE_AT_ZERO);
+    ric_root r = ric_root_between(x[0], f[0], x[1], f[1],
+                                  fmax(PLACE * h + PLACE_AT_ZERO,
+                                       resonance ? PLACED * tr->chain->scale : 0));
     r.quotient = quotient;
     *zero = false;
+    double last = NAN;
     while (ric_root_next(&r)) {
-        if ((status = ric_event_solve(tr, r.x, h, at, &tr->mid, &good))) return status;
+        if ((status = ric_event_solve(tr, last = r.x, h, at, &tr->mid, &good))) return status;
         if (!good) return RIC_OK;
         const double value = ric_event_value(tr, test, &tr->mid);
         r.f = quotient ? tr->mid.own[0] - resonance->rho : value;
+        if (quotient) r.noise = fmin(tr->floquet.error, SEEN_TO * (1 + fabs(resonance->rho)));
         top = fmax(top, height(test, &tr->mid, value));
     }
-    if ((status = ric_event_solve(tr, r.x, h, at, &tr->mid, &good))) return status;
+    if (r.x == last) good = true;
+    else if ((status = ric_event_solve(tr, r.x, h, at, &tr->mid, &good))) return status;
     *where = r.x;
     double least = ric_event_value(tr, test, &tr->mid),
            part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
