@@ -12,7 +12,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of
  * the same version: it is raised with every change after which the same departure may lead to other
  * bits, else an atlas that is continued would mix branches of two programs. */
-#define RIC_NUMERICS 45
+#define RIC_NUMERICS 46
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -81,7 +81,6 @@ typedef struct {
     double x[RIC_MOST_SAMPLES]; /* distance from the present point */
     double s[RIC_PAST_SAMPLES]; /* arclength of those before */
     double *values;             /* [RIC_MOST_SAMPLES * ric_continuation_watched()] */
-    unsigned left_out; /* what is not looked at any more at further points (RIC_LOOK_...) */
 } ric_event_samples;
 
 /* Multipliers of all orbits that were looked at in the step at work: one resonance is passed

@@ -20,6 +20,10 @@
 #define NO_TIME 1e-7 /* scaled: a contact that lasts no longer is a touch of a spring */
 #define BEYOND 1e-9  /* of its size: what is open by more does not come back */
 #define AT_END 1e-10 /* of its energy: the end of a branch is located to less */
+/* NEAR_END: the same where the gap opens slowly along it, if the equations with the touch as an
+ * event are REGULAR, their least pivot: then they have the place */
+#define NEAR_END 1e-8
+#define REGULAR 1e-3
 
 static double impact_speed(const ric_model *m, const ric_periodic *c, const double *W, int i)
 {
@@ -357,6 +361,20 @@ static ric_periodic *solve_end(const ric_model *m, const ric_periodic *cycle)
     return out;
 }
 
+/* The least end pivot of the equations of an orbit; 0: no memory. */
+static double least_pivot(const ric_model *m, const ric_periodic *cycle)
+{
+    ric_shooting *chain = NULL;
+    double *u = NULL, least = 0;
+    if (!ric_periodic_to_chain(m, cycle, &chain, &u)) {
+        ric_shooting_evaluate(chain, u);
+        least = chain->smallest;
+    }
+    ric_shooting_free(chain);
+    free(u);
+    return least;
+}
+
 /* The orbit of a grazing with its touches as events: the solution of its equations where these are
  * as good as those of the branch. A touch may be the first that sees where a free structure is:
  * then the branch holds the place, by its symmetry or its start, and without that the orbits which
@@ -369,7 +387,8 @@ static ric_periodic *solve_grazing(const ric_model *m, const ric_periodic *cycle
                                           NULL);
     if (cycle->N == 0 || full->N == cycle->N) return solved; /* touches are impacts of the branch */
     const double end = ric_periodic_energy(m, cycle);
-    if (solved && fabs(ric_periodic_energy(m, solved) - end) <= AT_END * end) return solved;
+    const double off = solved ? fabs(ric_periodic_energy(m, solved) - end) / end : HUGE_VAL;
+    if (off <= AT_END || (off <= NEAR_END && least_pivot(m, solved) > REGULAR)) return solved;
     ric_periodic *at_end = solve_end(m, cycle);
     if (!at_end) return solved;
     ric_periodic_free(solved);

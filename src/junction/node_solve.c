@@ -25,6 +25,8 @@
  * bound: the error is a tenth) */
 #define PLACED 1e-6
 #define NARROWEST 1e-10 /* of the size: shorter branches are none */
+/* FINE_STEPS: in extended precision, from a place that has the digits of double */
+#define FINE_STEPS 5
 /* STRAIGHT: part of its ends by which a function may be off a straight line that passes zero */
 #define STRAIGHT 0.2
 /* STEP: times the bound of its rounding by which a function is off zero on either side */
@@ -244,6 +246,33 @@ static bool solve_root(ric_criterion_work *q, double *u)
     return least <= fmin(NEAR_ROOT, AT_ROOT + error + scatter);
 }
 
+/* The same touch, u, with all its digits. Where a gap opens slowly along a branch the rounding of
+ * orbits in double leaves billionths of its energy open: they are met in extended precision, and
+ * along the curve the criterion by its slope there. u stays as it is where that leads away. */
+static void place_finely(ric_criterion_work *q, double *u)
+{
+    ric_shooting *c = q->chain;
+    const int size = c->n_unknown;
+    double v[size], along[size], t[size], slope = 0, before = 0, step = 0;
+    memcpy(v, u, sizeof v);
+    ric_continuation_tangent(c, NULL, along);
+    q->u = v;
+    bool good = true;
+    for (int i = 0; good && i < FINE_STEPS; i++) {
+        for (int j = 0; j < size; j++) v[j] += step * along[j];
+        if (!(good = ric_floquet_fine_nearest(c, v))) break;
+        const double sign = ric_continuation_tangent(c, along, t),
+                     value = ric_criterion_value(q, v, t, sign);
+        if (i == 1) slope = (value - before) / step;
+        before = value;
+        step = i == 0 ? LEAST_FIRST * c->scale : -value / slope;
+        good = fabs(step) <= RIC_SAME_LOCATED * c->scale;
+    }
+    if (good) memcpy(u, v, sizeof v);
+    q->u = u;
+    ric_shooting_evaluate(c, u);
+}
+
 /* Secant iteration along the curve from u to the zero of the criterion. u is moved there; false
  * where there is none. */
 static bool solve_criterion(ric_criterion_work *q, double *u)
@@ -285,6 +314,7 @@ static bool solve_criterion(ric_criterion_work *q, double *u)
     }
     memcpy(u, best, sizeof best);
     ric_shooting_evaluate(c, u);
+    if (q->test == RIC_TEST_APPROACH && q->last) place_finely(q, u);
     if (q->test == RIC_TEST_ASKED) return least <= MET;
     bool by_determinant = ric_criterion_breaks_symmetry(q->test) || q->test == RIC_TEST_DET ||
                           (q->test == RIC_TEST_ROTATION && ric_criterion_by_larger(q));

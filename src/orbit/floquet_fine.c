@@ -421,16 +421,15 @@ static bool all_left(course *q, const real *u, double *left)
     return true;
 }
 
-bool ric_floquet_fine_orbit(ric_shooting *c, const double *u, ric_fine_real *orbit, double *moved)
+/* Newton's method in extended precision from the chain's u to x [n_unknown]. */
+static bool solve(course *q, ric_shooting *c, const double *u, real *x, double *moved)
 {
     enum { STEPS = 8 };
-    const int n = c->n, size = c->n_unknown;
-    course q = {.c = c, .n = n, .w = orbit};
-    real x[size];
-    double left[1 + c->n_flight + 2 * n], du[size], length = HUGE_VAL, last;
+    const int size = c->n_unknown;
+    double left[1 + c->n_flight + 2 * c->n], du[size], length = HUGE_VAL, last;
     for (int i = 0; i < size; i++) x[i] = u[i];
     for (int step = 0; step < STEPS && length > DONE * c->scale; step++) {
-        if (!all_left(&q, x, left)) break;
+        if (!all_left(q, x, left)) break;
         ric_shooting_evaluate_left(c, u, left);
         if (c->singular) break;
         ric_shooting_step(c, true, 0, du);
@@ -441,9 +440,28 @@ bool ric_floquet_fine_orbit(ric_shooting *c, const double *u, ric_fine_real *orb
         for (int i = 0; i < size; i++) x[i] += du[i];
     }
     ric_shooting_evaluate(c, u);
-    start_state(&q, x);
-    for (int k = 0; k < c->n_flight; k++) orbit[2 * n + k] = x[c->n_start + k];
     return length <= GOOD * c->scale;
+}
+
+bool ric_floquet_fine_orbit(ric_shooting *c, const double *u, ric_fine_real *orbit, double *moved)
+{
+    course q = {.c = c, .n = c->n, .w = orbit};
+    real x[c->n_unknown];
+    const bool found = solve(&q, c, u, x, moved);
+    start_state(&q, x);
+    for (int k = 0; k < c->n_flight; k++) orbit[2 * c->n + k] = x[c->n_start + k];
+    return found;
+}
+
+bool ric_floquet_fine_nearest(ric_shooting *c, double *u)
+{
+    real w[2 * c->n], x[c->n_unknown];
+    course q = {.c = c, .n = c->n, .w = w};
+    double moved;
+    if (!ric_floquet_fine_fits(c) || !solve(&q, c, u, x, &moved)) return false;
+    for (int i = 0; i < c->n_unknown; i++) u[i] = (double)x[i];
+    ric_shooting_evaluate(c, u);
+    return true;
 }
 
 /* ----------------------------------------------------------------------- the map */

@@ -24,6 +24,9 @@ bool ric_floquet_fine_fits(const ric_shooting *chain);
  * state alone in extended precision. */
 bool ric_floquet_fine_orbit(ric_shooting *chain, const double *u, ric_fine_real *orbit,
                             double *moved);
+/* The same, rounded, in place of u, where the chain is evaluated then. False, with u as it was: it
+ * does not converge, or a power law. */
+bool ric_floquet_fine_nearest(ric_shooting *chain, double *u);
 /* P [2k * 2k], k = n - 1, at the start of `store`: coordinates in the section of the start mirror
  * to those in that of the end mirror, whose bases `start` and `end` [k * n] are given in double; in
  * the general form, which needs none, of the return to what is perpendicular to flow and gradient
