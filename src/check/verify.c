@@ -327,6 +327,21 @@ static bool is_at(const replay *r, const face_t *face)
     return face->spring > 0 && fabs(ric_replay_gap(r, face, r->w)) <= REACH * face->limit;
 }
 
+/* Whether two gaps touch at the one instant at which flight k ends: there is nothing to compare.
+ * The simulator refuses, or meets the spring of the corner, which opens or closes then, before the
+ * stop. */
+static bool touches_corner(const replay *r, int k, const event *e)
+{
+    const face_t *face = ric_replay_end_face(r, k);
+    const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
+    if (!at_corner(r, face, w)) return false;
+    if (e->refused || !e->hit) return e->refused;
+    const face_t *struck = &r->face[e->face];
+    return struck->contact != face->contact && struck->spring > 0 && !orthogonal(r, struck, face) &&
+           fabs(ric_replay_gap(r, struck, w)) <= CLOSED * struck->limit &&
+           fabs(e->time - r->tau[k]) <= CLOSED * r->period;
+}
+
 /* A flight that ends in a touch: the face is reached, as far as the stored digits tell, and not
  * passed, or struck as slowly as the chain does. A contact of a spring that is as shallow as that
  * may be met or not, and the state is continuous. */
@@ -336,8 +351,7 @@ static ric_status check_touch(replay *r, int k)
     const face_t *face = ric_replay_end_face(r, k);
     ric_status status = run_to_impact(r, k, r->tau[k], r->tau[k], &e);
     if (status) return status;
-    bool corner = e.refused && at_corner(r, face, r->chain + (size_t)(k + 1) * 2 * (size_t)r->n);
-    if (corner) { /* two gaps touch at one instant: there is nothing to compare */
+    if (touches_corner(r, k, &e)) {
         r->corner = true;
         return RIC_OK;
     }
