@@ -444,6 +444,7 @@ ric_status ric_graph_follow(ric_graph *g, int from, unsigned choice, int depth, 
     *taken = tr != NULL;
     if (status || !tr) return status;
     if ((status = end_node(g, tr, depth, &to, &arrive))) goto out;
+    if ((status = ric_graph_has_left(tr))) goto out; /* an end that is no junction is found here */
     if (to >= 0) {
         ric_graph_mark(g, g->nodes[to], arrive, RIC_DEPARTURE_KNOWN);
         if ((status = from_smaller_end(g, from, choice, to, arrive, &tr, &turned))) goto out;

@@ -27,6 +27,8 @@ void ric_graph_edge_returning(const ric_graph *graph, ric_edge *edge);
 /* The nodes from which everything else is reached. */
 ric_status ric_graph_start(ric_graph *graph);
 
+/* Refused (RIC_E_NUMERIC): a branch that is lost before it has left its start. */
+ric_status ric_graph_has_left(const ric_continuation *trace);
 /* Traces departure `choice` (side -1: the other way, at a branch that passes). RIC_OK with *out =
  * NULL: inadmissible. A branch that comes to a region with multiplications of higher order is
  * traced again, with an eye on them. */

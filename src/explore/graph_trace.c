@@ -164,8 +164,7 @@ static ric_status set_out(const ric_model *m, const course *way, const ric_node 
     return status;
 }
 
-/* A branch that is lost before it has left its start. */
-static ric_status not_left(const ric_continuation *tr)
+ric_status ric_graph_has_left(const ric_continuation *tr)
 {
     const ric_point *last = ric_continuation_row(tr, tr->n_point - 1);
     double length = last->arclength, least = NO_BRANCH * tr->chain->scale;
@@ -184,7 +183,7 @@ static ric_status trace_once(const ric_model *m, const course *way, const ric_no
     bool begun = !status;
     if (begun && *out) status = ric_continuation_run(*out);
     if (begun && !status && *out) ric_shooting_nodes_drop((*out)->chain);
-    if (begun && !status && *out) status = not_left(*out);
+    if (begun && !status && *out) status = ric_graph_has_left(*out);
     if (status && !(begun && status == RIC_E_INTERRUPTED)) {
         ric_continuation_free(*out);
         *out = NULL;
