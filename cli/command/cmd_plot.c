@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "common/section.h"
 #include "common/shaking.h"
@@ -190,6 +191,10 @@ static int run(int argc, char **argv)
             cli_handles_release(&handles);
             return code;
         }
+    if (argc > 1 && access(argv[1], F_OK) == 0)
+        return cli_wrong("plot: '%s' is a file: which picture of it? its frequency-energy plot is "
+                         "`ricochet plot fep %s -o fep.svg`; there are " PICTURES,
+                         argv[1], argv[1]);
     return cli_wrong("plot: unknown picture '%s'; there are " PICTURES, argc > 1 ? argv[1] : "");
 }
 

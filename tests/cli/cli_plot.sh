@@ -96,6 +96,8 @@ draws fep plot fep "$ATLAS"
 draws fep-linear plot fep "$ATLAS" --linear --size 700x500 --labels all
 draws fep-plain plot fep "$ATLAS" --labels none --title "it's a_{test} <&> \"quoted\" ~ \\ @ 100%"
 draws fep-ghosts plot fep "$ATLAS" --ghosts
+exits 2 plot "$ATLAS"
+note "an atlas without a picture is told the one of it" "$(grep -qF "ricochet plot fep $ATLAS -o fep.svg" stderr; echo $?)"
 red='#[eE]3122[dD]\|rgb( *227, *18, *45)' # only ghosts have it
 note "ghosts are not in the picture" "$(grep -q "$red" fep-ghosts.svg && grep -q 'ghost' fep-ghosts.svg; echo $?)"
 note "there are ghosts that nobody asked for" "$(! grep -q "$red" fep.svg; echo $?)"
