@@ -127,47 +127,46 @@ static void bend(const ric_tube *t, const ric_enclosure *e, arb_srcptr along, ar
     ric_equation_free(&q);
 }
 
+/* y <- y + 2^exponent |C F|. */
+static void add_defect(ric_tube *t, arb_srcptr F, slong exponent)
+{
+    const slong n = t->k.n;
+    arb_ptr x = _arb_vec_init(n);
+    mag_t size;
+    mag_init(size);
+    ric_contraction_apply(&t->k, F, x);
+    for (slong i = 0; i < n; i++) {
+        arb_get_mag(size, x + i);
+        mag_mul_2exp_si(size, size, exponent);
+        mag_add(t->k.y + i, t->k.y + i, size);
+    }
+    mag_clear(size);
+    _arb_vec_clear(x, n);
+}
+
 /* y: C times what the equations are at both ends, */
 static void bound_ends(ric_tube *t, const ric_enclosure *e)
 {
     const slong n = t->k.n;
-    arb_ptr F = _arb_vec_init(n), x = _arb_vec_init(n);
-    mag_t size;
-    mag_init(size);
+    arb_ptr F = _arb_vec_init(n);
     for (slong i = 0; i < n; i++) mag_zero(t->k.y + i);
     for (int end = 0; end < 2; end++) {
         evaluate(t, end ? t->to : t->from, e, NULL, F);
         arb_zero(F + n - 1);
-        ric_contraction_apply(&t->k, F, x);
-        for (slong i = 0; i < n; i++) {
-            arb_get_mag(size, x + i);
-            mag_mul_2exp_si(size, size, 1); /* interpolated: 1 + 2 RIC_TUBE_MORE times at most */
-            mag_add(t->k.y + i, t->k.y + i, size);
-        }
+        add_defect(t, F, 1); /* interpolated: 1 + 2 RIC_TUBE_MORE times at most */
     }
-    mag_clear(size);
     _arb_vec_clear(F, n);
-    _arb_vec_clear(x, n);
 }
 
 /* and C D^2 F (b - a)^2 times s (1 - s) / 2 <= 1 / 8, from A = D^2 F (b - a). */
 static void bound_bend(ric_tube *t, const arb_mat_t A)
 {
     const slong n = t->k.n;
-    arb_ptr F = _arb_vec_init(n), x = _arb_vec_init(n);
-    mag_t size;
-    mag_init(size);
+    arb_ptr F = _arb_vec_init(n);
     for (slong i = 0; i < n; i++)
         arb_dot(F + i, NULL, 0, arb_mat_entry(A, i, 0), 1, t->chord, 1, n, t->k.prec);
-    ric_contraction_apply(&t->k, F, x);
-    for (slong i = 0; i < n; i++) {
-        arb_get_mag(size, x + i);
-        mag_mul_2exp_si(size, size, -3);
-        mag_add(t->k.y + i, t->k.y + i, size);
-    }
-    mag_clear(size);
+    add_defect(t, F, -3);
     _arb_vec_clear(F, n);
-    _arb_vec_clear(x, n);
 }
 
 /* The orbit u at an end is on the plane of s = s0 + v.(u - centre) / (v.(b - a)), |s - s0| <= |v|
@@ -405,7 +404,7 @@ static void guess_sag(ric_tube *t, const arb_mat_t A)
 static void bound_sag(ric_tube *t, const ric_enclosure *e, arb_mat_t A, arb_mat_t J)
 {
     const slong n = t->k.n, count = (slong)t->hull.m * t->hull.size + 1;
-    arb_ptr way = _arb_vec_init(count), F = _arb_vec_init(n), x = _arb_vec_init(n);
+    arb_ptr way = _arb_vec_init(count), F = _arb_vec_init(n);
     mag_t size;
     arb_t all;
     mag_init(size);
@@ -425,17 +424,11 @@ static void bound_sag(ric_tube *t, const ric_enclosure *e, arb_mat_t A, arb_mat_
         arb_mul_2exp_si(F + i, F + i, 1);
         arb_dot(F + i, F + i, 1, arb_mat_entry(A, i, 0), 1, way, 1, n, t->k.prec);
     }
-    ric_contraction_apply(&t->k, F, x);
-    for (slong i = 0; i < n; i++) {
-        arb_get_mag(size, x + i);
-        mag_mul_2exp_si(size, size, -3);
-        mag_add(t->k.y + i, t->k.y + i, size);
-    }
+    add_defect(t, F, -3);
     mag_clear(size);
     arb_clear(all);
     _arb_vec_clear(way, count);
     _arb_vec_clear(F, n);
-    _arb_vec_clear(x, n);
 }
 
 static double sum_of(slong n, mag_srcptr x)
