@@ -16,10 +16,12 @@
 #define NEARLY_LOST 1e-5
 /* SHARP: the same, to which each pair is brought where multipliers are asked for */
 #define SHARP 1e-10
-/* OFF_BORDER: of the distance from there: multipliers that are known to that tell the side; and
- * where orbits that are the same but for rounding move them by less than CLEAR of it, the first two
- * ways to move them tell (of 70,000 orbits between springs the others moved them by 350 times as
- * much, at most) */
+/* OFF_BORDER: of the distance from there: multipliers that are known to that tell the side. CLEAR:
+ * the same, by which orbits that are the same but for rounding move them, from which on the first
+ * two ways to move them tell (of 70,000 orbits between springs the others moved them by 350 times
+ * as much, at most); and where it is also CLEAR of the largest multiplier, these tell before
+ * Newton's method brings them back to the branch (of 55,000 that then moved them by up to 50 times
+ * as much, and never by 2e-6 of either) */
 #define OFF_BORDER 0.01
 #define CLEAR 1e-6
 /* BESIDE: of the size, under a power law: what is farther from an orbit is another one of another
@@ -34,6 +36,10 @@
 #define PLACED (32 * DBL_EPSILON)
 #define KNOWN 1e-3
 #define LAST (16 * DBL_EPSILON)
+/* SETTLED: of what they may move it by: where only that counts, and the first two ways move the
+ * trace by less, they tell (of 5,700 orbits between springs the others moved it by 75 times as
+ * much, at most) */
+#define SETTLED 1e-3
 
 /* UNCLEAR: times its bound by the smallest pivot, and PLAIN times that by the second singular
  * value, from which on a slope is clear of its error */
@@ -198,45 +204,58 @@ static double tells_side(const ric_floquet *f)
     return OFF_BORDER * fabs(margin) / (steepness(margin) * (1 + most));
 }
 
+/* What is asked of orbits that are the same but for rounding: their multipliers to `enough`, and no
+ * more of them once the first pair is known to no better than `lost` and the flag is lost, or
+ * plays no part. */
+typedef struct {
+    double enough, lost;
+    bool no_flag;
+} question;
+
 /* The flag and, in seen [n_pair] unless NULL, the error of each pair, by orbits that are the same
- * but for rounding, of which `enough` is known: f is again that of u afterwards, undecided where
- * one of them, with a margin, may be on the other side of the border. No more orbits are asked once
- * the flag is lost and the first pair is known to no better than `lost`. */
-static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, double enough,
-                          double lost, double *seen)
+ * but for rounding: f is again that of u afterwards, undecided where one of them, with a margin,
+ * may be on the other side of the border. */
+static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, question ask,
+                          double *seen)
 {
     enum { WAYS = RIC_TRACE_WAYS };
-    static const int order[WAYS] =
-        {0, 2, 1, 3}; /* the first two are moved to either side of both directions */
+    /* the first two are moved to either side of both directions; of the flag alone they are asked
+     * as they are at first, and when Newton's method has brought them back to the branch then */
+    static const int order[WAYS] = {0, 2, 1, 3}, alone[4] = {0, 2, 1, 3};
     int k = f->n_pair, size = c->n_unknown, worst = 0;
-    double at[2 * k], own[2 * k], each[k], moved[WAYS * size], margin = stable_margin(f, &worst),
-                                                               off = 0;
+    double rho[2 * k], own[2 * k], each[k], moved[WAYS * size], margin = stable_margin(f, &worst),
+                                                                off = 0;
     ric_floquet kept = *f;
     /* one pair outside is enough: the others may be known less */
     double error = (margin < 0 ? f->each[worst] : f->error) * steepness(margin);
     ric_status status = RIC_OK;
     const bool known = ric_continuation_move(c, u, moved);
-    memcpy(at, f->rho, sizeof at);
+    memcpy(rho, f->rho, sizeof rho);
     memcpy(own, f->own, sizeof own);
     memcpy(each, f->each, sizeof each);
     if (seen) memset(seen, 0, (size_t)k * sizeof *seen);
-    f->enough = enough;
+    f->enough = ask.enough;
     for (int sample = 0; sample < 2 * WAYS && known && !status; sample++) {
-        double *v = moved + order[sample / 2] * size;
-        if (!seen && sample == 4 && error + off < CLEAR * fabs(margin)) break;
+        const int at = !seen && sample < 4 ? alone[sample] : sample;
+        double *v = moved + order[at / 2] * size;
+        if (!seen && ((sample == 2 && error + off < CLEAR * fmin(fabs(margin), 2 + margin)) ||
+                      (sample == 4 && error + off < CLEAR * fabs(margin))))
+            break;
         /* where several impacts are slow at once the equations leave more directions open than the
          * two that ric_continuation_move knows, and the orbit at which Newton's method ends lies
          * along all of them */
-        if (sample % 2 && !ric_continuation_correct_beside(c, v)) continue;
+        if (at % 2 && !ric_continuation_correct_beside(c, v)) continue;
         ric_shooting_fly(c, v);
         if ((status = ric_floquet_compute(c, f))) break;
         off = fmax(off, RIC_MEASURED * fabs(stable_margin(f, NULL) - margin));
         for (int i = 0; i < k && seen; i++)
-            seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, at + 2 * i));
-        if (!(fabs(margin) > error + off) && (!seen || each[0] + seen[0] > lost)) break;
+            seen[i] = fmax(seen[i], RIC_MEASURED * off_pair(k, f->rho, rho + 2 * i));
+        if ((ask.no_flag || !(fabs(margin) > error + off)) &&
+            (!seen || each[0] + seen[0] > ask.lost))
+            break;
     }
     ric_shooting_fly(c, u);
-    memcpy(f->rho, at, sizeof at);
+    memcpy(f->rho, rho, sizeof rho);
     memcpy(f->own, own, sizeof own);
     memcpy(f->each, each, sizeof each);
     *f = kept;
@@ -298,12 +317,13 @@ static void widen(const ric_shooting *c, ric_floquet *f, double *seen)
  * 90 epsilon of the size at most, and RIC_MEASURED times PLACED is told. False: f is as before;
  * also where the polished orbit is farther from u than its equations are met, beside a branch
  * point: then the trace is not that of what is stored; and where nothing is known (is_still).
- * *short_of: whether that is so only because what is `known` is no more. */
+ * *short_of: whether that is so only because what is `known` is no more; NULL: f's error is asked
+ * for, too. */
 static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double known, bool *short_of)
 {
     const int size = c->n_unknown;
     double v[size], moved = 0, off = 0, own_off = 0;
-    *short_of = false;
+    if (short_of) *short_of = false;
     if (f->n_pair != 1 || known <= REFINED * (1 + fabs(f->rho[0])) || !ric_floquet_fine_fits(c) ||
         is_still(c))
         return false;
@@ -321,10 +341,13 @@ static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double know
         found = polish(c, v, f, &moved);
         off = fmax(off, RIC_MEASURED * fabs(f->rho[0] - trace));
         own_off = fmax(own_off, RIC_MEASURED * fabs(f->own[0] - at_own));
+        if (short_of && way == 2 && off < SETTLED * most &&
+            own_off < SETTLED * fabs(2 - fabs(at_own)))
+            break;
     }
     ric_shooting_evaluate(c, u);
     /* what is lost all the same has its flag from how rho runs through infinity (stable_margin) */
-    *short_of = found && !(off < known) && off < worst;
+    if (short_of) *short_of = found && !(off < known) && off < worst;
     found = found && off < most;
     *f = found ? at : before;
     f->rho[0] = found ? trace : rho;
@@ -375,23 +398,35 @@ static ric_status judge_sharply(ric_shooting *c, const double *u, ric_floquet *f
     ric_shooting_evaluate(c, u);
     f->sharp = SHARP;
     ric_status status = ric_floquet_compute(c, f);
-    if (!status && f->stable != RIC_STABLE_UNDECIDED) status = measure(c, u, f, 0, HUGE_VAL, NULL);
+    if (!status && f->stable != RIC_STABLE_UNDECIDED)
+        status = measure(c, u, f, (question){.lost = HUGE_VAL}, NULL);
     f->sharp = 0;
     return status;
 }
 
-/* Trace and flag of two modes, of which nothing else is asked: how uncertain a lost trace is does
- * not matter, unless it is what the polished one has to be better than. */
+/* Trace and flag of two modes, of which nothing else is asked. What the first orbits leave less of
+ * than REFINED is polished; how uncertain it is otherwise matters where that says nothing, and only
+ * up to where the trace is lost, unless it is what the polished one has to be better than. */
 static ric_status judge_trace(ric_shooting *c, const double *u, ric_floquet *f)
 {
-    double seen = 0, lost = KNOWN * (1 + fabs(f->rho[0]));
-    bool again = false;
-    do {
-        ric_status status = measure(c, u, f, 0, again ? HUGE_VAL : lost, &seen);
-        if (status || refine(c, u, f, f->each[0] + seen, &again)) return status;
-        again = again && lost < HUGE_VAL;
-        lost = HUGE_VAL;
-    } while (again);
+    const double size = 1 + fabs(f->rho[0]);
+    const ric_stability stable = f->stable;
+    question ask = {.lost = REFINED * size, .no_flag = true};
+    bool again = true;
+    double seen = 0;
+    ric_status status = measure(c, u, f, ask, &seen);
+    if (status || refine(c, u, f, f->each[0] + seen, &again)) return status;
+    if (f->each[0] + seen > ask.lost) {
+        ric_shooting_evaluate(c, u);
+        f->stable = stable;
+        ask = (question){.lost = KNOWN * size};
+        do {
+            status = measure(c, u, f, ask, &seen);
+            if (status || refine(c, u, f, f->each[0] + seen, &again)) return status;
+            again = again && ask.lost < HUGE_VAL;
+            ask.lost = HUGE_VAL;
+        } while (again);
+    }
     widen(c, f, &seen);
     return RIC_OK;
 }
@@ -403,9 +438,9 @@ static ric_status judge_polished(ric_shooting *c, const double *u, ric_floquet *
 {
     double seen;
     bool short_of;
-    ric_status status = measure(c, u, f, 0, 0, &seen);
+    ric_status status = measure(c, u, f, (question){0}, &seen);
     if (status || f->each[0] + seen <= REFINED * (1 + fabs(f->rho[0]))) return status;
-    status = measure(c, u, f, 0, HUGE_VAL, &seen);
+    status = measure(c, u, f, (question){.lost = HUGE_VAL}, &seen);
     if (!status) refine(c, u, f, f->each[0] + seen, &short_of);
     return status;
 }
@@ -415,7 +450,8 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
     ric_status status = RIC_OK;
     if (!ric_continuation_doubtful(c, f)) return RIC_OK;
     if (doubt_of(c, f).trace) return judge_trace(c, u, f);
-    if (f->stable != RIC_STABLE_UNDECIDED) status = measure(c, u, f, tells_side(f), HUGE_VAL, NULL);
+    if (f->stable != RIC_STABLE_UNDECIDED)
+        status = measure(c, u, f, (question){tells_side(f), HUGE_VAL, false}, NULL);
     if (!status && f->stable == RIC_STABLE_UNDECIDED) status = judge_sharply(c, u, f);
     if (status || f->stable != RIC_STABLE_UNDECIDED || f->n_pair != 1) return status;
     return judge_polished(c, u, f);
@@ -424,12 +460,11 @@ ric_status ric_continuation_judge(ric_shooting *c, const double *u, ric_floquet 
 ric_status ric_continuation_multipliers(ric_shooting *c, const double *u, ric_floquet *f)
 {
     double seen[f->n_pair + 1];
-    bool short_of;
     ric_shooting_evaluate(c, u);
     f->sharp = SHARP;
     ric_status status = ric_floquet_compute(c, f);
     if (status || f->n_pair < 1) return status;
-    status = measure(c, u, f, 0, HUGE_VAL, seen);
-    if (!status && !refine(c, u, f, f->each[0] + seen[0], &short_of)) widen(c, f, seen);
+    status = measure(c, u, f, (question){.lost = HUGE_VAL}, seen);
+    if (!status && !refine(c, u, f, f->each[0] + seen[0], NULL)) widen(c, f, seen);
     return status;
 }

@@ -82,10 +82,10 @@ static inline __attribute__((always_inline)) void ric_flight_carry(int n,
     }
 }
 
-/* Columns W [2n * ld] through a flight with closed springs in extended precision, in place, of
- * states or of deviations. False: there is no memory for their modes. */
-bool ric_flight_fine(const ric_model *m, uint64_t closed, long double tau, int ld, bool states,
-                     long double *W);
+/* A state w [2n] and, unless NULL, deviations V [2n * ld] through a flight with closed springs in
+ * extended precision, in place. False: there is no memory for their modes. */
+bool ric_flight_fine(const ric_model *m, uint64_t closed, long double tau, long double *w, int ld,
+                     long double *V);
 /* (s(tau) - s(0)) / tau of the gap coordinate of a face along a flight from w, regular through tau
  * = 0, with its derivatives (regime.h). */
 double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face, double tau,

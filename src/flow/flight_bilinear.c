@@ -25,7 +25,8 @@ static void go(const ric_model *m, uint64_t closed, int event, double tau, const
         return;
     }
     const ric_regime *regime = regime_of(m, closed, after);
-    if (regime) ric_regime_fly(regime, closing(m, closed, event), tau, w, after, NULL);
+    if (regime)
+        ric_regime_fly(regime, &(ric_regime_course){closing(m, closed, event), tau, w}, after);
 }
 
 static void map(const ric_model *m, uint64_t closed, int event, double tau, const double *w,
@@ -38,8 +39,8 @@ static void map(const ric_model *m, uint64_t closed, int event, double tau, cons
     }
     const ric_regime *regime = regime_of(m, closed, after);
     if (!regime) return;
-    ric_regime_fly(regime, closing(m, closed, event), tau, w, after, rate + n);
-    ric_regime_matrix(regime, tau, matrix);
+    ric_regime_map(regime, &(ric_regime_course){closing(m, closed, event), tau, w}, matrix, after,
+                   rate + n);
     for (int i = 0; i < n; i++) rate[i] = m->kappa[i] * after[n + i];
 }
 
@@ -92,16 +93,19 @@ double ric_flight_chord(const ric_model *m, uint64_t closed, int event, int face
     const ric_regime *regime;
     double lost = NAN;
     if (ric_regime_get(m, closed, &regime)) return lost;
-    return ric_regime_chord(regime, closing(m, closed, event), m->face[face].contact, tau, w, by_w,
-                            by_tau);
+    const ric_regime_course from = {closing(m, closed, event), tau, w};
+    return ric_regime_chord(regime, &from, m->face[face].contact, by_w, by_tau);
 }
 
-bool ric_flight_fine(const ric_model *m, uint64_t closed, long double tau, int ld, bool states,
-                     long double *W)
+bool ric_flight_fine(const ric_model *m, uint64_t closed, long double tau, long double *w, int ld,
+                     long double *V)
 {
     const ric_regime *regime;
+    long double by[3 * m->n];
     if (ric_regime_get(m, closed, &regime)) return false;
-    ric_regime_fly_fine(regime, tau, ld, states, W);
+    ric_regime_turn_fine(regime, tau, by);
+    ric_regime_fly_fine(regime, by, 1, true, w);
+    if (V) ric_regime_fly_fine(regime, by, ld, false, V);
     return true;
 }
 

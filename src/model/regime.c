@@ -262,13 +262,16 @@ ric_status ric_regime_get(const ric_model *m, uint64_t closed, const ric_regime 
 
 /* ------------------------------------------------------------------- flight */
 
+/* Routines `_of` have the number of modes known to the compiler for the small structures that most
+ * atlases are made of; their sums have one order whatever it is. */
+#define INLINE static inline __attribute__((always_inline))
+
 /* A = omega (r - rest) is the difference of displacements a thousand times the depth of a contact:
  * taken in doubles it loses as many digits, and they are missing in the velocity that a stiff
  * spring gives back. */
 
-void ric_regime_enter(const ric_regime *p, const double *w, double *z)
+INLINE void enter_of(const ric_regime *p, int n, const double *w, double *z)
 {
-    int n = p->n;
     const long double *into = p->exact, *U = into + 2 * n * n, *shift = U + n * n;
     double x[2 * n];
     for (int i = 0; i < n; i++) {
@@ -283,14 +286,19 @@ void ric_regime_enter(const ric_regime *p, const double *w, double *z)
     memcpy(z, x, sizeof x);
 }
 
-/* From the face that closes there: displacements at the clearance to the last digit of extended
- * precision. */
-static void enter_at(const ric_regime *p, const ric_face *closing, const double *w, double *z)
+void ric_regime_enter(const ric_regime *p, const double *w, double *z)
 {
-    int n = p->n;
+    enter_of(p, p->n, w, z);
+}
+
+/* From the face that closes there: displacements at the clearance to the last digit of extended
+ * precision. Not in place. */
+INLINE void enter_at(const ric_regime *p, int n, const ric_face *closing, const double *w,
+                     double *z)
+{
     const long double *into = p->exact, *shift = p->exact + 3 * n * n;
     long double off = 0, size = 0;
-    ric_regime_enter(p, w, z);
+    enter_of(p, n, w, z);
     if (!closing) return;
     for (int i = 0; i < n; i++) {
         off += (long double)closing->g[i] * w[i];
@@ -314,9 +322,8 @@ void ric_regime_onto(int n, const ric_face *closing, int ld, double *X)
     }
 }
 
-void ric_regime_leave(const ric_regime *p, const double *z, double *w)
+INLINE void leave_of(const ric_regime *p, int n, const double *z, double *w)
 {
-    int n = p->n;
     const long double *from = p->exact + n * n, *U = from + n * n, *shift = U + n * n;
     double x[2 * n];
     for (int i = 0; i < n; i++) {
@@ -331,53 +338,72 @@ void ric_regime_leave(const ric_regime *p, const double *z, double *w)
     memcpy(w, x, sizeof x);
 }
 
-/* cos and sin of omega tau, with what rounding took from the phase. */
-static void turn(const ric_regime *p, int i, double tau, double *co, double *si)
+void ric_regime_leave(const ric_regime *p, const double *z, double *w)
 {
-    double y = p->omega[i] * tau, low = fma(p->omega[i], tau, -y) + p->omega_low[i] * tau, c, s;
-    ric_sine_cosine(y, &s, &c);
+    leave_of(p, p->n, z, w);
+}
+
+/* cos and sin of omega tau of two modes, with what rounding took from the phases. */
+INLINE void turn(const ric_regime *p, int i, int j, double tau, ric_lane *co, ric_lane *si)
+{
+    const ric_lane omega = {p->omega[i], p->omega[j]},
+                   omega_low = {p->omega_low[i], p->omega_low[j]}, y = omega * tau,
+                   lost = {fma(omega[0], tau, -y[0]), fma(omega[1], tau, -y[1])},
+                   low = lost + omega_low * tau;
+    ric_lane s, c;
+    ric_sine_lanes(y, &s, &c);
     *co = c - low * s;
     *si = s + low * c;
 }
 
-void ric_regime_fly(const ric_regime *p, const ric_face *closing, double tau, const double *w,
-                    double *after, double *pull)
+/* The same of all, [n] each. */
+INLINE void turns_of(const ric_regime *p, int n, double tau, double *co, double *si)
 {
-    int n = p->n;
-    double z[2 * n];
-    enter_at(p, closing, w, z);
-    for (int i = 0; i < n; i++) {
-        double co, si, A = z[i], P = z[n + i];
-        turn(p, i, tau, &co, &si);
-        z[i] = p->omega[i] > 0 ? co * A + si * P : A + tau * P;
-        z[n + i] = p->omega[i] > 0 ? co * P - si * A : P;
+    ric_lane c, s;
+    for (int i = 0; i + 1 < n; i += 2) {
+        turn(p, i, i + 1, tau, &c, &s);
+        ric_lane_store(co + i, c);
+        ric_lane_store(si + i, s);
     }
-    ric_regime_leave(p, z, after);
+    if (n % 2 == 0) return;
+    turn(p, n - 1, n - 1, tau, &c, &s);
+    co[n - 1] = c[0];
+    si[n - 1] = s[0];
+}
+
+/* By the cosines and sines of its modes. */
+INLINE void fly_of(const ric_regime *p, int n, const ric_regime_course *from,
+                   const double *const turns[2], double *after, double *pull)
+{
+    const double *co = turns[0], *si = turns[1];
+    double z[2 * n];
+    enter_at(p, n, from->closing, from->w, z);
+    for (int i = 0; i < n; i++) {
+        double A = z[i], P = z[n + i];
+        z[i] = p->omega[i] > 0 ? co[i] * A + si[i] * P : A + from->tau * P;
+        z[n + i] = p->omega[i] > 0 ? co[i] * P - si[i] * A : P;
+    }
+    leave_of(p, n, z, after);
     for (int i = 0; pull && i < n; i++) {
         pull[i] = 0;
         for (int j = 0; j < n; j++) pull[i] -= p->U[i * n + j] * p->omega[j] * z[j];
     }
 }
 
-void ric_regime_matrix(const ric_regime *p, double tau, double *D)
+INLINE void matrix_of(const ric_regime *p, int n, double tau, const double *co, const double *si,
+                      double *D)
 {
-    int n = p->n, ld = 2 * n;
-    double co[n], s1[n], s2[n];
-    for (int k = 0; k < n; k++) {
-        bool turns = p->omega[k] > 0;
-        turn(p, k, tau, &co[k], &s1[k]);
-        s2[k] = turns ? s1[k] : 0;
-        if (!turns) s1[k] = tau;
-    }
+    int ld = 2 * n;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
             double aa = 0, ap = 0, pa = 0, pp = 0;
             for (int k = 0; k < n; k++) {
+                const bool turns = p->omega[k] > 0;
                 double f = p->from[i * n + k], u = p->U[i * n + k], t = p->into[k * n + j],
                        v = p->U[j * n + k];
                 aa += f * co[k] * t;
-                ap += f * s1[k] * v;
-                pa -= u * s2[k] * t;
+                ap += f * (turns ? si[k] : tau) * v;
+                pa -= u * (turns ? si[k] : 0) * t;
                 pp += u * co[k] * v;
             }
             D[i * ld + j] = aa;
@@ -387,19 +413,54 @@ void ric_regime_matrix(const ric_regime *p, double tau, double *D)
         }
 }
 
+INLINE void map_of(const ric_regime *p, int n, const ric_regime_course *from, double *D,
+                   double *after, double *pull)
+{
+    double co[n], si[n];
+    turns_of(p, n, from->tau, co, si);
+    fly_of(p, n, from, (const double *const[]){co, si}, after, pull);
+    if (D) matrix_of(p, n, from->tau, co, si, D);
+}
+
+void ric_regime_map(const ric_regime *p, const ric_regime_course *from, double *D, double *after,
+                    double *pull)
+{
+    switch (p->n) {
+    case 2: map_of(p, 2, from, D, after, pull); break;
+    case 3: map_of(p, 3, from, D, after, pull); break;
+    default: map_of(p, p->n, from, D, after, pull);
+    }
+}
+
+void ric_regime_fly(const ric_regime *p, const ric_regime_course *from, double *after)
+{
+    ric_regime_map(p, from, NULL, after, NULL);
+}
+
+void ric_regime_matrix(const ric_regime *p, double tau, double *D)
+{
+    const int n = p->n;
+    double co[n], si[n];
+    turns_of(p, n, tau, co, si);
+    matrix_of(p, n, tau, co, si, D);
+}
+
 /* ------------------------------------------------------ extended precision */
 
-void ric_regime_fly_fine(const ric_regime *p, long double tau, int ld, bool states, long double *W)
+void ric_regime_turn_fine(const ric_regime *p, long double tau, long double *by)
 {
-    int n = p->n;
-    const long double *into = p->exact, *from = into + n * n, *U = from + n * n, *shift = U + n * n;
-    long double co[n], s1[n], s2[n];
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < p->n; i++, by += 3) {
         long double omega = (long double)p->omega[i] + p->omega_low[i];
-        ric_sine_cosine_fine(omega * tau, &s1[i], &co[i]);
-        s2[i] = s1[i];
-        if (!(omega > 0)) s1[i] = tau;
+        ric_sine_cosine_fine(omega * tau, &by[1], &by[0]);
+        by[2] = by[1];
+        if (!(omega > 0)) by[1] = tau;
     }
+}
+
+INLINE void fly_fine_of(const ric_regime *p, int n, const long double *by, int ld, bool states,
+                        long double *W)
+{
+    const long double *into = p->exact, *from = into + n * n, *U = from + n * n, *shift = U + n * n;
     for (int c = 0; c < ld; c++) {
         long double z[2 * n];
         for (int i = 0; i < n; i++) {
@@ -408,16 +469,28 @@ void ric_regime_fly_fine(const ric_regime *p, long double tau, int ld, bool stat
                 A += into[i * n + j] * W[j * ld + c];
                 P += U[j * n + i] * W[(n + j) * ld + c];
             }
-            z[i] = co[i] * A + s1[i] * P + (states ? shift[i] : 0);
-            z[n + i] = co[i] * P - s2[i] * A;
+            z[i] = by[3 * i] * A + by[3 * i + 1] * P + (states ? shift[i] : 0);
+            z[n + i] = by[3 * i] * P - by[3 * i + 2] * A;
         }
         for (int i = 0; i < n; i++) {
-            W[i * ld + c] = W[(n + i) * ld + c] = 0;
+            long double a = 0, v = 0;
             for (int j = 0; j < n; j++) {
-                W[i * ld + c] += from[i * n + j] * z[j];
-                W[(n + i) * ld + c] += U[i * n + j] * z[n + j];
+                a += from[i * n + j] * z[j];
+                v += U[i * n + j] * z[n + j];
             }
+            W[i * ld + c] = a;
+            W[(n + i) * ld + c] = v;
         }
+    }
+}
+
+void ric_regime_fly_fine(const ric_regime *p, const long double *by, int ld, bool states,
+                         long double *W)
+{
+    switch (p->n) {
+    case 2: fly_fine_of(p, 2, by, ld, states, W); break;
+    case 3: fly_fine_of(p, 3, by, ld, states, W); break;
+    default: fly_fine_of(p, p->n, by, ld, states, W);
     }
 }
 
@@ -434,22 +507,20 @@ static void ratios(double y, double *h1, double *h2, double *d1, double *d2)
         *d2 = -y / 3 * (1 - x / 10 * (1 - x / 28 * (1 - x / 54 * (1 - x / 88))));
         return;
     }
-    double s, c, half, unused;
-    ric_sine_cosine(y, &s, &c);
-    ric_sine_cosine(y / 2, &half, &unused);
-    *h1 = 2 * half * half / y;
-    *h2 = s / y;
-    *d1 = (s - *h1) / y;
-    *d2 = (c - *h2) / y;
+    ric_lane s, c; /* of y and its half */
+    ric_sine_lanes((ric_lane){y, y / 2}, &s, &c);
+    *h1 = 2 * s[1] * s[1] / y;
+    *h2 = s[0] / y;
+    *d1 = (s[0] - *h1) / y;
+    *d2 = (c[0] - *h2) / y;
 }
 
-double ric_regime_chord(const ric_regime *p, const ric_face *closing, int contact, double tau,
-                        const double *w, double *by_w, double *by_tau)
+INLINE double chord_of(const ric_regime *p, int n, const ric_regime_course *from, int contact,
+                       double *by_w, double *by_tau)
 {
-    int n = p->n;
-    const double *G = p->G + contact * n;
+    const double *G = p->G + contact * n, tau = from->tau;
     double z[2 * n], kA[n], kP[n], sum = 0, slope = 0;
-    enter_at(p, closing, w, z);
+    enter_at(p, n, from->closing, from->w, z);
     for (int i = 0; i < n; i++) {
         double omega = p->omega[i], h1, h2, d1, d2;
         ratios(omega * tau, &h1, &h2, &d1, &d2);
@@ -467,4 +538,14 @@ double ric_regime_chord(const ric_regime *p, const ric_face *closing, int contac
         }
     }
     return sum;
+}
+
+double ric_regime_chord(const ric_regime *p, const ric_regime_course *from, int contact,
+                        double *by_w, double *by_tau)
+{
+    switch (p->n) {
+    case 2: return chord_of(p, 2, from, contact, by_w, by_tau);
+    case 3: return chord_of(p, 3, from, contact, by_w, by_tau);
+    default: return chord_of(p, p->n, from, contact, by_w, by_tau);
+    }
 }

@@ -42,22 +42,33 @@ ric_status ric_regime_get(const ric_model *model, uint64_t closed, const ric_reg
 /* z [2n] = (A, P) of a state w, and back. O(n^2). */
 void ric_regime_enter(const ric_regime *phase, const double *w, double *z);
 void ric_regime_leave(const ric_regime *phase, const double *z, double *w);
-/* The face whose closing starts a flight, NULL if none: there s = gap by definition, and the state
- * is first moved onto it, a <- a - (g.a - gap) g / (g.g). On an orbit that changes nothing; off it
- * the flight no longer depends on how far the state is off the face, and rounding of its
- * displacements is not multiplied by the stiffness of the spring. */
-/* The state after the time tau, of either sign; may work in place. pull [n], unless NULL: the
- * acceleration there, from the distance to equilibrium; formed of the state, whose displacements
- * are rounded, it would be off by the stiffness times as much. O(n^2). */
-void ric_regime_fly(const ric_regime *phase, const ric_face *closing, double tau, const double *w,
-                    double *after, double *pull);
+/* A flight of the time tau, of either sign, from w, and the face whose closing starts it, NULL if
+ * none: there s = gap by definition, and the state is first moved onto it, a <- a - (g.a - gap) g /
+ * (g.g). On an orbit that changes nothing; off it the flight no longer depends on how far the state
+ * is off the face, and rounding of its displacements is not multiplied by the stiffness of the
+ * spring. */
+typedef struct {
+    const ric_face *closing;
+    double tau;
+    const double *w;
+} ric_regime_course;
+
+/* The state after it; may be where w is. O(n^2). */
+void ric_regime_fly(const ric_regime *phase, const ric_regime_course *course, double *after);
 /* Its derivative by w, D [2n * 2n] by rows, of a flight that does not start with a closing. O(n^3).
  */
 void ric_regime_matrix(const ric_regime *phase, double tau, double *D);
+/* Both; D may be NULL. pull [n], unless NULL: the acceleration at the end, from the distance to
+ * equilibrium; formed of the state, whose displacements are rounded, it would be off by the
+ * stiffness times as much. */
+void ric_regime_map(const ric_regime *phase, const ric_regime_course *course, double *D,
+                    double *after, double *pull);
 
-/* A flight in extended precision, that starts with no closing: columns W [2n * ld] in place, of
- * states, or of deviations, which no equilibrium shifts. O(ld n^2). */
-void ric_regime_fly_fine(const ric_regime *phase, long double tau, int ld, bool states,
+/* by [3n]: of each mode the cosine of a flight in extended precision and its two sines. */
+void ric_regime_turn_fine(const ric_regime *phase, long double tau, long double *by);
+/* The flight by them, that starts with no closing: columns W [2n * ld] in place, of states, or of
+ * deviations, which no equilibrium shifts. O(ld n^2). */
+void ric_regime_fly_fine(const ric_regime *phase, const long double *by, int ld, bool states,
                          long double *W);
 
 /* Deviations X [2n * ld] at a closing moved onto the face, like the state. */
@@ -66,7 +77,7 @@ void ric_regime_onto(int n, const ric_face *closing, int ld, double *X);
 /* (s(tau) - s(0)) / tau of the gap coordinate of a contact along a flight from w, regular through
  * tau = 0, where it is ds/dt, and for either sign of tau; by_w [2n] and *by_tau, its derivatives,
  * may be NULL; by_w is that of a flight that does not start with a closing. O(n^2). */
-double ric_regime_chord(const ric_regime *phase, const ric_face *closing, int contact, double tau,
-                        const double *w, double *by_w, double *by_tau);
+double ric_regime_chord(const ric_regime *phase, const ric_regime_course *course, int contact,
+                        double *by_w, double *by_tau);
 
 #endif

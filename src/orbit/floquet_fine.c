@@ -172,9 +172,7 @@ static void turn(int count, const real *by, real *a, real *p)
 static bool fly(const course *q, real tau, real *w, real *V)
 {
     const ric_model *m = q->c->model;
-    if (q->closed)
-        return ric_flight_fine(m, q->closed, tau, 1, true, w) &&
-               (!V || ric_flight_fine(m, q->closed, tau, q->ld, false, V));
+    if (q->closed) return ric_flight_fine(m, q->closed, tau, w, q->ld, V);
     for (int i = 0; i < q->n; i++) {
         real omega = (real)m->omega[i] + m->omega_low[i], kappa = m->kappa[i], s,
              by[3] = {1, tau, 0};

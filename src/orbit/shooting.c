@@ -52,10 +52,13 @@ ric_status ric_shooting_create(const ric_model *model, ric_mirror start, ric_mir
     c->stride = ric_flight_stride(model);
     c->face = ric_malloc((flights + 1) * sizeof *c->face);
     c->closed = ric_calloc(flights + 1, sizeof *c->closed);
-    double **const arrays[] = {&c->w, &c->before, &c->rate, &c->map, &c->approach, &c->tau};
+    const size_t chord = ric_flight_law_of(model)->closes ? 2 * nn + 1 : 0;
+    double **const arrays[] = {&c->w,        &c->before, &c->rate, &c->map,
+                               &c->approach, &c->tau,    &c->chord};
     const size_t sizes[] = {(flights + 1) * 2 * nn, flights * nn, flights * 2 * nn,
-                            flights * c->stride,    flights + 1,  flights};
-    if (!c->face || !c->closed || !ric_shooting_nodes_room(6, sizes, arrays) ||
+                            flights * c->stride,    flights + 1,  flights,
+                            flights * chord};
+    if (!c->face || !c->closed || !ric_shooting_nodes_room(7, sizes, arrays) ||
         ric_shooting_nodes_divide(c, 1)) {
         ric_shooting_free(c);
         return ric_fail(RIC_E_NOMEM, "no memory for an orbit problem of %d flights", n_flight);
@@ -154,9 +157,12 @@ static inline __attribute__((always_inline)) double fly_one(ric_shooting *c, int
         const double factor = speed * (2 / face->cc);
         for (int i = 0; i < n; i++) w[n + i] -= factor * face->c[i];
     }
-    if (face->spring > 0 && c->face[k] == c->face[k + 1] && !c->plain)
-        return ric_flight_chord(m, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k,
-                                NULL, NULL);
+    if (ric_shooting_between(c, k)) {
+        double *by = c->chord + (2 * n + 1) * k;
+        const double chord = ric_flight_chord(m, c->closed[k], c->face[k], c->face[k + 1], tau,
+                                              c->w + 2 * n * k, by, by + 2 * n);
+        if (!c->plain) return chord;
+    }
     return ric_gap(n, face, w) - face->gap;
 }
 
@@ -278,16 +284,14 @@ static inline __attribute__((always_inline)) double chord_row(const ric_shooting
                                                               int k, int ld, double *g,
                                                               double *offset)
 {
-    double by_w[2 * n], by_tau, tau = c->tau[k];
-    ric_flight_chord(c->model, c->closed[k], c->face[k], c->face[k + 1], tau, c->w + 2 * n * k,
-                     by_w, &by_tau);
+    const double *by_w = c->chord + (2 * n + 1) * k;
     *offset = 0;
     for (int j = 0; j < nz; j++) g[j] = 0;
     for (int i = 0; i < 2 * n; i++) {
         for (int j = 0; j < nz; j++) g[j] += by_w[i] * c->X[i * ld + j];
         *offset += by_w[i] * c->X[i * ld + ld - 1];
     }
-    return by_tau;
+    return by_w[2 * n];
 }
 
 /* g [ld] of the rows of X: those of the condition h [n]. */
@@ -665,16 +669,15 @@ static void push(const ric_shooting *c, const double *du, double *column)
     }
     for (int i = 0; i < c->n_flight; i++) {
         const double *map = c->map + c->stride * (size_t)i;
-        double by_w[2 * n], by_tau = 0, chord = 0;
+        double chord = 0;
         if (c->parts > 1) {
             k += ric_shooting_nodes_push(c, du, dw, column + k);
             continue;
         }
         if (c->closed[i]) ric_flight_onto(m, c->closed[i], ric_shooting_event(c, i), 1, dw);
         if (ric_shooting_between(c, i)) {
-            ric_flight_chord(m, c->closed[i], c->face[i], c->face[i + 1], c->tau[i],
-                             c->w + 2 * n * i, by_w, &by_tau);
-            chord = ric_dot(2 * n, by_w, dw) + by_tau * du[c->n_start + i];
+            const double *by_w = c->chord + (2 * n + 1) * i;
+            chord = ric_dot(2 * n, by_w, dw) + by_w[2 * n] * du[c->n_start + i];
         }
         const double *rate = c->rate + 2 * n * i;
         if (ric_flight_dense(m, c->closed[i])) ric_flight_carry(n, map, 1, 1, dw);

@@ -48,6 +48,8 @@ typedef struct {
     size_t stride;    /* doubles in the map of a flight */
     double *map;      /* [n_flight * stride]: 3n of cos, kappa sin / omega, omega sin / kappa, or a
                          matrix (flight.h) */
+    double *chord;    /* [n_flight * (2n + 1)] of flights between two switches of one spring: by its
+                         start and its time, the divided difference that is its condition */
     double *approach; /* [n_flight + 1] speed of the gap coordinate into the face; [0] only for a
                          start on an impact mirror */
     double residual;  /* largest residual relative to 1 + |w| */

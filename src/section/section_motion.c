@@ -172,7 +172,9 @@ static void fly_closed(ric_section_motion *s, const ric_section_phase *p, double
     ric_regime_matrix(p->regime, tau / parts, s->matrix);
     if (s->measure.turning) ric_section_measure_number(s->m, s->w, s->rate, s->u, before);
     for (int k = 1; k <= parts; k++) {
-        ric_regime_fly(p->regime, closing, k < parts ? tau * k / parts : tau, begin, s->w, NULL);
+        ric_regime_fly(p->regime,
+                       &(ric_regime_course){closing, k < parts ? tau * k / parts : tau, begin},
+                       s->w);
         for (int i = 0; i < size; i++) s->next[i] = ric_dot(size, s->matrix + i * size, s->u);
         memcpy(s->u, s->next, (size_t)size * sizeof *s->u);
         if (!s->measure.turning) continue;

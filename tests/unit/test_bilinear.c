@@ -15,6 +15,18 @@
 #include "check/simulator.h"
 #include "sample.h"
 
+/* A flight that starts with no closing. */
+static void fly(const ric_regime *phase, double tau, const double *w, double *after)
+{
+    ric_regime_fly(phase, &(ric_regime_course){.tau = tau, .w = w}, after);
+}
+
+static double chord(const ric_regime *phase, int contact, double tau, const double *w, double *by_w,
+                    double *by_tau)
+{
+    return ric_regime_chord(phase, &(ric_regime_course){.tau = tau, .w = w}, contact, by_w, by_tau);
+}
+
 enum { MAX_W = 12, MAX_A = (MAX_W + 1) * (MAX_W + 1) };
 
 /* n masses, contacts of which `rigid` are stops; stiffness of the springs up to 1e6 times that of
@@ -119,7 +131,7 @@ static void flights(void **state)
             random_coordinates(2 * m->n, w);
             ric_regime_enter(phase, w, z);
             ric_regime_leave(phase, z, back);
-            ric_regime_fly(phase, NULL, tau, w, after, NULL);
+            fly(phase, tau, w, after);
             ric_regime_matrix(phase, tau, D);
             generator(m, set, A);
             exponential(2 * m->n + 1, tau, A);
@@ -174,7 +186,7 @@ static void energies(void **state)
             double w[MAX_W], after[MAX_W], g[MAX_W], f[MAX_W];
             assert_int_equal(ric_regime_get(m, set, &phase), RIC_OK);
             random_coordinates(size, w);
-            ric_regime_fly(phase, NULL, uniform(-3, 3), w, after, NULL);
+            fly(phase, uniform(-3, 3), w, after);
             check_close(ric_flight_energy(m, set, after), ric_flight_energy(m, set, w), 1e-11,
                         "energy of a flight");
             ric_flight_secant(m, set, w, w, g);
@@ -213,26 +225,24 @@ static void chords(void **state)
             ric_flight_rate(m, set, w, f);
             const ric_face *face = &m->face[m->n_face - 1];
             double largest = norm_of(m->n, face->g) * norm_of(size, w) * fast;
-            assert_true(fabs(ric_regime_chord(phase, NULL, face->contact, 0, w, NULL, NULL) -
+            assert_true(fabs(chord(phase, face->contact, 0, w, NULL, NULL) -
                              ric_gap(m->n, face, f)) <= 1e-13 * largest);
             for (int i = 0; i < 60; i++) {
                 double tau = (i % 2 ? -1 : 1) * pow(10, -9 + i / 6.0) / fast,
-                       value = ric_regime_chord(phase, NULL, face->contact, tau, w, row, &slope);
-                ric_regime_fly(phase, NULL, tau, w, after, NULL);
+                       value = chord(phase, face->contact, tau, w, row, &slope);
+                fly(phase, tau, w, after);
                 double plain = (ric_gap(m->n, face, after) - ric_gap(m->n, face, w)) / tau;
                 if (fabs(tau) * fast > 0.01 && fabs(plain - value) > 1e-11 * largest)
                     fail_msg("seed %u tau %g: %g against %g", seed, tau, value, plain);
-                double h = 1e-5 / fast,
-                       d = ric_regime_chord(phase, NULL, face->contact, tau + h, w, NULL, NULL) -
-                           ric_regime_chord(phase, NULL, face->contact, tau - h, w, NULL, NULL);
+                double h = 1e-5 / fast, d = chord(phase, face->contact, tau + h, w, NULL, NULL) -
+                                            chord(phase, face->contact, tau - h, w, NULL, NULL);
                 assert_true(fabs(d / (2 * h) - slope) <= 1e-7 * largest * fast);
                 for (int j = 0; j < size; j++) { /* affine in w */
                     double moved[MAX_W];
                     memcpy(moved, w, sizeof moved);
                     moved[j] += 0.5;
-                    assert_true(
-                        fabs(ric_regime_chord(phase, NULL, face->contact, tau, moved, NULL, NULL) -
-                             value - row[j] / 2) <= 1e-12 * largest);
+                    assert_true(fabs(chord(phase, face->contact, tau, moved, NULL, NULL) - value -
+                                     row[j] / 2) <= 1e-12 * largest);
                 }
             }
         }
@@ -283,7 +293,7 @@ static void replay(void **state)
             assert_true(hit);
             const ric_face *face = &m->face[impact.face];
             assert_int_equal(ric_regime_get(m, set, &phase), RIC_OK);
-            ric_regime_fly(phase, NULL, (impact.time - time) * m->omega_ref, w, w, NULL);
+            fly(phase, (impact.time - time) * m->omega_ref, w, w);
             if (fabs(ric_gap(n, face, w) - face->gap) > 1e-9)
                 fail_msg("seed %u event %d: %g off the face", 300 + seed, event,
                          ric_gap(n, face, w) - face->gap);
@@ -334,7 +344,7 @@ static void accelerations(void **state)
         assert_int_equal(ric_regime_get(m, 1, &phase), RIC_OK);
         double w[2] = {m->face[0].gap / m->face[0].g[0], v};
         for (double tau = 0; tau < 1.5 / W; tau += 0.1 / W) {
-            ric_regime_fly(phase, &m->face[0], tau, w, after, &pull);
+            ric_regime_map(phase, &(ric_regime_course){&m->face[0], tau, w}, NULL, after, &pull);
             double off = pull + cos(W * tau) + W * v * sin(W * tau);
             if (fabs(off) > 1e-14 + 2 * LDBL_EPSILON * ks)
                 fail_msg("ks = 1e%d, phase %g: off by %g", i, W * tau, off);
