@@ -12,7 +12,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of
  * the same version: it is raised with every change after which the same departure may lead to other
  * bits, else an atlas that is continued would mix branches of two programs. */
-#define RIC_NUMERICS 46
+#define RIC_NUMERICS 47
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {
@@ -78,6 +78,7 @@ typedef struct {
 enum { RIC_PAST_SAMPLES = 2, RIC_MOST_SAMPLES = 80 };
 typedef struct {
     int n, now, n_past;
+    bool open;                  /* what they tell of is not sure everywhere */
     double x[RIC_MOST_SAMPLES]; /* distance from the present point */
     double s[RIC_PAST_SAMPLES]; /* arclength of those before */
     double *values;             /* [RIC_MOST_SAMPLES * ric_continuation_watched()] */
@@ -96,7 +97,8 @@ typedef struct {
  * is asked for again with other things to look at (event_locate.c). */
 enum { RIC_MOST_SOLVED = 64 };
 typedef struct {
-    int n; /* of all of them: number i is at i % RIC_MOST_SOLVED */
+    int n;     /* of all of them: number i is at i % RIC_MOST_SOLVED */
+    bool full; /* none is added, while orbits are solved for that may be forgotten */
     double x[RIC_MOST_SOLVED];
     double *u; /* [RIC_MOST_SOLVED * n_unknown] */
 } ric_solved_orbits;

@@ -29,7 +29,7 @@
 #define POLE 0.1
 #define RATIO_NEAREST 20 /* of the first distance from there that is looked at, at most */
 /* PASSES: looks at one step, the later ones with the events of the one before among the points */
-#define PASSES 4
+#define PASSES 8
 /* NEAREST: distance from an end with poles, of the size of the orbit, up to which events are looked
  * for: nearer by orbits are known to rounding over the distance */
 #define NEAREST 1e-7
@@ -353,6 +353,7 @@ static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *
     *end = h;
     which = seen_in(tr, which);
     ric_status status = ric_event_samples_refine(tr, which, false, NAN, NAN, h);
+    if (!status) status = ric_event_samples_probe(tr, which, false, h);
     const unsigned reach = which & 1u << RIC_TEST_REACH;
     if (!status) status = find_roots(tr, which & ~reach, h, &list, retry);
     if (!status && !*retry && reach) status = find_reach(tr, h, &list, retry);
@@ -389,8 +390,7 @@ static ric_status sample(ric_continuation *tr, unsigned which, int test, double 
         end = to;
         status = ric_event_samples_approach(tr, to, q->x[q->n - 2], least, h);
     }
-    if (!status) status = ric_event_samples_refine(tr, which, pairs, from, end, h);
-    return status ? status : ric_event_samples_probe(tr, which, h);
+    return status ? status : ric_event_samples_refine(tr, which, pairs, from, end, h);
 }
 
 /* The length on which some pair is lost in rounding; on the way to an end where functions have
@@ -423,8 +423,11 @@ static ric_status find_inside(ric_continuation *tr, unsigned which, double h, ro
             status = ric_event_samples_add(tr, list->root[i].x, h);
         if (!status && !*retry && list->n)
             status = ric_event_samples_refine(tr, which, tr->n_resonance > 0, NAN, NAN, h);
+        if (!status && !*retry && ric_event_samples_changes(tr, which) == before)
+            status = ric_event_samples_probe(tr, which, tr->n_resonance > 0, h);
         if (status || *retry || ric_event_samples_changes(tr, which) == before) return status;
     }
+    ric_event_samples_unresolved(tr);
     return RIC_OK;
 }
 

@@ -57,6 +57,7 @@ static void keep_solved(ric_continuation *tr, double x, const double *u)
 {
     ric_solved_orbits *q = &tr->solved;
     const size_t size = (size_t)tr->chain->n_unknown;
+    if (q->full) return;
     const int place = q->n++ % RIC_MOST_SOLVED;
     q->x[place] = x;
     memcpy(q->u + (size_t)place * size, u, size * sizeof *u);

@@ -55,10 +55,13 @@ int ric_event_samples_changes(const ric_continuation *trace, unsigned which);
  * from, to: places where functions may have poles, or NAN. */
 ric_status ric_event_samples_refine(ric_continuation *trace, unsigned which, bool pairs,
                                     double from, double to, double h);
-/* More points where two of several pairs may pass +-2, or one pass it and come back, which leaves
- * the signs of the tests `which` as they were. They are kept if they show a zero: what finds
- * nothing changes no bit of what comes after. */
-ric_status ric_event_samples_probe(ric_continuation *trace, unsigned which, double h);
+/* More points where a function may vanish twice that does not seem to: some are at hand to tell how
+ * a function bends, and may do so badly. With `pairs` also where two of several may pass +-2, or
+ * one pass it and come back, which leaves the signs of the tests `which` as they were. They are
+ * kept if they show a zero: what finds nothing changes no bit of what comes after. */
+ric_status ric_event_samples_probe(ric_continuation *trace, unsigned which, bool pairs, double h);
+/* Tells that functions may vanish in this step where it is not seen. */
+void ric_event_samples_unresolved(ric_continuation *trace);
 /* More points at distances from `end` that fall from that of `other` to `least`. */
 ric_status ric_event_samples_approach(ric_continuation *trace, double end, double other,
                                       double least, double h);

@@ -6,6 +6,11 @@
  * reach. Anything else is halved, down to FINEST, or until MOST points are known. Costs nothing but
  * arithmetic where no zero is near.
  *
+ * Then what is seen has to be sure: to stay so with half and twice the bend of the parabola, and
+ * twice the error. Four points that lie in a mirror tell of no error where there is a large one.
+ * Where it is not, a point is solved for at the extremum of the curve that has another zero, and so
+ * on. These points are forgotten again unless they show a zero.
+ *
  * Two of several pairs lambda + 1/lambda that pass one resonance in the same interval leave the
  * sign of its function as it was, and so does one that passes it and comes back beside another: so
  * pairs are looked at by themselves, too, and whether two between which the resonance lies may
@@ -18,6 +23,13 @@
 #include "model/room.h"
 
 #define SAFETY 2
+/* SURELY: of the bend of a parabola and of its error, both ways: what they may be off by where no
+ * point between tells */
+#define SURELY 2
+/* LEAPS: of the slopes on both sides: what changes by more between two points leaps there, as the
+ * largest gap in flight does where that maximum vanishes */
+#define LEAPS 16
+#define ASIDE 0.125 /* of an interval: how far from its ends a point between is looked at */
 #define FINEST 1e-8 /* of the size of the orbit: two zeros nearer than this are not looked for */
 #define FALLS 3     /* between two points: a factor that changes by more is not read */
 #define SEEN 8      /* points at which curves are looked at */
@@ -185,6 +197,49 @@ static bool shows_more(const curve *c)
     return false;
 }
 
+/* Where a curve is level between its ends, in order; their number. */
+static int levels(const curve *c, double out[2])
+{
+    const double L = c->length, a = 3 * c->error, half = c->bend - c->error * (L + c->at),
+                 rest = (c->fb - c->fa) / L - c->bend * L + c->error * L * c->at,
+                 under = half * half - a * rest;
+    int n = 0;
+    if (!(under >= 0)) return 0;
+    const double q = -(half + copysign(sqrt(under), half)), x[2] = {q / a, rest / q};
+    for (int i = 0; i < 2; i++)
+        if (x[i] > 0 && x[i] < L) out[n++] = x[i];
+    if (n == 2 && out[0] > out[1]) {
+        out[0] = out[1];
+        out[1] = fmax(x[0], x[1]);
+    }
+    return n;
+}
+
+/* Curves whose bend and error are off by SURELY, to both sides: where one of them that has more
+ * zeros than the signs at the ends show is level, or NAN. */
+static double unsure_at(const curve *c)
+{
+    const bool differ = c->fa * c->fb < 0;
+    for (int i = 0; i < 4; i++) {
+        curve way = *c;
+        way.bend *= i & 1 ? SURELY : 1.0 / SURELY;
+        way.error *= i & 2 ? SURELY : -SURELY;
+        double at[2], before = c->fa, found = NAN;
+        const int n = levels(&way, at);
+        int changes = 0;
+        for (int j = 0; j <= n; j++) {
+            const double value = j == n ? c->fb : along(&way, at[j], 1);
+            const bool changed = before * value < 0;
+            if (changed && isnan(found)) found = at[j < n ? j : n - 1];
+            changes += changed;
+            before = value;
+        }
+        if (n && changes > differ)
+            return fmin(fmax(found, ASIDE * c->length), (1 - ASIDE) * c->length);
+    }
+    return NAN;
+}
+
 /* What is read of the points: a column, less a number; or the square of how far another one is from
  * it. */
 typedef struct {
@@ -207,6 +262,7 @@ static double read_at(const ric_continuation *tr, const reading *of, int i)
 typedef struct {
     int i, n, at[4];
     double x[4]; /* from the first of them */
+    bool *open;  /* NULL, or set where something is nearer to zero than it surely stays away */
 } stencil;
 
 /* A function at those of them at which it is known; of NULL all are. */
@@ -247,21 +303,45 @@ static bool is_clear(double a, double b, double far)
     return a * b > 0 && ric_smaller(fabs(a), fabs(b)) > far;
 }
 
-static bool is_resolved(const ric_continuation *tr, const stencil *all, const reading *of)
+/* Whether a function leaps in an interval, and is flat on both sides. */
+static bool leaps(const ric_continuation *tr, int i, const reading *of, double slope)
+{
+    const ric_event_samples *q = &tr->samples;
+    if (i < 1 || i + 2 >= q->n) return false;
+    const double f[4] = {read_at(tr, of, i - 1), read_at(tr, of, i), read_at(tr, of, i + 1),
+                         read_at(tr, of, i + 2)},
+                 before = fabs(f[1] - f[0]) / (q->x[i] - q->x[i - 1]),
+                 after = fabs(f[3] - f[2]) / (q->x[i + 2] - q->x[i + 1]);
+    return fabs(slope) > LEAPS * before && fabs(slope) > LEAPS * after;
+}
+
+/* `at` NULL: whether the interval may have zeros that do not show; else whether it surely has none,
+ * and *at: where to look if it may. */
+static bool is_resolved(const ric_continuation *tr, const stencil *all, const reading *of,
+                        double *at)
 {
     stencil st = *all;
     double f[4] = {0};
     for (int j = 0; j < st.n; j++) f[j] = read_at(tr, of, st.at[j]);
     if (!isfinite(f[0] + f[1]) || (of->lost_at_zero && f[0] * f[1] == 0)) return true;
-    if (!isfinite(f[2] + f[3])) st = stencil_of(tr, st.i, of, f);
+    if (!isfinite(f[2] + f[3])) {
+        if (at && of->column >= pair_column(tr, 0)) return true; /* as a root beside a meeting */
+        st = stencil_of(tr, st.i, of, f);
+        st.open = all->open;
+    }
     if (st.n < 3) return true; /* the first step, as short as it is */
     const bent b = bend_of(st.n, st.x, f[0], f[1], f[2], f[3]);
-    return is_clear(f[0], f[1], b.far) || !shows_more(&(curve){.length = st.x[1],
-                                                               .fa = f[0],
-                                                               .fb = f[1],
-                                                               .bend = b.bend,
-                                                               .error = b.error,
-                                                               .at = st.x[2]});
+    const curve between = {.length = st.x[1],
+                           .fa = f[0],
+                           .fb = f[1],
+                           .bend = b.bend,
+                           .error = b.error,
+                           .at = st.x[2]};
+    if (is_clear(f[0], f[1], SURELY * b.far)) return true;
+    if (st.open) *st.open = true;
+    if (!at) return is_clear(f[0], f[1], b.far) || !shows_more(&between);
+    *at = unsure_at(&between);
+    return isnan(*at) || leaps(tr, st.i, of, (f[1] - f[0]) / st.x[1]);
 }
 
 /* The reach of n columns side by side, HUGE_VAL where four points are not known: nearly all of them
@@ -274,16 +354,29 @@ static void find_far(const ric_continuation *tr, const stencil *st, int n, doubl
         far[k] = st->n < 4 ? HUGE_VAL : bend_of(4, st->x, v[0][k], v[1][k], v[2][k], v[3][k]).far;
 }
 
-static bool resolved(const ric_continuation *tr, const stencil *st, int test)
+static bool resolved(const ric_continuation *tr, const stencil *st, int test, double *at)
 {
+    const int k = test - RIC_N_TEST;
+    const double *a = ric_event_samples_values(tr, st->i),
+                 *b = ric_event_samples_values(tr, st->i + 1);
+    /* a margin that is rounding, as where an impact loses its speed beside a gap that closes, shows
+     * nothing */
+    if (at && test <= RIC_TEST_FLIGHT && ric_smaller(fabs(a[test]), fabs(b[test])) < RIC_MARGIN)
+        return true;
+    /* the only pair is nearly straight where its test, over 1 + rho^2, is not */
+    if (at && k >= 0 && k < tr->n_resonance && tr->floquet.n_pair == 1 &&
+        is_resolved(tr, st,
+                    &(reading){pair_column(tr, 0), -1, tr->resonances[k].rho, HUGE_VAL, false}, at))
+        return true;
     return is_resolved(tr, st,
                        &(reading){test, -1, 0, HUGE_VAL,
-                                  test < RIC_N_TEST || test >= RIC_N_TEST + tr->n_resonance});
+                                  test < RIC_N_TEST || test >= RIC_N_TEST + tr->n_resonance},
+                       at);
 }
 
 /* Whether each pair by itself, of several, stays on its side of rho, and none comes from there to
  * meet another. */
-static bool pairs_stay(const ric_continuation *tr, const stencil *st, double rho)
+static bool pairs_stay(const ric_continuation *tr, const stencil *st, double rho, double *at)
 {
     const int i = st->i;
     const double *a = ric_event_samples_values(tr, i), *b = ric_event_samples_values(tr, i + 1);
@@ -291,11 +384,12 @@ static bool pairs_stay(const ric_continuation *tr, const stencil *st, double rho
         const int own = pair_column(tr, j);
         const bool below = a[own] < rho && b[own] < rho;
         const bool above = a[own] > rho && b[own] > rho;
-        if ((below || above) && !is_resolved(tr, st, &(reading){own, -1, rho, NEAR_PAIR, false}))
+        if ((below || above) &&
+            !is_resolved(tr, st, &(reading){own, -1, rho, NEAR_PAIR, false}, at))
             return false;
         if (!below || j + 1 == tr->floquet.n_pair || !(a[own + 1] > rho && b[own + 1] > rho))
             continue;
-        if (!is_resolved(tr, st, &(reading){own, own + 1, 0, NEAR_PAIR, false})) return false;
+        if (!is_resolved(tr, st, &(reading){own, own + 1, 0, NEAR_PAIR, false}, at)) return false;
     }
     return true;
 }
@@ -319,33 +413,44 @@ static bool half_lost(const ric_continuation *tr, int i, double from, double to)
 
 /* The same of the factor of a test, which is smooth where the test jumps; beside a grazing it falls
  * by powers of ten, and tells nothing. */
-static bool smoothly(const ric_continuation *tr, const stencil *st, int test)
+static bool smoothly(const ric_continuation *tr, const stencil *st, int test, double *at)
 {
     const int i = st->i;
     int column = smooth(tr, test);
     if (column < 0) return true;
     double a = fabs(ric_event_samples_values(tr, i)[column]),
            b = fabs(ric_event_samples_values(tr, i + 1)[column]);
-    return fmax(a, b) > FALLS * fmin(a, b) || resolved(tr, st, column);
+    return fmax(a, b) > FALLS * fmin(a, b) || resolved(tr, st, column, at);
 }
 
-static bool all_resolved(const ric_continuation *tr, int i, unsigned which, bool pairs)
+/* As is_resolved. Of the factors of the map only their smooth form is surely known. */
+static bool all_resolved(const ric_continuation *tr, int i, unsigned which, bool pairs, double *at,
+                         bool *open)
 {
-    const stencil st = stencil_of(tr, i, NULL, NULL);
+    stencil st = stencil_of(tr, i, NULL, NULL);
     const double *a = ric_event_samples_values(tr, i), *b = ric_event_samples_values(tr, i + 1);
     const int n = RIC_N_TEST + (pairs ? tr->n_resonance : 0);
     double far[n];
     find_far(tr, &st, n, far);
+    st.open = open;
     for (int test = 0; test < n; test++) {
         const bool own = test < RIC_N_TEST;
         if (own && !(which >> test & 1)) continue;
-        if (!is_clear(a[test], b[test], far[test]) && !resolved(tr, &st, test)) return false;
-        if (own ? !smoothly(tr, &st, test)
+        if (!is_clear(a[test], b[test], SURELY * far[test]) && !(at && smooth(tr, test) >= 0) &&
+            !resolved(tr, &st, test, at))
+            return false;
+        if (own ? !smoothly(tr, &st, test, at)
                 : tr->floquet.n_pair > 1 &&
-                      !pairs_stay(tr, &st, tr->resonances[test - RIC_N_TEST].rho))
+                      !pairs_stay(tr, &st, tr->resonances[test - RIC_N_TEST].rho, at))
             return false;
     }
     return true;
+}
+
+void ric_event_samples_unresolved(ric_continuation *tr)
+{
+    ric_continuation_widen(tr->unresolved++ == 0, tr->now.row.energy, tr->next.row.energy,
+                           tr->crowded_at);
 }
 
 ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool pairs, double from,
@@ -353,19 +458,18 @@ ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool p
 {
     ric_event_samples *q = &tr->samples;
     double finest = FINEST * tr->chain->scale;
+    q->open = false;
     for (int i = q->now; i + 1 < q->n;) {
         double a = q->x[i], b = q->x[i + 1];
         bool good = false, close = b - a <= finest || q->n == RIC_MOST_SAMPLES;
-        bool fine = all_resolved(tr, i, which, pairs);
+        bool fine = all_resolved(tr, i, which, pairs, NULL, &q->open);
         bool split = !fine || (pairs && half_lost(tr, i, from, to));
         if (split && !close) {
             ric_status status = ric_event_samples_insert(tr, (a + b) / 2, h, &good);
             if (status) return status;
             if (good && i > q->now) i--; /* what is new tells more of the neighbour, too */
         }
-        if (!fine && !good)
-            ric_continuation_widen(tr->unresolved++ == 0, tr->now.row.energy, tr->next.row.energy,
-                                   tr->crowded_at);
+        if (!fine && !good) ric_event_samples_unresolved(tr);
         if (!good) i++;
     }
     return RIC_OK;
@@ -374,7 +478,7 @@ ric_status ric_event_samples_refine(ric_continuation *tr, unsigned which, bool p
 /* Whether the pairs stay on their sides of +-2, where factors of the map or its bordered
  * determinant vanish. Where the sign of one is lost in rounding, so is the side of a pair. Of a
  * whole period -2 is a resonance. */
-static bool pairs_stay_at_two(const ric_continuation *tr, int i, unsigned which)
+static bool pairs_stay_at_two(const ric_continuation *tr, int i, unsigned which, double *at)
 {
     const stencil st = stencil_of(tr, i, NULL, NULL);
     static const unsigned vanish[2] = {1u << RIC_TEST_DET | 1u << RIC_TEST_B,
@@ -386,42 +490,69 @@ static bool pairs_stay_at_two(const ric_continuation *tr, int i, unsigned which)
                 const double value = ric_event_samples_values(tr, j)[test];
                 known &= isfinite(value) && value != 0;
             }
-        if (known && !pairs_stay(tr, &st, k ? -2 : 2)) return false;
+        if (known && !pairs_stay(tr, &st, k ? -2 : 2, at)) return false;
     }
     return true;
 }
 
-static ric_status probe(ric_continuation *tr, unsigned which, double h)
+/* Where the interval after point i is to be looked into, or NAN. */
+static double doubtful_at(const ric_continuation *tr, int i, unsigned which, bool pairs)
+{
+    double at = NAN;
+    const bool sure = all_resolved(tr, i, which, pairs, &at, NULL) &&
+                      (tr->floquet.n_pair < 2 || pairs_stay_at_two(tr, i, which, &at));
+    return sure ? NAN : tr->samples.x[i] + at;
+}
+
+/* More points, as long as there is doubt; *left: some is left. */
+static ric_status probe(ric_continuation *tr, unsigned which, bool pairs, double h, bool *left)
 {
     ric_event_samples *q = &tr->samples;
     const double finest = FINEST * tr->chain->scale;
     const int most = q->n + PROBES < RIC_MOST_SAMPLES ? q->n + PROBES : RIC_MOST_SAMPLES;
+    *left = false;
     for (int i = q->now; i + 1 < q->n;) {
-        const double a = q->x[i], b = q->x[i + 1];
+        const double at = doubtful_at(tr, i, which, pairs);
         bool good = false;
-        if (q->n < most && b - a > finest && !pairs_stay_at_two(tr, i, which)) {
-            ric_status status = ric_event_samples_insert(tr, (a + b) / 2, h, &good);
+        if (!isnan(at) && q->n < most && q->x[i + 1] - q->x[i] > finest) {
+            ric_status status = ric_event_samples_insert(tr, at, h, &good);
             if (status) return status;
             if (good && i > q->now) i--;
         }
-        if (!good) i++;
+        if (good) continue;
+        *left |= !isnan(at);
+        i++;
     }
     return RIC_OK;
 }
 
-ric_status ric_event_samples_probe(ric_continuation *tr, unsigned which, double h)
+/* Whether a step has anything to probe. */
+static bool has_doubt(const ric_continuation *tr, unsigned which, bool pairs)
+{
+    const ric_event_samples *q = &tr->samples;
+    if (!q->open && tr->floquet.n_pair < 2) return false;
+    for (int i = q->now; i + 1 < q->n; i++)
+        if (!isnan(doubtful_at(tr, i, which, pairs))) return true;
+    return false;
+}
+
+ric_status ric_event_samples_probe(ric_continuation *tr, unsigned which, bool pairs, double h)
 {
     ric_event_samples *q = &tr->samples;
+    if (!has_doubt(tr, which, pairs)) return RIC_OK;
     const int n = q->n, n_known = tr->known.n, before = ric_event_samples_changes(tr, which);
     const size_t count = (size_t)n * (size_t)ric_continuation_watched(tr);
     double x[n], values[count];
-    if (tr->floquet.n_pair < 2) return RIC_OK;
     memcpy(x, q->x, sizeof x);
     memcpy(values, q->values, sizeof values);
     const int32_t steep = tr->steep;
     const double scale = tr->chain->scale;
-    ric_status status = probe(tr, which, h);
-    if (status || q->n == n || ric_event_samples_changes(tr, which) != before) return status;
+    bool left;
+    tr->solved.full = true;
+    ric_status status = probe(tr, which, pairs, h, &left);
+    tr->solved.full = false;
+    if (status || ric_event_samples_changes(tr, which) != before) return status;
+    if (left) ric_event_samples_unresolved(tr);
     memcpy(q->x, x, sizeof x);
     memcpy(q->values, values, sizeof values);
     q->n = n;
