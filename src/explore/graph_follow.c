@@ -248,6 +248,14 @@ static void tell_crowded(ric_edge *e, const ric_event *event)
                            ric_continuation_row(tr, after)->energy, tr->crowded_at);
 }
 
+/* Arclength of the end, of which the orbit is not stored where it cannot be solved: the last point
+ * may be an event that lies before it. */
+static double length_of(const ric_continuation *tr)
+{
+    const double last = ric_continuation_row(tr, tr->n_point - 1)->arclength;
+    return tr->end.u ? fmax(last, tr->end.s) : last;
+}
+
 static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
 {
     ric_status status;
@@ -257,7 +265,7 @@ static ric_status add_inner(ric_graph *g, ric_edge *e, const ric_event *event)
     if (doubling && (twin || !resonance)) return RIC_OK;
     /* the ends of a branch are junctions of their own, but for the place where a closed one begins
      * and ends */
-    double length = ric_continuation_row(e->trace, e->trace->n_point - 1)->arclength;
+    const double length = length_of(e->trace);
     if (event->s < AT_END || (event->s > length - AT_END && e->trace->stop != RIC_STOP_CLOSED))
         return RIC_OK;
     ric_periodic *cycle = ric_continuation_cycle(e->trace, event->u);

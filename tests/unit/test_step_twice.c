@@ -280,12 +280,33 @@ static void tripling_and_back(void **state)
     ric_atlas_free(atlas);
 }
 
+/* The orbit at the end of A4[0101] cannot be solved for: its last point is that of an extremum,
+ * which does not lie at the end. */
+static void last_point_is_an_extremum(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = same_for_all_steps_to(
+        1e-9,
+        "model:\n  mass: [[1.453125, 0.0625, 0.125], [0.0625, 1.3125, 0.125], [0.125, 0.125, "
+        "2.078125]]\n"
+        "  stiffness: [[8.948909688988948, 0.9339232972672882, 7.357868851629151], "
+        "[0.9339232972672882, 5.141586666354565, 0.09345235001423882], [7.357868851629151, "
+        "0.09345235001423882, 9.261459203572533]]\n  contacts:\n"
+        "    - {normal: [0, -1, 1], law: bilinear, clearance: 1.55, sides: both, stiffness: "
+        "15.07}\n"
+        "    - {normal: [0, 1, 0], law: rigid, clearance: 1.55, sides: upper}\n"
+        "explore: {energy: [0, 16.57], frequency: [0.2, 9], impacts: 6, multiply: 2, depth: 2}\n");
+    assert_int_equal(count_at(atlas, RIC_KIND_EXTREMUM, 2.09226343891794), 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(two_modes),
                                        cmocka_unit_test(three_modes),
                                        cmocka_unit_test(springs),
                                        cmocka_unit_test(doubling_and_back),
-                                       cmocka_unit_test(tripling_and_back)};
+                                       cmocka_unit_test(tripling_and_back),
+                                       cmocka_unit_test(last_point_is_an_extremum)};
     return cmocka_run_group_tests_name("step_twice", tests, NULL, NULL);
 }
