@@ -139,7 +139,7 @@ def check_numbers():
         for number, line in enumerate(code.splitlines(), 1):
             if re.match(r"#define|\s*static const|\s*const double|\s*[{]?[-\d.e, {}]*[}]?,?$", line):
                 continue
-            if re.search(r"(?<![\w.])[\d.]+e-?\d+", re.sub(r'"(\\.|[^"])*"', "", line)):
+            if re.search(r"(?<![\w.])[\d.]+e-?\d+|[<>]=? *-?\d*\.\d", re.sub(r'"(\\.|[^"])*"', "", line)):
                 wrong.append(f"{path.parent.name}/{path.name}:{number} has a number without a name: {line.strip()}")
     return wrong
 

@@ -21,6 +21,11 @@
  * never end. */
 #define RIC_LAST_DIGIT 1e-15
 
+/* Of what Newton's method left before: from RIC_FALLING on what is left is rounding, as a step that
+ * converges leaves its square; from RIC_STALLING on no further step is worth its price. */
+#define RIC_FALLING 0.1
+#define RIC_STALLING 0.5
+
 /* Numbers that rounding alone may tell apart, as they come out of long sums: the first of them
  * counts, so that the choice does not depend on it. Entries of a kernel vector are known to less:
  * rounding over the gap RIC_RANK. */

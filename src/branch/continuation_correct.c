@@ -102,11 +102,11 @@ static bool correct(ric_shooting *c, double *u, const aim *to, double *du, int *
         const double flights = of_flights(c) * c->share, floor = FLOOR * flights;
         if (i > 0 &&
             (c->residual <= floor || (bounded && c->residual <= flights && left <= floor) ||
-             (c->residual <= tolerance && c->residual > 0.1 * last)))
+             (c->residual <= tolerance && c->residual > RIC_FALLING * last)))
             return true;
         if (i > 0 && c->residual > tolerance)
             bent = fmax(bent, BENT_SAFETY * bent * c->residual / left);
-        if (i > 2 && c->residual > 0.5 * last) return ric_continuation_solved(c);
+        if (i > 2 && c->residual > RIC_STALLING * last) return ric_continuation_solved(c);
         last = c->residual;
         if (!to->normal) ric_shooting_step(c, true, 0, du);
         else if (!into_plane(c, u, to, du)) return false;

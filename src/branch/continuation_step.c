@@ -22,6 +22,10 @@
  */
 #define NEGATIVE 1e-3
 
+/* LONGER: times the last step: one that is longer goes straight on, as the cubic through its ends
+ * is known to nothing so far beyond them */
+#define LONGER 2.5
+
 static bool positive_flights(const ric_shooting *c, const double *u)
 {
     for (int k = 0; k < c->n_flight; k++)
@@ -51,7 +55,7 @@ static void predict(const ric_continuation *tr, double h, double *u)
     int size = tr->chain->n_unknown;
     const double *u0 = tr->now.u, *t0 = tr->now.t, *u1 = tr->past.u, *t1 = tr->past.t;
     double H = tr->now.s - tr->past.s, x = 1 + h / H;
-    if (!tr->has_past || h > 2.5 * H) {
+    if (!tr->has_past || h > LONGER * H) {
         for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
         return;
     }

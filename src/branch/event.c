@@ -20,6 +20,20 @@
 /* The same at a branch point, of the step over it: the cubic is off by its fourth power, and
  * another branch through that point has another heading. */
 #define ON_CUBIC 1e-4
+/* ASIDE: of a step: so far from its tangent the start lies on another part of the curve. SAME_WAY:
+ * cosine of the angle to the heading there: what comes back goes the same way, or another branch
+ * passes */
+#define ASIDE 0.3
+#define SAME_WAY 0.5
+/* A step over a crossing has it in its middle: as long as it should be within SHORTER and LONGER of
+ * that and below LONGEST lengths it is placed well; farther ahead than LATER of a length the
+ * crossing is reached by a step before that, shortened at least to SOONER of it, as the place is
+ * known by a secant */
+#define SHORTER 0.7
+#define LONGER 1.4
+#define LONGEST 3
+#define LATER 1.1
+#define SOONER 0.9
 /* Attempts to place a step over it well: the secant has settled by then, or the determinant only
  * touches zero. */
 #define APPROACHES 4
@@ -159,7 +173,7 @@ static bool reaches(ric_continuation *tr, double h, const double *home, const do
         double d = home[i] - tr->now.u[i] - along * tr->now.t[i];
         across += d * d;
     }
-    if (sqrt(across) > 0.3 * h) return false;
+    if (sqrt(across) > ASIDE * h) return false;
     double distance = 0, first = along, most = SAME_PLACE * tr->chain->scale, *u = tr->mid.u;
     const double *t = tr->next.t;
     /* a branch point itself, as which many branches start: the cubic knows it */
@@ -175,7 +189,7 @@ static bool reaches(ric_continuation *tr, double h, const double *home, const do
         t = tr->mid.t;
     }
     for (int i = 0; i < size; i++) distance = fmax(distance, fabs(u[i] - home[i]));
-    if (!(distance < most && ric_dot(size, t, heading) > 0.5)) return false;
+    if (!(distance < most && ric_dot(size, t, heading) > SAME_WAY)) return false;
     *s = tr->now.s + (tr->next.s - tr->now.s) * (first / h);
     return true;
 }
@@ -308,10 +322,10 @@ static bool approach_crossing(ric_continuation *tr, double h)
 {
     double x = crossing_ahead(tr, h), length = RIC_CROSSING * tr->chain->scale,
            step = fmax(2 * x, length / 2);
-    if (x == HUGE_VAL || (h > 0.7 * step && h < 1.4 * step && h < 3 * length) ||
+    if (x == HUGE_VAL || (h > SHORTER * step && h < LONGER * step && h < LONGEST * length) ||
         ++tr->approaches > APPROACHES)
         return false;
-    tr->wanted = x > 1.1 * length ? fmin(x - length / 2, 0.9 * h) : step;
+    tr->wanted = x > LATER * length ? fmin(x - length / 2, SOONER * h) : step;
     tr->after = length;
     return true;
 }

@@ -97,6 +97,11 @@ double ric_hunt_uniform(uint64_t *state)
     return (double)(ric_hunt_random(state) >> 11) * 0x1p-53;
 }
 
+bool ric_hunt_coin(uint64_t *state)
+{
+    return ric_hunt_random(state) >> 63 == 0;
+}
+
 /* ------------------------------------------------------------------ images */
 
 /* Impact i of the image: `shift` counts in the orbit as it is, which is then run backwards and

@@ -39,9 +39,10 @@ ric_status ric_hunt_try(ric_hunt *hunt, int N, bool half, const ric_hit *hits, r
 /* The place of an orbit among those found, up to rotation, mirror image and time reversal; -1: it
  * is not there. */
 int ric_hunt_find(const ric_hunt *hunt, int N, const ric_hit *hits, double tolerance);
-/* Random numbers of a state that the caller keeps: 64 bits, and from 0 to 1. */
+/* Random numbers of a state that the caller keeps: 64 bits, from 0 to 1, and one in two. */
 uint64_t ric_hunt_random(uint64_t *state);
 double ric_hunt_uniform(uint64_t *state);
+bool ric_hunt_coin(uint64_t *state);
 /* RIC_E_INTERRUPTED when the user wants to stop. */
 ric_status ric_hunt_report(ric_hunt *hunt, const char *what, double part);
 

@@ -21,6 +21,8 @@
 #define SHORTEST 1e-15
 /* CLOSE: of the distance of two neighbours: as near as this Newton's method takes over */
 #define CLOSE 1e-9
+/* LONGEST: of the longest period asked for: Newton's method may shorten an orbit by so much */
+#define LONGEST 1.01
 
 typedef enum { IMPACT, REST, CENTRE } mirror_kind;
 
@@ -150,7 +152,7 @@ static ric_status try_half(const ric_line *l, const ric_strand *a, int j, mirror
         if (!(orbit[k].tau > 0)) return RIC_OK;
         period += orbit[k].tau;
     }
-    if (N < 1 || N > l->hunt->options.impacts || period > 1.01 * l->hunt->options.period[1])
+    if (N < 1 || N > l->hunt->options.impacts || period > LONGEST * l->hunt->options.period[1])
         return RIC_OK;
     return ric_hunt_try(l->hunt, N, false, orbit, RIC_WAY_MIRRORS);
 }

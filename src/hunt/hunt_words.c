@@ -79,13 +79,12 @@ static bool spell(const search *g, int N, bool half, int code, int *word)
 
 static void guess_scattered(search *g, int N, double longest, ric_hit *hits)
 {
-    double sum = 0, scatter = ric_hunt_uniform(&g->random) < 0.5 ? 1 : 3;
+    double sum = 0, scatter = ric_hunt_coin(&g->random) ? 1 : 3;
     for (int k = 0; k < N; k++) {
         hits[k].tau = pow(-log1p(-ric_hunt_uniform(&g->random)), scatter);
         sum += hits[k].tau;
     }
-    double period = longest *
-                    pow(ric_hunt_uniform(&g->random), ric_hunt_uniform(&g->random) < 0.5 ? 1 : 2);
+    double period = longest * pow(ric_hunt_uniform(&g->random), ric_hunt_coin(&g->random) ? 1 : 2);
     for (int k = 0; k < N; k++) hits[k].tau *= period / sum;
 }
 
@@ -96,7 +95,7 @@ static int fit_piece(search *g, int N, const int *word, int from, ric_hit *hits)
     const ric_impact_map *s = g->hunt->section;
     const ric_prey *prey = &g->hunt->prey[(int)(ric_hunt_uniform(&g->random) * g->known)];
     int n = prey->N, at = (int)(ric_hunt_uniform(&g->random) * n), same = 0;
-    bool back = ric_hunt_uniform(&g->random) < 0.5;
+    bool back = ric_hunt_coin(&g->random);
     bool mirror = ric_model_symmetric(s->model) && prey->hits[at].face != word[from];
     for (; from + same < N; same++) {
         int next = (back ? at + n - 1 : at + 1) % n, here = prey->hits[at].face,

@@ -314,8 +314,8 @@ static bool on_circle(ring *q, double angle, double *u, double *g)
         }
         /* at rounding level, and no longer falling */
         double tolerance = ric_continuation_tolerance(c) * c->scale;
-        if (size <= tolerance && size > 0.1 * last) return true;
-        if (i > 2 && size > 0.5 * last) return size <= STALLED * tolerance;
+        if (size <= tolerance && size > RIC_FALLING * last) return true;
+        if (i > 2 && size > RIC_STALLING * last) return size <= STALLED * tolerance;
         last = size;
         if (ric_lapack(LAPACKE_dgesv(LAPACK_ROW_MAJOR, k, 1, q->A, k, pivot, q->b, 1)))
             return false;

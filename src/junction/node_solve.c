@@ -38,7 +38,8 @@
 /* FIRST_MOVE: of the size: the first step towards the root, from a zero of the determinant beside
  * it */
 #define FIRST_MOVE 1e-12
-#define BESIDE 1e-4 /* distance, relative, of the points whose slopes tell how sharp it is */
+#define FARTHEST 1.5e-4 /* a step of ten, which is rounded, may come to BESIDE or beyond */
+#define BESIDE 1e-4     /* distance, relative, of the points whose slopes tell how sharp it is */
 /* MET: relative distance at which it is: beside a branch point orbits are known to rounding /
  * distance */
 #define MET 1e-8
@@ -165,7 +166,7 @@ static bool stands_out(ric_criterion_work *q, const double *u)
     for (double h = PLACED; h >= NARROWEST && !found;
          h /= 10) /* deep in a cascade branches are no longer than that */
         found = passes(q, u, normal, h * c->scale);
-    for (double h = 10 * PLACED; h <= 1.5 * BESIDE && !found; h *= 10)
+    for (double h = 10 * PLACED; h <= FARTHEST && !found; h *= 10)
         found = passes(q, u, normal, h * c->scale);
     ric_shooting_evaluate(c, u);
     return found;

@@ -14,6 +14,8 @@
 
 /* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
 #define ORTHOGONAL 1e-12
+/* LOCKED: eigenvalues of n modes below this many last digits of the largest, for each, are zero */
+#define LOCKED 16.0
 
 static bool same_contact(const ric_contact *a, const ric_contact *b)
 {
@@ -224,7 +226,7 @@ ric_status ric_model_locked_frequencies(const ric_model *m, int contact, double 
     }
     double largest = n > 1 ? fabs(out[n - 2]) : 0;
     for (int i = 0; i < n - 1; i++)
-        out[i] = out[i] <= 16.0 * n * DBL_EPSILON * largest ? 0 : sqrt(out[i]);
+        out[i] = out[i] <= LOCKED * n * DBL_EPSILON * largest ? 0 : sqrt(out[i]);
 out:
     free(E);
     free(A);

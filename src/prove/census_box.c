@@ -12,6 +12,8 @@
 #define BROAD 0.5
 /* A pass that leaves more than this of the flights ends the passes; there are at most that many. */
 #define PASS_LEAVES 0.7
+/* STATES_LEAVE: of the states: a contraction that leaves more is not repeated */
+#define STATES_LEAVE 0.95
 enum { PASSES = 4, UNKNOWNS = 4 + RIC_CENSUS_IMPACTS };
 /* A row without an error weighs as much as if it had this share of what it adds up. */
 #define LEAST_ERROR 1e-4
@@ -470,7 +472,7 @@ bool ric_census_box_reduce(ric_census_box *b, const ric_census_pair *p, const ri
             last = state;
             if (!contract(b, &f)) return false;
             state = sum_of_states(b);
-        } while (state < 0.95 * last);
+        } while (state < STATES_LEAVE * last);
         if (!keep_limits(b, N, limits)) return false;
     }
     return ric_census_box_moves(b, p, word);

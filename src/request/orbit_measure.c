@@ -8,6 +8,9 @@
 
 /* NARROW: of the period: where a maximum is bracketed, which then is known to the square of it */
 #define NARROW 1e-9
+/* NEARLY: of the largest sample: four times what a sample misses of its maximum is left of 1, so
+ * that no smaller one belongs to the largest maximum */
+#define NEARLY 0.98
 
 static const double two_pi = RIC_TWO_PI;
 
@@ -113,7 +116,7 @@ static void widen_over_flight(subject *s, double begin, double flight, double *a
             int before = k > 0 ? k - 1 : 0, after = k < n ? k + 1 : n;
             double y = samples[(size_t)k * n_dof + i];
             if (y >= samples[(size_t)before * n_dof + i] &&
-                y >= samples[(size_t)after * n_dof + i] && y > 0.98 * largest)
+                y >= samples[(size_t)after * n_dof + i] && y > NEARLY * largest)
                 amplitudes[i] = fmax(amplitudes[i], polish(s, (int)i, begin + flight * before / n,
                                                            begin + flight * after / n));
         }

@@ -20,6 +20,8 @@
 #define LOOSE 0.04
 /* OVERTONE: the frequency window ends at so many times the highest mode that is met in it */
 #define OVERTONE 5.0
+/* LEAST_PART: of the slowest mode, longer periods than that are not looked for by themselves */
+#define LEAST_PART (1.0 / 64)
 #define PHASE 1e7 /* a mode turns less within the longest period: the limit of a run */
 /* FREE_LOW: gaps that a body without any spring crosses in a second, for want of another time */
 #define FREE_LOW 0.1
@@ -105,7 +107,7 @@ static range find_range(const ric_model *m, const ric_explore_options *o)
 static double slowest(const ric_explore_options *o)
 {
     double part = 1;
-    while (part > 2.0 / o->impacts && part > 1.0 / 64) part /= 2;
+    while (part * o->impacts > 2 && part > LEAST_PART) part /= 2;
     return fmin(part, 0.5);
 }
 
