@@ -592,8 +592,8 @@ static ric_status find_aside(const ric_atlas *atlas, const curve *c, double *kno
         if (!is_stored(c, k, &i)) continue;
         if ((status = ric_atlas_junction(atlas, c->row.junctions[k], &j))) break;
         const double off = ASIDE * fabs(c->energy[i] - j.energy) / j.energy;
-        const bool placed = j.kind == RIC_KIND_MULTIPLICATION || j.kind == RIC_KIND_EXTREMUM ||
-                            j.kind == RIC_KIND_PERIOD_EXTREMUM;
+        const bool placed = j.kind == RIC_KIND_MULTIPLICATION || j.kind == RIC_KIND_BRANCH_POINT ||
+                            j.kind == RIC_KIND_EXTREMUM || j.kind == RIC_KIND_PERIOD_EXTREMUM;
         if (placed && off > KNOWN) known[j.id - 1] = fmax(known[j.id - 1], off);
     }
     return status;

@@ -77,6 +77,8 @@ ok 'multiplications at which no trace is stored are counted' lost
 
 aside() {
     alter "UPDATE junction SET energy = energy * (1 + 1e-8) WHERE id = $point" || return 1
+    said '^junctions aside of their orbits  *1 ' "(junction $point), E" 'its place is known to about 4e-08$' || return 1
+    change "UPDATE junction SET kind = 'branch-point' WHERE id = $point" || return 1
     said '^junctions aside of their orbits  *1 ' "(junction $point), E" 'its place is known to about 4e-08$'
 }
 ok 'a junction that is not the orbit found on its branch is named with what that leaves of its place' aside
