@@ -168,12 +168,12 @@ static int check_branch(const ric_continuation *tr, const ric_limits *limits, in
     ric_continuation *way = again(tr, limits, 1e9);
     for (bool done = false; !done && way->n_point < tr->n_point && count < most;) {
         extremum e;
-        if (ahead(way, pair, &e)) {
-            if (pair < 0) window_passes_twice(tr, limits, pair, &e);
-            else pair_passes_twice(tr, limits, &e);
-            count++;
-        }
+        const bool found = ahead(way, pair, &e);
         assert_int_equal(ric_continuation_advance(way, &done), RIC_OK);
+        if (!found || done || e.s > way->now.s) continue; /* beyond the end, or a shorter step */
+        if (pair < 0) window_passes_twice(tr, limits, pair, &e);
+        else pair_passes_twice(tr, limits, &e);
+        count++;
     }
     ric_continuation_free(way);
     return count;
