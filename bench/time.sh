@@ -71,6 +71,14 @@ if [ "$(nproc)" -lt 2 ]; then
     finish
     exit
 fi
+sed 's/^  impacts:.*/  impacts: 14/; s/^  multiply:.*/  multiply: 4/; s/^  depth:.*/  depth: 0/' examples/elementary/study.yaml >"$folder/wide.yaml"
+alone() # less than 0.07 of the processor time
+{
+    tools/alone "$ricochet" run "$folder/wide.yaml" -j 2 -o "$folder/wide.ricochet" >"$folder/alone" || return 1
+    cat "$folder/alone"
+    awk -F'[(%]' '{exit !($2 < 7)}' "$folder/alone"
+}
+ok "of a run with two workers one thread does little alone" alone
 tools/workers.sh "$ricochet" elementary >"$folder/speed"
 code=$?
 sed 's/^/# /' "$folder/speed"

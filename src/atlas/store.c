@@ -10,7 +10,11 @@
 
 #include "base/room.h"
 
-enum { WRITER_WAIT = 60000 }; /* ms that a run waits for readers */
+enum {
+    WRITER_WAIT = 60000, /* ms that a run waits for readers */
+    /* the path begins with a slash; what is attached to it is named by an address */
+    WRITER_FLAGS = SQLITE_OPEN_READWRITE | SQLITE_OPEN_URI
+};
 
 static const char schema[] = "CREATE TABLE meta (key TEXT PRIMARY KEY NOT NULL, value TEXT NOT "
                              "NULL) WITHOUT ROWID;CREATE TABLE trace (key TEXT "
@@ -18,6 +22,7 @@ static const char schema[] = "CREATE TABLE meta (key TEXT PRIMARY KEY NOT NULL, 
 
 struct ric_store {
     ric_database file;
+    ric_store_stage stage;
     char *path, *lock_path;
     int lock; /* descriptor that holds the lock, -1 = none */
     sqlite3_stmt *get, *put, *drop;
@@ -96,7 +101,7 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     char numbers[96];
     ric_status status = exists ? RIC_OK : lay_file(store->path);
     if (status) return status;
-    status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT, &store->file);
+    status = ric_store_sqlite_open(store->path, WRITER_FLAGS, WRITER_WAIT, &store->file);
     if (!status) status = begin(store);
     if (!status) status = create_tables(store->file);
     snprintf(numbers, sizeof numbers, "PRAGMA application_id = %d; PRAGMA user_version = %d",
@@ -130,8 +135,7 @@ static ric_status open_file(ric_store *store, const ric_study *study)
 {
     ric_status status = ric_store_check_identity(store->path);
     if (!status)
-        status = ric_store_sqlite_open(store->path, SQLITE_OPEN_READWRITE, WRITER_WAIT,
-                                       &store->file);
+        status = ric_store_sqlite_open(store->path, WRITER_FLAGS, WRITER_WAIT, &store->file);
     if (!status) status = check_whole(store->file, study);
     if (!status && sqlite3_db_readonly(store->file.db, "main"))
         status = ric_store_sqlite_fail(store->file, SQLITE_READONLY);
@@ -208,6 +212,7 @@ void ric_store_close(ric_store *store)
     if (store->file.db && !sqlite3_get_autocommit(store->file.db) &&
         sqlite3_exec(store->file.db, "COMMIT", NULL, NULL, NULL))
         roll_back(store->file);
+    ric_store_stage_drop(store);
     sqlite3_close(store->file.db);
     ric_store_lock_release(store->lock_path, &store->lock);
     free(store->path);
@@ -318,10 +323,10 @@ ric_status ric_store_labels_get(ric_store *store, char **text)
 }
 
 /* The end of a transaction that changed the tables: all of it, with the digest that goes with them,
- * or nothing. */
-static ric_status conclude(ric_database file, ric_status status)
+ * if it is known, or nothing. */
+static ric_status conclude(ric_database file, ric_status status, const uint64_t *digest)
 {
-    if (!status) status = ric_store_put_digest(file);
+    if (!status) status = digest ? ric_store_set_digest(file, *digest) : ric_store_put_digest(file);
     if (!status) status = ric_store_sqlite_run(file, "COMMIT");
     if (status) roll_back(file);
     return status;
@@ -351,7 +356,7 @@ ric_status ric_store_set_solver(ric_store *store, const char *version)
     if (!status) status = ric_store_sqlite_run(store->file, "DELETE FROM trace");
     if (!status) status = ric_store_put_meta(store->file, "solver", version);
     if (!status) status = ric_store_put_meta(store->file, "finished", "0");
-    return conclude(store->file, status);
+    return conclude(store->file, status, NULL);
 }
 
 ric_status ric_store_starts_add(ric_store *store, const char *lines)
@@ -367,28 +372,75 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines)
     }
     if (!status) status = ric_store_put_meta(file, "starts", all);
     if (!status) status = ric_store_put_meta(file, "finished", "0");
-    status = conclude(file, status);
+    status = conclude(file, status, NULL);
     free(old);
     free(all);
     return status;
 }
 
-ric_status ric_store_write(ric_store *store, const ric_atlas *atlas)
+ric_status ric_store_stage_begin(ric_store *store, const ric_atlas *atlas)
 {
-    ric_database file = store->file;
+    ric_store_stage_drop(store);
+    return ric_store_stage_lay(&store->stage, store->path, atlas, true);
+}
+
+void ric_store_stage_drop(ric_store *store)
+{
+    ric_store_stage_close(&store->stage, store->file);
+}
+
+typedef struct {
+    ric_database file;
+    ric_store_stage *stage;
+    const ric_atlas *atlas;
+    uint64_t digest; /* of the table meta, then of all */
+} writing;
+
+/* What is no row, and the digest of that. */
+static ric_status put_meta(writing *w)
+{
+    const ric_atlas *atlas = w->atlas;
+    ric_status status =
+        ric_store_sqlite_run(w->file, "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM "
+                                      "junction_branch; DELETE FROM branch; DELETE FROM junction");
+    if (!status)
+        status = ric_store_put_study(w->file, atlas->study, atlas->finished, atlas->n_unplaced,
+                                     atlas->n_blind);
+    if (!status) status = ric_store_put_gaps(w->file, atlas);
+    if (!status && atlas->labels) status = ric_store_put_meta(w->file, "labels", atlas->labels);
+    return status ? status : ric_store_digest_meta(w->file, &w->digest);
+}
+
+/* Points come last: they may still be laid out. */
+static ric_status put_rows(const writing *w)
+{
+    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction,
+                                              &ric_table_junction, &ric_table_junction_branch};
+    ric_status status = RIC_OK;
+    for (size_t i = 0; !status && i < sizeof tables / sizeof *tables; i++)
+        status = ric_store_put_rows(w->file, w->atlas, tables[i]);
+    return status ? status : ric_store_stage_take(w->stage, w->file);
+}
+
+/* Rows come into the file and into the digest at the same time. */
+static ric_status write_part(void *user, int part)
+{
+    writing *w = user;
+    return part == 0 ? put_rows(w) : ric_store_digest_rows(w->atlas, &w->digest);
+}
+
+ric_status ric_store_write(ric_store *store, const ric_atlas *atlas, int workers)
+{
     /* the work itself is kept even if the tables cannot be written */
     ric_status status = ric_store_commit(store);
-    if (!status) status = begin(store);
-    if (status) return status;
-    status = ric_store_sqlite_run(file,
-                                  "DELETE FROM point; DELETE FROM branch_junction; DELETE FROM "
-                                  "junction_branch; DELETE FROM branch; DELETE FROM junction");
-    if (!status) status = ric_store_put_branches(file, atlas);
-    if (!status) status = ric_store_put_junctions(file, atlas);
-    if (!status)
-        status = ric_store_put_study(file, atlas->study, atlas->finished, atlas->n_unplaced,
-                                     atlas->n_blind);
-    if (!status) status = ric_store_put_gaps(file, atlas);
-    if (!status && atlas->labels) status = ric_store_put_meta(file, "labels", atlas->labels);
-    return conclude(file, status);
+    if (!status && !store->stage.memory.db)
+        status = ric_store_stage_lay(&store->stage, store->path, atlas, workers > 1);
+    if (!status && !(status = begin(store))) {
+        writing w = {.file = store->file, .stage = &store->stage, .atlas = atlas};
+        status = put_meta(&w);
+        if (!status) status = ric_together(workers, 2, write_part, &w);
+        status = conclude(store->file, status, &w.digest);
+    }
+    ric_store_stage_drop(store);
+    return status;
 }

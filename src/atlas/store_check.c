@@ -65,102 +65,6 @@ out:
     return status;
 }
 
-/* ------------------------------------------------------- digest of contents */
-
-static const uint64_t digest_start = 0xcbf29ce484222325u, digest_prime = 0x100000001b3u;
-
-static uint64_t digest_bytes(uint64_t digest, const void *bytes, size_t n)
-{
-    const unsigned char *byte = bytes;
-    for (size_t i = 0; i < n; i++) digest = (digest ^ byte[i]) * digest_prime;
-    return digest;
-}
-
-uint64_t ric_store_digest(const void *bytes, size_t n)
-{
-    return digest_bytes(digest_start, bytes, n);
-}
-
-uint64_t ric_store_digest_model(const ric_model *m)
-{
-    const size_t n = (size_t)ric_model_n_dof(m), size = sizeof(double);
-    uint64_t digest = digest_bytes(digest_start, ric_model_mass(m), n * n * size);
-    digest = digest_bytes(digest, ric_model_stiffness(m), n * n * size);
-    for (int i = 0; i < ric_model_n_contact(m); i++) {
-        ric_contact c;
-        if (ric_model_contact(m, i, &c)) return 0;
-        const double numbers[] = {c.clearance, (double)c.sides, c.stiffness,
-                                  c.exponent,  c.length,        c.reference};
-        digest = digest_bytes(digest, c.normal, n * size);
-        digest = digest_bytes(digest, numbers, sizeof numbers);
-    }
-    return digest;
-}
-
-/* Eight bytes, the lowest first. A zero leaves its mark by the prime alone; half of all that is
- * digested are numbers that are zero. */
-static uint64_t digest_number(uint64_t digest, uint64_t value)
-{
-    const uint64_t p2 = digest_prime * digest_prime, p4 = p2 * p2;
-    if (value == 0) return digest * (p4 * p4);
-    for (int k = 0; k < 8; k++) digest = (digest ^ (unsigned char)(value >> 8 * k)) * digest_prime;
-    return digest;
-}
-
-/* Its type, an integer or the length of a text or blob, and the bits of a real number or the bytes
- * of the text or blob. */
-static uint64_t digest_column(uint64_t digest, sqlite3_stmt *row, int column)
-{
-    unsigned char type = (unsigned char)sqlite3_column_type(row, column);
-    uint64_t bits = 0;
-    digest = digest_bytes(digest, &type, 1);
-    if (type == SQLITE_TEXT || type == SQLITE_BLOB) {
-        const void *bytes = sqlite3_column_blob(row, column);
-        size_t n = (size_t)sqlite3_column_bytes(row, column);
-        return digest_bytes(digest_number(digest, n), bytes, n);
-    }
-    if (type == SQLITE_FLOAT)
-        memcpy(&bits, &(double){sqlite3_column_double(row, column)}, sizeof bits);
-    return digest_number(digest_number(digest, type == SQLITE_INTEGER
-                                                   ? (uint64_t)sqlite3_column_int64(row, column)
-                                                   : 0),
-                         bits);
-}
-
-/* All rows of a query, which is released. */
-static ric_status digest_rows(ric_database file, sqlite3_stmt *query, uint64_t *digest)
-{
-    bool row = true;
-    ric_status status = RIC_OK;
-    int n = sqlite3_column_count(query);
-    while (!status && row) {
-        status = ric_store_sqlite_step(file, query, &row);
-        for (int k = 0; !status && row && k < n; k++) *digest = digest_column(*digest, query, k);
-    }
-    sqlite3_finalize(query);
-    return status;
-}
-
-/* Over every value that a reader may rely on, derived columns included. */
-static ric_status digest_contents(ric_database file, uint64_t *digest)
-{
-    static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction,
-                                              &ric_table_point, &ric_table_junction,
-                                              &ric_table_junction_branch};
-    sqlite3_stmt *query = NULL;
-    *digest = digest_start;
-    ric_status status =
-        ric_store_sqlite_prepare(file,
-                                 "SELECT key, value FROM meta WHERE key <> 'digest' ORDER BY key",
-                                 &query);
-    if (!status) status = digest_rows(file, query, digest);
-    for (size_t i = 0; !status && i < sizeof tables / sizeof *tables; i++) {
-        status = ric_store_sqlite_table(file, tables[i], RIC_SQL_SELECT, &query);
-        if (!status) status = digest_rows(file, query, digest);
-    }
-    return status;
-}
-
 /* -------------------------------------------------------------------- meta */
 
 ric_status ric_store_get_meta(ric_database file, const char *key, char **value)
@@ -204,21 +108,11 @@ ric_status ric_store_put_meta(ric_database file, const char *key, const char *va
 
 /* ---------------------------------------------------------------- contents */
 
-ric_status ric_store_put_digest(ric_database file)
-{
-    uint64_t digest;
-    char text[17];
-    ric_status status = digest_contents(file, &digest);
-    if (status) return status;
-    snprintf(text, sizeof text, "%016llx", (unsigned long long)digest);
-    return ric_store_put_meta(file, "digest", text);
-}
-
 static ric_status check_digest(ric_database file)
 {
     uint64_t digest;
     char text[17], *stored = NULL;
-    ric_status status = digest_contents(file, &digest);
+    ric_status status = ric_store_digest_contents(file, &digest);
     if (!status) status = ric_store_get_meta(file, "digest", &stored);
     if (!status) {
         snprintf(text, sizeof text, "%016llx", (unsigned long long)digest);

@@ -9,6 +9,7 @@
 
 #include "columns.h"
 #include "store.h"
+#include "base/room.h"
 
 enum {
     RIC_APPLICATION_ID = 0x52434854, /* "RCHT" */
@@ -95,16 +96,26 @@ char *ric_store_model_text(const char *study);
 /* 9 and 9.0 are the same model. */
 ric_status ric_store_compare_models(const char *path, const char *stored, const char *given);
 
+/* *value = NULL when there is no such key; to be freed. */
+ric_status ric_store_get_meta(ric_database file, const char *key, char **value);
+ric_status ric_store_put_meta(ric_database file, const char *key, const char *value);
+
+/* ------------------------------------------------------------ store_digest.c */
+
 /* Over all numbers of a structure. */
 uint64_t ric_store_digest_model(const ric_model *model);
 /* FNV-1a with 64 bits (Fowler, Noll, Vo): finds damage, not forgery. */
 uint64_t ric_store_digest(const void *bytes, size_t n);
-/* Writes the digest of all contents, which makes them valid. */
+/* That of all contents of a file. */
+ric_status ric_store_digest_contents(ric_database file, uint64_t *digest);
+/* The same in two steps, before the rows are in the file: its table meta, then the rows that are to
+ * be written, for which nothing is asked of the file. */
+ric_status ric_store_digest_meta(ric_database file, uint64_t *digest);
+ric_status ric_store_digest_rows(const ric_atlas *atlas, uint64_t *digest);
+/* Writes the digest of all contents, which makes them valid: one that is known, or that of what is
+ * in the file. */
+ric_status ric_store_set_digest(ric_database file, uint64_t digest);
 ric_status ric_store_put_digest(ric_database file);
-
-/* *value = NULL when there is no such key; to be freed. */
-ric_status ric_store_get_meta(ric_database file, const char *key, char **value);
-ric_status ric_store_put_meta(ric_database file, const char *key, const char *value);
 
 /* -------------------------------------------------------------- store_read.c */
 
@@ -120,8 +131,51 @@ ric_status ric_store_check_numbers(const char *path, const ric_atlas *atlas);
 
 ric_status ric_store_put_study(ric_database file, const ric_study *study, bool finished,
                                int n_unplaced, int n_blind);
-ric_status ric_store_put_branches(ric_database file, const ric_atlas *atlas);
-ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas);
+
+/* A value as SQLite has it: `type` is SQLITE_INTEGER and so on, and what does not belong to it is
+ * zero. Bytes are borrowed. */
+typedef struct {
+    int type;
+    sqlite3_int64 integer;
+    double real;
+    const void *bytes;
+    size_t n;
+} ric_store_value;
+
+/* Makes values; its room, to be freed, holds the bytes of the last one. */
+typedef struct {
+    const ric_model *model;
+    void *room;
+    size_t size;
+} ric_store_maker;
+
+/* What a column of a row holds in the file; false without memory. */
+bool ric_store_value_of(ric_store_maker *maker, const ric_column *column, const void *row,
+                        ric_store_value *value);
+/* Calls `take` for every row of a table in the order of its key, until one fails. */
+ric_status ric_store_each_row(const ric_atlas *atlas, const ric_table *table,
+                              ric_status (*take)(void *user, const ric_table *table,
+                                                 const void *row),
+                              void *user);
+ric_status ric_store_put_rows(ric_database file, const ric_atlas *atlas, const ric_table *table);
+
+/* ------------------------------------------------------------- store_stage.c */
+
+/* Rows of points in a database in memory. */
+typedef struct {
+    ric_database memory;
+    const ric_atlas *atlas;
+    ric_together_call *call; /* that fills it; NULL: there is none */
+} ric_store_stage;
+
+/* Fills it; `path` is what errors speak of. Aside: on a thread of its own, which is waited for when
+ * the rows are taken. */
+ric_status ric_store_stage_lay(ric_store_stage *stage, const char *path, const ric_atlas *atlas,
+                               bool aside);
+/* Takes the rows into the file, whose table of points is empty. */
+ric_status ric_store_stage_take(ric_store_stage *stage, ric_database file);
+/* Outside a transaction of the file. */
+void ric_store_stage_close(ric_store_stage *stage, ric_database file);
 
 /* -------------------------------------------------------------- store_gaps.c */
 

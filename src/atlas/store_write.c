@@ -7,138 +7,202 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Fills the values of one insert from left to right; the first error is kept. */
-typedef struct {
-    ric_database file;
-    sqlite3_stmt *insert;
-    int column, code;
-} row_writer;
+/* ------------------------------------------------------------------ values */
 
-static ric_status writer_start(row_writer *row, ric_database file, const ric_table *table)
+/* Room for `size` bytes, which the next value takes over. */
+static void *room_for(ric_store_maker *maker, size_t size)
 {
-    *row = (row_writer){.file = file};
-    return ric_store_sqlite_table(file, table, RIC_SQL_INSERT, &row->insert);
+    if (size > maker->size) {
+        void *grown = ric_realloc(maker->room, size);
+        if (!grown) return NULL;
+        maker->room = grown;
+        maker->size = size;
+    }
+    return maker->room;
 }
 
-static void put_integer(row_writer *row, sqlite3_int64 value)
+static ric_store_value integer(sqlite3_int64 value)
 {
-    row->code |= sqlite3_bind_int64(row->insert, ++row->column, value);
+    return (ric_store_value){.type = SQLITE_INTEGER, .integer = value};
 }
 
-static void put_real(row_writer *row, double value)
+/* SQLite has no NaN. */
+static ric_store_value real(double value)
 {
-    row->code |= ric_store_sqlite_bind_number(row->insert, ++row->column, value);
+    return isnan(value) ? (ric_store_value){.type = SQLITE_NULL}
+                        : (ric_store_value){.type = SQLITE_FLOAT, .real = value};
 }
 
-static void put_id(row_writer *row, int id)
+static ric_store_value text(const char *value)
 {
-    if (id) put_integer(row, id);
-    else row->code |= sqlite3_bind_null(row->insert, ++row->column);
+    const char *bytes = value ? value : "";
+    return (ric_store_value){.type = SQLITE_TEXT, .bytes = bytes, .n = strlen(bytes)};
 }
 
-static void put_text(row_writer *row, const char *text)
+static bool make_word(ric_store_maker *maker, int n, const int *word, ric_store_value *value)
 {
-    row->code |= sqlite3_bind_text(row->insert, ++row->column, text ? text : "", -1,
-                                   SQLITE_TRANSIENT);
+    const size_t size = 12 * (size_t)n + 1;
+    char *out = room_for(maker, size);
+    if (!out) return false;
+    *out = '\0';
+    if (n > 0 && ric_word_format(maker->model, n, word, size, out)) return false;
+    *value = text(out);
+    return true;
 }
 
-static void put_float64s(row_writer *row, size_t n, const double *values)
+static bool make_float64s(ric_store_maker *maker, size_t n, const double *values,
+                          ric_store_value *value)
 {
-    unsigned char *blob = ric_malloc(8 * n + 1);
-    if (blob) ric_store_put_float64(blob, n, values);
-    row->code |= blob ? sqlite3_bind_blob64(row->insert, ++row->column, blob, 8 * n, free)
-                      : SQLITE_NOMEM;
-}
-
-static void put_word(row_writer *row, const ric_model *model, int n, const int *word)
-{
-    size_t size = 12 * (size_t)n + 1;
-    char *text = ric_calloc(size, 1);
-    if (!text || (n > 0 && ric_word_format(model, n, word, size, text))) row->code |= SQLITE_NOMEM;
-    else put_text(row, text);
-    free(text);
+    unsigned char *blob = room_for(maker, 8 * n + 1);
+    if (!blob) return false;
+    ric_store_put_float64(blob, n, values);
+    *value = (ric_store_value){.type = SQLITE_BLOB, .bytes = blob, .n = 8 * n};
+    return true;
 }
 
 /* Derived columns are only read by others, who are spared infinities. */
-static void put_column(row_writer *out, const ric_column *c, const ric_model *model,
-                       const void *row)
+bool ric_store_value_of(ric_store_maker *maker, const ric_column *c, const void *row,
+                        ric_store_value *value)
 {
     const void *at = (const char *)row + c->offset;
-    double number = ric_column_number(c, row);
+    const double number = ric_column_number(c, row);
+    const int id = c->type == RIC_COLUMN_JUNCTION ? *(const int *)at : 0;
     switch (c->type) {
-    case RIC_COLUMN_FLAG: put_integer(out, *(const bool *)at); break;
-    case RIC_COLUMN_JUNCTION: put_id(out, *(const int *)at); break;
+    case RIC_COLUMN_FLAG: *value = integer(*(const bool *)at); break;
+    case RIC_COLUMN_JUNCTION: *value = id ? integer(id) : real(NAN); break;
     case RIC_COLUMN_REAL:
     case RIC_COLUMN_MAYBE:
-    case RIC_COLUMN_SINGLE: put_real(out, number); break;
-    case RIC_COLUMN_DERIVED: put_real(out, isfinite(number) ? number : NAN); break;
-    case RIC_COLUMN_TEXT: put_text(out, *(const char *const *)at); break;
+    case RIC_COLUMN_SINGLE: *value = real(number); break;
+    case RIC_COLUMN_DERIVED: *value = real(isfinite(number) ? number : NAN); break;
+    case RIC_COLUMN_TEXT: *value = text(*(const char *const *)at); break;
     case RIC_COLUMN_WORD:
-        put_word(out, model, ric_column_count(c, row), *(const int *const *)at);
-        break;
-    case RIC_COLUMN_STOP: put_text(out, ric_stop_text(*(const ric_stop *)at)); break;
-    case RIC_COLUMN_KIND: put_text(out, ric_kind_text(*(const ric_kind *)at)); break;
+        return make_word(maker, ric_column_count(c, row), *(const int *const *)at, value);
+    case RIC_COLUMN_STOP: *value = text(ric_stop_text(*(const ric_stop *)at)); break;
+    case RIC_COLUMN_KIND: *value = text(ric_kind_text(*(const ric_kind *)at)); break;
     case RIC_COLUMN_STATE:
     case RIC_COLUMN_FLIGHTS:
-        put_float64s(out, ric_column_width(c, row, ric_model_n_dof(model)),
-                     *(const double *const *)at);
-        break;
-    default: put_integer(out, *(const int *)at);
+        return make_float64s(maker, ric_column_width(c, row, ric_model_n_dof(maker->model)),
+                             *(const double *const *)at, value);
+    default: *value = integer(*(const int *)at);
+    }
+    return true;
+}
+
+/* -------------------------------------------------------------------- rows */
+
+typedef struct {
+    const ric_atlas *atlas;
+    const ric_table *table;
+    ric_status (*take)(void *user, const ric_table *table, const void *row);
+    void *user;
+} row_giver;
+
+static ric_status give_points(const row_giver *to, const ric_branch *branch)
+{
+    ric_status status = RIC_OK;
+    for (int i = 0; !status && i < branch->n_point; i++) {
+        const ric_point_row row = ric_atlas_point_row(to->atlas, branch->id, i);
+        status = to->take(to->user, to->table, &row);
+    }
+    return status;
+}
+
+static ric_status give_passages(const row_giver *to, const ric_branch *branch)
+{
+    ric_status status = RIC_OK;
+    for (int i = 0; !status && i < branch->n_junction; i++) {
+        const ric_link_row row = {branch->id, i, branch->junctions[i], branch->junction_at[i]};
+        status = to->take(to->user, to->table, &row);
+    }
+    return status;
+}
+
+static int compare_ids(const void *a, const void *b)
+{
+    const int p = *(const int *)a, q = *(const int *)b;
+    return (p > q) - (p < q);
+}
+
+static ric_status give_branches(const row_giver *to, const ric_junction *junction)
+{
+    const size_t n = (size_t)junction->n_branch;
+    int *ids = ric_malloc((n + 1) * sizeof *ids);
+    ric_status status = ids ? RIC_OK : ric_store_fail_memory();
+    if (ids && n) {
+        memcpy(ids, junction->branches, n * sizeof *ids);
+        qsort(ids, n, sizeof *ids, compare_ids);
+    }
+    for (size_t i = 0; !status && i < n; i++) {
+        const ric_link_row row = {.owner = junction->id, .other = ids[i]};
+        status = to->take(to->user, to->table, &row);
+    }
+    free(ids);
+    return status;
+}
+
+ric_status ric_store_each_row(const ric_atlas *atlas, const ric_table *table,
+                              ric_status (*take)(void *user, const ric_table *table,
+                                                 const void *row),
+                              void *user)
+{
+    const row_giver to = {atlas, table, take, user};
+    const bool of_branches = table == &ric_table_branch || table == &ric_table_point ||
+                             table == &ric_table_branch_junction;
+    ric_status status = RIC_OK;
+    for (int i = 0; of_branches && !status && i < atlas->n_branch; i++) {
+        const ric_branch *branch = &atlas->branches[i].row;
+        status = table == &ric_table_branch  ? take(user, table, branch)
+                 : table == &ric_table_point ? give_points(&to, branch)
+                                             : give_passages(&to, branch);
+    }
+    for (int i = 0; !of_branches && !status && i < atlas->n_junction; i++) {
+        const ric_junction *junction = &atlas->junctions[i].row;
+        status = table == &ric_table_junction ? take(user, table, junction)
+                                              : give_branches(&to, junction);
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------- insert */
+
+typedef struct {
+    ric_database file;
+    sqlite3_stmt *insert;
+    ric_store_maker maker;
+} row_writer;
+
+static int bind(sqlite3_stmt *insert, int column, const ric_store_value *value)
+{
+    switch (value->type) {
+    case SQLITE_INTEGER: return sqlite3_bind_int64(insert, column, value->integer);
+    case SQLITE_FLOAT: return sqlite3_bind_double(insert, column, value->real);
+    case SQLITE_TEXT:
+        return sqlite3_bind_text(insert, column, value->bytes, (int)value->n, SQLITE_TRANSIENT);
+    case SQLITE_BLOB:
+        return sqlite3_bind_blob64(insert, column, value->bytes, value->n, SQLITE_TRANSIENT);
+    default: return sqlite3_bind_null(insert, column);
     }
 }
 
-static ric_status write_row(row_writer *out, const ric_table *table, const ric_model *model,
-                            const void *row)
+static ric_status write_row(void *user, const ric_table *table, const void *row)
 {
-    for (const ric_column *c = NULL; (c = ric_store_next_column(table, c, true));)
-        put_column(out, c, model, row);
+    row_writer *out = user;
+    ric_store_value value;
+    int column = 0;
     bool ignored;
-    ric_status status = out->code ? ric_store_fail_memory()
-                                  : ric_store_sqlite_step(out->file, out->insert, &ignored);
-    out->column = 0;
-    return status;
+    for (const ric_column *c = NULL; (c = ric_store_next_column(table, c, true));)
+        if (!ric_store_value_of(&out->maker, c, row, &value) || bind(out->insert, ++column, &value))
+            return ric_store_fail_memory();
+    return ric_store_sqlite_step(out->file, out->insert, &ignored);
 }
 
-ric_status ric_store_put_branches(ric_database file, const ric_atlas *atlas)
+ric_status ric_store_put_rows(ric_database file, const ric_atlas *atlas, const ric_table *table)
 {
-    const ric_model *model = ric_atlas_model(atlas);
-    row_writer branch = {0}, point = {0}, junction = {0};
-    ric_status status = writer_start(&branch, file, &ric_table_branch);
-    if (!status) status = writer_start(&point, file, &ric_table_point);
-    if (!status) status = writer_start(&junction, file, &ric_table_branch_junction);
-    for (int k = 0; !status && k < atlas->n_branch; k++) {
-        const ric_branch *row = &atlas->branches[k].row;
-        status = write_row(&branch, &ric_table_branch, model, row);
-        for (int i = 0; !status && i < row->n_point; i++) {
-            const ric_point_row at = ric_atlas_point_row(atlas, row->id, i);
-            status = write_row(&point, &ric_table_point, model, &at);
-        }
-        for (int i = 0; !status && i < row->n_junction; i++) {
-            const ric_link_row link = {row->id, i, row->junctions[i], row->junction_at[i]};
-            status = write_row(&junction, &ric_table_branch_junction, model, &link);
-        }
-    }
-    sqlite3_finalize(branch.insert);
-    sqlite3_finalize(point.insert);
-    sqlite3_finalize(junction.insert);
-    return status;
-}
-
-ric_status ric_store_put_junctions(ric_database file, const ric_atlas *atlas)
-{
-    row_writer junction = {0}, branch = {0};
-    ric_status status = writer_start(&junction, file, &ric_table_junction);
-    if (!status) status = writer_start(&branch, file, &ric_table_junction_branch);
-    for (int k = 0; !status && k < atlas->n_junction; k++) {
-        const ric_junction *row = &atlas->junctions[k].row;
-        status = write_row(&junction, &ric_table_junction, ric_atlas_model(atlas), row);
-        for (int i = 0; !status && i < row->n_branch; i++) {
-            const ric_link_row link = {.owner = row->id, .other = row->branches[i]};
-            status = write_row(&branch, &ric_table_junction_branch, ric_atlas_model(atlas), &link);
-        }
-    }
-    sqlite3_finalize(junction.insert);
-    sqlite3_finalize(branch.insert);
+    row_writer out = {.file = file, .maker = {.model = ric_atlas_model(atlas)}};
+    ric_status status = ric_store_sqlite_table(file, table, RIC_SQL_INSERT, &out.insert);
+    if (!status) status = ric_store_each_row(atlas, table, write_row, &out);
+    sqlite3_finalize(out.insert);
+    free(out.maker.room);
     return status;
 }
 

@@ -17,6 +17,7 @@
 #include "root.h"
 #include "sine.h"
 #include "status.h"
+#include "together.h"
 #include "tolerances.h"
 #include "twice.h"
 

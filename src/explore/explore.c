@@ -110,6 +110,29 @@ ric_status ric_explore_check(const ric_study *study)
     return status ? status : check_springs(study);
 }
 
+/* What is left when the rows are made, to be done in this order or at the same time. */
+typedef struct {
+    ric_graph **graph;
+    ric_store *store;
+    const ric_atlas *atlas;
+    int workers;
+} ending;
+
+static ric_status end_part(void *user, int part)
+{
+    ending *e = user;
+    if (part == 1) return ric_store_write(e->store, e->atlas, e->workers);
+    ric_graph_free(*e->graph);
+    *e->graph = NULL;
+    return RIC_OK;
+}
+
+static ric_status write_atlas(ric_store *store, const ric_atlas *atlas, ric_graph **graph)
+{
+    ending work = {graph, store, atlas, (*graph)->n_worker};
+    return ric_together(work.workers, 2, end_part, &work);
+}
+
 /* One run: what is in the file already is taken up, everything else is computed, the tables are
  * written at the end or on request to stop. */
 ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run,
@@ -136,11 +159,10 @@ ric_status ric_explore_with(const ric_study *study, const char *path, const ric_
     if ((status = ric_store_set_solver(store, ric_continuation_version()))) goto out;
     status = ric_graph_explore(graph, run);
     if (status && status != RIC_E_INTERRUPTED) goto out;
-    written = ric_store_commit(
-        store); /* the work itself is kept even if the tables cannot be written */
-    if (!written) written = ric_rows_make(graph, study, status == RIC_OK, &atlas);
+    written = ric_rows_make(graph, study, status == RIC_OK, &atlas);
     if (!written && (atlas->finished || !more->worth || more->worth(more->user, atlas)))
-        written = ric_store_write(store, atlas);
+        written = write_atlas(store, atlas, &graph);
+    else ric_store_stage_drop(store);
     if (written) status = written;
     else if (!atlas->finished)
         status = ric_fail(RIC_E_INTERRUPTED,

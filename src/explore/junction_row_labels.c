@@ -11,13 +11,13 @@
 #include "rows_parts.h"
 #include "stored_work.h"
 #include "junction/room.h"
-#include "workers.h"
 
 #define SAVE_EVERY 1 /* seconds between commits of labels, at least */
 
 typedef struct {
     ric_graph *graph;
-    ric_junction_row *junctions;
+    const ric_junction_row *junctions;
+    ric_atlas *atlas;
     pthread_mutex_t lock; /* of the store, of whom to ask, and of the numbers */
     int left, unmeasured;
     time_t saved;
@@ -118,7 +118,7 @@ static ric_status measure_row(void *user, int i)
 {
     measuring *s = user;
     const ric_node *node = s->junctions[i].node;
-    ric_junction *row = &s->junctions[i].record.row;
+    ric_junction *row = &s->atlas->junctions[i].row;
     char key[300];
     ric_status status = RIC_OK;
     if (!has_label(&s->junctions[i])) return RIC_OK;
@@ -141,13 +141,14 @@ static ric_status measure_row(void *user, int i)
     return status;
 }
 
-ric_status ric_junction_rows_measure(ric_graph *g, int n, ric_junction_row *junctions, bool *all)
+ric_status ric_junction_rows_measure(ric_graph *g, const ric_junction_row *junctions,
+                                     ric_atlas *atlas)
 {
-    measuring work = {.graph = g, .junctions = junctions};
-    for (int i = 0; i < n; i++) work.left += has_label(&junctions[i]);
+    measuring work = {.graph = g, .junctions = junctions, .atlas = atlas};
+    for (int i = 0; i < atlas->n_junction; i++) work.left += has_label(&junctions[i]);
     pthread_mutex_init(&work.lock, NULL);
-    ric_status status = ric_workers_each(g->n_worker, n, measure_row, &work);
+    ric_status status = ric_together(g->n_worker, atlas->n_junction, measure_row, &work);
     pthread_mutex_destroy(&work.lock);
-    *all = *all && !work.unmeasured;
+    atlas->finished = atlas->finished && !work.unmeasured;
     return status;
 }

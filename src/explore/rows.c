@@ -115,24 +115,22 @@ static void link_branches(int n, ric_branch_row *branches, const int *id)
     }
 }
 
-/* Rows are made one by one from what is finished: by all workers. */
+/* Rows are made one by one from what is finished: by all workers, while one keeps the work itself,
+ * which stays even if the tables cannot be written. */
 typedef struct {
     const ric_graph *graph;
     ric_branch_row *branches;
     ric_junction_row *junctions;
 } making;
 
-static ric_status make_branch(void *user, int i)
+static ric_status make_row(void *user, int i)
 {
     const making *s = user;
-    return ric_branch_row_make(s->graph, &s->graph->edges[i], &s->branches[i]);
-}
-
-static ric_status make_junction(void *user, int i)
-{
-    const making *s = user;
-    int node = s->junctions[i].index;
-    return ric_junction_row_make(s->graph->model, s->graph->nodes[node], node, &s->junctions[i]);
+    const ric_graph *g = s->graph;
+    if (i == 0) return g->store ? ric_store_commit(g->store) : RIC_OK;
+    if (--i < g->n_edge) return ric_branch_row_make(g, &g->edges[i], &s->branches[i]);
+    ric_junction_row *row = &s->junctions[i - g->n_edge];
+    return ric_junction_row_make(g->model, g->nodes[row->index], row->index, row);
 }
 
 /* Junctions are numbered, and branches in the order of what they meet. */
@@ -150,23 +148,45 @@ static ric_status put_in_order(int n_junction, ric_junction_row *junctions, int 
     return list_branches(junctions, n_branch, branches, id);
 }
 
-/* An atlas with room for junctions, and with the records of branches, which stay those of the rows
- * until all is done. */
-static ric_status bind_branches(const ric_graph *g, const ric_study *study, int n,
-                                const ric_branch_row *branches, int n_junction, ric_atlas *atlas)
+/* All records come into the atlas; what fails leaves them in the rows. */
+static ric_status take_records(int n, const ric_branch_row *branches, int n_junction,
+                               const ric_junction_row *junctions, ric_atlas *atlas)
 {
-    ric_status status = ric_study_copy(study, &atlas->study);
-    if (status) return status;
     atlas->branches = ric_calloc((size_t)n + 1, sizeof *atlas->branches);
     atlas->junctions = ric_calloc((size_t)n_junction + 1, sizeof *atlas->junctions);
     if (!atlas->branches || !atlas->junctions) return ric_no_rows();
     for (int i = 0; i < n; i++) atlas->branches[i] = branches[i].record;
-    for (int i = 0; i < g->n_edge; i++) {
-        atlas->n_unplaced += g->edges[i].n_unplaced;
-        atlas->n_blind += g->edges[i].trace->blind > 0;
-    }
+    for (int i = 0; i < n_junction; i++) atlas->junctions[i] = junctions[i].record;
     atlas->n_branch = n;
+    atlas->n_junction = n_junction;
     return RIC_OK;
+}
+
+typedef struct {
+    ric_graph *graph;
+    const ric_junction_row *junctions;
+    ric_atlas *atlas;
+} naming;
+
+/* Keys need no labels. */
+static ric_status name_part(void *user, int part)
+{
+    const naming *s = user;
+    return part == 0 ? ric_junction_rows_measure(s->graph, s->junctions, s->atlas)
+                     : ric_keys_make(s->atlas);
+}
+
+/* The points of branches, which have their ids, go to the store while junctions get their names. */
+static ric_status finish_rows(ric_graph *g, const ric_junction_row *junctions, ric_atlas *atlas)
+{
+    naming work = {g, junctions, atlas};
+    ric_status status = RIC_OK;
+    if (g->store && g->n_worker > 1) status = ric_store_stage_begin(g->store, atlas);
+    if (!status) status = ric_together(g->n_worker, 2, name_part, &work);
+    if (!status) status = ric_junction_labels_give(g->labels, atlas);
+    if (!status) status = ric_links_make(atlas);
+    if (status && g->store) ric_store_stage_drop(g->store);
+    return status;
 }
 
 ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ric_atlas **out)
@@ -193,26 +213,22 @@ ric_status ric_rows_make(ric_graph *g, const ric_study *study, bool finished, ri
     find_used(g, used);
     for (int i = 0; i < g->n_node; i++)
         if (used[i]) junctions[n_junction++].index = i;
-    if ((status = ric_workers_each(g->n_worker, g->n_edge, make_branch, &work))) goto out;
-    if ((status = ric_workers_each(g->n_worker, (int)(junctions + n_junction - work.junctions),
-                                   make_junction, &work)))
-        goto out;
+    const int n_made = 1 + g->n_edge + (int)(junctions + n_junction - work.junctions);
+    if ((status = ric_together(g->n_worker, n_made, make_row, &work))) goto out;
     if ((status = put_in_order(n_junction, junctions, n_branch, branches, id))) goto out;
+    if ((status = ric_junction_rows_name(study, n_junction, junctions))) goto out;
     atlas->finished = finished;
-    if ((status = bind_branches(g, study, n_branch, branches, n_junction, atlas))) goto out;
-    status = ric_junction_rows_measure(g, n_junction, junctions, &atlas->finished);
-    if (!status) status = ric_junction_rows_name(study, n_junction, junctions);
-    if (status) goto out;
-    for (int i = 0; i < n_junction; i++) atlas->junctions[i] = junctions[i].record;
-    atlas->n_junction = n_junction;
+    if ((status = ric_study_copy(study, &atlas->study))) goto out;
+    if ((status = take_records(n_branch, branches, n_junction, junctions, atlas))) goto out;
     n_branch = n_junction = 0;
-    if ((status = ric_keys_make(atlas)) || (status = ric_junction_labels_give(g->labels, atlas)) ||
-        (status = ric_links_make(atlas)))
-        goto out;
+    for (int i = 0; i < g->n_edge; i++) {
+        atlas->n_unplaced += g->edges[i].n_unplaced;
+        atlas->n_blind += g->edges[i].trace->blind > 0;
+    }
+    if ((status = finish_rows(g, junctions, atlas))) goto out;
     *out = atlas;
     atlas = NULL;
 out:
-    if (atlas && n_branch) atlas->n_branch = 0; /* they belong to the rows */
     for (int i = 0; branches && i < n_branch; i++)
         ric_atlas_branch_record_free(&branches[i].record);
     for (int i = 0; junctions && i < n_junction; i++)

@@ -1,7 +1,6 @@
 #include "workers.h"
 
 #include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -220,59 +219,4 @@ int ric_workers_waiting(ric_workers *w)
     int waiting = w->waiting;
     pthread_mutex_unlock(&w->lock);
     return waiting;
-}
-
-/* ------------------------------------------------------------- a plain loop */
-
-typedef struct {
-    pthread_mutex_t lock;
-    int next, count;
-    ric_status (*each)(void *, int);
-    void *user;
-    ric_status status; /* the first failure, with its reason */
-    char why[1024];
-} loop;
-
-static void *turn(void *argument)
-{
-    loop *l = argument;
-    pthread_mutex_lock(&l->lock);
-    while (l->next < l->count && !l->status) {
-        int i = l->next++;
-        pthread_mutex_unlock(&l->lock);
-        ric_memory_clear();
-        ric_status status = l->each(l->user, i);
-        if (!status && ric_memory_failed()) status = RIC_E_NOMEM;
-        pthread_mutex_lock(&l->lock);
-        if (status && !l->status) {
-            l->status = status;
-            snprintf(l->why, sizeof l->why, "%s",
-                     status == RIC_E_NOMEM ? ric_status_text(status) : ric_detail());
-        }
-    }
-    pthread_mutex_unlock(&l->lock);
-    return NULL;
-}
-
-ric_status ric_workers_each(int n, int count, ric_status (*each)(void *user, int i), void *user)
-{
-    if (n < 2 || count < 2) {
-        ric_status status = RIC_OK;
-        for (int i = 0; i < count && !status; i++) status = each(user, i);
-        return !status && ric_memory_failed()
-                   ? ric_fail(RIC_E_NOMEM, "%s", ric_status_text(RIC_E_NOMEM))
-                   : status;
-    }
-    loop l = {.count = count, .each = each, .user = user};
-    pthread_t *threads = ric_calloc((size_t)n, sizeof *threads);
-    int started = 0;
-    pthread_mutex_init(&l.lock, NULL);
-    /* fewer do as well */
-    while (threads && started < n - 1 && !pthread_create(&threads[started], NULL, turn, &l))
-        started++;
-    turn(&l);
-    for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
-    pthread_mutex_destroy(&l.lock);
-    free(threads);
-    return l.status ? ric_fail(l.status, "%s", l.why) : RIC_OK;
 }

@@ -32,8 +32,4 @@ void ric_workers_finish(ric_workers *workers, int job);
 /* Departures that wait for a worker. */
 int ric_workers_waiting(ric_workers *workers);
 
-/* Calls each(user, i) for all i below `count`, on n threads, which take them up in this order; the
- * status and the reason of one that failed. */
-ric_status ric_workers_each(int n, int count, ric_status (*each)(void *user, int i), void *user);
-
 #endif

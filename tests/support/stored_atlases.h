@@ -324,7 +324,7 @@ static inline void make_file(const char *path, const ric_atlas *atlas)
     assert_done(ric_store_trace_put(store, "S2-[01]", "some work\0done", 14));
     assert_done(ric_store_trace_put(store, "empty", NULL, 0));
     assert_done(ric_store_commit(store));
-    assert_done(ric_store_write(store, atlas));
+    assert_done(ric_store_write(store, atlas, 1));
     ric_store_close(store);
 }
 

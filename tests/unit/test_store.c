@@ -160,6 +160,32 @@ static void trace_column_is_the_trace(void **state)
     ric_atlas_free(made);
 }
 
+/* Of a table with many points, in a file that had another one before. Without SQLite's table dbstat
+ * there is nothing to be asked. */
+static void pages_of_points_are_full(void **state)
+{
+    (void)state;
+    ric_atlas *made = random_atlas(pair_text, 2, 2, 2), *read = NULL;
+    sqlite3 *db = NULL;
+    sqlite3_int64 empty = 0;
+    for (int k = 0; k < 2; k++) {
+        ric_branch_record *branch = &made->branches[k];
+        free(branch->points);
+        branch->row.n_point = 1500 + 1000 * k;
+        fill_points(branch, ric_atlas_model(made));
+        make_file(in_folder("a"), made);
+    }
+    assert_done(ric_atlas_read(in_folder("a"), &read));
+    assert_true(same_atlas(made, read));
+    assert_int_equal(sqlite3_open(in_folder("a"), &db), SQLITE_OK);
+    const int code = ric_store_sqlite_ask(
+        db, "SELECT 1000 * sum(unused) / sum(pgsize) FROM dbstat WHERE name = 'point'", &empty);
+    if (!code) assert_in_range(empty, 0, 50);
+    sqlite3_close(db);
+    ric_atlas_free(made);
+    ric_atlas_free(read);
+}
+
 static void finished_work_is_found_again(void **state)
 {
     (void)state;
@@ -237,7 +263,7 @@ static void other_budgets_continue_the_file(void **state)
                                &read)); /* what was there stays until the new tables are there */
     assert_true(same_atlas(first, read));
     ric_atlas_free(read);
-    assert_done(ric_store_write(store, second));
+    assert_done(ric_store_write(store, second, 1));
     ric_store_close(store);
     assert_done(ric_atlas_read(in_folder("a"), &read));
     assert_true(same_atlas(second, read));
@@ -703,6 +729,7 @@ int main(void)
         TEST(rows_can_be_asked_for),
         TEST(trace_column_is_the_trace),
         TEST(work_of_another_solver_is_dropped),
+        TEST(pages_of_points_are_full),
         TEST(finished_work_is_found_again),
         TEST(other_budgets_continue_the_file),
         TEST(another_model_is_refused),

@@ -58,7 +58,7 @@ static void write_for_ever(int report, ric_atlas *const *atlases)
         snprintf(key, sizeof key, "%d", i);
         if (ric_store_trace_put(store, key, atlases[0]->branches[0].points, 20000) ||
             ric_store_commit(store) || write(report, &i, sizeof i) != sizeof i ||
-            (i % 3 == 0 && ric_store_write(store, atlases[i % 5])))
+            (i % 3 == 0 && ric_store_write(store, atlases[i % 5], 1)))
             _exit(1);
     }
 }
@@ -135,7 +135,7 @@ static void readers_and_a_run_get_on(void **state)
     assert_done(ric_store_open(in_folder("a"), atlases[0]->study, &store));
     for (int i = 0; waitpid(child, &status, WNOHANG) == 0; i++) {
         assert_done(ric_store_trace_put(store, "key", atlases, sizeof atlases));
-        assert_done(ric_store_write(store, atlases[i % 2]));
+        assert_done(ric_store_write(store, atlases[i % 2], 1));
     }
     assert_true(WIFEXITED(status));
     assert_int_equal(WEXITSTATUS(status), 0);

@@ -277,7 +277,7 @@ static void an_atlas_is_extended(void **state)
             fail_msg("%s", ric_detail());
         if (ric_store_open(path, study, &store)) fail_msg("%s", ric_detail());
         ric_atlas *atlas = explore(options[i], 0, store);
-        assert_int_equal(ric_store_write(store, atlas), RIC_OK);
+        assert_int_equal(ric_store_write(store, atlas, 1), RIC_OK);
         for (int id = 1; i >= 2 && id <= ric_atlas_n_junction(whole); id++) {
             ric_junction a = junction_of(whole, id), b = junction_of(atlas, id);
             assert_true(a.kind == b.kind && a.energy == b.energy && a.frequency == b.frequency &&
