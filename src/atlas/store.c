@@ -23,6 +23,8 @@ static const char schema[] = "CREATE TABLE meta (key TEXT PRIMARY KEY NOT NULL, 
 struct ric_store {
     ric_database file;
     ric_store_stage stage;
+    ric_store_later *later; /* that keeps work, NULL: it is kept at once */
+    ric_store_names names;
     char *path, *lock_path;
     int lock; /* descriptor that holds the lock, -1 = none */
     sqlite3_stmt *get, *put, *drop;
@@ -110,6 +112,7 @@ static ric_status create_file(ric_store *store, const ric_study *study, bool exi
     if (!status) status = ric_store_put_study(store->file, study, false, 0, 0);
     if (!status) status = ric_store_put_digest(store->file);
     if (!status) status = ric_store_sqlite_run(store->file, "COMMIT");
+    store->names.whole = !status;
     if (status) {
         sqlite3_close(store->file.db);
         store->file.db = NULL;
@@ -158,6 +161,18 @@ static ric_status recover(ric_store *store, bool *exists, bool *empty)
     return status ? status : ric_store_look(store->path, exists, empty);
 }
 
+static ric_status add_name(void *user, const char *key)
+{
+    ric_store_names_add(&((ric_store *)user)->names, key);
+    return RIC_OK;
+}
+
+static ric_status list_names(ric_store *store)
+{
+    store->names.whole = true;
+    return ric_store_trace_keys(store, "", add_name, store);
+}
+
 ric_status ric_store_open(const char *path, const ric_study *study, ric_store **out)
 {
     ric_store *store = ric_calloc(1, sizeof *store);
@@ -194,6 +209,7 @@ ric_status ric_store_open(const char *path, const ric_study *study, ric_store **
         status = ric_store_sqlite_prepare(store->file, "DELETE FROM trace WHERE key = ?",
                                           &store->drop);
 out:
+    if (!status && !store->names.whole) status = list_names(store);
     store->sound = !status;
     if (status) ric_store_close(store);
     else *out = store;
@@ -203,6 +219,7 @@ out:
 void ric_store_close(ric_store *store)
 {
     if (!store) return;
+    ric_store_rejoin(store);
     sqlite3_finalize(store->get);
     sqlite3_finalize(store->put);
     sqlite3_finalize(store->drop);
@@ -215,9 +232,16 @@ void ric_store_close(ric_store *store)
     ric_store_stage_drop(store);
     sqlite3_close(store->file.db);
     ric_store_lock_release(store->lock_path, &store->lock);
+    free(store->names.slots);
     free(store->path);
     free(store->lock_path);
     free(store);
+}
+
+/* All that is put aside has come to the file. */
+static ric_status caught_up(ric_store *store)
+{
+    return store->later ? ric_store_later_wait(store->later) : RIC_OK;
 }
 
 ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, size_t *size)
@@ -225,8 +249,11 @@ ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, s
     bool row = false;
     *blob = NULL;
     *size = 0;
+    if (ric_store_names_lack(&store->names, key)) return RIC_OK;
+    ric_status status = caught_up(store);
+    if (status) return status;
     sqlite3_bind_text(store->get, 1, key, -1, SQLITE_STATIC);
-    ric_status status = ric_store_sqlite_step(store->file, store->get, &row);
+    status = ric_store_sqlite_step(store->file, store->get, &row);
     if (!status && row) {
         size_t n = (size_t)sqlite3_column_bytes(store->get, 0);
         const void *bytes = sqlite3_column_blob(store->get, 0);
@@ -242,15 +269,16 @@ ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, s
     return status;
 }
 
-ric_status ric_store_trace_put(ric_store *store, const char *key, const void *blob, size_t size)
+static ric_status put_now(ric_store *store, const ric_store_task *task)
 {
     bool row;
     ric_status status = begin(store);
     if (status) return status;
-    sqlite3_bind_text(store->put, 1, key, -1, SQLITE_STATIC);
-    int code = size ? sqlite3_bind_blob64(store->put, 2, blob, size, SQLITE_STATIC)
-                    : sqlite3_bind_zeroblob(store->put, 2, 0);
-    sqlite3_bind_int64(store->put, 3, (sqlite3_int64)ric_store_digest(blob, size));
+    sqlite3_bind_text(store->put, 1, task->key, -1, SQLITE_STATIC);
+    int code = task->size
+                   ? sqlite3_bind_blob64(store->put, 2, task->blob, task->size, SQLITE_STATIC)
+                   : sqlite3_bind_zeroblob(store->put, 2, 0);
+    sqlite3_bind_int64(store->put, 3, (sqlite3_int64)ric_store_digest(task->blob, task->size));
     status = code ? ric_store_sqlite_fail(store->file, code)
                   : ric_store_sqlite_step(store->file, store->put, &row);
     sqlite3_clear_bindings(store->put);
@@ -262,9 +290,10 @@ ric_status ric_store_trace_keys(ric_store *store, const char *ending,
 {
     sqlite3_stmt *query = NULL;
     bool row = false;
-    ric_status status = ric_store_sqlite_prepare(store->file,
-                                                 "SELECT key FROM trace WHERE key LIKE '%' || ?",
-                                                 &query);
+    ric_status status = caught_up(store);
+    if (!status)
+        status = ric_store_sqlite_prepare(store->file,
+                                          "SELECT key FROM trace WHERE key LIKE '%' || ?", &query);
     if (status) return status;
     sqlite3_bind_text(query, 1, ending, -1, SQLITE_STATIC);
     while (!(status = ric_store_sqlite_step(store->file, query, &row)) && row)
@@ -273,7 +302,7 @@ ric_status ric_store_trace_keys(ric_store *store, const char *ending,
     return status;
 }
 
-ric_status ric_store_trace_drop(ric_store *store, const char *key)
+static ric_status drop_now(ric_store *store, const char *key)
 {
     bool row;
     ric_status status = begin(store);
@@ -284,10 +313,50 @@ ric_status ric_store_trace_drop(ric_store *store, const char *key)
     return status;
 }
 
-ric_status ric_store_commit(ric_store *store)
+static ric_status apply(void *user, const ric_store_task *task)
 {
+    ric_store *store = user;
+    switch (task->act) {
+    case RIC_STORE_PUT: return put_now(store, task);
+    case RIC_STORE_DROP: return drop_now(store, task->key);
+    case RIC_STORE_COMMIT: break;
+    }
     return sqlite3_get_autocommit(store->file.db) ? RIC_OK
                                                   : ric_store_sqlite_run(store->file, "COMMIT");
+}
+
+static ric_status act(ric_store *store, ric_store_task task)
+{
+    return store->later ? ric_store_later_add(store->later, &task) : apply(store, &task);
+}
+
+ric_status ric_store_trace_put(ric_store *store, const char *key, const void *blob, size_t size)
+{
+    ric_store_names_add(&store->names, key);
+    return act(store, (ric_store_task){RIC_STORE_PUT, key, blob, size});
+}
+
+ric_status ric_store_trace_drop(ric_store *store, const char *key)
+{
+    if (ric_store_names_lack(&store->names, key)) return RIC_OK;
+    return act(store, (ric_store_task){.act = RIC_STORE_DROP, .key = key});
+}
+
+ric_status ric_store_commit(ric_store *store)
+{
+    return act(store, (ric_store_task){.act = RIC_STORE_COMMIT, .key = ""});
+}
+
+void ric_store_aside(ric_store *store)
+{
+    if (!store->later) store->later = ric_store_later_begin(apply, store);
+}
+
+ric_status ric_store_rejoin(ric_store *store)
+{
+    ric_status status = ric_store_later_end(store->later);
+    store->later = NULL;
+    return status;
 }
 
 ric_status ric_store_starts_get(ric_store *store, char **text)

@@ -34,6 +34,11 @@ ric_status ric_store_trace_keys(ric_store *store, const char *ending,
 ric_status ric_store_trace_drop(ric_store *store, const char *key);
 /* Makes what was put so far durable. */
 ric_status ric_store_commit(ric_store *store);
+/* From `aside` on a thread of its own puts, drops and commits what it is told to; one that fails is
+ * told of with the next. It ends with `rejoin`: until then nothing but that, and what is kept, is
+ * asked for, by one thread. */
+void ric_store_aside(ric_store *store);
+ric_status ric_store_rejoin(ric_store *store);
 
 /* The starts that were added to an atlas, as start.h reads them: *text = NULL where there are none;
  * free(*text). Adding makes the atlas unfinished. */

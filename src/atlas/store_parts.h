@@ -177,6 +177,38 @@ ric_status ric_store_stage_take(ric_store_stage *stage, ric_database file);
 /* Outside a transaction of the file. */
 void ric_store_stage_close(ric_store_stage *stage, ric_database file);
 
+/* ------------------------------------------------------------- store_later.c */
+
+/* What is done to the work that is kept. */
+typedef enum { RIC_STORE_PUT, RIC_STORE_DROP, RIC_STORE_COMMIT } ric_store_act;
+typedef struct {
+    ric_store_act act;
+    const char *key; /* "" of a commit */
+    const void *blob;
+    size_t size;
+} ric_store_task;
+
+typedef struct ric_store_later ric_store_later;
+/* A thread that does so by `apply`; NULL where there is none to be had. */
+ric_store_later *ric_store_later_begin(ric_status (*apply)(void *user, const ric_store_task *task),
+                                       void *user);
+/* Copies the task; after one has failed, its status and reason. */
+ric_status ric_store_later_add(ric_store_later *later, const ric_store_task *task);
+/* Until all is done. */
+ric_status ric_store_later_wait(ric_store_later *later);
+/* The same, and the thread ends. */
+ric_status ric_store_later_end(ric_store_later *later);
+
+/* The keys of all work that a file keeps, or has kept, by their hashes. */
+typedef struct {
+    bool whole; /* no key is missing */
+    size_t count, n_slot;
+    uint64_t *slots; /* [n_slot], a power of two; 0: free. To be freed */
+} ric_store_names;
+void ric_store_names_add(ric_store_names *names, const char *key);
+/* Whether nothing is kept under a key for certain. */
+bool ric_store_names_lack(const ric_store_names *names, const char *key);
+
 /* -------------------------------------------------------------- store_gaps.c */
 
 ric_status ric_store_put_gaps(ric_database file, const ric_atlas *atlas);

@@ -448,6 +448,7 @@ ric_status ric_graph_explore(ric_graph *g, const ric_run_options *run)
                                          &g->workers)))
             goto out;
     }
+    if (g->workers && g->store) ric_store_aside(g->store);
     if (g->crew && (status = g->crew->join(g->crew->user, g->study, g->workers, g->recall.memo)))
         goto out;
     status = explore(g, run);
@@ -457,6 +458,8 @@ out:
     ric_workers_free(g->workers);
     if (status == RIC_E_INTERRUPTED && g->store && g->recall.memo)
         ric_cache_drain(g->recall.memo, save_left, g->store);
+    const ric_status kept = g->store ? ric_store_rejoin(g->store) : RIC_OK;
+    if (kept && (!status || status == RIC_E_INTERRUPTED)) status = kept;
     ric_cache_free(g->recall.memo);
     g->workers = NULL;
     g->recall.memo = NULL;

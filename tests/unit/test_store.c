@@ -226,6 +226,85 @@ static void finished_work_is_found_again(void **state)
     assert_int_equal(files_in_folder(), 1);
 }
 
+static void ask_for(ric_store *store, int k, bool there)
+{
+    char key[32], *blob = NULL;
+    size_t size = 9;
+    snprintf(key, sizeof key, "work %d", k);
+    assert_done(ric_store_trace_get(store, key, (void **)&blob, &size));
+    assert_int_equal(blob != NULL, there);
+    assert_int_equal(size, there ? (size_t)(k % 5000) : 0);
+    for (size_t i = 0; i < size; i++) assert_int_equal(blob[i], (char)k);
+    free(blob);
+}
+
+/* In a file that is new, and in one that was there: whoever asks for work finds what was put before
+ * that, and nothing that was dropped. */
+static void work_put_aside_is_kept(void **state)
+{
+    (void)state;
+    enum { MANY = 3000 };
+    ric_study *study = study_of(pair_text);
+    for (int round = 0; round < 2; round++) {
+        ric_store *store = NULL;
+        char key[32], bytes[5000];
+        assert_done(ric_store_open(in_folder("a"), study, &store));
+        ric_store_aside(store);
+        for (int k = round * MANY; k < (round + 1) * MANY; k++) {
+            snprintf(key, sizeof key, "work %d", k);
+            memset(bytes, k, sizeof bytes);
+            if (k % 10 == 0) ask_for(store, k, false);
+            assert_done(ric_store_trace_put(store, key, bytes, (size_t)(k % 5000)));
+            if (k % 7 == 0) assert_done(ric_store_trace_drop(store, key));
+            if (k % 100 == 99) assert_done(ric_store_commit(store));
+            if (k % 10 == 0) ask_for(store, k, k % 7 != 0);
+        }
+        assert_done(ric_store_trace_drop(store, "no work"));
+        if (round == 0) assert_done(ric_store_rejoin(store));
+        ric_store_close(store);
+        assert_done(ric_store_open(in_folder("a"), study, &store));
+        for (int k = 0; k < (round + 2) * MANY; k++)
+            ask_for(store, k, k < (round + 1) * MANY && k % 7 != 0);
+        ric_store_close(store);
+    }
+    ric_study_free(study);
+}
+
+typedef struct {
+    int done, refused;
+} series;
+
+static ric_status do_task(void *user, const ric_store_task *task)
+{
+    series *s = user;
+    if (atoi(task->key) == s->refused) return ric_fail(RIC_E_IO, "disk full at %s", task->key);
+    assert_int_equal(atoi(task->key), s->done++);
+    return RIC_OK;
+}
+
+/* The first failure ends it, and is told to whoever goes on. */
+static void what_fails_aside_is_told(void **state)
+{
+    (void)state;
+    for (int refused = 0; refused <= 400; refused += 200) {
+        series s = {0, refused};
+        ric_store_later *later = ric_store_later_begin(do_task, &s);
+        ric_status status = RIC_OK;
+        assert_non_null(later);
+        for (int k = 0; k < 300 && !status; k++) {
+            char key[16];
+            snprintf(key, sizeof key, "%d", k);
+            status = ric_store_later_add(later, &(ric_store_task){RIC_STORE_PUT, key, "x", 1});
+            if (k % 90 == 0 && !status) status = ric_store_later_wait(later);
+        }
+        assert_true(status == RIC_OK || status == RIC_E_IO);
+        assert_int_equal(ric_store_later_end(later), refused < 300 ? RIC_E_IO : RIC_OK);
+        assert_int_equal(s.done, refused < 300 ? refused : 300);
+        if (refused < 300) assert_non_null(strstr(ric_detail(), "disk full at "));
+    }
+    assert_done(ric_store_later_end(NULL));
+}
+
 static void work_of_another_solver_is_dropped(void **state)
 {
     (void)state;
@@ -731,6 +810,8 @@ int main(void)
         TEST(work_of_another_solver_is_dropped),
         TEST(pages_of_points_are_full),
         TEST(finished_work_is_found_again),
+        TEST(work_put_aside_is_kept),
+        TEST(what_fails_aside_is_told),
         TEST(other_budgets_continue_the_file),
         TEST(another_model_is_refused),
         TEST(models_are_compared_by_their_numbers),
