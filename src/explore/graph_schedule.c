@@ -298,14 +298,26 @@ void ric_graph_prepare(void *graph, ric_node *node, unsigned choice)
     ric_graph_free(alone);
 }
 
-/* Of a branch that passes, the owner may know an edge that it is part of. */
-static void offer_one(ric_graph *g, ric_node *node, ric_departure *d)
+/* Of a branch that passes, the owner may come to know an edge that it is part of: of ten that are
+ * open still one. */
+static bool is_worth(ric_graph *g, const ric_node *node, ric_departure *d)
 {
-    bool passes = d->choice == RIC_THROUGH && ric_node_passes(node, d->choice);
-    if (d->state == RIC_DEPARTURE_OPEN && !d->job && !passes && !is_linear(node, d->choice) &&
-        !over_budget(g, node, d->choice, &d->budget) &&
-        !ric_graph_followed_before(g, node, d->choice))
-        d->job = ric_workers_offer(g->workers, node, d->choice);
+    return d->state == RIC_DEPARTURE_OPEN && !d->job && !is_linear(node, d->choice) &&
+           !over_budget(g, node, d->choice, &d->budget) &&
+           !ric_graph_followed_before(g, node, d->choice);
+}
+
+/* n ways out of one node. */
+static void offer_node(ric_graph *g, int n, const open_departure *list)
+{
+    const ric_node *node = list->node;
+    ric_workers_node *shared = NULL;
+    for (int i = 0; i < n; i++) {
+        ric_departure *d = &node->departures[list[i].place];
+        if (!is_worth(g, node, d) || (!shared && !(shared = ric_workers_share(node)))) continue;
+        d->job = ric_workers_offer(g->workers, shared, d->choice);
+    }
+    ric_workers_unshare(shared);
 }
 
 /* Of the ways out of one node those with most impacts first: they take longest, and one that is
@@ -329,9 +341,10 @@ static void offer(ric_graph *g, int n, const open_departure *list)
     if (!order) return;
     memcpy(order, list, (size_t)n * sizeof *order);
     qsort(order, (size_t)n, sizeof *order, offer_order);
-    for (int i = 0; i < n; i++)
-        offer_one(g, g->nodes[order[i].index],
-                  &g->nodes[order[i].index]->departures[order[i].place]);
+    for (int i = 0, k; i < n; i = k) {
+        for (k = i + 1; k < n && order[k].index == order[i].index;) k++;
+        offer_node(g, k - i, order + i);
+    }
     free(order);
 }
 

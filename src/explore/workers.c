@@ -1,6 +1,7 @@
 #include "workers.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -8,9 +9,14 @@
 
 typedef enum { WAITING, IN_HAND, DONE } job_state;
 
+struct ric_workers_node {
+    atomic_int users; /* jobs that wait, and who offers them */
+    ric_node *node;
+};
+
 typedef struct {
     job_state state;
-    ric_node *node; /* while it waits */
+    ric_workers_node *node; /* while it waits */
     unsigned choice;
 } job;
 
@@ -35,23 +41,57 @@ static int next_job(ric_workers *w)
     return w->first < w->n_job ? w->first : -1;
 }
 
-/* Job i is in hand from now on; its node is the caller's. With the lock held. */
-static ric_node *claim(ric_workers *w, int i)
+ric_workers_node *ric_workers_share(const ric_node *node)
 {
-    ric_node *node = w->jobs[i].node;
+    ric_workers_node *shared = ric_calloc(1, sizeof *shared);
+    if (shared) shared->node = ric_node_copy(node);
+    if (shared && shared->node) {
+        atomic_init(&shared->users, 1);
+        return shared;
+    }
+    free(shared);
+    return NULL;
+}
+
+void ric_workers_unshare(ric_workers_node *shared)
+{
+    if (!shared || atomic_fetch_sub(&shared->users, 1) > 1) return;
+    ric_node_free(shared->node);
+    free(shared);
+}
+
+/* The node for the caller alone, who gives up its share: the last one needs no copy. NULL without
+ * memory. */
+static ric_node *take_share(ric_workers_node *shared)
+{
+    ric_node *node = NULL;
+    if (atomic_load(&shared->users) > 1) node = ric_node_copy(shared->node);
+    else {
+        node = shared->node;
+        shared->node = NULL;
+    }
+    ric_workers_unshare(shared);
+    return node;
+}
+
+/* Job i is in hand from now on; its share of the node is the caller's. With the lock held. */
+static ric_workers_node *claim(ric_workers *w, int i)
+{
+    ric_workers_node *shared = w->jobs[i].node;
     w->jobs[i].state = IN_HAND;
     w->jobs[i].node = NULL;
     w->waiting--;
-    return node;
+    return shared;
 }
 
 /* Does job i, with the lock held before and after but not meanwhile. */
 static void work(ric_workers *w, int i)
 {
-    ric_node *node = claim(w, i);
+    ric_workers_node *shared = claim(w, i);
     unsigned choice = w->jobs[i].choice;
     pthread_mutex_unlock(&w->lock);
-    w->prepare(w->user, node, choice);
+    ric_node *node = take_share(shared);
+    if (node) w->prepare(w->user, node, choice);
     pthread_mutex_lock(&w->lock);
     w->jobs[i].state = DONE;
     pthread_cond_broadcast(&w->finished);
@@ -105,7 +145,7 @@ void ric_workers_free(ric_workers *w)
     pthread_cond_broadcast(&w->offered);
     pthread_mutex_unlock(&w->lock);
     for (int i = 0; i < w->n_thread; i++) pthread_join(w->threads[i], NULL);
-    for (int i = 0; i < w->n_job; i++) ric_node_free(w->jobs[i].node);
+    for (int i = 0; i < w->n_job; i++) ric_workers_unshare(w->jobs[i].node);
     pthread_cond_destroy(&w->finished);
     pthread_cond_destroy(&w->offered);
     pthread_mutex_destroy(&w->lock);
@@ -114,12 +154,11 @@ void ric_workers_free(ric_workers *w)
     free(w);
 }
 
-int ric_workers_offer(ric_workers *w, const ric_node *node, unsigned choice)
+int ric_workers_offer(ric_workers *w, ric_workers_node *node, unsigned choice)
 {
     int number = 0;
-    ric_node *copy = ric_node_copy(node);
     pthread_mutex_lock(&w->lock);
-    if (copy && w->n_job == w->capacity) {
+    if (w->n_job == w->capacity) {
         int capacity = w->capacity ? 2 * w->capacity : 256;
         job *grown = ric_realloc(w->jobs, (size_t)capacity * sizeof *grown);
         if (grown) {
@@ -127,15 +166,14 @@ int ric_workers_offer(ric_workers *w, const ric_node *node, unsigned choice)
             w->capacity = capacity;
         }
     }
-    if (copy && w->n_job < w->capacity) {
-        w->jobs[w->n_job++] = (job){.state = WAITING, .node = copy, .choice = choice};
+    if (w->n_job < w->capacity) {
+        atomic_fetch_add(&node->users, 1);
+        w->jobs[w->n_job++] = (job){.state = WAITING, .node = node, .choice = choice};
         w->waiting++;
         number = w->n_job;
-        copy = NULL;
         pthread_cond_signal(&w->offered);
     }
     pthread_mutex_unlock(&w->lock);
-    ric_node_free(copy);
     return number;
 }
 
@@ -143,7 +181,7 @@ int ric_workers_offer(ric_workers *w, const ric_node *node, unsigned choice)
 static void withdraw(ric_workers *w, job *j)
 {
     if (j->state != WAITING) return;
-    ric_node_free(j->node);
+    ric_workers_unshare(j->node);
     j->node = NULL;
     j->state = DONE;
     w->waiting--;
@@ -195,14 +233,18 @@ bool ric_workers_await(ric_workers *w, int number, bool (*stop)(void *user), voi
 
 int ric_workers_claim(ric_workers *w, ric_node **node, unsigned *choice)
 {
+    ric_workers_node *shared = NULL;
     pthread_mutex_lock(&w->lock);
     int i = next_job(w);
     if (i >= 0) {
-        *node = claim(w, i);
+        shared = claim(w, i);
         *choice = w->jobs[i].choice;
     }
     pthread_mutex_unlock(&w->lock);
-    return i + 1;
+    if (i < 0) return 0;
+    if ((*node = take_share(shared))) return i + 1;
+    ric_workers_finish(w, i + 1); /* the owner does it */
+    return 0;
 }
 
 void ric_workers_finish(ric_workers *w, int number)

@@ -17,8 +17,13 @@ ric_status ric_workers_create(int n, ric_prepare *prepare, void *user, ric_worke
 /* Waits for what is in hand and drops the rest. */
 void ric_workers_free(ric_workers *workers);
 
+/* A copy of a node for all departures from it that are offered; who makes it gives it up when all
+ * are. NULL without memory. */
+typedef struct ric_workers_node ric_workers_node;
+ric_workers_node *ric_workers_share(const ric_node *node);
+void ric_workers_unshare(ric_workers_node *node);
 /* Puts a departure at the end of the queue. Returns its number, 0 without memory. */
-int ric_workers_offer(ric_workers *workers, const ric_node *node, unsigned choice);
+int ric_workers_offer(ric_workers *workers, ric_workers_node *node, unsigned choice);
 /* The owner has no use for it any more, or does it on its own. */
 void ric_workers_withdraw(ric_workers *workers, int job);
 /* Returns true when the departure is prepared; threads take it before all others. Without threads
