@@ -95,6 +95,19 @@ static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ri
     return nearest == END_NEAR * c->scale ? RIC_OK : ric_continuation_end_at(tr, best);
 }
 
+/* Which of the ways out of a grazing or a corner a branch is whose end orbit is `cycle`; -1: none.
+ */
+static int way_chosen(const ric_graph *g, const ric_node *node, const ric_periodic *cycle)
+{
+    bool *kept = NULL;
+    if (node->kind == RIC_KIND_CORNER) return ric_grazing_words_order(g->model, node, cycle);
+    ric_periodic *full = ric_node_cache_touches(g->model, g->recall, cycle, &kept);
+    const int found = full && kept ? ric_grazing_words_choice(g->model, node, full, kept) : -1;
+    ric_periodic_free(full);
+    free(kept);
+    return found;
+}
+
 /* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
 static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *index,
                            unsigned *choice)
@@ -121,7 +134,7 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
         *index = ric_graph_add(g, node, depth);
         if (*index < 0) status = ric_no_memory("a junction");
         else if (ric_node_chooses(g->nodes[*index]) && departs(g->nodes[*index])) {
-            int found = ric_grazing_words_choice(g->model, g->nodes[*index], cycle);
+            int found = way_chosen(g, g->nodes[*index], cycle);
             if (found < 0) {
                 tr->stop = RIC_STOP_FAILED;
                 tr->why = RIC_WHY_NO_FIT;

@@ -364,8 +364,7 @@ ric_periodic *ric_grazing_words_cycle(const ric_model *m, const ric_node *node, 
     return out;
 }
 
-/* The order of pairs at a corner that is the word of `cycle`. */
-static int corner_choice(const ric_model *m, const ric_node *node, const ric_periodic *cycle)
+int ric_grazing_words_order(const ric_model *m, const ric_node *node, const ric_periodic *cycle)
 {
     int result = -1, shift;
     bool reverse, mirror;
@@ -412,15 +411,14 @@ static bool match_touches(const ric_model *m, const ric_periodic *whole, ric_per
     return found;
 }
 
-int ric_grazing_words_choice(const ric_model *m, const ric_node *node, const ric_periodic *cycle)
+int ric_grazing_words_choice(const ric_model *m, const ric_node *node, ric_periodic *full,
+                             bool *kept)
 {
     int result = -1, shift, N = node->cycle->N, all = N * node->multiple, p = node->n_touch;
-    bool reverse, *kept = NULL;
-    if (node->kind == RIC_KIND_CORNER) return corner_choice(m, node, cycle);
+    bool reverse;
     action actions[4];
-    ric_periodic *full = ric_grazing_words_touches(m, cycle, &kept),
-                 *whole = ric_periodic_repeat(node->cycle, node->multiple);
-    if (full && kept && whole && find_actions(m, node, actions) && full->N == all &&
+    ric_periodic *whole = ric_periodic_repeat(node->cycle, node->multiple);
+    if (whole && find_actions(m, node, actions) && full->N == all &&
         match_touches(m, whole, full, kept, &shift, &reverse)) {
         unsigned choice = 0;
         for (int bit = 0; bit < p * node->multiple; bit++) {
@@ -430,8 +428,6 @@ int ric_grazing_words_choice(const ric_model *m, const ric_node *node, const ric
         }
         result = (int)class_of(node, actions, choice);
     }
-    free(kept);
-    ric_periodic_free(full);
     ric_periodic_free(whole);
     return result;
 }

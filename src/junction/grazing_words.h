@@ -28,8 +28,12 @@ ric_periodic *ric_grazing_words_keep(const ric_model *model, const ric_periodic 
 ric_periodic *ric_grazing_words_cycle(const ric_model *model, const ric_node *node,
                                       unsigned choice);
 
-/* Which choice a branch is whose end orbit is `cycle`; -1 if none fits. */
-int ric_grazing_words_choice(const ric_model *model, const ric_node *node,
-                             const ric_periodic *cycle);
+/* Which choice a branch is that ends at a grazing with the orbit `full`, as
+ * ric_grazing_words_touches has it with `kept`; events at one instant may change places in both. At
+ * a corner the orbit itself tells. -1 if none fits. */
+int ric_grazing_words_choice(const ric_model *model, const ric_node *node, ric_periodic *full,
+                             bool *kept);
+int ric_grazing_words_order(const ric_model *model, const ric_node *node,
+                            const ric_periodic *cycle);
 
 #endif

@@ -105,6 +105,7 @@ static ric_status create_solved(const ric_model *m, ric_kind kind, ric_periodic 
 
 bool ric_node_coincident(const ric_model *m, const ric_periodic *cycle)
 {
+    if (m->n_contact < 2) return false;
     ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL);
     bool found = false;
     for (int i = 0; full && i < full->N; i++)

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "grazing_words.h"
 #include "orbit/room.h"
 #include "base/room.h"
 
@@ -175,4 +176,76 @@ ric_status ric_node_cache_solve(const ric_model *m, ric_node_cache recall, ric_d
     free(bytes);
     free(key);
     return status;
+}
+
+/* ------------------------------------------------------------------- touches */
+
+/* An orbit with its touches, and which events were impacts; one that is read has none yet. */
+typedef struct {
+    const ric_model *model;
+    ric_periodic *cycle;
+    bool *kept;
+} touched;
+
+static void pass_touched(ric_bytes *b, void *user)
+{
+    touched *t = user;
+    pass_cycle(b, t->model, &t->cycle);
+    if (b->lost) return;
+    const size_t n = (size_t)t->cycle->N;
+    if (b->reading) b->lost |= !(t->kept = ric_calloc(n + 1, sizeof *t->kept));
+    if (!b->lost) ric_bytes_pass(b, t->kept, n * sizeof *t->kept);
+}
+
+static void pass_touches_key(ric_bytes *b, void *user)
+{
+    const touched *t = user;
+    ric_periodic *cycle = t->cycle;
+    char head = 'T';
+    ric_bytes_pass(b, &head, sizeof head);
+    pass_cycle(b, NULL, &cycle);
+}
+
+/* None where there are more touches than are enumerated. */
+static ric_periodic *read_touched(const ric_model *m, const void *bytes, size_t size, bool **kept)
+{
+    ric_bytes b = ric_bytes_of(bytes, size);
+    touched t = {.model = m};
+    if (size) pass_touched(&b, &t);
+    if (b.lost) {
+        ric_periodic_free(t.cycle);
+        free(t.kept);
+        t = (touched){0};
+    }
+    *kept = t.kept;
+    return t.cycle;
+}
+
+static void keep_touched(ric_cache *memo, const char *key, size_t key_size, ric_periodic *cycle,
+                         bool *kept)
+{
+    size_t size = 0;
+    touched t = {.cycle = cycle, .kept = kept};
+    void *bytes = cycle ? ric_bytes_make(pass_touched, &t, &size) : NULL;
+    if (bytes || !cycle) ric_cache_put(memo, key, key_size, bytes ? bytes : "", size);
+    free(bytes);
+}
+
+ric_periodic *ric_node_cache_touches(const ric_model *m, ric_node_cache recall,
+                                     const ric_periodic *cycle, bool **kept)
+{
+    size_t key_size = 0, size = 0;
+    ric_periodic copy = *cycle; /* what it points to is only read */
+    char *key = recall.memo
+                    ? ric_bytes_make(pass_touches_key, &(touched){.cycle = &copy}, &key_size)
+                    : NULL;
+    void *bytes = key && !recall.worker ? ric_cache_take(recall.memo, key, key_size, &size) : NULL;
+    *kept = NULL;
+    ric_periodic *full = bytes ? read_touched(m, bytes, size, kept)
+                               : ric_grazing_words_touches(m, cycle, kept);
+    if (key && recall.worker && !ric_trust(RIC_OK))
+        keep_touched(recall.memo, key, key_size, full, *kept);
+    free(bytes);
+    free(key);
+    return full;
 }

@@ -32,6 +32,10 @@ typedef struct {
 ric_status ric_node_cache_solve(const ric_model *model, ric_node_cache recall, ric_defining solve,
                                 const ric_periodic *cycle, ric_node **out);
 
+/* ric_grazing_words_touches, by way of the memo. */
+ric_periodic *ric_node_cache_touches(const ric_model *model, ric_node_cache recall,
+                                     const ric_periodic *cycle, bool **kept);
+
 /* A node with its departures (none of the reasons), and back; bytes of one machine type and
  * version. */
 ric_status ric_node_pack(const ric_node *node, void **bytes, size_t *size);

@@ -133,10 +133,61 @@ static void budgets_have_names(void **state)
     assert_string_equal(ric_budget_text(RIC_N_BUDGET), "");
 }
 
+/* Computed by a worker, taken out by the owner, and computed by the owner, for whom nothing is left
+ * then. Returns how many touches the orbit has. */
+static int check_touches(const ric_model *m, ric_cache *memo, const ric_periodic *cycle)
+{
+    bool *kept[3];
+    ric_periodic *full[3];
+    for (int way = 0; way < 3; way++)
+        full[way] = ric_node_cache_touches(m, (ric_node_cache){memo, way == 0}, cycle, &kept[way]);
+    for (int way = 1; way < 3; way++) {
+        assert_int_equal(!full[0], !full[way]);
+        if (!full[0]) continue;
+        const size_t n = (size_t)full[0]->N;
+        assert_int_equal(n, full[way]->N);
+        assert_memory_equal(full[0]->tau, full[way]->tau, n * sizeof *full[0]->tau);
+        assert_memory_equal(full[0]->face, full[way]->face, n * sizeof *full[0]->face);
+        assert_memory_equal(kept[0], kept[way], n * sizeof **kept);
+    }
+    const int touches = full[0] ? full[0]->N - cycle->N : 0;
+    for (int way = 0; way < 3; way++) {
+        ric_periodic_free(full[way]);
+        free(kept[way]);
+    }
+    return touches;
+}
+
+/* Of the orbits of grazings, without their touches. */
+static void touches_come_back(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < 2; k++) {
+        ric_cache *memo;
+        ric_study *study = NULL;
+        int touches = 0;
+        assert_int_equal(ric_study_parse(studies[k], "test", ".", &study), RIC_OK);
+        ric_graph *graph = explored_graph(study);
+        assert_int_equal(ric_cache_create(&memo), RIC_OK);
+        for (int i = 0; i < graph->n_node; i++) {
+            const ric_node *node = graph->nodes[i];
+            if (node->kind != RIC_KIND_GRAZING) continue;
+            ric_periodic *bare = ric_grazing_words_cycle(graph->model, node, 0);
+            if (bare) touches += check_touches(graph->model, memo, bare);
+            ric_periodic_free(bare);
+        }
+        assert_true(touches > 3);
+        ric_cache_free(memo);
+        ric_graph_free(graph);
+        ric_study_free(study);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(junctions_come_back),
+        cmocka_unit_test(touches_come_back),
         cmocka_unit_test(damaged_bytes),
         cmocka_unit_test(budgets_have_names),
     };
