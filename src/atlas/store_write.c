@@ -50,13 +50,22 @@ static bool make_word(ric_store_maker *maker, int n, const int *word, ric_store_
     return true;
 }
 
+/* Whether numbers lie in memory as they do in the file. */
+static bool little_endian(void)
+{
+    const uint16_t one = 1;
+    return *(const unsigned char *)&one == 1;
+}
+
 static bool make_float64s(ric_store_maker *maker, size_t n, const double *values,
                           ric_store_value *value)
 {
+    *value = (ric_store_value){.type = SQLITE_BLOB, .bytes = values, .n = 8 * n};
+    if (little_endian()) return true;
     unsigned char *blob = room_for(maker, 8 * n + 1);
     if (!blob) return false;
     ric_store_put_float64(blob, n, values);
-    *value = (ric_store_value){.type = SQLITE_BLOB, .bytes = blob, .n = 8 * n};
+    value->bytes = blob;
     return true;
 }
 
@@ -171,15 +180,15 @@ typedef struct {
     ric_store_maker maker;
 } row_writer;
 
-static int bind(sqlite3_stmt *insert, int column, const ric_store_value *value)
+/* What lies in the room of a maker is copied: the next value takes it over. */
+static int bind(sqlite3_stmt *insert, int column, const ric_store_value *value, const void *room)
 {
+    sqlite3_destructor_type keep = value->bytes == room ? SQLITE_TRANSIENT : SQLITE_STATIC;
     switch (value->type) {
     case SQLITE_INTEGER: return sqlite3_bind_int64(insert, column, value->integer);
     case SQLITE_FLOAT: return sqlite3_bind_double(insert, column, value->real);
-    case SQLITE_TEXT:
-        return sqlite3_bind_text(insert, column, value->bytes, (int)value->n, SQLITE_TRANSIENT);
-    case SQLITE_BLOB:
-        return sqlite3_bind_blob64(insert, column, value->bytes, value->n, SQLITE_TRANSIENT);
+    case SQLITE_TEXT: return sqlite3_bind_text(insert, column, value->bytes, (int)value->n, keep);
+    case SQLITE_BLOB: return sqlite3_bind_blob64(insert, column, value->bytes, value->n, keep);
     default: return sqlite3_bind_null(insert, column);
     }
 }
@@ -191,7 +200,8 @@ static ric_status write_row(void *user, const ric_table *table, const void *row)
     int column = 0;
     bool ignored;
     for (const ric_column *c = NULL; (c = ric_store_next_column(table, c, true));)
-        if (!ric_store_value_of(&out->maker, c, row, &value) || bind(out->insert, ++column, &value))
+        if (!ric_store_value_of(&out->maker, c, row, &value) ||
+            bind(out->insert, ++column, &value, out->maker.room))
             return ric_store_fail_memory();
     return ric_store_sqlite_step(out->file, out->insert, &ignored);
 }
