@@ -4,6 +4,7 @@
 
 #include "augmented_rows.h"
 #include "base/room.h"
+#include "lu.h"
 
 /* CONVERGED: step of Newton's method from which on the test of the box says more than it */
 #define CONVERGED 1e-12
@@ -19,73 +20,107 @@ enum {
     TIGHT = 24   /* doublings of a radius of existence */
 };
 
-/* The motions beside the orbit, by inverse iteration: the rows on them are a square matrix that is
- * all but singular. */
-static bool find_motions(ric_augmented *x, arb_mat_t J, arb_ptr F)
+/* What A makes least of, x [n], by inverse iteration: in doubles, */
+static bool find_least_quickly(const arb_mat_t A, double *x)
 {
-    const slong first = x->n_orbit, count = ric_augmented_motions(x) * x->n_motion;
-    arb_mat_t A, b;
-    slong *order = flint_malloc((size_t)count * sizeof *order);
-    arb_mat_init(A, count, count);
-    arb_mat_init(b, count, 1);
-    ric_augmented_evaluate(x, x->z, J, F);
-    for (slong i = 0; i < count; i++) {
-        arb_set_si(arb_mat_entry(b, i, 0), 1 + i % 3);
-        for (slong j = 0; j < count; j++)
-            arb_get_mid_arb(arb_mat_entry(A, i, j), arb_mat_entry(J, first - 1 + i, first + j));
-    }
-    bool done = arb_mat_approx_lu(order, A, A, x->e->prec);
+    const slong n = arb_mat_nrows(A);
+    double *y = flint_malloc((size_t)n * sizeof *y);
+    ric_lu lu;
+    ric_lu_create(&lu, n);
+    bool done = ric_lu_make(&lu, A);
+    for (slong i = 0; i < n; i++) x[i] = (double)(1 + i % 3);
     for (int step = 0; step < POWER && done; step++) {
-        arb_mat_approx_solve_lu_precomp(b, order, A, b, x->e->prec);
-        done = ric_arb_normalise(b, x->e->prec);
+        double sum = 0;
+        ric_lu_solve(&lu, x, y);
+        for (slong i = 0; i < n; i++) sum += y[i] * y[i];
+        for (slong i = 0; i < n; i++) x[i] = y[i] / sqrt(sum);
+        done = sum > 0 && isfinite(sum);
     }
-    for (slong i = 0; i < count && done; i++) {
-        arb_set(x->z + first + i, arb_mat_entry(b, i, 0));
-        arb_set(x->l + i, arb_mat_entry(b, i, 0));
+    ric_lu_free(&lu);
+    flint_free(y);
+    return done;
+}
+
+/* and with all digits. */
+static bool find_least_widely(arb_mat_t A, slong prec, double *x)
+{
+    const slong n = arb_mat_nrows(A);
+    slong *order = flint_malloc((size_t)n * sizeof *order);
+    arb_mat_t b;
+    arb_mat_init(b, n, 1);
+    for (slong i = 0; i < n; i++) arb_set_si(arb_mat_entry(b, i, 0), 1 + i % 3);
+    bool done = arb_mat_approx_lu(order, A, A, prec);
+    for (int step = 0; step < POWER && done; step++) {
+        arb_mat_approx_solve_lu_precomp(b, order, A, b, prec);
+        done = ric_arb_normalise(b, prec);
     }
+    for (slong i = 0; i < n; i++) x[i] = ric_arb_middle(arb_mat_entry(b, i, 0));
     flint_free(order);
-    arb_mat_clear(A);
     arb_mat_clear(b);
     return done;
 }
 
-/* z <- z - C F, in balls that are cut to their middles; the largest number of that. */
-static double step_back(ric_augmented *x, arb_srcptr F, arb_ptr step)
+/* The motions beside the orbit: the rows on them are a square matrix that is all but singular. */
+static bool find_motions(ric_augmented *x, bool widely, arb_mat_t J, arb_ptr F)
 {
-    double size = 0;
-    ric_contraction_apply(&x->k, F, step);
+    const slong first = x->n_orbit, count = ric_augmented_motions(x) * x->n_motion;
+    arb_mat_t A;
+    double *least = flint_malloc((size_t)count * sizeof *least);
+    arb_mat_init(A, count, count);
+    ric_augmented_evaluate(x, x->z, J, F);
+    for (slong i = 0; i < count; i++)
+        for (slong j = 0; j < count; j++)
+            arb_get_mid_arb(arb_mat_entry(A, i, j), arb_mat_entry(J, first - 1 + i, first + j));
+    const bool done = widely ? find_least_widely(A, x->e->prec, least)
+                             : find_least_quickly(A, least);
+    for (slong i = 0; i < count && done; i++) {
+        arb_set_d(x->z + first + i, least[i]);
+        arb_set_d(x->l + i, least[i]);
+    }
+    flint_free(least);
+    arb_mat_clear(A);
+    return done;
+}
+
+/* z <- z - C F, in balls that are cut to their middles; the largest number of that. C F has as many
+ * digits as doubles, F all of them, so that a step is told as well as the inverse bears. */
+static double step_back(ric_augmented *x, const ric_lu *lu, arb_srcptr F, double *step)
+{
+    double size = 0, *f = step + x->n;
+    arb_t y;
+    arb_init(y);
+    for (slong i = 0; i < x->n; i++) f[i] = ric_arb_middle(F + i);
+    ric_lu_solve(lu, f, step);
     for (slong i = 0; i < x->n; i++) {
-        arb_get_mid_arb(step + i, step + i);
-        const double here = fabs(ric_arb_middle(step + i));
-        if (!(here <= size)) size = here;
-        arb_sub(x->z + i, x->z + i, step + i, x->e->prec);
+        if (!(fabs(step[i]) <= size)) size = fabs(step[i]);
+        arb_set_d(y, step[i]);
+        arb_sub(x->z + i, x->z + i, y, x->e->prec);
         arb_get_mid_arb(x->z + i, x->z + i);
     }
+    arb_clear(y);
     return size;
 }
 
-/* Newton's method with an inverse in doubles, which is made again where it does not do: F has all
- * digits, so that each step has as many more as the inverse bears. `sound`: the first inverse is
- * one, so that more digits would take the same way. */
-static bool refine_quickly(ric_augmented *x, arb_mat_t J, arb_ptr F, bool *sound)
+/* Newton's method with factors in doubles, which are made again where they do not do: each step has
+ * as many digits more as they bear. */
+static bool refine_quickly(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
     const double last = ldexp(1, 12 - (int)x->e->prec), noise = ldexp(1, 32 - (int)x->e->prec);
-    arb_ptr step = _arb_vec_init(x->n);
-    double before = HUGE_VAL;
+    double *step = flint_malloc(2 * (size_t)x->n * sizeof *step), before = HUGE_VAL;
     bool done = false, good = true, fresh = false;
-    *sound = false;
+    ric_lu lu;
+    ric_lu_create(&lu, x->n);
     for (int k = 0; k < CHORD && good && !done; k++) {
         ric_augmented_evaluate(x, x->z, J, F);
-        if (!fresh) good = ric_contraction_invert_quickly(&x->k, J);
-        if (k == 0 && good) ric_contraction_defect(&x->k, J);
-        if (k == 0) *sound = good && ric_contraction_left(&x->k) < RIC_CONTRACTION_EVEN;
-        const double size = good ? step_back(x, F, step) : HUGE_VAL;
+        if (!fresh) good = ric_lu_make(&lu, J);
+        const double size = good ? step_back(x, &lu, F, step) : HUGE_VAL;
         fresh = size < ldexp(before, SLOW);
         done = size < last || (size > before / 2 && before < noise);
         good = good && isfinite(size) && (k < FIRST || size < before / 2);
         before = size;
     }
-    _arb_vec_clear(step, x->n);
+    ric_lu_free(&lu);
+    flint_free(step);
     return done;
 }
 
@@ -116,18 +151,44 @@ static bool refine_widely(ric_augmented *x, arb_mat_t J, arb_ptr F)
     return done && before < CONVERGED;
 }
 
+/* Whether an inverse in doubles is one where the way begins, so that more digits would take the
+ * same way. */
+static bool is_sound(ric_augmented *x, arb_mat_t J, arb_ptr F)
+{
+    ric_augmented_evaluate(x, x->z, J, F);
+    if (!ric_contraction_invert_quickly(&x->k, J)) return false;
+    ric_contraction_defect(&x->k, J);
+    return ric_contraction_left(&x->k) < RIC_CONTRACTION_EVEN;
+}
+
 static bool refine(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
     arb_ptr start = _arb_vec_init(x->n);
-    bool sound;
     _arb_vec_set(start, x->z, x->n);
-    bool done = refine_quickly(x, J, F, &sound);
-    if (!done && !sound) {
-        _arb_vec_set(x->z, start, x->n);
-        done = refine_widely(x, J, F);
-    }
+    bool done = refine_quickly(x, J, F);
+    if (!done) _arb_vec_set(x->z, start, x->n);
+    if (!done && !is_sound(x, J, F)) done = refine_widely(x, J, F);
     _arb_vec_clear(start, x->n);
     return done;
+}
+
+/* NULL, or why there is none. Where motions from doubles lead to none, those with all digits may:
+ * it is singular where frequencies are far apart, too. */
+static const char *find_near(ric_augmented *x, arb_mat_t J, arb_ptr F)
+{
+    arb_ptr start = _arb_vec_init(x->n);
+    const char *why = NULL;
+    _arb_vec_set(start, x->z, x->n);
+    for (int widely = 0; widely < 2; widely++) {
+        _arb_vec_set(x->z, start, x->n);
+        why = NULL;
+        if (ric_augmented_motions(x) && !find_motions(x, widely, J, F))
+            why = "its equations are singular beyond what a junction makes them";
+        else if (!refine(x, J, F)) why = "no junction of this kind was found from it";
+        if (!why || !ric_augmented_motions(x)) break;
+    }
+    _arb_vec_clear(start, x->n);
+    return why;
 }
 
 /* z with all of a box; the radii of k.b. */
@@ -154,6 +215,49 @@ static bool tighten(ric_augmented *x)
     return tight;
 }
 
+/* Whether the box of radius 2^-width is taken into itself, with y. */
+static bool box_holds(ric_augmented *x, int width, arb_mat_t J, arb_ptr F, arb_ptr box)
+{
+    const ric_enclosure *e = x->e, coarse = ric_enclosure_coarse(e);
+    for (slong i = 0; i < x->n; i++) mag_set_ui_2exp_si(x->k.b + i, 1, -width);
+    place_box(x, box);
+    x->e = &coarse;
+    ric_augmented_evaluate(x, box, J, F);
+    x->e = e;
+    ric_contraction_defect(&x->k, J);
+    return ric_contraction_holds(&x->k);
+}
+
+/* How many halvings of a box Z asks for that is `left` on it, if it is that of the radius, and not
+ * of its square. */
+static int halvings(double left)
+{
+    enum { MOST = 8 };
+    const double share = log2(left) / 2;
+    return !(share < MOST) ? MOST : share > 1 ? (int)share : 1;
+}
+
+/* The largest box, of one radius, that is taken into itself: Z, which it then leaves behind, grows
+ * with the box, so that it lies between one that is too large and one that is not. */
+static bool find_box(ric_augmented *x, arb_mat_t J, arb_ptr F, arb_ptr box)
+{
+    int large = WIDEST - 1, small = FINEST + 1, width = WIDEST;
+    bool holds = false;
+    while (small - large > 1) {
+        holds = box_holds(x, width, J, F, box);
+        const double left = ric_contraction_left(&x->k);
+        if (holds) small = width;
+        else large = width;
+        width += holds ? -halvings(1 / left) : halvings(left);
+        if (width <= large) width = large + 1;
+        if (width >= small) width = small - 1;
+    }
+    if (!holds && small <= FINEST) holds = box_holds(x, small, J, F, box);
+    arb_one(x->unique);
+    arb_mul_2exp_si(x->unique, x->unique, -small);
+    return holds;
+}
+
 static bool contracts(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
     arb_ptr box = _arb_vec_init(x->n);
@@ -162,15 +266,7 @@ static bool contracts(ric_augmented *x, arb_mat_t J, arb_ptr F)
     if (ric_contraction_invert(&x->k, J, RIC_CONTRACTION_EVEN)) {
         ric_contraction_apply(&x->k, F, box);
         for (slong i = 0; i < x->n; i++) arb_get_mag(x->k.y + i, box + i);
-        for (int width = WIDEST; width <= FINEST && !holds; width++) {
-            for (slong i = 0; i < x->n; i++) mag_set_ui_2exp_si(x->k.b + i, 1, -width);
-            place_box(x, box);
-            ric_augmented_evaluate(x, box, J, F);
-            ric_contraction_defect(&x->k, J);
-            holds = ric_contraction_holds(&x->k);
-            arb_one(x->unique);
-            arb_mul_2exp_si(x->unique, x->unique, -width);
-        }
+        holds = find_box(x, J, F, box);
     }
     const bool tight = holds && tighten(x);
     if (tight) place_box(x, box);
@@ -288,9 +384,8 @@ static const char *prove(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
     const double work = 10 * pow((double)x->n, 3);
     if (ric_halt(work)) return "stopped";
-    if (ric_augmented_motions(x) && !find_motions(x, J, F))
-        return "its equations are singular beyond what a junction makes them";
-    if (!refine(x, J, F)) return "no junction of this kind was found from it";
+    const char *why = find_near(x, J, F);
+    if (why) return why;
     if (ric_halt(work)) return "stopped";
     if (!contracts(x, J, F)) return "its equations are not proved to be regular";
     if (!closes(x)) return "the energy is not proved to be positive";

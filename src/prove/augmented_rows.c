@@ -94,9 +94,11 @@ static void open_second(const filling *f, slong from, ric_equations *second)
 {
     const ric_augmented *x = f->x;
     arb_ptr along = copy_motion(f, from);
+    arb_mat_t *flights = ric_equation_flights(&x->c, x->e);
     ric_equation_create(second, &x->c);
-    ric_equation_second(second, &x->c, x->e, along);
+    ric_equation_second(second, &x->c, x->e, flights, along);
     ric_equation_loosen(second, &x->c, x->e, along);
+    ric_equation_flights_free(&x->c, flights);
     _arb_vec_clear(along, (slong)x->c.m * x->c.size + 1);
 }
 

@@ -3,14 +3,15 @@
 #include <math.h>
 #include <string.h>
 
-#include "ball.h"
 #include "base/room.h"
+#include "lu.h"
+
+enum { ROUNDS = 40 }; /* of radii that are looked for with one Z */
 
 void ric_contraction_create(ric_contraction *k, slong n, slong prec)
 {
     *k = (ric_contraction){.n = n, .prec = prec};
-    k->C = flint_malloc(2 * (size_t)n * (size_t)n * sizeof *k->C);
-    k->size = k->C + n * n;
+    k->C = flint_malloc((size_t)n * (size_t)n * sizeof *k->C);
     k->Z = flint_malloc((size_t)n * (size_t)n * sizeof *k->Z);
     k->y = _mag_vec_init(n);
     k->b = _mag_vec_init(n);
@@ -36,65 +37,13 @@ void ric_contraction_free(ric_contraction *k)
 
 /* ------------------------------------------------------------------ inverse */
 
-/* x [n] -= f y. */
-static void take(slong n, double *x, double f, const double *y)
-{
-    for (slong i = 0; i < n; i++) x[i] -= f * y[i];
-}
-
-static void swap(slong n, double *x, double *y)
-{
-    for (slong i = 0; i < n; i++) {
-        const double t = x[i];
-        x[i] = y[i];
-        y[i] = t;
-    }
-}
-
-/* Gauss with row pivots, in a band but for some rows: what is zero is passed over. a [n * n] is
- * lost, b [n * n], 1 before, is its inverse. */
-static bool invert(slong n, double *a, double *b)
-{
-    for (slong p = 0; p < n; p++) {
-        slong best = p;
-        for (slong i = p + 1; i < n; i++)
-            if (fabs(a[i * n + p]) > fabs(a[best * n + p])) best = i;
-        if (!(fabs(a[best * n + p]) > 0)) return false;
-        if (best != p) swap(n - p, a + p * n + p, a + best * n + p);
-        if (best != p) swap(n, b + p * n, b + best * n);
-        for (slong i = p + 1; i < n; i++) {
-            const double f = a[i * n + p] / a[p * n + p];
-            if (f == 0) continue;
-            take(n - p, a + i * n + p, f, a + p * n + p);
-            take(n, b + i * n, f, b + p * n);
-        }
-    }
-    for (slong p = n - 1; p >= 0; p--) {
-        for (slong i = 0; i < n; i++) b[p * n + i] /= a[p * n + p];
-        for (slong i = 0; i < p; i++)
-            if (a[i * n + p] != 0) take(n, b + i * n, a[i * n + p], b + p * n);
-    }
-    return true;
-}
-
 static bool invert_middle(ric_contraction *k, const arb_mat_t J)
 {
-    const slong n = k->n;
-    double *a = k->size, *b = flint_calloc((size_t)(n * n), sizeof *b);
-    for (slong i = 0; i < n; i++) {
-        b[i * n + i] = 1;
-        for (slong j = 0; j < n; j++) {
-            const bool zero = arb_is_zero(arb_mat_entry(J, i, j));
-            a[i * n + j] = zero ? 0 : ric_arb_middle(arb_mat_entry(J, i, j));
-        }
-    }
-    const bool done = invert(n, a, b);
-    for (slong i = 0; i < n && done; i++)
-        for (slong j = 0; j < n; j++) {
-            k->C[j * n + i] = b[i * n + j];
-            k->size[j * n + i] = fabs(b[i * n + j]);
-        }
-    flint_free(b);
+    ric_lu lu;
+    ric_lu_create(&lu, k->n);
+    const bool done = ric_lu_make(&lu, J);
+    if (done) ric_lu_invert(&lu, k->C);
+    ric_lu_free(&lu);
     return done;
 }
 
@@ -103,7 +52,7 @@ double ric_contraction_left(const ric_contraction *k)
     double most = 0;
     for (slong i = 0; i < k->n; i++) {
         double sum = 0;
-        for (slong j = 0; j < k->n; j++) sum += k->Z[i * k->n + j];
+        for (slong j = 0; j < k->n; j++) sum += k->Z[j * k->n + i];
         if (!(sum <= most)) most = sum;
     }
     return most;
@@ -157,15 +106,61 @@ static double rounding(slong count)
     return (double)(count + 4) * 2 * RIC_BALL_UNIT;
 }
 
-/* sum += C_l x and bound += |C_l| (|x| unit + r): C_l x is known to that. */
-static void add_column(const ric_contraction *k, slong l, ric_ball x, double unit, double *sum,
-                       double *bound)
+void ric_contraction_column_open(ric_contraction_column *x, slong n)
 {
-    const double *C = k->C + l * k->n, *size = k->size + l * k->n;
-    const double more = fabs(x.m) * unit + x.r;
-    for (slong i = 0; i < k->n; i++) {
-        sum[i] += C[i] * x.m;
-        bound[i] += size[i] * more;
+    *x = (ric_contraction_column){.at = flint_malloc((size_t)n * sizeof *x->at),
+                                  .x = flint_malloc((size_t)n * sizeof *x->x)};
+}
+
+void ric_contraction_column_close(ric_contraction_column *x)
+{
+    flint_free(x->at);
+    flint_free(x->x);
+}
+
+/* A sum of products C x, and what it is off by at most: `unit` of the sizes of all, and what x is
+ * not known of. */
+typedef struct {
+    double *restrict sum, *restrict bound, unit;
+} product;
+
+/* What C_l x is off by over |C_l|. */
+static double slack_of(const product *p, ric_ball x)
+{
+    return fabs(x.m) * p->unit + x.r;
+}
+
+/* Numbers i to i + 3 of x, which go through the sums at once. */
+static void add_four(const ric_contraction *k, const ric_contraction_column *x, slong i,
+                     const product *p)
+{
+    const slong n = k->n, *at = x->at + i;
+    const double *a = k->C + at[0] * n, *b = k->C + at[1] * n, *c = k->C + at[2] * n,
+                 *d = k->C + at[3] * n;
+    double m[4], off[4], *restrict sum = p->sum, *restrict bound = p->bound;
+    for (int l = 0; l < 4; l++) {
+        m[l] = x->x[i + l].m;
+        off[l] = slack_of(p, x->x[i + l]);
+    }
+    for (slong l = 0; l < n; l++) {
+        sum[l] += (a[l] * m[0] + b[l] * m[1]) + (c[l] * m[2] + d[l] * m[3]);
+        bound[l] += (fabs(a[l]) * off[0] + fabs(b[l]) * off[1]) +
+                    (fabs(c[l]) * off[2] + fabs(d[l]) * off[3]);
+    }
+}
+
+static void add_terms(const ric_contraction *k, const ric_contraction_column *x, const product *p)
+{
+    const slong n = k->n;
+    double *restrict sum = p->sum, *restrict bound = p->bound;
+    slong i = 0;
+    for (; i + 4 <= x->count; i += 4) add_four(k, x, i, p);
+    for (; i < x->count; i++) {
+        const double *C = k->C + x->at[i] * n, m = x->x[i].m, off = slack_of(p, x->x[i]);
+        for (slong l = 0; l < n; l++) {
+            sum[l] += C[l] * m;
+            bound[l] += fabs(C[l]) * off;
+        }
     }
 }
 
@@ -184,121 +179,144 @@ void ric_contraction_apply(const ric_contraction *k, arb_srcptr x, arb_ptr out)
         return;
     }
     double *sum = flint_calloc(2 * (size_t)n, sizeof *sum), *bound = sum + n;
-    for (slong j = 0; j < n; j++)
-        if (!arb_is_zero(x + j)) add_column(k, j, ric_ball_of(x + j), rounding(n), sum, bound);
+    ric_contraction_column few;
+    ric_contraction_column_open(&few, n);
+    for (slong l = 0; l < n; l++)
+        if (!arb_is_zero(x + l)) ric_contraction_column_put(&few, l, ric_ball_of(x + l));
+    add_terms(k, &few, &(product){sum, bound, rounding(few.count)});
     for (slong i = 0; i < n; i++) {
         arb_set_d(out + i, sum[i]);
         mag_set_d(arb_radref(out + i), round_up(bound[i]));
     }
+    ric_contraction_column_close(&few);
     flint_free(sum);
 }
 
-/* Rows of a column that are not zero. */
-static slong count_rows(const arb_mat_t J, slong j)
-{
-    slong count = 0;
-    for (slong l = 0; l < arb_mat_nrows(J); l++) count += !arb_is_zero(arb_mat_entry(J, l, j));
-    return count;
-}
-
-/* Z += by |C A - 1|, or without the 1. */
-static void add_product(ric_contraction *k, const arb_mat_t A, bool less_one, double by)
+/* Column j of Z += by |C x|, or by |C x - 1|; sum [2 * n]: scratch. */
+static void add_column(ric_contraction *k, slong j, const ric_contraction_column *x, bool less_one,
+                       double by, double *sum)
 {
     const slong n = k->n;
-    double *sum = flint_malloc(2 * (size_t)n * sizeof *sum), *bound = sum + n;
-    for (slong j = 0; j < n; j++) {
-        const slong rows = count_rows(A, j);
-        const double unit = rounding(rows);
-        if (rows == 0 && !less_one) continue;
-        memset(sum, 0, 2 * (size_t)n * sizeof *sum);
-        if (less_one) sum[j] = -1;
-        if (less_one) bound[j] = unit;
-        for (slong l = 0; l < n; l++)
-            if (!arb_is_zero(arb_mat_entry(A, l, j)))
-                add_column(k, l, ric_ball_of(arb_mat_entry(A, l, j)), unit, sum, bound);
-        for (slong i = 0; i < n; i++)
-            k->Z[i * n + j] = round_up(k->Z[i * n + j] + by * (fabs(sum[i]) + bound[i]));
-    }
-    flint_free(sum);
+    double *bound = sum + n, *Z = k->Z + j * n;
+    const double unit = rounding(x->count);
+    memset(sum, 0, 2 * (size_t)n * sizeof *sum);
+    if (less_one) sum[j] = -1;
+    if (less_one) bound[j] = unit;
+    add_terms(k, x, &(product){sum, bound, unit});
+    for (slong i = 0; i < n; i++) Z[i] = round_up(Z[i] + by * (fabs(sum[i]) + bound[i]));
 }
 
-/* A column of A has few numbers that are not zero: those are gathered, as they are, without a copy
- * of their own. */
-static void add_wide_product(ric_contraction *k, const arb_mat_t A, bool less_one, double by)
+/* A number of C x, as it is; row: scratch, without a copy of its own. */
+static void dot_wide(const ric_contraction *k, slong i, const ric_contraction_column *x,
+                     arb_srcptr column, arb_ptr row, arb_t out)
+{
+    for (slong l = 0; l < x->count; l++) row[l] = *arb_mat_entry(k->own, i, x->at[l]);
+    arb_dot(out, NULL, 0, row, 1, column, 1, x->count, k->prec);
+}
+
+/* The same with C in Arb's numbers, and with those of x, `column`. */
+static void add_wide_column(ric_contraction *k, slong j, const ric_contraction_column *x,
+                            arb_srcptr column, bool less_one, double by)
 {
     const slong n = k->n;
-    arb_ptr column = flint_malloc((size_t)n * sizeof *column),
-            row = flint_malloc((size_t)n * sizeof *row);
-    slong *at = flint_malloc((size_t)n * sizeof *at);
-    arb_t x;
+    arb_ptr row = flint_malloc((size_t)n * sizeof *row);
+    arb_t y;
     mag_t size;
-    arb_init(x);
+    arb_init(y);
     mag_init(size);
-    for (slong j = 0; j < n; j++) {
-        slong count = 0;
-        for (slong i = 0; i < n; i++) {
-            if (arb_is_zero(arb_mat_entry(A, i, j))) continue;
-            column[count] = *arb_mat_entry(A, i, j);
-            at[count++] = i;
-        }
-        for (slong i = 0; i < n && (count > 0 || less_one); i++) {
-            for (slong l = 0; l < count; l++) row[l] = *arb_mat_entry(k->own, i, at[l]);
-            arb_dot(x, NULL, 0, row, 1, column, 1, count, k->prec);
-            if (less_one && i == j) arb_sub_ui(x, x, 1, k->prec);
-            arb_get_mag(size, x);
-            k->Z[i * n + j] = round_up(k->Z[i * n + j] + by * mag_get_d(size)); /* rounded up */
-        }
+    for (slong i = 0; i < n; i++) {
+        double *Z = k->Z + j * n + i;
+        dot_wide(k, i, x, column, row, y);
+        if (less_one && i == j) arb_sub_ui(y, y, 1, k->prec);
+        arb_get_mag(size, y);
+        *Z = round_up(*Z + by * mag_get_d(size)); /* rounded up */
     }
     mag_clear(size);
-    arb_clear(x);
-    flint_free(column);
+    arb_clear(y);
     flint_free(row);
-    flint_free(at);
 }
 
-static void add(ric_contraction *k, const arb_mat_t A, bool less_one, double by)
+void ric_contraction_add(ric_contraction *k, slong j, const ric_contraction_column *x, double by)
 {
-    if (k->wide) add_wide_product(k, A, less_one, by);
-    else add_product(k, A, less_one, by);
+    if (x->count == 0) return;
+    if (!k->wide) {
+        double *sum = flint_malloc(2 * (size_t)k->n * sizeof *sum);
+        add_column(k, j, x, false, by, sum);
+        flint_free(sum);
+        return;
+    }
+    arb_ptr column = _arb_vec_init(x->count);
+    for (slong i = 0; i < x->count; i++) {
+        arb_set_d(column + i, x->x[i].m);
+        mag_set_d(arb_radref(column + i), x->x[i].r);
+    }
+    add_wide_column(k, j, x, column, false, by);
+    _arb_vec_clear(column, x->count);
+}
+
+/* Numbers of J that are not zero, column by column: those of column j from[j] .. from[j + 1] - 1,
+ * at rows `at`. Row by row, as they lie in memory. */
+typedef struct {
+    slong *from, *at;
+} entries;
+
+static void entries_open(entries *f, const arb_mat_t J)
+{
+    const slong n = arb_mat_nrows(J);
+    f->from = flint_calloc((size_t)n + 2, sizeof *f->from);
+    slong *next = f->from + 1;
+    for (slong i = 0; i < n; i++)
+        for (slong j = 0; j < n; j++) next[j + 1] += !arb_is_zero(arb_mat_entry(J, i, j));
+    for (slong j = 0; j < n; j++) next[j + 1] += next[j];
+    f->at = flint_malloc((size_t)(next[n] + 1) * sizeof *f->at);
+    for (slong i = 0; i < n; i++)
+        for (slong j = 0; j < n; j++)
+            if (!arb_is_zero(arb_mat_entry(J, i, j))) f->at[next[j]++] = i;
+}
+
+static void entries_close(entries *f)
+{
+    flint_free(f->from);
+    flint_free(f->at);
 }
 
 void ric_contraction_defect(ric_contraction *k, const arb_mat_t J)
 {
-    memset(k->Z, 0, (size_t)k->n * (size_t)k->n * sizeof *k->Z);
-    add(k, J, true, 1);
-}
-
-void ric_contraction_add(ric_contraction *k, const arb_mat_t A, double by)
-{
-    add(k, A, false, by);
-}
-
-/* Rows i to i + 3 of Z x, which wait for one another less than the numbers of one row. */
-static void map_rows(const ric_contraction *k, const double *size, slong i, double *sum)
-{
     const slong n = k->n;
-    const double *row = k->Z + i * n;
-    for (int r = 0; r < 4; r++) sum[r] = 0;
-    if (i + 4 > n) {
-        for (slong r = 0; r < n - i; r++)
-            for (slong j = 0; j < n; j++) sum[r] += row[r * n + j] * size[j];
-        return;
+    double *sum = flint_malloc(2 * (size_t)n * sizeof *sum);
+    arb_ptr column = flint_malloc((size_t)n * sizeof *column); /* without copies of their own */
+    entries all;
+    ric_contraction_column few;
+    entries_open(&all, J);
+    ric_contraction_column_open(&few, n);
+    memset(k->Z, 0, (size_t)(n * n) * sizeof *k->Z);
+    for (slong j = 0; j < n; j++) {
+        few.count = 0;
+        for (slong l = all.from[j]; l < all.from[j + 1]; l++) {
+            arb_srcptr x = arb_mat_entry(J, all.at[l], j);
+            column[few.count] = *x;
+            ric_contraction_column_put(&few, all.at[l],
+                                       k->wide ? (ric_ball){0, 0} : ric_ball_of(x));
+        }
+        if (k->wide) add_wide_column(k, j, &few, column, true, 1);
+        else add_column(k, j, &few, true, 1, sum);
     }
-    for (slong j = 0; j < n; j++)
-        for (int r = 0; r < 4; r++) sum[r] += row[r * n + j] * size[j];
+    ric_contraction_column_close(&few);
+    entries_close(&all);
+    flint_free(column);
+    flint_free(sum);
 }
 
 void ric_contraction_map(const ric_contraction *k, mag_srcptr x, mag_ptr out)
 {
     const slong n = k->n;
-    double *size = flint_malloc((size_t)n * sizeof *size);
-    for (slong j = 0; j < n; j++) size[j] = mag_get_d(x + j); /* rounded up */
-    for (slong i = 0; i < n; i += 4) {
-        double sum[4];
-        map_rows(k, size, i, sum);
-        for (slong r = 0; r < 4 && i + r < n; r++) mag_set_d(out + i + r, round_up(sum[r]));
+    double *sum = flint_calloc((size_t)n, sizeof *sum);
+    for (slong j = 0; j < n; j++) {
+        const double size = mag_get_d(x + j), *Z = k->Z + j * n; /* rounded up */
+        for (slong i = 0; i < n; i++) sum[i] += Z[i] * size;
     }
-    flint_free(size);
+    for (slong i = 0; i < n; i++) mag_set_d(out + i, round_up(sum[i]));
+    flint_free(sum);
 }
 
 bool ric_contraction_holds(ric_contraction *k)
@@ -324,6 +342,30 @@ bool ric_contraction_holds(ric_contraction *k)
     return holds;
 }
 
+bool ric_contraction_may_hold(ric_contraction *k)
+{
+    bool holds = false;
+    for (int round = 0; round <= ROUNDS && !holds; round++) holds = ric_contraction_holds(k);
+    return holds;
+}
+
+double ric_contraction_root(slong n, const double *W)
+{
+    enum { STEPS = 12 };
+    double *x = flint_malloc(2 * (size_t)n * sizeof *x), *y = x + n, most = 0;
+    for (slong i = 0; i < n; i++) x[i] = 1;
+    for (int step = 0; step < STEPS; step++) {
+        memset(y, 0, (size_t)n * sizeof *y);
+        for (slong j = 0; j < n; j++)
+            for (slong i = 0; i < n; i++) y[i] += W[j * n + i] * x[j];
+        most = 0;
+        for (slong i = 0; i < n; i++) most = fmax(most, y[i]);
+        for (slong i = 0; i < n; i++) x[i] = most > 0 ? y[i] / most : 0;
+    }
+    flint_free(x);
+    return most;
+}
+
 /* sqrt(|x|_1 |x|_inf) of x [n * n] */
 static double bound_norm(slong n, const double *x)
 {
@@ -331,8 +373,8 @@ static double bound_norm(slong n, const double *x)
     for (slong i = 0; i < n; i++) {
         double row = 0, column = 0;
         for (slong j = 0; j < n; j++) {
-            row += x[i * n + j];
-            column += x[j * n + i];
+            row += fabs(x[i * n + j]);
+            column += fabs(x[j * n + i]);
         }
         if (!(row <= rows)) rows = row;
         if (!(column <= columns)) columns = column;
@@ -344,6 +386,6 @@ double ric_contraction_least(const ric_contraction *k)
 {
     const slong n = k->n;
     if (k->wide) return 0;
-    const double defect = bound_norm(n, k->Z), size = bound_norm(n, k->size);
+    const double defect = bound_norm(n, k->Z), size = bound_norm(n, k->C);
     return ric_down(ric_down(1 - defect) / size);
 }

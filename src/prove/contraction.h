@@ -9,21 +9,37 @@
 
 #include <stdbool.h>
 
-#include "arb_numbers.h"
+#include "ball.h"
 
 /* Of 1 - C J that doubles may leave: 2^-10 where radii are as 1 : 2^8, and more where all of a box
  * are the same. */
 #define RIC_CONTRACTION_FINE 0x1p-18
 #define RIC_CONTRACTION_EVEN 0x1p-4
 
+/* A column that is zero but for `count` numbers. */
+typedef struct {
+    slong count, *at;
+    ric_ball *x;
+} ric_contraction_column;
+
+/* Room for n. */
+void ric_contraction_column_open(ric_contraction_column *x, slong n);
+void ric_contraction_column_close(ric_contraction_column *x);
+
+static inline void ric_contraction_column_put(ric_contraction_column *x, slong at, ric_ball y)
+{
+    x->at[x->count] = at;
+    x->x[x->count++] = y;
+}
+
 typedef struct {
     slong n, prec;
-    double *C, *size; /* [n * n] column by column, exact, and |C| number by number */
-    bool wide;        /* it is this one: */
-    arb_mat_t own;    /* exact */
-    double *Z;        /* [n * n] */
-    mag_ptr y;        /* [n] */
-    mag_ptr b;        /* [n] */
+    double *C;     /* [n * n] column by column, exact */
+    bool wide;     /* it is this one: */
+    arb_mat_t own; /* exact */
+    double *Z;     /* [n * n] column by column */
+    mag_ptr y;     /* [n] */
+    mag_ptr b;     /* [n] */
 } ric_contraction;
 
 void ric_contraction_create(ric_contraction *k, slong n, slong prec);
@@ -40,10 +56,13 @@ void ric_contraction_apply(const ric_contraction *k, arb_srcptr x, arb_ptr out);
 double ric_contraction_least(const ric_contraction *k);
 /* Z from J on the box. */
 void ric_contraction_defect(ric_contraction *k, const arb_mat_t J);
-/* Z += by |C A|: of what J has more at some distance. */
-void ric_contraction_add(ric_contraction *k, const arb_mat_t A, double by);
+/* Column j of Z += by |C x|: of what J has more in it at some distance. */
+void ric_contraction_add(ric_contraction *k, slong j, const ric_contraction_column *x, double by);
 /* The largest sum of a row of Z. */
 double ric_contraction_left(const ric_contraction *k);
+/* The largest eigenvalue of W [n * n], which has no negative number, about: that of Z is less than
+ * 1 where any b does. */
+double ric_contraction_root(slong n, const double *W);
 /* Whether what Z is now, that of the middle of J, is of no account: C is near enough to its
  * inverse. */
 bool ric_contraction_is_fine(const ric_contraction *k);
@@ -54,5 +73,7 @@ void ric_contraction_map(const ric_contraction *k, mag_srcptr x, mag_ptr out);
 /* Whether y + Z b < b; if not, b is made that times 1 + 1/8 where it is too small, to be tried
  * again. */
 bool ric_contraction_holds(ric_contraction *k);
+/* Whether any b does for Z and y as they are, found in rounds in which it grows. */
+bool ric_contraction_may_hold(ric_contraction *k);
 
 #endif

@@ -19,8 +19,9 @@ enum {
     FEW_PARTS = 5   /* of more, where it is dear */
 };
 
-/* Of lines between orbits of a certificate. */
-#define STRAIN 0.25
+/* Of lines between orbits of a certificate: a checker halves them some four times, which takes it
+ * as long as as many orbits would. */
+#define STRAIN 2.
 
 /* -------------------------------------------------------------------- nodes */
 

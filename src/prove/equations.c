@@ -456,33 +456,45 @@ void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosu
 
 /* -------------------------------------------------------- second derivatives */
 
-/* theta F', and F' v + theta F'' w; F' is (F of p; -L F of q). */
+/* Row `row` of F' on modes i and its velocity alone, and times v; x: the same row of F'' w. */
+static void bend_row(const ric_enclosure *e, slong row, slong i, const arb_t x, arb_srcptr along,
+                     arb_mat_t out)
+{
+    const slong n = e->n;
+    arb_srcptr theta = along + 2 * n;
+    arb_ptr q = arb_mat_entry(out, row, i), p = arb_mat_entry(out, row, n + i),
+            last = arb_mat_entry(out, row, 2 * n);
+    arb_mul(last, q, along + i, e->prec);
+    arb_addmul(last, p, along + n + i, e->prec);
+    arb_submul(last, x, theta, e->prec);
+    arb_mul(q, q, theta, e->prec);
+    arb_mul(p, p, theta, e->prec);
+}
+
+/* theta F', and F' v + theta F'' w; F' is (F of p; -L F of q), and F'' is -L F. F couples no two
+ * modes: all else of `out` is zero. */
 static void bend_modes(const ric_enclosure *e, const arb_mat_t D, arb_srcptr w, arb_srcptr along,
                        arb_mat_t out)
 {
-    slong n = e->n;
-    arb_srcptr theta = along + 2 * n;
+    const slong n = e->n;
     arb_t x;
     arb_init(x);
+    arb_mat_zero(out);
     for (slong i = 0; i < n; i++) {
-        arb_ptr q = arb_mat_entry(out, i, 2 * n), p = arb_mat_entry(out, n + i, 2 * n);
-        for (slong j = 0; j < 2 * n; j++) {
+        for (slong half = 0; half < 2; half++) {
+            const slong j = half * n + i;
             arb_set(arb_mat_entry(out, i, j), arb_mat_entry(D, n + i, j));
             arb_mul(arb_mat_entry(out, n + i, j), arb_mat_entry(D, i, j), e->square + i, e->prec);
             arb_neg(arb_mat_entry(out, n + i, j), arb_mat_entry(out, n + i, j));
         }
-        arb_dot(q, NULL, 0, arb_mat_entry(out, i, 0), 1, along, 1, 2 * n, e->prec);
-        arb_dot(p, NULL, 0, arb_mat_entry(out, n + i, 0), 1, along, 1, 2 * n, e->prec);
-        arb_dot(x, NULL, 0, arb_mat_entry(D, i, 0), 1, w, 1, 2 * n, e->prec);
-        arb_mul(x, x, e->square + i, e->prec);
-        arb_submul(q, x, theta, e->prec);
-        arb_dot(x, NULL, 0, arb_mat_entry(D, n + i, 0), 1, w, 1, 2 * n, e->prec);
-        arb_mul(x, x, e->square + i, e->prec);
-        arb_submul(p, x, theta, e->prec);
+        for (slong half = 0; half < 2; half++) {
+            const slong row = half * n + i;
+            arb_mul(x, arb_mat_entry(D, row, i), w + i, e->prec);
+            arb_addmul(x, arb_mat_entry(D, row, n + i), w + n + i, e->prec);
+            arb_mul(x, x, e->square + i, e->prec);
+            bend_row(e, row, i, x, along, out);
+        }
     }
-    for (slong i = 0; i < 2 * n; i++)
-        for (slong j = 0; j < 2 * n; j++)
-            arb_mul(arb_mat_entry(out, i, j), arb_mat_entry(out, i, j), theta, e->prec);
     arb_clear(x);
 }
 
@@ -533,21 +545,39 @@ static void second_of_closure(const ric_enclosure *e, const ric_chain *c, const 
     arb_clear(factor);
 }
 
+arb_mat_t *ric_equation_flights(const ric_chain *c, const ric_enclosure *e)
+{
+    const slong n = c->n;
+    arb_mat_t *D = flint_malloc((size_t)c->m * sizeof *D);
+    arb_ptr flown = _arb_vec_init(2 * n);
+    for (int k = 0; k < c->m; k++) {
+        arb_srcptr w = ric_chain_block(c, k);
+        arb_mat_init(D[k], 2 * n, 2 * n + 1);
+        ric_equation_flight(e, c->phase[k], w, w + 2 * n, D[k], flown);
+    }
+    _arb_vec_clear(flown, 2 * n);
+    return D;
+}
+
+void ric_equation_flights_free(const ric_chain *c, arb_mat_t *flights)
+{
+    for (int k = 0; k < c->m; k++) arb_mat_clear(flights[k]);
+    flint_free(flights);
+}
+
 static void second_of_block(ric_equations *q, const ric_chain *c, const ric_enclosure *e,
-                            arb_srcptr along, int k)
+                            const arb_mat_t D, arb_srcptr along, int k)
 {
     slong n = c->n;
     const bool last = k == c->m - 1;
     ric_equation_group *g = last ? ric_equation_end(q) : &q->group[k];
-    arb_ptr w = ric_chain_block(c, k), flown = _arb_vec_init(2 * n);
+    arb_ptr w = ric_chain_block(c, k);
     arb_srcptr v = along + (slong)k * c->size;
-    arb_mat_t D, second, B;
+    arb_mat_t second, B;
     arb_t gap;
     arb_init(gap);
-    arb_mat_init(D, 2 * n, 2 * n + 1);
     arb_mat_init(second, 2 * n, 2 * n + 1);
     arb_mat_init(B, n, 2 * n);
-    ric_equation_flight(e, c->phase[k], w, w + 2 * n, D, flown);
     ric_equation_bend(&(ric_equation_span){e, c->phase[k], w, w + 2 * n}, D, v, second);
     if (last && ric_chain_general(c)) second_of_closure(e, c, D, second, along, g);
     else if (last) {
@@ -559,22 +589,20 @@ static void second_of_block(ric_equations *q, const ric_chain *c, const ric_encl
             for (slong j = 0; j <= 2 * n; j++)
                 arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(second, i, j));
     }
-    arb_mat_clear(D);
     arb_mat_clear(second);
     arb_mat_clear(B);
     arb_clear(gap);
-    _arb_vec_clear(flown, 2 * n);
 }
 
 void ric_equation_second(ric_equations *q, const ric_chain *c, const ric_enclosure *e,
-                         arb_srcptr along)
+                         arb_mat_t *flights, arb_srcptr along)
 {
     for (int i = 0; i < q->n; i++) {
         arb_mat_zero(q->group[i].J);
         arb_mat_zero(q->group[i].K);
         arb_mat_zero(q->group[i].F);
     }
-    for (int k = 0; k < c->m; k++) second_of_block(q, c, e, along, k);
+    for (int k = 0; k < c->m; k++) second_of_block(q, c, e, flights[k], along, k);
 }
 
 /* ---------------------------------------------------------------- gathering */

@@ -30,10 +30,13 @@ void ric_equation_move_plane(ric_equations *q, const ric_chain *c, const ric_enc
  * of the structure: of `evaluate`, with NULL, or of `second`, with its direction. */
 void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosure *e,
                          arb_srcptr along);
+/* The first derivatives of all flights [m], for `second` in several directions. */
+arb_mat_t *ric_equation_flights(const ric_chain *c, const ric_enclosure *e);
+void ric_equation_flights_free(const ric_chain *c, arb_mat_t *flights);
 /* J: the second derivatives, in the direction of `along` [m * size + 1] and one that is left open.
  * They couple no two blocks; all else is zero. */
 void ric_equation_second(ric_equations *q, const ric_chain *c, const ric_enclosure *e,
-                         arb_srcptr along);
+                         arb_mat_t *flights, arb_srcptr along);
 
 /* All but the plane in the first rows of J, whose columns are the unknowns, and in F; either may be
  * NULL. */

@@ -107,10 +107,12 @@ static void bend_large(problem *p, arb_srcptr u, arb_srcptr a, arb_mat_struct *J
     arb_ptr along = _arb_vec_init(p->n_large + 1);
     _arb_vec_set(along, a, p->n_large);
     _arb_vec_set(p->large.u, u, p->n_large);
+    arb_mat_t *flights = ric_equation_flights(&p->large, p->e);
     ric_equation_create(&q, &p->large);
-    ric_equation_second(&q, &p->large, p->e, along);
+    ric_equation_second(&q, &p->large, p->e, flights, along);
     ric_equation_loosen(&q, &p->large, p->e, along);
     ric_equation_gather(&q, &p->large, J, NULL);
+    ric_equation_flights_free(&p->large, flights);
     ric_equation_free(&q);
     _arb_vec_clear(along, p->n_large + 1);
 }
@@ -209,6 +211,15 @@ static void evaluate(problem *p, arb_srcptr z, const arb_struct *e)
     arb_clear(spread);
     _arb_vec_clear(u, p->n_large);
     _arb_vec_clear(F, rows);
+}
+
+/* The same on the box, with few bits. */
+static void evaluate_box(problem *p)
+{
+    const ric_enclosure *e = p->e, coarse = ric_enclosure_coarse(e);
+    p->e = &coarse;
+    evaluate(p, p->box, p->size);
+    p->e = e;
 }
 
 /* F alone, at one e that is not zero. */
@@ -351,10 +362,21 @@ static void bound_residual(problem *p)
     _arb_vec_clear(x, p->n);
 }
 
+/* Whether larger radii may hold: not if none does for Z, which grows with them. */
+static bool is_hopeful(problem *p)
+{
+    mag_ptr b = _mag_vec_init(p->n);
+    for (slong i = 0; i < p->n; i++) mag_set(b + i, p->c.b + i);
+    const bool hopeful = ric_contraction_may_hold(&p->c);
+    for (slong i = 0; i < p->n; i++) mag_set(p->c.b + i, b + i);
+    _mag_vec_clear(b, p->n);
+    return hopeful;
+}
+
 static bool contracts(problem *p)
 {
     mag_t least;
-    bool holds = false;
+    bool holds = false, hopeful = true;
     bound_residual(p);
     mag_init(least);
     arb_get_mag(least, p->size);
@@ -363,11 +385,12 @@ static bool contracts(problem *p)
         mag_mul_2exp_si(p->c.b + i, p->c.y + i, 1);
         mag_max(p->c.b + i, p->c.b + i, least);
     }
-    for (int i = 0; i < TRIES && !holds; i++) {
+    for (int i = 0; i < TRIES && !holds && hopeful; i++) {
         place_box(p);
-        evaluate(p, p->box, p->size);
+        evaluate_box(p);
         ric_contraction_defect(&p->c, p->J);
         holds = ric_contraction_holds(&p->c);
+        hopeful = holds || is_hopeful(p);
     }
     mag_clear(least);
     return holds;
@@ -505,16 +528,35 @@ static bool arc_stands(problem *p, ric_leaving *v)
     return done;
 }
 
-/* *first: the first size that contracts. */
-static bool try_size(problem *p, int size, bool even, int *first, ric_leaving *v)
+/* Half of the halvings after which what grows as the size is 1, at least one. */
+static int halvings(double excess)
+{
+    enum { MOST = 4 };
+    const double share = log2(excess) / 2;
+    return !(share < MOST) ? MOST : share > 1 ? (int)share : 1;
+}
+
+/* What sizes have shown: whether one contracts, the first of which it is not known that it does
+ * not, and how much farther the next one is worth a trial. */
+typedef struct {
+    bool any;
+    int first, next;
+} trials;
+
+/* One radius for all numbers is no solution where a row of Z adds up to 1. */
+static bool try_size(problem *p, int size, bool even, trials *t, ric_leaving *v)
 {
     arb_t e;
     arb_init(e);
     arb_one(p->size);
     arb_mul_2exp_si(p->size, p->size, -size);
     bool done = contracts(p);
-    if (done && size < *first) *first = size;
-    done = done && arc_stands(p, v);
+    t->any = t->any || done;
+    if (!t->any) t->first = size + 1;
+    t->next = !done  ? halvings(ric_contraction_root(p->n, p->c.Z))
+              : even ? halvings(ric_contraction_left(&p->c))
+                     : 1;
+    done = done && (!even || ric_contraction_left(&p->c) < 1) && arc_stands(p, v);
     for (int side = 0; side < 2 && done; side++) {
         arb_set(e, p->size);
         if (!side) arb_neg(e, e);
@@ -528,13 +570,12 @@ static bool try_size(problem *p, int size, bool even, int *first, ric_leaving *v
  * else one that is told at all. */
 static bool find_size(problem *p, ric_leaving *v)
 {
-    int first = SMALLEST + 1;
+    trials t = {.first = LARGEST};
     bool done = false;
-    for (int size = LARGEST; size <= SMALLEST && !done; size++)
-        done = try_size(p, size, true, &first, v);
-    const int last = first > SMALLEST ? LEAST : first + FURTHER;
-    for (int size = first; size <= last && !done; size++)
-        done = try_size(p, size, false, &first, v);
+    for (int size = LARGEST; size <= SMALLEST && !done; size += t.next)
+        done = try_size(p, size, true, &t, v);
+    const int first = t.first, last = t.any ? first + FURTHER : LEAST;
+    for (int size = first; size <= last && !done; size++) done = try_size(p, size, false, &t, v);
     return done;
 }
 

@@ -51,11 +51,9 @@ static void turn_inverse(ric_contraction *k, slong at, const double *r)
 {
     const slong n = k->n;
     for (slong j = 0; j < n; j++) {
-        double *column = k->C + j * n, *size = k->size + j * n, x = column[at];
-        for (slong i = 0; i < n; i++) {
+        double *column = k->C + j * n, x = column[at];
+        for (slong i = 0; i < n; i++)
             if (i != at) column[i] -= r[i] * x;
-            size[i] = fabs(column[i]);
-        }
     }
 }
 

@@ -4,14 +4,14 @@
 #include <string.h>
 
 #include "base/room.h"
+#include "bends.h"
 
 enum {
-    TRIES = 5,   /* boxes */
-    ROUNDS = 40, /* of radii that are looked for with one Z */
-    TIGHT = 8,   /* steps from the radii that are alone to those that hold the zeros */
-    CLOSE = 32,  /* .. */
-    FEW = 3,     /* directions of the basis: of two modes */
-    MANY = 4,    /* and of more */
+    TRIES = 5,  /* boxes */
+    TIGHT = 8,  /* steps from the radii that are alone to those that hold the zeros */
+    CLOSE = 32, /* .. */
+    FEW = 3,    /* directions of the basis: of two modes */
+    MANY = 4,   /* and of more */
 };
 
 /* DIGITS: the root of 1 - C J T beside which digits are not why no box holds */
@@ -116,17 +116,6 @@ static void place_hull(ric_tube *t)
 
 /* ---------------------------------------------------------------- conditions */
 
-/* A: D^2 F on the hull in the direction `along` [m * size + 1]. */
-static void bend(const ric_tube *t, const ric_enclosure *e, arb_srcptr along, arb_mat_t A)
-{
-    ric_equations q;
-    ric_equation_create(&q, &t->hull);
-    ric_equation_second(&q, &t->hull, e, along);
-    ric_equation_loosen(&q, &t->hull, e, along);
-    ric_equation_gather(&q, &t->hull, A, NULL);
-    ric_equation_free(&q);
-}
-
 /* y <- y + 2^exponent |C F|. */
 static void add_defect(ric_tube *t, arb_srcptr F, slong exponent)
 {
@@ -144,29 +133,35 @@ static void add_defect(ric_tube *t, arb_srcptr F, slong exponent)
     _arb_vec_clear(x, n);
 }
 
-/* y: C times what the equations are at both ends, */
-static void bound_ends(ric_tube *t, const ric_enclosure *e)
+static void evaluate_ends(ric_tube *t, const ric_enclosure *e)
 {
-    const slong n = t->k.n;
-    arb_ptr F = _arb_vec_init(n);
-    for (slong i = 0; i < n; i++) mag_zero(t->k.y + i);
     for (int end = 0; end < 2; end++) {
-        evaluate(t, end ? t->to : t->from, e, NULL, F);
-        arb_zero(F + n - 1);
-        add_defect(t, F, 1); /* interpolated: 1 + 2 RIC_TUBE_MORE times at most */
+        const ric_chain *c = end ? t->to : t->from;
+        ric_equations q;
+        ric_equation_create(&q, c);
+        ric_equation_values(&q, c, e);
+        ric_equation_loosen(&q, c, e, NULL);
+        ric_equation_gather(&q, c, NULL, t->ends + end * t->k.n);
+        ric_equation_free(&q);
     }
-    _arb_vec_clear(F, n);
 }
 
-/* and C D^2 F (b - a)^2 times s (1 - s) / 2 <= 1 / 8, from A = D^2 F (b - a). */
-static void bound_bend(ric_tube *t, const arb_mat_t A)
+/* y: C times what the equations are at both ends, */
+static void bound_ends(ric_tube *t)
 {
     const slong n = t->k.n;
-    arb_ptr F = _arb_vec_init(n);
-    for (slong i = 0; i < n; i++)
-        arb_dot(F + i, NULL, 0, arb_mat_entry(A, i, 0), 1, t->chord, 1, n, t->k.prec);
+    for (slong i = 0; i < n; i++) mag_zero(t->k.y + i);
+    for (int end = 0; end < 2; end++)
+        add_defect(t, t->ends + end * n, 1); /* interpolated: 1 + 2 RIC_TUBE_MORE times at most */
+}
+
+/* and C D^2 F (b - a)^2 times s (1 - s) / 2 <= 1 / 8, from D^2 F (b - a). */
+static void bound_bend(ric_tube *t, const ric_bends *along)
+{
+    arb_ptr F = _arb_vec_init(t->k.n);
+    ric_bends_apply(along, t->chord, F);
     add_defect(t, F, -3);
-    _arb_vec_clear(F, n);
+    _arb_vec_clear(F, t->k.n);
 }
 
 /* The orbit u at an end is on the plane of s = s0 + v.(u - centre) / (v.(b - a)), |s - s0| <= |v|
@@ -242,97 +237,71 @@ static bool invert_widely(ric_tube *t, const arb_mat_t J)
 /* Z += what J is more in the hull than in the middle, beside the line: J(u) - J(p(1/2)) = D^2
  * F (u - p(1/2)), the mean of D^2 F on the way there, of which the parts along the line and each
  * direction of the basis keep what cancels in them. */
-static void add_bends(ric_tube *t, const ric_enclosure *e, arb_mat_t A)
+static void add_bends(ric_tube *t, ric_bends *bends)
 {
     const slong n = t->k.n, count = (slong)t->hull.m * t->hull.size + 1;
     arb_ptr along = _arb_vec_init(count);
     for (int d = 0; d < t->basis.count; d++) {
         ric_skew_direction(&t->basis, d, along);
-        bend(t, e, along, A);
-        ric_skew_columns(&t->basis, A, e->prec);
-        ric_contraction_add(&t->k, A, mag_get_d(t->k.b + t->basis.at[d]));
+        ric_bends_take(bends, along);
+        ric_bends_add(bends, &t->basis, mag_get_d(t->k.b + t->basis.at[d]), &t->k);
     }
     _arb_vec_zero(along, count);
     for (slong i = 0; i < n; i++) arb_add_error_mag(along + i, t->k.b + i);
     for (int d = 0; d < t->basis.count; d++) arb_zero(along + t->basis.at[d]);
-    bend(t, e, along, A);
-    ric_skew_columns(&t->basis, A, e->prec);
-    ric_contraction_add(&t->k, A, 1);
+    ric_bends_take(bends, along);
+    ric_bends_add(bends, &t->basis, 1, &t->k);
     _arb_vec_clear(along, count);
 }
 
-/* Whether radii hold for Z as it is, after some rounds in which they grow. */
-static bool radii_hold(ric_tube *t)
+/* Z from what is left of the middle, and what the line is off it: where no box holds for that, none
+ * does for more. `first`: of a box of which y is not known yet. */
+static bool add_all(ric_tube *t, const ric_enclosure *e, bool first)
 {
-    bool holds = false;
-    for (int round = 0; round <= ROUNDS && !holds; round++) holds = ric_contraction_holds(&t->k);
-    return holds;
-}
-
-/* Z from what is left of the middle, and what the line is off it. */
-static void add_line(ric_tube *t, const ric_enclosure *e, bool first, arb_mat_t A)
-{
+    ric_bends bends;
     place_hull(t);
-    bend(t, e, t->chord, A);
-    if (first) bound_bend(t, A);
-    ric_skew_columns(&t->basis, A, e->prec);
-    ric_contraction_add(&t->k, A, 0.5 + RIC_TUBE_MORE);
+    ric_bends_open(&bends, &t->hull, e);
+    ric_bends_take(&bends, t->chord);
+    if (first) bound_bend(t, &bends);
+    ric_bends_add(&bends, &t->basis, 0.5 + RIC_TUBE_MORE, &t->k);
+    if (!first) add_bends(t, &bends);
+    ric_bends_close(&bends);
+    return first ? ric_contraction_may_hold(&t->k) : ric_contraction_holds(&t->k);
 }
 
 /* Boxes that grow while the one before is too small for Z on it, the first one with room for what
- * it adds to what the line does; A: scratch. */
-static bool box_holds(ric_tube *t, const ric_enclosure *e, arb_mat_t A)
+ * it adds to what the line does. */
+static bool box_holds(ric_tube *t, const ric_enclosure *e)
 {
     const ric_enclosure coarse = ric_enclosure_coarse(e);
     const size_t size = (size_t)t->k.n * (size_t)t->k.n * sizeof(double);
     double *least = flint_malloc(size);
     memcpy(least, t->k.Z, size);
-    bound_ends(t, e);
+    bound_ends(t);
     floor_box(t);
-    add_line(t, &coarse, true, A);
-    bool hopeful = radii_hold(t), holds = false;
+    bool hopeful = add_all(t, &coarse, true), holds = false;
     for (slong i = 0; i < t->k.n; i++) {
         mag_mul_ui(t->k.b + i, t->k.b + i, 3);
         mag_mul_2exp_si(t->k.b + i, t->k.b + i, -1);
     }
     for (int i = 0; i < TRIES && !holds && hopeful; i++) {
         memcpy(t->k.Z, least, size);
-        add_line(t, &coarse, false, A);
-        add_bends(t, &coarse, A);
-        holds = ric_contraction_holds(&t->k);
-        hopeful = holds || radii_hold(t);
+        holds = add_all(t, &coarse, false);
+        hopeful = holds || ric_contraction_may_hold(&t->k);
     }
     flint_free(least);
     return holds;
-}
-
-/* The largest eigenvalue of W, which has no negative number, about. */
-static double find_root(slong n, const double *W)
-{
-    enum { STEPS = 12 };
-    double *x = flint_malloc(2 * (size_t)n * sizeof *x), *y = x + n, most = 0;
-    for (slong i = 0; i < n; i++) x[i] = 1;
-    for (int step = 0; step < STEPS; step++) {
-        memset(y, 0, (size_t)n * sizeof *y);
-        for (slong j = 0; j < n; j++)
-            for (slong i = 0; i < n; i++) y[i] += W[j * n + i] * x[j];
-        most = 0;
-        for (slong i = 0; i < n; i++) most = fmax(most, y[i]);
-        for (slong i = 0; i < n; i++) x[i] = most > 0 ? y[i] / most : 0;
-    }
-    flint_free(x);
-    return most;
 }
 
 /* In Arb's numbers where doubles do not do, and leave of 1 - C J what may be why. */
 static bool contracts(ric_tube *t, const ric_enclosure *e)
 {
     const slong n = t->k.n;
-    arb_mat_t J, A;
+    arb_mat_t J;
     arb_t half;
     arb_init(half);
     arb_mat_init(J, n, n);
-    arb_mat_init(A, n, n);
+    evaluate_ends(t, e);
     arb_set_d(half, 0.5);
     place(t, half, t->hull.u);
     for (slong i = 0; i < n; i++) arb_get_mid_arb(t->hull.u + i, t->hull.u + i);
@@ -341,13 +310,12 @@ static bool contracts(ric_tube *t, const ric_enclosure *e)
     if (!ric_halt(pow((double)n, 3))) {
         bool fine = invert(t, J);
         if (fine) {
-            fine = find_root(n, t->k.Z) < DIGITS;
-            holds = box_holds(t, e, A);
+            fine = ric_contraction_root(n, t->k.Z) < DIGITS;
+            holds = box_holds(t, e);
         }
-        if (!holds && !fine && !ric_halted()) holds = invert_widely(t, J) && box_holds(t, e, A);
+        if (!holds && !fine && !ric_halted()) holds = invert_widely(t, J) && box_holds(t, e);
     }
     arb_mat_clear(J);
-    arb_mat_clear(A);
     arb_clear(half);
     return holds;
 }
@@ -383,13 +351,12 @@ static void set_family(ric_tube *t)
 }
 
 /* w: half of C D^2 F (b - a)^2, where D is all but C^-1. */
-static void guess_sag(ric_tube *t, const arb_mat_t A)
+static void guess_sag(ric_tube *t, const ric_bends *along)
 {
     const slong n = t->k.n;
     arb_ptr F = _arb_vec_init(n);
     double *w = flint_malloc((size_t)n * sizeof *w);
-    for (slong i = 0; i < n; i++)
-        arb_dot(F + i, NULL, 0, arb_mat_entry(A, i, 0), 1, t->chord, 1, n, t->k.prec);
+    ric_bends_apply(along, t->chord, F);
     ric_contraction_apply(&t->k, F, t->sag);
     for (slong i = 0; i < n; i++) w[i] = ric_arb_middle(t->sag + i) / 2;
     ric_skew_turn(&t->basis, w);
@@ -399,16 +366,17 @@ static void guess_sag(ric_tube *t, const arb_mat_t A)
 }
 
 /* y <- what C F is along q(s) = p(s) + s (1 - s) w: at its ends, and an eighth of its second
- * derivative C (D^2 F (q', q') - 2 D w), q' = b - a within 1 + 2 RIC_TUBE_MORE of w; A, J: scratch.
- */
-static void bound_sag(ric_tube *t, const ric_enclosure *e, arb_mat_t A, arb_mat_t J)
+ * derivative C (D^2 F (q', q') - 2 D w), q' = b - a within 1 + 2 RIC_TUBE_MORE of w. */
+static void bound_sag(ric_tube *t, const ric_enclosure *e, ric_bends *bends)
 {
     const slong n = t->k.n, count = (slong)t->hull.m * t->hull.size + 1;
-    arb_ptr way = _arb_vec_init(count), F = _arb_vec_init(n);
+    arb_ptr way = _arb_vec_init(count), F = _arb_vec_init(2 * n), G = F + n;
+    arb_mat_t J;
     mag_t size;
     arb_t all;
     mag_init(size);
     arb_init(all);
+    arb_mat_init(J, n, n);
     arb_set_d(all, 1 + 2 * RIC_TUBE_MORE);
     for (slong i = 0; i < n; i++) {
         arb_mul(way + i, t->sag + i, all, t->k.prec);
@@ -416,19 +384,21 @@ static void bound_sag(ric_tube *t, const ric_enclosure *e, arb_mat_t A, arb_mat_
         arb_set(way + i, t->chord + i);
         arb_add_error_mag(way + i, size);
     }
-    bound_ends(t, e);
-    bend(t, e, way, A);
+    bound_ends(t);
+    ric_bends_take(bends, way);
+    ric_bends_apply(bends, way, F);
     evaluate(t, &t->hull, e, J, NULL);
     for (slong i = 0; i < n; i++) {
-        arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->sag, 1, n, t->k.prec);
-        arb_mul_2exp_si(F + i, F + i, 1);
-        arb_dot(F + i, F + i, 1, arb_mat_entry(A, i, 0), 1, way, 1, n, t->k.prec);
+        arb_dot(G + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->sag, 1, n, t->k.prec);
+        arb_mul_2exp_si(G + i, G + i, 1);
+        arb_sub(F + i, F + i, G + i, t->k.prec);
     }
     add_defect(t, F, -3);
     mag_clear(size);
     arb_clear(all);
+    arb_mat_clear(J);
     _arb_vec_clear(way, count);
-    _arb_vec_clear(F, n);
+    _arb_vec_clear(F, 2 * n);
 }
 
 static double sum_of(slong n, mag_srcptr x)
@@ -446,12 +416,12 @@ static void bend_line(ric_tube *t, const ric_enclosure *e)
     const slong n = t->k.n;
     const ric_enclosure coarse = ric_enclosure_coarse(e);
     mag_ptr x = _mag_vec_init(n), next = _mag_vec_init(n);
-    arb_mat_t A, J;
-    arb_mat_init(A, n, n);
-    arb_mat_init(J, n, n);
-    bend(t, &coarse, t->chord, A);
-    guess_sag(t, A);
-    bound_sag(t, &coarse, A, J);
+    ric_bends bends;
+    ric_bends_open(&bends, &t->hull, &coarse);
+    ric_bends_take(&bends, t->chord);
+    guess_sag(t, &bends);
+    bound_sag(t, &coarse, &bends);
+    ric_bends_close(&bends);
     for (slong i = 0; i < n; i++) arb_get_mag(x + i, t->sag + i);
     ric_skew_enter(&t->basis, x, x);
     for (slong i = 0; i < n; i++) {
@@ -468,8 +438,6 @@ static void bend_line(ric_tube *t, const ric_enclosure *e)
             arb_zero(t->sag + i);
             mag_set(t->rest + i, t->spread + i);
         }
-    arb_mat_clear(A);
-    arb_mat_clear(J);
     _mag_vec_clear(x, n);
     _mag_vec_clear(next, n);
 }
@@ -486,6 +454,7 @@ bool ric_tube_create(ric_tube *t, ric_tube_end from, ric_tube_end to, const ric_
     t->middle = _arb_vec_init(count);
     t->half = _arb_vec_init(count);
     t->row = _arb_vec_init(t->k.n);
+    t->ends = _arb_vec_init(2 * t->k.n);
     t->sag = _arb_vec_init(t->k.n);
     t->rest = _mag_vec_init(t->k.n);
     arb_init(t->length);
@@ -503,6 +472,7 @@ void ric_tube_free(ric_tube *t)
     _arb_vec_clear(t->middle, count);
     _arb_vec_clear(t->half, count);
     _arb_vec_clear(t->row, t->k.n);
+    _arb_vec_clear(t->ends, 2 * t->k.n);
     _arb_vec_clear(t->sag, t->k.n);
     _mag_vec_clear(t->rest, t->k.n);
     _mag_vec_clear(t->spread, t->k.n);
@@ -575,35 +545,17 @@ void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out)
 
 /* ----------------------------------------------------------------- its length */
 
-/* W [n * n] column by column: T C A, approximately, without signs. */
-static void multiply_bend(const ric_tube *t, const arb_mat_t A, double *W)
-{
-    const slong n = t->k.n;
-    const ric_contraction *k = &t->k;
-    memset(W, 0, (size_t)(n * n) * sizeof *W);
-    for (slong j = 0; j < n; j++)
-        for (slong l = 0; l < n; l++) {
-            if (arb_is_zero(arb_mat_entry(A, l, j))) continue;
-            const double a = ric_arb_middle(arb_mat_entry(A, l, j));
-            for (slong i = 0; i < n; i++)
-                W[j * n + i] += a * (k->wide ? ric_arb_middle(arb_mat_entry(k->own, i, l))
-                                             : k->C[l * n + i]);
-        }
-    for (slong j = 0; j < n; j++) ric_skew_turn(&t->basis, W + j * n);
-    for (slong i = 0; i < n * n; i++) W[i] = fabs(W[i]);
-}
-
 double ric_tube_strain(const ric_tube *t, const ric_enclosure *e)
 {
     const slong n = t->k.n;
     const ric_enclosure coarse = ric_enclosure_coarse(e);
     double *W = flint_malloc((size_t)(n * n) * sizeof *W);
-    arb_mat_t A;
-    arb_mat_init(A, n, n);
-    bend(t, &coarse, t->chord, A);
-    multiply_bend(t, A, W);
-    const double root = find_root(n, W) / 2;
-    arb_mat_clear(A);
+    ric_bends bends;
+    ric_bends_open(&bends, &t->hull, &coarse);
+    ric_bends_take(&bends, t->chord);
+    ric_bends_turn(&bends, &t->basis, &t->k, W);
+    ric_bends_close(&bends);
+    const double root = ric_contraction_root(n, W) / 2;
     flint_free(W);
     return root;
 }

@@ -27,6 +27,7 @@ typedef struct {
     ric_skew basis;       /* u = p(s) + T x */
     mag_ptr spread;       /* [n] |T| radii: how far u goes */
     arb_ptr chord, row;   /* [n] b - a; the same times a power of two */
+    arb_ptr ends;         /* [2 * n] the equations at both centres */
     arb_ptr sag;          /* [n] w: orbits lie near p(s) + s (1 - s) w, */
     mag_ptr rest;         /* [n] and within that of it */
     arb_ptr middle, half; /* [m * size + 1] of the arc, with its distance from the line; and of the
