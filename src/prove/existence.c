@@ -1,56 +1,24 @@
-#include "existence.h"
-
 #include <math.h>
 #include <string.h>
 
-#include "ball.h"
 #include "base/room.h"
-#include "contraction.h"
-#include "factor.h"
-#include "quick.h"
+#include "existence_problem.h"
 
 enum {
-    NEWTON = 8,    /* steps at most */
-    CHORD = 16,    /* the same with derivatives of an earlier centre */
-    SLOW = -12,    /* a step of 2^-12 of the one before, or more, has the next one take its own */
-    WIDEST = 1024, /* numbers of a block whose sums quick.h bounds */
-    POWER = 4,     /* steps of the inverse iteration for the least singular value */
-    ALPHAS = 6,    /* bounds of it that are tried, each an eighth of the one before */
-    DENSE = 400,   /* unknowns of a matrix that is not taken apart */
-    WEIGHTS = 24,  /* weights of the unknowns that are tried in it */
-    WORK = 1000,   /* multiplications of a step for each unknown, about */
-    BOXES = 4,     /* that are tried */
-    SHARE = -20,   /* 2^-20 of the largest: the least radius of those */
-    NARROW = -9,   /* 2^-9 of what all have moved by: the least radius of a box that is narrow */
-    DOMAIN = -3,   /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a
-                      turn of a mode */
+    NEWTON = 8,  /* steps at most */
+    CHORD = 16,  /* the same with derivatives of an earlier centre */
+    SLOW = -12,  /* a step of 2^-12 of the one before, or more, has the next one take its own */
+    POWER = 4,   /* steps of the inverse iteration for the least singular value */
+    ALPHAS = 6,  /* bounds of it that are tried, each an eighth of the one before */
+    DOMAIN = -3, /* 2^-3: radius of the ball in which the Lipschitz constant holds, no more than a
+                    turn of a mode */
 };
 
 /* Of what numbers change along the curve: no difference. */
 #define ALIKE 1e-9
 
-/* In which numbers D is looked at: D'D in doubles, an inverse in doubles, which bears more and is
- * for what is not large, and D'D in balls. */
-typedef enum { QUICK, INVERSE, BALLS } way;
-
-typedef struct {
-    ric_chain *c;
-    const ric_enclosure *e;
-    ric_equations q;
-    way way;
-    slong n;           /* unknowns */
-    ric_quick d;       /* of QUICK */
-    ric_contraction k; /* of INVERSE, and of a box */
-    arb_mat_t J;       /* [n * n], of the same */
-    arb_ptr F, z;      /* [n] */
-    double *y;         /* [n] a vector of doubles */
-    ric_factor f;      /* of BALLS */
-    arb_mat_t *x;      /* [m] a vector, block by block, of balls */
-    arb_t zero;
-} problem;
-
 /* Room for a whole matrix. */
-static void open_dense(problem *p)
+void ric_existence_open_dense(ric_existence_problem *p)
 {
     if (p->F) return;
     ric_contraction_create(&p->k, p->n, p->e->prec);
@@ -61,7 +29,7 @@ static void open_dense(problem *p)
 
 /* ------------------------------------------------------------------ vectors */
 
-static void vector_zero(const problem *p)
+static void vector_zero(const ric_existence_problem *p)
 {
     for (int k = 0; k < p->c->m; k++) arb_mat_zero(p->x[k]);
 }
@@ -80,7 +48,7 @@ static void add_transposed(arb_mat_t to, const arb_mat_t J, const arb_mat_t r, s
 }
 
 /* x = D' F. */
-static void gradient(const problem *p)
+static void gradient(const ric_existence_problem *p)
 {
     vector_zero(p);
     for (int i = 0; i < p->q.n; i++) {
@@ -98,10 +66,10 @@ static double block_size(const arb_mat_t x)
     return sqrt(sum);
 }
 
-static double size_of(const problem *p)
+static double size_of(const ric_existence_problem *p)
 {
     double sum = 0;
-    if (p->way != BALLS) {
+    if (p->way != RIC_EXISTENCE_BALLS) {
         for (slong i = 0; i < p->n; i++) sum += p->y[i] * p->y[i];
         return sqrt(sum);
     }
@@ -109,9 +77,9 @@ static double size_of(const problem *p)
     return sqrt(sum);
 }
 
-static void scale(const problem *p, double by)
+static void scale(const ric_existence_problem *p, double by)
 {
-    if (p->way != BALLS) {
+    if (p->way != RIC_EXISTENCE_BALLS) {
         for (slong i = 0; i < p->n; i++) p->y[i] *= by;
         return;
     }
@@ -126,15 +94,15 @@ static void scale(const problem *p, double by)
 }
 
 /* (D'D - alpha)^-1 of the vector. */
-static void solve(const problem *p)
+static void solve(const ric_existence_problem *p)
 {
-    if (p->way == QUICK) ric_quick_solve(&p->d, p->y);
+    if (p->way == RIC_EXISTENCE_QUICK) ric_quick_solve(&p->d, p->y);
     else ric_factor_solve(&p->f, p->x);
 }
 
 /* -------------------------------------------------------------------- plane */
 
-static double size_of_vector(arb_srcptr x, slong n)
+double ric_existence_size(arb_srcptr x, slong n)
 {
     double sum = 0;
     for (slong i = 0; i < n; i++) sum += pow(arf_get_d(arb_midref(x + i), ARF_RND_NEAR), 2);
@@ -142,10 +110,10 @@ static double size_of_vector(arb_srcptr x, slong n)
 }
 
 /* The first plane: across the state of block 0. */
-static bool lay_first(problem *p)
+static bool lay_first(ric_existence_problem *p)
 {
     ric_chain *c = p->c;
-    const double size = size_of_vector(ric_chain_block(c, 0), 2 * c->n);
+    const double size = ric_existence_size(ric_chain_block(c, 0), 2 * c->n);
     if (!(size > 0) || !isfinite(size)) return false;
     _arb_vec_set(c->row, ric_chain_block(c, 0), 2 * c->n);
     arb_zero(c->row + 2 * c->n);
@@ -157,7 +125,7 @@ static bool lay_first(problem *p)
 }
 
 /* J of all equations, the plane last. */
-static void gather(problem *p)
+static void gather(ric_existence_problem *p)
 {
     const ric_chain *c = p->c;
     ric_equation_gather(&p->q, c, p->J, p->F);
@@ -166,19 +134,19 @@ static void gather(problem *p)
 }
 
 /* y <- C F. */
-static void invert_rows(problem *p)
+static void invert_rows(ric_existence_problem *p)
 {
     ric_contraction_apply(&p->k, p->F, p->z);
     for (slong i = 0; i < p->n; i++) p->y[i] = ric_arb_middle(p->z + i);
 }
 
-static bool take_apart(problem *p)
+static bool take_apart(ric_existence_problem *p)
 {
-    if (p->way == QUICK) {
+    if (p->way == RIC_EXISTENCE_QUICK) {
         ric_quick_assemble(&p->d, &p->q);
         return ric_quick_make(&p->d, 0);
     }
-    if (p->way == INVERSE) {
+    if (p->way == RIC_EXISTENCE_INVERSE) {
         gather(p);
         return ric_contraction_invert_quickly(&p->k, p->J);
     }
@@ -186,14 +154,14 @@ static bool take_apart(problem *p)
     return ric_factor_make(&p->f, p->zero);
 }
 
-static bool factorise(problem *p)
+bool ric_existence_factorise(ric_existence_problem *p)
 {
     ric_equation_evaluate(&p->q, p->c, p->e);
     return take_apart(p);
 }
 
 /* Holds number i of block k at what it is, rounded. */
-static void hold(problem *p, int k, int i)
+static void hold(ric_existence_problem *p, int k, int i)
 {
     ric_chain *c = p->c;
     arb_t x, unit;
@@ -205,7 +173,7 @@ static void hold(problem *p, int k, int i)
     arb_mul(x, x, unit, p->e->prec);
     arf_get_fmpz(c->held, arb_midref(x), ARF_RND_NEAR);
     ric_chain_number_row(p->e, i, c->row);
-    c->scale = ilogb(size_of_vector(c->row, c->size));
+    c->scale = ilogb(ric_existence_size(c->row, c->size));
     _arb_vec_scalar_mul_2exp_si(c->row, c->row, c->size, -c->scale);
     c->at = k;
     ric_equation_move_plane(&p->q, c, p->e);
@@ -214,11 +182,11 @@ static void hold(problem *p, int k, int i)
 }
 
 /* y: the tangent of the curve of orbits, D v = (0, .., 0, 1), with D as it was taken apart. */
-static void find_tangent(problem *p)
+static void find_tangent(ric_existence_problem *p)
 {
     const ric_chain *c = p->c;
     const slong at = (slong)c->at * c->size;
-    if (p->way == INVERSE) {
+    if (p->way == RIC_EXISTENCE_INVERSE) {
         _arb_vec_zero(p->F, p->n - 1);
         arb_one(p->F + p->n - 1);
         invert_rows(p);
@@ -231,11 +199,11 @@ static void find_tangent(problem *p)
         arb_get_mid_arb(arb_mat_entry(p->x[c->at], i, 0), c->row + i);
     }
     solve(p);
-    for (slong i = 0; i < (slong)c->m * c->size && p->way == BALLS; i++)
+    for (slong i = 0; i < (slong)c->m * c->size && p->way == RIC_EXISTENCE_BALLS; i++)
         p->y[i] = ric_arb_middle(arb_mat_entry(p->x[i / c->size], i % c->size, 0));
 }
 
-static void keep_tangent(problem *p, ric_existence *x)
+void ric_existence_keep_tangent(ric_existence_problem *p, ric_existence *x)
 {
     const slong count = (slong)p->c->m * p->c->size;
     double sum = 0;
@@ -249,13 +217,13 @@ static void keep_tangent(problem *p, ric_existence *x)
 }
 
 /* The derivatives of all numbers of a block, as units, out [numbers * size]. */
-static void number_rows(const problem *p, double *out)
+static void number_rows(const ric_existence_problem *p, double *out)
 {
     const slong size = p->c->size;
     arb_ptr row = _arb_vec_init(size);
     for (int i = 0; i <= 2 * p->e->n_dof; i++) {
         ric_chain_number_row(p->e, i, row);
-        const double length = size_of_vector(row, size);
+        const double length = ric_existence_size(row, size);
         for (slong j = 0; j < size; j++)
             out[i * size + j] = length > 0 ? ric_arb_middle(row + j) / length : 0;
     }
@@ -265,10 +233,10 @@ static void number_rows(const problem *p, double *out)
 /* From a plane that need not be a good one: the number that changes most along the curve is held, a
  * plane that a decimal says, and that turns away from no curve. Of those that change alike it is
  * the first. */
-static bool find_plane(problem *p)
+bool ric_existence_find_plane(ric_existence_problem *p)
 {
     const ric_chain *c = p->c;
-    if (!lay_first(p) || !factorise(p)) return false;
+    if (!lay_first(p) || !ric_existence_factorise(p)) return false;
     find_tangent(p);
     const int numbers = 2 * p->e->n_dof + 1;
     double *rows = flint_malloc((size_t)numbers * (size_t)c->size * sizeof *rows), most = 0;
@@ -291,25 +259,25 @@ static bool find_plane(problem *p)
 
 /* ------------------------------------------------------------------- centre */
 
-static void step_back(problem *p)
+static void step_back(ric_existence_problem *p)
 {
     ric_chain *c = p->c;
     for (int k = 0; k < c->m; k++)
         for (slong i = 0; i < c->size; i++) {
             arb_ptr u = ric_chain_block(c, k) + i, x = arb_mat_entry(p->x[k], i, 0);
-            if (p->way != BALLS) arb_set_d(x, p->y[k * c->size + i]);
+            if (p->way != RIC_EXISTENCE_BALLS) arb_set_d(x, p->y[k * c->size + i]);
             arb_sub(u, u, x, p->e->prec);
             arb_get_mid_arb(u, u);
         }
 }
 
 /* The first step has the equations where they were evaluated already. */
-static bool find_step(problem *p, int step, bool slow)
+static bool find_step(ric_existence_problem *p, int step, bool slow)
 {
-    if (p->way != BALLS) {
+    if (p->way != RIC_EXISTENCE_BALLS) {
         if (step > 0 && !slow) ric_equation_values(&p->q, p->c, p->e);
-        else if (step > 0 ? !factorise(p) : !take_apart(p)) return false;
-        if (p->way == QUICK) {
+        else if (step > 0 ? !ric_existence_factorise(p) : !take_apart(p)) return false;
+        if (p->way == RIC_EXISTENCE_QUICK) {
             ric_quick_step(&p->d, &p->q, p->y);
             return true;
         }
@@ -317,14 +285,14 @@ static bool find_step(problem *p, int step, bool slow)
         invert_rows(p);
         return true;
     }
-    if (!factorise(p)) return false;
+    if (!ric_existence_factorise(p)) return false;
     gradient(p);
     solve(p);
     return true;
 }
 
 /* Newton's method from the stored orbit until steps no longer shrink; lambda stays 0. */
-static bool refine(problem *p, double *shift, double *moved)
+bool ric_existence_refine(ric_existence_problem *p, double *shift, double *moved)
 {
     double before = HUGE_VAL, largest = 0;
     for (int k = 0; k < p->c->m; k++) {
@@ -334,8 +302,9 @@ static bool refine(problem *p, double *shift, double *moved)
     }
     *shift = 0;
     bool slow = false;
-    for (int step = 0; step < (p->way != BALLS ? CHORD : NEWTON); step++) {
-        if (ric_halt((double)(WORK * p->n)) || !find_step(p, step, slow)) return false;
+    for (int step = 0; step < (p->way != RIC_EXISTENCE_BALLS ? CHORD : NEWTON); step++) {
+        if (ric_halt((double)(RIC_EXISTENCE_WORK * p->n)) || !find_step(p, step, slow))
+            return false;
         double size = size_of(p);
         if (!isfinite(size)) return false;
         if (size > before / 2) break;
@@ -352,7 +321,7 @@ static bool refine(problem *p, double *shift, double *moved)
 /* ------------------------------------------------------------------- bounds */
 
 /* The least singular value of D, squared, by inverse iteration: a guess, which is proved or not. */
-static double guess_least(problem *p)
+static double guess_least(ric_existence_problem *p)
 {
     for (int k = 0; k < p->c->m; k++)
         for (slong i = 0; i < arb_mat_nrows(p->x[k]); i++) {
@@ -369,9 +338,9 @@ static double guess_least(problem *p)
 }
 
 /* beta, without what the slack of the flights takes away: 1 / sqrt(alpha - delta) = 1 / `least`. */
-static bool bound_inverse(problem *p, arb_t least)
+bool ric_existence_bound_inverse(ric_existence_problem *p, arb_t least)
 {
-    if (p->way == INVERSE) {
+    if (p->way == RIC_EXISTENCE_INVERSE) {
         ric_contraction_defect(&p->k, p->J);
         arb_set_d(least, ric_contraction_least(&p->k));
         return arb_is_positive(least);
@@ -382,9 +351,10 @@ static bool bound_inverse(problem *p, arb_t least)
     bool done = false;
     for (int i = 0; i < ALPHAS && !done && guess > 0 && isfinite(guess); i++, guess /= 8) {
         arb_set_d(alpha, guess);
-        if (!(p->way == QUICK ? ric_quick_make(&p->d, guess) : ric_factor_make(&p->f, alpha)))
+        if (!(p->way == RIC_EXISTENCE_QUICK ? ric_quick_make(&p->d, guess)
+                                            : ric_factor_make(&p->f, alpha)))
             continue;
-        if (p->way == QUICK) arb_set_d(least, ric_quick_residual(&p->d, guess));
+        if (p->way == RIC_EXISTENCE_QUICK) arb_set_d(least, ric_quick_residual(&p->d, guess));
         else ric_factor_residual(&p->f, alpha, least);
         arb_sub(least, alpha, least, p->e->prec);
         done = arb_is_positive(least);
@@ -472,7 +442,7 @@ static void bound_flight(const ric_enclosure *e, arb_srcptr w, const arb_t r, bl
 
 /* The norm of the rows that a chain ends with: those of an impact are c and 2 n - 2 numbers of it
  * in the others; those of an image are sums and differences of two rows of the modes. */
-static void bound_rows(const problem *p, arb_t out)
+static void bound_rows(const ric_existence_problem *p, arb_t out)
 {
     arb_one(out);
     if (p->c->end == RIC_CHAIN_TWIN) arb_addmul_ui(out, p->e->spread, 2, p->e->prec);
@@ -485,7 +455,8 @@ static void bound_rows(const problem *p, arb_t out)
 
 /* K = max over the blocks of |F'| + |F'' w|: the norm of x y' + x' y, x and y the parts of two unit
  * vectors, is 1. Behind the factor 1 + lambda it is that times 1 + r, and |F| + |F' w| more. */
-static void bound_second(const problem *p, const arb_t r, arb_t lipschitz, arb_t slack)
+static void bound_second(const ric_existence_problem *p, const arb_t r, arb_t lipschitz,
+                         arb_t slack)
 {
     slong prec = p->e->prec;
     arb_ptr own = _arb_vec_init(p->c->size);
@@ -528,7 +499,7 @@ static void bound_second(const problem *p, const arb_t r, arb_t lipschitz, arb_t
     arb_clear(rows);
 }
 
-static void residual(const problem *p, const arb_t slack, arb_t out)
+static void residual(const ric_existence_problem *p, const arb_t slack, arb_t out)
 {
     slong prec = p->e->prec;
     arb_t x;
@@ -546,7 +517,7 @@ static void residual(const problem *p, const arb_t slack, arb_t out)
 
 /* The positive test of the whole proof: 2 beta^2 K |F| < 1, where nothing that is not a number
  * passes. */
-static bool conclude(const problem *p, ric_existence *x, const arb_t least)
+bool ric_existence_conclude(const ric_existence_problem *p, ric_existence *x, const arb_t least)
 {
     slong prec = p->e->prec;
     arb_t r, K, slack, beta, eta, h;
@@ -584,222 +555,4 @@ static bool conclude(const problem *p, ric_existence *x, const arb_t least)
     arb_clear(eta);
     arb_clear(h);
     return done;
-}
-
-/* -------------------------------------------------------------------- proof */
-
-void ric_existence_init(ric_existence *x)
-{
-    *x = (ric_existence){.moved = HUGE_VAL, .shift = HUGE_VAL};
-    arb_init(x->exists);
-    arb_init(x->unique);
-}
-
-void ric_existence_clear(ric_existence *x)
-{
-    arb_clear(x->exists);
-    arb_clear(x->unique);
-    flint_free(x->tangent);
-}
-
-/* What is stored lies where the orbit is the only one. */
-static bool identifies(const ric_existence *x)
-{
-    return x->shift < arf_get_d(arb_midref(x->unique), ARF_RND_FLOOR);
-}
-
-/* J and F of all equations on a box around the centre; the plane is the last row. */
-static void evaluate_box(problem *p, const ric_chain *box)
-{
-    ric_equations q;
-    ric_equation_create(&q, box);
-    ric_equation_evaluate(&q, box, p->e);
-    ric_equation_loosen(&q, box, p->e, NULL);
-    ric_equation_gather(&q, box, p->J, p->F);
-    arb_set(p->F + p->n - 1, arb_mat_entry(ric_equation_plane(&q)->F, 0, 0));
-    ric_equation_free(&q);
-    _arb_vec_set(arb_mat_entry(p->J, p->n - 1, (slong)box->at * box->size), box->row, box->size);
-}
-
-/* Whether a box around the centre, whose radii are the weights of k, holds no other orbit. With any
- * C and Z >= |1 - C D| on it two zeros in it differ by at most Z times what they differ by, number
- * by number: by nothing, if Z b < b for weights b > 0, which need not be the radii. */
-static bool box_is_alone(problem *p)
-{
-    ric_chain box;
-    bool alone = false;
-    ric_chain_copy(&box, p->c);
-    for (slong i = 0; i < p->n; i++) arb_add_error_mag(box.u + i, p->k.b + i);
-    evaluate_box(p, &box);
-    ric_contraction_defect(&p->k, p->J);
-    for (int i = 0; i < WEIGHTS && !alone; i++) alone = ric_contraction_holds(&p->k);
-    ric_chain_free(&box);
-    return alone;
-}
-
-/* Radii of at least `least`, and at least twice what each number has moved by from `start`. */
-static void lay_radii(problem *p, arb_srcptr start, double least)
-{
-    const slong count = (slong)p->c->m * p->c->size;
-    const ric_contraction *k = &p->k;
-    arb_t moved;
-    mag_t twice;
-    arb_init(moved);
-    mag_init(twice);
-    for (slong i = 0; i < k->n; i++) {
-        mag_set_d(k->b + i, least);
-        if (i == count || !start) continue;
-        arb_sub(moved, p->c->u + i, start + i, p->e->prec);
-        arb_get_mag(twice, moved);
-        mag_mul_2exp_si(twice, twice, 1);
-        mag_max(k->b + i, k->b + i, twice);
-    }
-    arb_clear(moved);
-    mag_clear(twice);
-}
-
-/* That no other orbit is near, number by number: bounds of norms are too coarse where frequencies
- * are far apart. The first box has one radius, the other one is as narrow as what is stored allows.
- * Dense, so only for what is not large. start [m * size]: the centre as it was stored. */
-static bool alone_in_box(problem *p, ric_existence *x, arb_srcptr start)
-{
-    const double radius[2] = {2 * x->shift, ldexp(x->shift, NARROW)};
-    if (p->n > DENSE || !(radius[1] > 0) || !isfinite(radius[0])) return false;
-    open_dense(p);
-    bool alone = true, done = false;
-    if (p->way != INVERSE) {
-        evaluate_box(p, p->c);
-        alone = p->way == BALLS ? ric_contraction_invert(&p->k, p->J, RIC_CONTRACTION_FINE)
-                                : ric_contraction_invert_quickly(&p->k, p->J);
-    }
-    for (int i = 0; i < 2 && alone && !done; i++) {
-        lay_radii(p, i ? start : NULL, radius[i]);
-        done = arf_cmp_d(arb_midref(x->exists), radius[i]) < 0 && box_is_alone(p);
-        if (done) arb_set_d(x->unique, radius[i]);
-    }
-    return done;
-}
-
-/* Krawczyk's test in a box of the radii of what C makes of F, number by number, and of no less than
- * a share of the largest. Where D has a condition of 10^13 bounds of norms do not do, as those of
- * F'' grow with the squares of the frequencies. Nothing is told of other orbits near. */
-static bool contracts_in_box(problem *p, ric_existence *x)
-{
-    ric_chain box;
-    mag_t least;
-    mag_init(least);
-    ric_chain_copy(&box, p->c);
-    evaluate_box(p, &box);
-    ric_contraction_apply(&p->k, p->F, p->z);
-    for (slong i = 0; i < p->n; i++) {
-        arb_get_mag(p->k.y + i, p->z + i);
-        mag_max(least, least, p->k.y + i);
-    }
-    mag_mul_2exp_si(least, least, SHARE);
-    for (slong i = 0; i < p->n; i++) {
-        mag_mul_2exp_si(p->k.b + i, p->k.y + i, 1);
-        mag_max(p->k.b + i, p->k.b + i, least);
-    }
-    bool holds = false;
-    for (int i = 0; i < BOXES && !holds; i++) {
-        _arb_vec_set(box.u, p->c->u, (slong)p->c->m * p->c->size + 1);
-        for (slong l = 0; l < p->n; l++) arb_add_error_mag(box.u + l, p->k.b + l);
-        evaluate_box(p, &box);
-        ric_contraction_defect(&p->k, p->J);
-        holds = ric_contraction_holds(&p->k);
-    }
-    for (slong i = 0; i < p->n; i++) arf_set_mag(arb_midref(p->z + i), p->k.b + i);
-    for (slong i = 0; i < p->n; i++) mag_zero(arb_radref(p->z + i));
-    ric_chain_norm(p->n, p->z, p->e->prec, x->exists);
-    arb_zero(x->unique);
-    arb_get_ubound_arf(arb_midref(x->exists), x->exists, p->e->prec);
-    mag_zero(arb_radref(x->exists));
-    ric_chain_free(&box);
-    mag_clear(least);
-    return holds;
-}
-
-/* start [m * size]: the centre as it is stored; `alone`: whether it is the only one there is asked.
- */
-static const char *prove(problem *p, ric_existence *x, arb_srcptr start, bool alone)
-{
-    arb_t least;
-    if (!find_plane(p)) return "the equations are singular there: a junction";
-    if (!refine(p, &x->shift, &x->moved)) return "no orbit was found from it";
-    if (!factorise(p)) return "the equations are singular there: a junction";
-    keep_tangent(p, x);
-    arb_init(least);
-    const char *why = !bound_inverse(p, least) ? "the equations are all but singular there"
-                      : !conclude(p, x, least)
-                          ? "the equations are too near to singular for what is left of them"
-                          : NULL;
-    if (why && !alone && p->way == INVERSE && contracts_in_box(p, x)) why = NULL;
-    x->identified = !why && alone && (identifies(x) || alone_in_box(p, x, start));
-    x->blur = size_of_vector(start, (slong)p->c->m * p->c->size) * RIC_BALL_UNIT /
-              arf_get_d(arb_midref(least), ARF_RND_NEAR);
-    arb_clear(least);
-    return why;
-}
-
-static void open_problem(problem *p)
-{
-    const ric_chain *c = p->c;
-    arb_init(p->zero);
-    ric_factor_create(&p->f, c, p->e->prec);
-    ric_quick_create(&p->d, c);
-    p->n = ric_quick_unknowns(&p->d);
-    p->y = flint_calloc((size_t)p->n, sizeof *p->y);
-    p->x = flint_calloc((size_t)c->m, sizeof *p->x);
-    for (int k = 0; k < c->m; k++) arb_mat_init(p->x[k], ric_chain_width(c, k), 1);
-}
-
-static void close_problem(problem *p)
-{
-    for (int k = 0; k < p->c->m; k++) arb_mat_clear(p->x[k]);
-    flint_free(p->x);
-    flint_free(p->y);
-    ric_factor_free(&p->f);
-    ric_quick_free(&p->d);
-    if (p->q.group) ric_equation_free(&p->q);
-    arb_clear(p->zero);
-    if (!p->F) return;
-    ric_contraction_free(&p->k);
-    arb_mat_clear(p->J);
-    _arb_vec_clear(p->F, p->n);
-    _arb_vec_clear(p->z, p->n);
-}
-
-/* In each way, until one proves it and, where that is asked, tells it apart from others. */
-static const char *prove_in_ways(ric_existence *x, ric_chain *c, const ric_enclosure *e, bool alone)
-{
-    problem p = {.c = c, .e = e};
-    open_problem(&p);
-    const slong count = (slong)c->m * c->size;
-    arb_ptr start = _arb_vec_init(count);
-    _arb_vec_set(start, c->u, count);
-    const char *why = NULL;
-    for (p.way = (way)x->way; p.way <= BALLS; p.way++) {
-        if (ric_halt((double)(WORK * p.n))) why = "stopped";
-        if (ric_halted()) break;
-        if (p.way == QUICK && p.d.wide > WIDEST) continue;
-        if (p.way == INVERSE && p.n > DENSE) continue;
-        if (p.way == INVERSE) open_dense(&p);
-        _arb_vec_set(c->u, start, count);
-        why = prove(&p, x, start, alone);
-        x->way = (int)p.way;
-        if (!why && (x->identified || !alone)) break;
-    }
-    _arb_vec_clear(start, count);
-    close_problem(&p);
-    return why;
-}
-
-const char *ric_existence_prove(ric_existence *x, ric_chain *c, const ric_enclosure *e)
-{
-    return prove_in_ways(x, c, e, true);
-}
-
-const char *ric_existence_find(ric_existence *x, ric_chain *c, const ric_enclosure *e)
-{
-    return prove_in_ways(x, c, e, false);
 }
