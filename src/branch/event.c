@@ -356,28 +356,48 @@ static ric_status find_reach(ric_continuation *tr, double h, root_list *list, bo
     return find_zeros(tr, RIC_TEST_REACH, good ? to : HUGE_VAL, h, list, retry);
 }
 
-/* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its
- * test, or -1, and its distance. */
-static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *test, double *end,
-                           bool *retry)
+/* The first zero of the functions `which` that end a branch. */
+static ric_status find_first(ric_continuation *tr, unsigned which, double h, ric_event_root *first,
+                             bool *found, bool *retry)
 {
     ric_event_root roots[RIC_MOST_SAMPLES];
     root_list list = {.capacity = RIC_MOST_SAMPLES, .root = roots};
+    const unsigned reach = which & 1u << RIC_TEST_REACH;
+    ric_status status = find_roots(tr, which & ~reach, h, &list, retry);
+    if (!status && !*retry && reach) status = find_reach(tr, h, &list, retry);
+    if ((*found = !status && !*retry && list.n)) {
+        qsort(roots, (size_t)list.n, sizeof *roots, ric_event_by_place);
+        *first = roots[0];
+    }
+    return status;
+}
+
+/* The far end of the branch, if one of the functions `which` that end it vanishes in this step: its
+ * test, or -1, and its distance. The zero that is found tells whether there may be one before. */
+static ric_status find_end(ric_continuation *tr, unsigned which, double h, int *test, double *end,
+                           bool *retry)
+{
+    ric_event_root first = {-1, h};
     *test = -1;
     *end = h;
     which = seen_in(tr, which);
     ric_status status = ric_event_samples_refine(tr, which, false, NAN, NAN, h);
-    if (!status) status = ric_event_samples_probe(tr, which, false, h);
-    const unsigned reach = which & 1u << RIC_TEST_REACH;
-    if (!status) status = find_roots(tr, which & ~reach, h, &list, retry);
-    if (!status && !*retry && reach) status = find_reach(tr, h, &list, retry);
-    if (status || *retry || !list.n) return status;
-    qsort(roots, (size_t)list.n, sizeof *roots, ric_event_by_place);
-    *test = roots[0].test;
-    *end = roots[0].x;
+    if (!status) status = ric_event_samples_probe(tr, which, false, NULL, h);
+    bool found = false;
+    for (int pass = 0; pass < PASSES && !status; pass++) {
+        status = find_first(tr, which, h, &first, &found, retry);
+        if (status || *retry || !found) return status;
+        const int before = ric_event_samples_changes(tr, which, false);
+        status = ric_event_samples_probe(tr, which, false, &first, h);
+        if (ric_event_samples_changes(tr, which, false) == before) break;
+    }
+    if (status) return status;
+    *test = first.test;
+    *end = first.x;
     const bool touch = *test == RIC_TEST_APPROACH && ric_flight_law_of(tr->chain->model)->closes;
-    return touch && reach ? ric_event_reach_beside(tr, NEAREST * tr->chain->scale, h, test, end)
-                          : RIC_OK;
+    return touch && which & 1u << RIC_TEST_REACH
+               ? ric_event_reach_beside(tr, NEAREST * tr->chain->scale, h, test, end)
+               : RIC_OK;
 }
 
 /* The points of the step for what happens inside, up to distance `to`: where the branch ends there,
@@ -432,14 +452,14 @@ static ric_status find_inside(ric_continuation *tr, unsigned which, double h, ro
         ric_status status = find_roots(tr, which, h, list, retry);
         for (int k = 0; k < tr->n_resonance && !status && !*retry; k++)
             status = find_zeros(tr, RIC_N_TEST + k, HUGE_VAL, h, list, retry);
-        int before = ric_event_samples_changes(tr, which);
+        int before = ric_event_samples_changes(tr, which, true);
         for (int i = 0; i < list->n && !status && !*retry; i++)
             status = ric_event_samples_add(tr, list->root[i].x, h);
         if (!status && !*retry && list->n)
             status = ric_event_samples_refine(tr, which, tr->n_resonance > 0, NAN, NAN, h);
-        if (!status && !*retry && ric_event_samples_changes(tr, which) == before)
-            status = ric_event_samples_probe(tr, which, tr->n_resonance > 0, h);
-        if (status || *retry || ric_event_samples_changes(tr, which) == before) return status;
+        if (!status && !*retry && ric_event_samples_changes(tr, which, true) == before)
+            status = ric_event_samples_probe(tr, which, tr->n_resonance > 0, NULL, h);
+        if (status || *retry || ric_event_samples_changes(tr, which, true) == before) return status;
     }
     ric_event_samples_unresolved(tr);
     return RIC_OK;

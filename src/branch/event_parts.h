@@ -38,6 +38,14 @@ ric_status ric_event_locate(ric_continuation *trace, int test, double xa, double
 ric_status ric_event_reach_beside(ric_continuation *trace, double least, double h, int *test,
                                   double *end);
 
+/* A zero of a test at a distance; their order along the step, for qsort. */
+typedef struct {
+    int test;
+    double x;
+} ric_event_root;
+
+int ric_event_by_place(const void *a, const void *b);
+
 /* Values [ric_continuation_watched] at a point of the step. */
 double *ric_event_samples_values(const ric_continuation *trace, int i);
 /* Starts with the two ends of a step; keeps the last points of a step that has been accepted. */
@@ -47,19 +55,21 @@ void ric_event_samples_shift(ric_continuation *trace);
 ric_status ric_event_samples_cut(ric_continuation *trace, double end, double h);
 /* One more point; *good: it converged. */
 ric_status ric_event_samples_insert(ric_continuation *trace, double x, double h, bool *good);
-/* The same unless one is there; how often the tests `which` and the resonances change their signs.
- */
+/* The same unless one is there; how often the tests `which`, and with `pairs` the resonances,
+ * change their signs. */
 ric_status ric_event_samples_add(ric_continuation *trace, double x, double h);
-int ric_event_samples_changes(const ric_continuation *trace, unsigned which);
+int ric_event_samples_changes(const ric_continuation *trace, unsigned which, bool pairs);
 /* More points, until every zero of the tests `which`, and with `pairs` of the resonances, shows.
  * from, to: places where functions may have poles, or NAN. */
 ric_status ric_event_samples_refine(ric_continuation *trace, unsigned which, bool pairs,
                                     double from, double to, double h);
 /* More points where a function may vanish twice that does not seem to: some are at hand to tell how
  * a function bends, and may do so badly. With `pairs` also where two of several may pass +-2, or
- * one pass it and come back, which leaves the signs of the tests `which` as they were. They are
- * kept if they show a zero: what finds nothing changes no bit of what comes after. */
-ric_status ric_event_samples_probe(ric_continuation *trace, unsigned which, bool pairs, double h);
+ * one pass it and come back, which leaves the signs of the tests `which` as they were. `end`: a
+ * zero that was located, which tells of what lies before it; or NULL. They are kept if they show a
+ * zero: what finds nothing changes no bit of what comes after. */
+ric_status ric_event_samples_probe(ric_continuation *trace, unsigned which, bool pairs,
+                                   const ric_event_root *end, double h);
 /* Tells that functions may vanish in this step where it is not seen. */
 void ric_event_samples_unresolved(ric_continuation *trace);
 /* More points at distances from `end` that fall from that of `other` to `least`. */
@@ -70,14 +80,6 @@ ric_status ric_event_samples_approach(ric_continuation *trace, double end, doubl
  * beside point i of the step, which goes on to an energy. */
 void ric_event_samples_tell(ric_continuation *trace, const ric_station *station, int i,
                             double energy);
-
-/* A zero of a test at a distance; their order along the step, for qsort. */
-typedef struct {
-    int test;
-    double x;
-} ric_event_root;
-
-int ric_event_by_place(const void *a, const void *b);
 
 /* Where what was asked for is passed up to distance `to`, between the extrema of energy and period
  * among the *n roots known: so a value passed twice, on both sides of an extremum, is found twice.

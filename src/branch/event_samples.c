@@ -82,19 +82,25 @@ static void take(ric_continuation *tr, int i, double x, const ric_station *p)
         value[pair_column(tr, j)] = p->own[2 * j + 1] == 0 ? p->own[2 * j] : NAN;
 }
 
-ric_status ric_event_samples_insert(ric_continuation *tr, double x, double h, bool *good)
+/* The number of a new point at x. */
+static int make_room(ric_continuation *tr, double x)
 {
     ric_event_samples *q = &tr->samples;
-    ric_status status = ric_event_solve(tr, x, h, RIC_LOOK_ALL | RIC_LOOK_FOR, &tr->mid, good);
-    if (status || !*good) return status;
-    int i = q->n;
+    int i = q->n++;
     for (; i > q->now && q->x[i - 1] > x; i--) {
         q->x[i] = q->x[i - 1];
         memcpy(ric_event_samples_values(tr, i), ric_event_samples_values(tr, i - 1),
                (size_t)ric_continuation_watched(tr) * sizeof(double));
     }
-    take(tr, i, x, &tr->mid);
-    q->n++;
+    q->x[i] = x;
+    return i;
+}
+
+ric_status ric_event_samples_insert(ric_continuation *tr, double x, double h, bool *good)
+{
+    ric_status status = ric_event_solve(tr, x, h, RIC_LOOK_ALL | RIC_LOOK_FOR, &tr->mid, good);
+    if (status || !*good) return status;
+    take(tr, make_room(tr, x), x, &tr->mid);
     return RIC_OK;
 }
 
@@ -127,11 +133,11 @@ ric_status ric_event_samples_add(ric_continuation *tr, double x, double h)
     return q->n == RIC_MOST_SAMPLES ? RIC_OK : ric_event_samples_insert(tr, x, h, &good);
 }
 
-int ric_event_samples_changes(const ric_continuation *tr, unsigned which)
+int ric_event_samples_changes(const ric_continuation *tr, unsigned which, bool pairs)
 {
     const ric_event_samples *q = &tr->samples;
     int count = 0;
-    for (int test = 0; test < RIC_N_TEST + tr->n_resonance; test++) {
+    for (int test = 0; test < RIC_N_TEST + (pairs ? tr->n_resonance : 0); test++) {
         double last = 0;
         if (test < RIC_N_TEST && !(which >> test & 1)) continue;
         for (int i = q->now; i < q->n; i++) {
@@ -359,19 +365,18 @@ static bool resolved(const ric_continuation *tr, const stencil *st, int test, do
     const int k = test - RIC_N_TEST;
     const double *a = ric_event_samples_values(tr, st->i),
                  *b = ric_event_samples_values(tr, st->i + 1);
-    /* a margin that is rounding, as where an impact loses its speed beside a gap that closes, shows
+    /* margins that are rounding, as where an impact loses its speed beside a gap that closes, show
      * nothing */
-    if (at && test <= RIC_TEST_FLIGHT && ric_smaller(fabs(a[test]), fabs(b[test])) < RIC_MARGIN)
+    if (at && test <= RIC_TEST_FLIGHT && ric_larger(fabs(a[test]), fabs(b[test])) < RIC_MARGIN)
         return true;
     /* the only pair is nearly straight where its test, over 1 + rho^2, is not */
     if (at && k >= 0 && k < tr->n_resonance && tr->floquet.n_pair == 1 &&
         is_resolved(tr, st,
                     &(reading){pair_column(tr, 0), -1, tr->resonances[k].rho, HUGE_VAL, false}, at))
         return true;
-    return is_resolved(tr, st,
-                       &(reading){test, -1, 0, HUGE_VAL,
-                                  test < RIC_N_TEST || test >= RIC_N_TEST + tr->n_resonance},
-                       at);
+    const bool lost_at_zero = (test < RIC_N_TEST || test >= RIC_N_TEST + tr->n_resonance) &&
+                              !(at && test <= RIC_TEST_FLIGHT);
+    return is_resolved(tr, st, &(reading){test, -1, 0, HUGE_VAL, lost_at_zero}, at);
 }
 
 /* Whether each pair by itself, of several, stays on its side of rho, and none comes from there to
@@ -536,22 +541,42 @@ static bool has_doubt(const ric_continuation *tr, unsigned which, bool pairs)
     return false;
 }
 
-ric_status ric_event_samples_probe(ric_continuation *tr, unsigned which, bool pairs, double h)
+/* Whether a function that vanishes at `end` may do so before, too, as far as that zero tells. */
+static bool has_doubt_before(ric_continuation *tr, const ric_event_root *end)
 {
     ric_event_samples *q = &tr->samples;
-    if (!has_doubt(tr, which, pairs)) return RIC_OK;
-    const int n = q->n, n_known = tr->known.n, before = ric_event_samples_changes(tr, which);
+    const size_t count = (size_t)ric_continuation_watched(tr);
+    if (q->n == RIC_MOST_SAMPLES) return false;
+    const int i = make_room(tr, end->x);
+    double *value = ric_event_samples_values(tr, i);
+    for (size_t k = 0; k < count; k++) value[k] = NAN;
+    value[end->test] = 0;
+    bool doubt = false;
+    for (int j = q->now; j < i; j++) doubt |= !isnan(doubtful_at(tr, j, 1u << end->test, false));
+    q->n--;
+    memmove(q->x + i, q->x + i + 1, (size_t)(q->n - i) * sizeof *q->x);
+    memmove(value, value + count, (size_t)(q->n - i) * count * sizeof *value);
+    return doubt;
+}
+
+ric_status ric_event_samples_probe(ric_continuation *tr, unsigned which, bool pairs,
+                                   const ric_event_root *end, double h)
+{
+    ric_event_samples *q = &tr->samples;
+    if (!(end ? has_doubt_before(tr, end) : has_doubt(tr, which, pairs))) return RIC_OK;
+    const int n = q->n, n_known = tr->known.n, before = ric_event_samples_changes(tr, which, pairs);
     const size_t count = (size_t)n * (size_t)ric_continuation_watched(tr);
     double x[n], values[count];
     memcpy(x, q->x, sizeof x);
     memcpy(values, q->values, sizeof values);
     const int32_t steep = tr->steep;
     const double scale = tr->chain->scale;
-    bool left;
+    bool left = false;
     tr->solved.full = true;
-    ric_status status = probe(tr, which, pairs, h, &left);
+    ric_status status = end ? ric_event_samples_add(tr, end->x, h) : RIC_OK;
+    if (!status) status = probe(tr, which, pairs, h, &left);
     tr->solved.full = false;
-    if (status || ric_event_samples_changes(tr, which) != before) return status;
+    if (status || ric_event_samples_changes(tr, which, pairs) != before) return status;
     if (left) ric_event_samples_unresolved(tr);
     memcpy(q->x, x, sizeof x);
     memcpy(q->values, values, sizeof values);

@@ -300,6 +300,24 @@ static void last_point_is_an_extremum(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A gap closes by 1e-11 of itself at the end of S2(1)[01], and would open again, and close, within
+ * one step. */
+static void closes_three_times(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = same_for_all_steps_to(
+        1e-9,
+        "model:\n  mass: [[2.078125, 0.0625, 0.15625], [0.0625, 1.0625, 0], [0.15625, 0, 2.125]]\n"
+        "  stiffness: [[8.314353064878517, 0.008420664473354295, 0.10901631767809518], "
+        "[0.008420664473354295, 1.0911988572002815, -0.688163610879783], "
+        "[0.10901631767809518, -0.688163610879783, 18.91762872537218]]\n  contacts:\n"
+        "    - {normal: [1, 1, 1], law: bilinear, clearance: 0.0015, sides: both, stiffness: "
+        "73890}\n"
+        "explore: {energy: [0, 15.28], frequency: [0.2, 9], impacts: 4, multiply: 1, depth: 1}\n");
+    assert_int_equal(count_at(atlas, RIC_KIND_GRAZING, 0.843232319283115), 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(two_modes),
@@ -307,6 +325,7 @@ int main(void)
                                        cmocka_unit_test(springs),
                                        cmocka_unit_test(doubling_and_back),
                                        cmocka_unit_test(tripling_and_back),
-                                       cmocka_unit_test(last_point_is_an_extremum)};
+                                       cmocka_unit_test(last_point_is_an_extremum),
+                                       cmocka_unit_test(closes_three_times)};
     return cmocka_run_group_tests_name("step_twice", tests, NULL, NULL);
 }
