@@ -218,16 +218,29 @@ static bool is_spelt(const ric_model *m, const ric_periodic *c)
     return !(c->closed & ~said);
 }
 
-/* Whether the orbit without its touches, which is what is stored, comes back, passes no stop, has a
- * word, and touches: it is solved once more, and what was listed by its speed alone may not. What
- * does not become a chain is not judged. */
+/* Whether an orbit has speed at all its impacts: solved once more, some that had may be touches. */
+static bool strikes(const ric_model *m, const ric_periodic *c)
+{
+    double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n + 1, sizeof *W);
+    bool all = W;
+    if (W) ric_periodic_states(m, c, W);
+    for (int i = 0; i < c->N && all; i++)
+        all = m->face[c->face[i]].spring > 0 || fabs(impact_speed(m, c, W, i)) > NO_SPEED;
+    free(W);
+    return all;
+}
+
+/* Whether the orbit without its touches, which is what is stored, comes back, passes no stop,
+ * strikes where it says, has a word, and touches: it is solved once more, and what was listed by
+ * its speed alone may not. What does not become a chain is not judged. */
 static bool is_motion(const ric_model *m, const ric_node *node)
 {
     if (node->refusal) return true;
     if (is_bare(node)) return comes_back(m, node);
     bool bare;
     ric_periodic *left = ric_node_original(m, node, &bare);
-    const bool motion = left && is_spelt(m, left) && ric_node_solve_grazes(m, left);
+    const bool motion = left && is_spelt(m, left) && strikes(m, left) &&
+                        ric_node_solve_grazes(m, left);
     ric_periodic_free(left);
     return motion;
 }
@@ -261,12 +274,12 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
         ric_node_free(node);
         return ric_no_memory("a junction");
     }
-    /* no impact at all, else as few touches as can be, else more */
-    static const double slow[] = {HARDLY, NO_SPEED, HARDLY};
+    /* no impact at all, else as few touches as can be, else more, else none once more */
+    static const double slow[] = {HARDLY, NO_SPEED, HARDLY, RIC_SAME_EXTRAPOLATED};
     bool listed = true, motion = false;
-    for (int i = 0; i < 3 && listed && !motion; i++) {
+    for (int i = 0; i < 4 && listed && !motion; i++) {
         listed = list_touches(m, node, slow[i]);
-        motion = listed && (i > 0 || is_bare(node)) && is_motion(m, node);
+        motion = listed && (i == 1 || i == 2 || is_bare(node)) && is_motion(m, node);
     }
     if (!listed) status = ric_no_memory("a junction");
     else if (!motion)
