@@ -233,6 +233,7 @@ static double unsure_at(const curve *c)
         double at[2], before = c->fa, found = NAN;
         const int n = levels(&way, at);
         int changes = 0;
+        if (!n) continue; /* it has the zeros that its ends show */
         for (int j = 0; j <= n; j++) {
             const double value = j == n ? c->fb : along(&way, at[j], 1);
             const bool changed = before * value < 0;
@@ -240,8 +241,7 @@ static double unsure_at(const curve *c)
             changes += changed;
             before = value;
         }
-        if (n && changes > differ)
-            return fmin(fmax(found, ASIDE * c->length), (1 - ASIDE) * c->length);
+        if (changes > differ) return fmin(fmax(found, ASIDE * c->length), (1 - ASIDE) * c->length);
     }
     return NAN;
 }
