@@ -275,11 +275,14 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
         return ric_no_memory("a junction");
     }
     /* no impact at all, else as few touches as can be, else more, else none once more */
-    static const double slow[] = {HARDLY, NO_SPEED, HARDLY, RIC_SAME_EXTRAPOLATED};
+    static const struct {
+        double slow;
+        bool bare;
+    } ways[] = {{HARDLY, true}, {NO_SPEED, false}, {HARDLY, false}, {RIC_SAME_EXTRAPOLATED, true}};
     bool listed = true, motion = false;
     for (int i = 0; i < 4 && listed && !motion; i++) {
-        listed = list_touches(m, node, slow[i]);
-        motion = listed && (i == 1 || i == 2 || is_bare(node)) && is_motion(m, node);
+        listed = list_touches(m, node, ways[i].slow);
+        motion = listed && (!ways[i].bare || is_bare(node)) && is_motion(m, node);
     }
     if (!listed) status = ric_no_memory("a junction");
     else if (!motion)
