@@ -29,10 +29,16 @@ static inline ric_model *structure(int n, int springs)
     return model;
 }
 
-/* Flights from face to face, in phases as they come: no motion, but a chain of maps. */
-static inline void lay_chain(ric_chain *c, const ric_enclosure *e, int m, ric_chain_end start,
-                             ric_chain_end end)
+/* m flights from face to face, in phases as they come: no motion, but a chain of maps. The ends are
+ * general, or mirror points of all kinds in turn with i. */
+static inline void lay_chain(ric_chain *c, const ric_enclosure *e, int m, int i)
 {
+    static const ric_chain_end ends[][2] = {{RIC_CHAIN_GENERAL, RIC_CHAIN_GENERAL},
+                                            {RIC_CHAIN_REST, RIC_CHAIN_IMPACT},
+                                            {RIC_CHAIN_IMPACT, RIC_CHAIN_REST},
+                                            {RIC_CHAIN_IMPACT, RIC_CHAIN_IMPACT},
+                                            {RIC_CHAIN_CENTRE, RIC_CHAIN_REST}};
+    const ric_chain_end start = ends[i % 5][0], end = ends[i % 5][1];
     uint64_t closed = 0;
     *c = (ric_chain){.start = start, .end = end, .sign = start ? 1 : draw() > 0 ? 1 : -1};
     ric_chain_allocate(c, e, m);
