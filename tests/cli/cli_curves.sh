@@ -55,6 +55,19 @@ import json, sys
 for row in json.load(sys.stdin):
     if row[\"branch\"] in (4, 5): assert row[\"stable\"] + row[\"unstable\"] > 0.98, row"' "$ricochet" "$folder/b.ricochet"
 
+# A branch that has an image under x -> -x nearby, where Newton's method for the doubling that it passes comes to that of the image.
+# Three masses, free to move but for the stops of the one in the middle.
+cat >"$folder/images.yaml" <<'END'
+model:
+  mass: [[0.75, 0, 0], [0, 0.5, 0], [0, 0, 0.5]]
+  stiffness: [[7.5, -7.5, 0], [-7.5, 8, -0.5], [0, -0.5, 0.5]]
+  contacts:
+    - {law: rigid, normal: [0, 1, 0], clearance: 1.71, sides: both}
+explore: {start: modes, frequency: [0.2337, 0.6], energy: [0, 0.14], impacts: 2, multiply: 2, depth: 2}
+END
+"$ricochet" run "$folder/images.yaml" -o "$folder/i.ricochet" --quiet
+ok 'a junction that is passed is told as on the branch, not as on its image' bash -c '"$0" prove "$1" --curves | grep -q "^6 of 6 curves proved, 6 of them from end to end"' "$ricochet" "$folder/i.ricochet"
+
 # Between some of its points the curve is bent so much that Newton's method does not find it from their mean
 "$ricochet" run examples/symmetric-path/study.yaml -o "$folder/s.ricochet" --quiet
 ok 'a branch is one up to a grazing beside which it is all but singular' bash -c '[[ $1 =~ ^proved\ True\ True\  ]]' . "$(curve "$folder/s.ricochet" 37)"
