@@ -398,7 +398,7 @@ bool ric_node_chooses(const ric_node *node)
 bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
 {
     if (a->kind != b->kind || a->multiple != b->multiple || a->rotation[0] != b->rotation[0] ||
-        a->cycle->N != b->cycle->N)
+        a->cycle->N != b->cycle->N || a->n_touch != b->n_touch)
         return false;
     if (a->asked.frequency != b->asked.frequency || a->asked.value != b->asked.value) return false;
     if (fabs(a->energy - b->energy) > ric_node_near(a->energy) ||

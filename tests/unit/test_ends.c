@@ -610,6 +610,37 @@ static void a_corner_of_a_touch_and_a_spring(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A spring of 240,000 times the stiffness of the structure, doubled 2e-12 of the energy behind
+ * where it is touched: of the two branches that leave there one ends where one contact ends, the
+ * other where two do, in orbits that lie within a hundred-thousandth of each other. */
+static void grazings_of_one_touch_and_of_two(void **state)
+{
+    (void)state;
+    int grazings[3] = {0};
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.75, 0, 0], [0, 1, 0], [0, 0, 0.5]]\n"
+        "  stiffness: [[2125000, -1187500, 0], [-1187500, 2125000, -937500], [0, -937500, "
+        "1125000]]\n"
+        "  contacts:\n    - {normal: [1, 0, 0], law: bilinear, clearance: 1.9, sides: both, "
+        "stiffness: 508800000000}\n"
+        "explore: {energy: [0, 690000], frequency: [112.6, 5755], impacts: 4, multiply: 2, depth: "
+        "2}\n");
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        ric_point end;
+        if (b.impacts != 4 || b.to < 1) continue;
+        const ric_junction *j = &atlas->junctions[b.to - 1].row;
+        if (j->kind != RIC_KIND_GRAZING) continue;
+        assert_int_equal(ric_atlas_point(atlas, id, b.n_point - 1, &end, NULL, NULL), RIC_OK);
+        assert_relative(end.energy, j->energy, 1e-14);
+        assert_in_range(j->grazings, 1, 2);
+        grazings[j->grazings]++;
+    }
+    assert_int_equal(grazings[1], 1);
+    assert_int_equal(grazings[2], 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -630,6 +661,7 @@ int main(void)
         cmocka_unit_test(an_end_is_its_branch_point),
         cmocka_unit_test(an_end_lies_behind_its_points),
         cmocka_unit_test(no_spring_is_closed_on_the_other_side),
+        cmocka_unit_test(grazings_of_one_touch_and_of_two),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
