@@ -152,7 +152,8 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
     ric_status status = ric_node_mode_together(m, cycle, out);
     if (status || *out) return status;
-    if (!ric_node_solve_admissible(m, cycle))
+    /* no equation of the corner is solved here: the orbit at the end of the branch is stored */
+    if (!ric_node_solve_admissible(m, cycle) || !ric_node_solve_solved(m, cycle))
         return ric_fail(RIC_E_NUMERIC, "where two contacts meet, an orbit of %d impacts is none",
                         cycle->N);
     ric_node *node = ric_node_create(m, RIC_KIND_CORNER, ric_periodic_canonical(m, cycle));

@@ -547,6 +547,18 @@ bool ric_node_solve_touches(const ric_model *m, const ric_periodic *cycle)
     return touches;
 }
 
+bool ric_node_solve_solved(const ric_model *m, const ric_periodic *cycle)
+{
+    ric_shooting *chain = NULL;
+    double *u = NULL;
+    bool solved = !ric_periodic_to_chain(m, cycle, &chain, &u);
+    if (solved) ric_shooting_evaluate(chain, u);
+    solved = solved && ric_continuation_solved(chain);
+    ric_shooting_free(chain);
+    free(u);
+    return solved;
+}
+
 /* Whether an orbit is a motion that closes and goes through no stop; *reach: how near it comes to
  * one, of the clearance. */
 static bool is_motion(const ric_model *m, const ric_periodic *cycle, double *reach)

@@ -14,6 +14,8 @@ ric_periodic *ric_node_solve(const ric_model *model, const ric_periodic *cycle, 
 ric_periodic *ric_node_solve_again(const ric_model *model, const ric_periodic *cycle);
 /* Whether an orbit touches the stop that it comes nearest to. */
 bool ric_node_solve_touches(const ric_model *model, const ric_periodic *cycle);
+/* Whether an orbit closes as far as one of a branch has to. */
+bool ric_node_solve_solved(const ric_model *model, const ric_periodic *cycle);
 /* Whether an orbit is a motion that closes. Newton's method knows the equations only: beyond the
  * end of a branch it solves them with flights of less than no time, or through a stop. What does
  * not become a chain is none. */
