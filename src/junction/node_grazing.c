@@ -54,7 +54,22 @@ static bool list_touches(const ric_model *m, ric_node *node, double slow)
     return true;
 }
 
-/* Whether a touch of a stop has more speed than Newton's method leaves. */
+/* What rounding leaves of the speeds of an orbit: a regular one has them to the last digits. */
+static double lost_speed(const ric_model *m, const ric_periodic *c)
+{
+    ric_shooting *chain = NULL;
+    double *u = NULL, lost = 0;
+    if (!ric_periodic_to_chain(m, c, &chain, &u)) {
+        ric_shooting_evaluate(chain, u);
+        lost = 4 * ric_continuation_tolerance(chain) * chain->scale * (1 + 1 / chain->smallest);
+    }
+    ric_shooting_free(chain);
+    free(u);
+    return lost;
+}
+
+/* Whether a touch of a stop has more speed than Newton's method leaves, and no more than rounding
+ * does: of an orbit that is known better a slow impact is an impact. */
 static bool is_hardly(const ric_model *m, const ric_node *node)
 {
     const ric_periodic *c = node->cycle;
@@ -66,7 +81,7 @@ static bool is_hardly(const ric_model *m, const ric_node *node)
         if (stops) most = fmax(most, fabs(impact_speed(m, c, W, node->touch[i])));
     }
     free(W);
-    return stops && most > NO_SPEED;
+    return stops && most > NO_SPEED && most <= lost_speed(m, c);
 }
 
 /* The events of the cycle without its touches but for the first and its images. Whether any is left
