@@ -17,6 +17,9 @@
 /* TRIAL: first trial step of a departure, relative to the size of the orbit; its tenth must agree
  */
 #define TRIAL 1e-4
+/* VANISHING: part of a change that a margin at the junction may be off zero, beside its rounding,
+ * where it vanishes */
+#define VANISHING 1e-5
 /* SECANT: distance, relative, of the point that gives the direction of a side branch */
 #define SECANT 1e-4
 #define NEAR 1e-5 /* the same of points that are not solved: directions are their differences */
@@ -46,23 +49,43 @@ static const char *together(const ric_model *m, const ric_periodic *c)
     return NULL;
 }
 
-/* Admissible at distance h along t from u0? Strictly: every margin has its sign; -1 where an impact
- * has no speed but rounding. */
-static int admissible(ric_shooting *c, const double *u0, const double *t, double h)
+/* What has to be positive on a branch, at the junction that it leaves: some of it vanishes there.
+ */
+typedef struct {
+    const double *u, *approach; /* [n_unknown] [n_flight + 1] */
+    double room;                /* 1 - reach */
+} leaving;
+
+/* Whether a margin is lost at a distance because it vanishes at the junction, not because the
+ * branch ends on the way. */
+static bool vanishes(double there, double here, double lost)
+{
+    return there <= fmax(lost, VANISHING * fabs(here - there));
+}
+
+/* Admissible at distance h along t from u0? Strictly: every margin has its sign. An impact may have
+ * no speed but rounding, and the branch be shorter than that. */
+typedef enum { NONE, BRANCH, LOST, BEYOND } trial;
+
+static trial admissible(ric_shooting *c, const leaving *from, const double *t, double h)
 {
     int size = c->n_unknown, iterations;
     double u[size], du[size];
-    for (int i = 0; i < size; i++) u[i] = u0[i] + h * t[i];
-    if (!ric_continuation_correct(c, u, u0, t, h, du, &iterations)) return -1;
+    for (int i = 0; i < size; i++) u[i] = from->u[i] + h * t[i];
+    if (!ric_continuation_correct(c, u, from->u, t, h, du, &iterations)) return LOST;
     double lost = 4 * ric_continuation_tolerance(c) * c->scale * (1 + 1 / c->smallest);
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
         if (c->face[k] < 0 || c->model->face[c->face[k]].spring > 0) continue;
-        else if (fabs(c->approach[k]) <= lost) return -1;
-        else if (c->approach[k] < 0) return 0;
-    for (int k = 0; k < c->n_flight; k++)
-        if (ric_shooting_touches(c, k) && fabs(u[c->n_start + k]) <= lost) return -1;
-        else if (!(u[c->n_start + k] > 0)) return 0;
-    return ric_reach(c, u, NULL) < 1;
+        else if (fabs(c->approach[k]) <= lost) return LOST;
+        else if (c->approach[k] < 0)
+            return vanishes(from->approach[k], c->approach[k], lost) ? NONE : BEYOND;
+    for (int k = 0; k < c->n_flight; k++) {
+        const double time = u[c->n_start + k];
+        if (ric_shooting_touches(c, k) && fabs(time) <= lost) return LOST;
+        else if (!(time > 0)) return vanishes(from->u[c->n_start + k], time, lost) ? NONE : BEYOND;
+    }
+    const double room = 1 - ric_reach(c, u, NULL);
+    return room > 0 ? BRANCH : vanishes(from->room, room, lost) ? NONE : BEYOND;
 }
 
 /* The side of t [n_unknown] on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown]
@@ -70,17 +93,21 @@ static int admissible(ric_shooting *c, const double *u0, const double *t, double
 static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, double *t0,
                             int *found)
 {
+    double approach[c->n_flight + 1];
+    ric_shooting_fly(c, u0);
+    memcpy(approach, c->approach, sizeof approach);
+    const leaving from = {u0, approach, 1 - ric_reach(c, u0, NULL)};
     for (int side = 1; side >= -1; side -= 2) {
         double h = side * TRIAL * c->scale;
-        int first = 0, second = 1;
-        for (int i = 0; i < 6 && first != second; i++, h /= 10) {
-            first = admissible(c, u0, t, h);
-            second = admissible(c, u0, t, h / 10);
+        trial first = NONE, second = BRANCH;
+        for (int i = 0; i < 6 && (first != second || first == BEYOND); i++, h /= 10) {
+            first = admissible(c, &from, t, h);
+            second = admissible(c, &from, t, h / 10);
         }
-        if (first != second || first < 0)
+        if (first != second || first == LOST || first == BEYOND)
             return ric_fail(RIC_E_NUMERIC,
                             "whether the departure is admissible is lost in rounding");
-        if (first != 1) continue;
+        if (first != BRANCH) continue;
         if (*found)
             return ric_fail(RIC_E_NUMERIC,
                             "the departure is admissible both ways: the touch does not end it");

@@ -243,6 +243,8 @@ static void nearly_left_and_right(void **state)
             atlas[k] = explore_text_with(text, NULL, steps[k]);
             for (int id = 1; id <= ric_atlas_n_branch(atlas[k]); id++)
                 assert_true(branch_of(atlas[k], id).stop != RIC_STOP_FAILED);
+            /* what leaves where both stops are met at once, but for `more` */
+            assert_true(branch_named(atlas[k], "A4[0011]") > 0);
             if (ric_atlas_n_branch(atlas[0]) != ric_atlas_n_branch(atlas[k]) ||
                 ric_atlas_n_junction(atlas[0]) != ric_atlas_n_junction(atlas[k]))
                 fail_msg("%g: %d branches and %d junctions with step %g, not %d and %d", more[i],

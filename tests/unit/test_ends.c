@@ -666,6 +666,30 @@ static void no_corner_where_no_orbit_closes(void **state)
     ric_atlas_free(atlas);
 }
 
+/* An orbit beside the grazing of a mode doubles with a speed of 2e-6, and the branch that leaves
+ * there ends where one of its two impacts does, 2e-6 of its size on: seen from there it is a
+ * branch, too. */
+static void a_branch_beside_an_orbit_twice_over(void **state)
+{
+    (void)state;
+    int found = 0;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.015625, 0.1875], [0.1875, 2.3125]]\n"
+        "  stiffness: [[3.5625, 0.625], [0.625, 2.0625]]\n"
+        "  contacts: [{normal: [0, 1], law: rigid, clearance: 1.23, sides: upper}]\n"
+        "explore: {energy: [0, 2], frequency: [0.1852, 5.619], impacts: 2, multiply: 2, depth: "
+        "2}\n");
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        assert_int_not_equal(b.stop, RIC_STOP_FAILED);
+        if (b.impacts != 2 || b.energy_max > 0.977) continue;
+        assert_true(b.from > 0 && b.to > 0 && b.n_point > 2);
+        found++;
+    }
+    assert_int_equal(found, 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -688,6 +712,7 @@ int main(void)
         cmocka_unit_test(no_spring_is_closed_on_the_other_side),
         cmocka_unit_test(grazings_of_one_touch_and_of_two),
         cmocka_unit_test(no_corner_where_no_orbit_closes),
+        cmocka_unit_test(a_branch_beside_an_orbit_twice_over),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
