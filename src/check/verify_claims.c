@@ -30,6 +30,8 @@
 #define UNSEEN 1e-12    /* part of a normal below which a mode is not seen */
 /* BACK: an orbit that repeats itself is after part of the period where it began, to this part */
 #define BACK 1e-6
+/* TOLD: of its size: from here on two states of an orbit that is solved once more are two */
+#define TOLD 1e-9
 #define IMAGE 1e-9 /* half a period later a symmetric orbit is its image to this part */
 /* FAULT: relative, and LEAST: a reach or an approach that is off by this is found, or it is said */
 #define FAULT 1e-6
@@ -446,28 +448,43 @@ static void smallest_approach(const replay *r, const ric_digits *d, double appro
     }
 }
 
-/* How often a shorter orbit is gone through, by word, flights and states. */
-static int times_through(const replay *r)
+/* How far the motion is, some events on, from where it began, of its size. */
+static real off_start(const replay *r, int events)
 {
-    int N = r->n_event;
-    size_t step = 2 * (size_t)r->n;
+    return ric_replay_distance(r, r->chain + (size_t)events * 2 * (size_t)r->n, r->chain) / r->norm;
+}
+
+/* The events after which the orbit repeats itself, by word, flights and states; all: it does not.
+ */
+static int events_of_shorter(const replay *r)
+{
+    const int N = r->n_event;
     for (int part = 1; part <= N / 2; part++) {
-        bool same = N % part == 0 && ric_replay_distance(r, r->chain + (size_t)part * (size_t)step,
-                                                         r->chain) <= BACK * r->norm;
+        bool same = N % part == 0 && off_start(r, part) <= BACK;
         for (int k = 0; same && k < N; k++)
             same = r->branch.word[k] == r->branch.word[(k + part) % N] &&
                    fabs(r->tau[k] - r->tau[(k + part) % N]) <= NUMBER * r->period;
-        if (same) return N / part;
+        if (same) return part;
     }
-    return 1;
+    return N;
 }
 
 /* A branch meets orbits that repeat themselves at its ends; one between them has a period that is
- * none, and a frequency. */
-static void check_period(const replay *r, int i, ric_claims *out)
+ * none, and a frequency. A whole branch may lie as near to a shorter orbit as BACK: then the orbit
+ * nearest to the stored one tells whether that is off its start as the stored one is. */
+static ric_status check_period(const replay *r, const ric_atlas *atlas, ric_claims *out)
 {
-    int times = i > 0 && i + 1 < r->branch.n_point ? times_through(r) : 1;
-    if (times > 1) ric_verify_disagree(out, "repetitions", 1, times);
+    const bool inner = out->point > 0 && out->point + 1 < r->branch.n_point;
+    const int part = inner ? events_of_shorter(r) : r->n_event;
+    if (part == r->n_event) return RIC_OK;
+    replay q = {0};
+    bool found = false;
+    ric_status status = ric_verify_replay_open(&q, atlas, out->branch, out->point, true);
+    if (!status) status = ric_verify_nearest(&q, &found);
+    const bool apart = found && off_start(&q, part) > fmax(off_start(r, part) / 2, TOLD);
+    if (!status && !apart) ric_verify_disagree(out, "repetitions", 1, r->n_event / part);
+    ric_verify_replay_close(&q);
+    return status;
 }
 
 static bool approach_agrees(const replay *r, const double approach[2])
@@ -558,7 +575,7 @@ ric_status ric_verify_claims(const ric_atlas *atlas, int branch, int i, ric_clai
         ric_verify_digits_judge(&r, &digits, out);
         status = check_numbers(&r, &digits, out);
     }
-    if (!status) check_period(&r, i, out);
+    if (!status) status = check_period(&r, atlas, out);
     if (!status && r.n_event == 0) check_linear(&r, out);
     else if (!status && !(status = ric_verify_asked_open(atlas, branch, i, &r.point, &asked)))
         status = check_multipliers(&r, atlas, &asked, &digits, out);
