@@ -35,8 +35,8 @@ static bool agrees(const ric_point *stored, ric_proof *out)
 typedef struct {
     const ric_enclosure *e;
     slong k;
-    arb_t square, size, off; /* omega^2, A, and the bound of A times the difference */
-    double distance;
+    arb_t square, size, off;  /* omega^2, A, and the bound of A times the difference */
+    double distance, largest; /* from the mode; the largest part */
 } mode;
 
 static void mode_open(mode *m, const ric_enclosure *e)
@@ -81,6 +81,7 @@ static void measure_mode(mode *m, const double *state, double frequency)
         }
         largest = fmax(largest, size);
     }
+    m->largest = largest;
     for (slong i = 0; i < n; i++)
         if (i != m->k)
             others = hypot(others, hypot(ric_arb_middle(w + i), ric_arb_middle(w + n + i)));
@@ -193,6 +194,14 @@ static void tell_mode(const mode *m, ric_proof *out)
     arb_clear(energy);
 }
 
+/* The motion has next to none of its energy in the modes that contacts see: another mode of a
+ * frequency that one of them has. */
+static bool is_unseen(const mode *m, const ric_point *stored)
+{
+    const slong to_scaled = 2 * m->e->time - m->e->mass - 1;
+    return ldexp(m->largest * m->largest, (int)to_scaled) < RIC_PROVER_NEAR * stored->energy;
+}
+
 static bool has_frequency(const ric_enclosure *e, double frequency)
 {
     for (slong i = 0; i < e->n; i++)
@@ -205,14 +214,13 @@ void ric_prover_mode(const ric_enclosure *e, const ric_point *stored, const doub
                      ric_proof *out)
 {
     mode m;
-    if (!has_frequency(e, ldexp(stored->frequency, -e->time))) {
+    const double frequency = ldexp(stored->frequency, -e->time);
+    mode_open(&m, e);
+    measure_mode(&m, state, frequency);
+    if (!has_frequency(e, frequency) || is_unseen(&m, stored)) {
         out->state = RIC_PROOF_LEFT_OUT;
         snprintf(out->why, sizeof out->why, "a linear mode that no contact sees");
-        return;
-    }
-    mode_open(&m, e);
-    measure_mode(&m, state, ldexp(stored->frequency, -e->time));
-    if (!is_simple(&m))
+    } else if (!is_simple(&m))
         snprintf(out->why, sizeof out->why,
                  "a linear mode of a frequency that others have, or of none");
     else if (!(m.distance <= RIC_PROVER_NEAR))

@@ -215,6 +215,20 @@ ok 'a touch right behind an impact' bash -c '"$0" prove "$1" --branch 9 --point 
 "$ricochet" run examples/symmetric-path/study.yaml -o "$folder/path.ricochet" --quiet
 ok 'a point right behind a branch point' bash -c '"$0" prove "$1" --branch 37 --point 1 | grep -q "^1 of 1"' "$ricochet" "$folder/path.ricochet"
 
+# Three equal masses, joined alike: two modes of one frequency, of which the contact sees a mixture.
+cat >"$folder/three.yaml" <<'E'
+model:
+  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+  stiffness: [[3, -1, -1], [-1, 3, -1], [-1, -1, 3]]
+  contacts:
+    - {normal: [1, 0, 0], clearance: 1}
+explore: {energy: [0, 100], frequency: [0.2, 8], impacts: 2, multiply: 1, depth: 1}
+E
+"$ricochet" run "$folder/three.yaml" -o "$folder/three.ricochet" --quiet
+prove "$folder/three.ricochet" "$folder/three.json"
+ok 'modes of one frequency are enclosed' rows "$folder/three.json" 'assert len(proved) > 100 and len(proved) == len(rows), (len(proved), len(rows))'
+ok 'and the one that no contact sees is left out' test "$(grep -o 'a linear mode that no contact sees' "$folder/three.json" | wc -l)" = 8
+
 # One of its branches ends where a gap touches in flight, and another one goes on from there with an impact.
 "$ricochet" run examples/corner/study.yaml -o "$folder/corner.ricochet" --quiet
 ok 'a touch in flight is an impact of no speed for the branch that has it' bash -c '"$0" prove "$1" | grep -q "^354 of 354 points proved"' "$ricochet" "$folder/corner.ricochet"
