@@ -142,17 +142,18 @@ static bool fits(const plot_options *options)
 static const struct {
     const char *name;
     int (*run)(int argc, char **argv, const plot_options *options);
-    bool by_id; /* takes branches and junctions by id only */
-    bool units; /* takes --physical and --hz */
+    bool by_id;    /* takes branches and junctions by id only */
+    bool units;    /* takes --physical and --hz */
+    bool of_atlas; /* and of no study */
 } kinds[] = {
-    {"fep", plot_fep, false, true},          {"orbit", plot_orbit, true, true},
-    {"orbits", plot_orbits, false, true},    {"curves", plot_curves, true, true},
-    {"floquet", plot_floquet, true, true},   {"cascade", plot_cascade, true, true},
-    {"sheet", plot_sheet, false, true},      {"strobe", plot_strobe, false, true},
-    {"section", plot_section, true, true},   {"simulate", plot_simulate, false, true},
-    {"law", plot_law, false, false},         {"model", plot_model, false, false},
-    {"response", plot_response, true, true}, {"locus", plot_locus, true, true},
-    {"force", plot_force, false, true},
+    {"fep", plot_fep, false, true, true},           {"orbit", plot_orbit, true, true, true},
+    {"orbits", plot_orbits, false, true, true},     {"curves", plot_curves, true, true, true},
+    {"floquet", plot_floquet, true, true, true},    {"cascade", plot_cascade, true, true, true},
+    {"sheet", plot_sheet, false, true, true},       {"strobe", plot_strobe, false, true, true},
+    {"section", plot_section, true, true, false},   {"simulate", plot_simulate, false, true, false},
+    {"law", plot_law, false, false, false},         {"model", plot_model, false, false, false},
+    {"response", plot_response, true, true, false}, {"locus", plot_locus, true, true, true},
+    {"force", plot_force, false, true, true},
 };
 
 #define PICTURES                                                                                   \
@@ -185,6 +186,9 @@ static int run(int argc, char **argv)
                                  "and --hz go with other pictures",
                                  argv[1]);
             int code = plot_check_target(&options);
+            char what[40];
+            snprintf(what, sizeof what, "plot %s", kinds[i].name);
+            if (kinds[i].of_atlas && argc > 2 && cli_wants_atlas(what, argv[2])) return CLI_WRONG;
             cli_handles handles = {.argc = argc - 1, .argv = argv + 1};
             if (code == CLI_DONE && kinds[i].by_id) code = cli_resolve_handles(&cli_plot, &handles);
             if (code == CLI_DONE) code = kinds[i].run(handles.argc, handles.argv, &options);

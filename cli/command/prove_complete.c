@@ -257,7 +257,9 @@ int prove_complete(int argc, char **argv)
     request r = {.length = 1};
     ric_study *study = NULL;
     ric_hunt_options window;
-    if (!take_request(&argc, argv, &r) || !cli_operands(&cli_prove, argc, argv, 1) ||
+    cli_command this = cli_prove;
+    this.usage = strstr(cli_prove.usage, "ricochet prove STUDY"); /* the last of its four */
+    if (!take_request(&argc, argv, &r) || !cli_operands(&this, argc, argv, 1) ||
         !cli_sorts_by(&r.choice,
                       "orbit energy word impacts period frequency symmetric reversible stable "
                       "trace approach",

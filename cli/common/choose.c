@@ -31,6 +31,23 @@ bool cli_take_sort(int *argc, char **argv, cli_choice *out)
     return cli_take_value(argc, argv, "--sort", &out->sort);
 }
 
+/* false with a message that lists them. */
+static bool is_kind(const char *text)
+{
+    char all[200] = "";
+    for (ric_kind kind = RIC_KIND_START; kind <= RIC_KIND_USER; kind++) {
+        const size_t used = strlen(all);
+        if (!strcmp(text, ric_kind_text(kind))) return true;
+        snprintf(all + used, sizeof all - used, "%s%s",
+                 used == 0               ? ""
+                 : kind == RIC_KIND_USER ? " and "
+                                         : ", ",
+                 ric_kind_text(kind));
+    }
+    cli_wrong("--kind %s: there are %s", text, all);
+    return false;
+}
+
 bool cli_take_choice(int *argc, char **argv, cli_choice *out)
 {
     const char *impacts, *energy, *frequency, *limit;
@@ -42,6 +59,7 @@ bool cli_take_choice(int *argc, char **argv, cli_choice *out)
         !cli_take_value(argc, argv, "--frequency", &frequency) ||
         !cli_take_value(argc, argv, "--limit", &limit))
         return false;
+    if (out->kind && !is_kind(out->kind)) return false;
     if (out->stable && strcmp(out->stable, "yes") != 0 && strcmp(out->stable, "no") != 0 &&
         strcmp(out->stable, "partly") != 0 && strcmp(out->stable, "undecided") != 0) {
         cli_wrong("--stable %s: there are yes, no, partly and undecided", out->stable);

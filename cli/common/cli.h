@@ -326,6 +326,8 @@ bool cli_parse_end(const char *what, const char *text, double *out);
 /* Whether every option in argv is one of the command's table; else a message that shows the usage,
  * and false. */
 bool cli_know_options(const cli_command *command, int argc, char **argv);
+/* A study where the command or picture `what` wants an atlas: true, and says what to do. */
+bool cli_wants_atlas(const char *what, const char *path);
 /* What is left must be exactly n operands, none starting with '-' (but numbers may); else a message
  * that shows the usage and false. */
 bool cli_operands(const cli_command *command, int argc, char **argv, int n);

@@ -314,18 +314,23 @@ static bool is_study(const char *path)
     return n > 0 && (n < sizeof head || memcmp(head, atlas, sizeof atlas) != 0);
 }
 
-/* Whether one stands there, with a word on what to do. */
+bool cli_wants_atlas(const char *what, const char *path)
+{
+    if (!is_study(path)) return false;
+    cli_wrong("%s: %s is a study, and this wants its atlas: `ricochet run %s` makes it, "
+              "%.*s.ricochet",
+              what, path, path, (int)(strrchr(path, '.') - path), path);
+    return true;
+}
+
+/* A command whose first operand is an atlas has no other of its kind, or further atlases. */
 static bool names_study(const cli_command *command, int argc, char **argv)
 {
-    const bool takes_studies = strstr(command->usage, "STUDY") || !strstr(command->usage, "ATLAS");
-    for (int i = 1; i < argc && !takes_studies; i++) {
-        if (!is_study(argv[i])) continue;
-        const int stem = (int)(strrchr(argv[i], '.') - argv[i]);
-        cli_wrong("%s: %s is a study, and this wants its atlas: `ricochet run %s` makes it, "
-                  "%.*s.ricochet",
-                  command->name, argv[i], argv[i], stem, argv[i]);
-        return true;
-    }
+    char begin[64];
+    snprintf(begin, sizeof begin, "ricochet %s ATLAS", command->name);
+    if (strncmp(command->usage, begin, strlen(begin)) != 0) return false;
+    for (int i = 1; i < argc && (i == 1 || !strstr(command->usage, "STUDY")); i++)
+        if (cli_wants_atlas(command->name, argv[i])) return true;
     return false;
 }
 

@@ -254,4 +254,16 @@ if "$ricochet" prove --complete examples/elementary/study.yaml --energy 1e-3 >/d
     ok 'prove: a column that is not there' before prove --complete examples/elementary/study.yaml --energy 1e-3
     ok 'prove names its columns' known prove --complete examples/elementary/study.yaml --energy 2 --impacts 2
 fi
+
+# A study where an atlas belongs, and a kind that there is not, are wrong calls.
+study=examples/elementary/study.yaml
+wanted() { # COMMAND ARGUMENTS: refused, with the command that makes the atlas
+    refusal "$1" 2 ': examples/elementary/study.yaml is a study, and this wants its atlas: `ricochet run examples/elementary/study.yaml`' "${@:2}"
+}
+ok 'a study is no atlas: plot fep' wanted plot fep "$study" -o "$folder/no.svg"
+ok 'a study is no atlas: force' wanted force "$study" --force 1,0 --damping 0.1
+ok 'a study is no atlas: response' wanted response "$study" --force 1,0 --damping 0.1 -o "$folder/no.response"
+ok 'a study is no atlas: verify' wanted verify "$study"
+ok 'a study is no atlas, but where all of one energy is proved' wanted prove "$study"
+ok 'a kind that there is not' refusal junctions 2 '^ricochet: --kind graze: there are start, grazing, corner, .* and user$' "$atlas" --kind graze
 finish
