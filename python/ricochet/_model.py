@@ -56,9 +56,13 @@ class Contact:
 
 def _matrix(value, what: str) -> np.ndarray:
     """Dense, row by row; SciPy's sparse matrices are taken too."""
-    array = np.array(value.toarray() if hasattr(value, "toarray") else value, dtype=float, order="C")
+    try:
+        array = np.array(value.toarray() if hasattr(value, "toarray") else value, dtype=float, order="C")
+    except (TypeError, ValueError) as wrong:
+        raise InputError(f"{what}: no matrix of numbers: {wrong}") from None
     if array.ndim != 2 or array.shape[0] != array.shape[1] or array.size == 0:
-        raise InputError(f"{what}: an array of shape {array.shape} is no square matrix")
+        hint = "; numpy.diag makes one with these on its diagonal" if array.ndim == 1 else ""
+        raise InputError(f"{what}: an array of shape {array.shape} is no square matrix{hint}")
     return array
 
 
@@ -82,6 +86,8 @@ class Model:
         m, k = _matrix(mass, "mass"), _matrix(stiffness, "stiffness")
         if k.shape != m.shape:
             raise InputError(f"stiffness: shape {k.shape}, but the mass matrix has shape {m.shape}")
+        if isinstance(contacts, (Contact, dict)):
+            contacts = [contacts]
         listed = [one if isinstance(one, Contact) else Contact(**one) for one in contacts]
         for one in listed:
             if one.normal.size != len(m):

@@ -7,7 +7,7 @@ import re
 import time
 from typing import Callable, NamedTuple, Optional, Union
 
-from ._library import Interrupted, check, copy_of, ffi, fields_of, lib, text_of
+from ._library import InputError, Interrupted, check, copy_of, ffi, fields_of, lib, text_of
 import numpy as np
 
 from ._atlas import Atlas
@@ -42,6 +42,8 @@ class Study:
     def __init__(self, model: Model, title: Optional[str] = None, *, names=None, regions=None, tolerance=None,
                  damping=None, restitution: Optional[float] = None, forcing: Optional[dict] = None, vary: Optional[dict] = None,
                  drawing: Optional[dict] = None, units: Optional[dict] = None, **explore):
+        if not isinstance(model, Model):
+            raise InputError(f"a study is made of a Model, not of {type(model).__name__}; Study.read(path) reads a file")
         out = ffi.new("ric_study **")
         check(lib.ric_study_create(model._handle, ffi.NULL, (title or "A structure").encode(), out))
         bare = ffi.gc(out[0], lib.ric_study_free)

@@ -25,8 +25,8 @@ static ric_status read_row(const ric_yaml *r, const ric_yaml_node *row, const ch
             i + 1, ric_yaml_kind(row));
     if (ric_yaml_length(row) != n)
         return ric_yaml_wrong(
-            r, row, key, "row %d has %d entries, but there are %d rows; the matrix must be square",
-            i + 1, ric_yaml_length(row), n);
+            r, row, key, "row %d has %d entr%s, but there are %d rows; the matrix must be square",
+            i + 1, ric_yaml_length(row), ric_yaml_length(row) == 1 ? "y" : "ies", n);
     for (int j = 0; j < n; j++) {
         char entry[RIC_KEY_MAX + 32];
         const ric_yaml_node *item = ric_yaml_item(r, row, j);
@@ -37,12 +37,47 @@ static ric_status read_row(const ric_yaml *r, const ric_yaml_node *row, const ch
     return RIC_OK;
 }
 
+/* A diagonal is a matrix, too: it is shown with all its rows, and those of a matrix that was
+ * written without them would be refused all the same. */
+static ric_status refuse_list(const ric_yaml *r, const ric_yaml_node *list, const char *key, int n)
+{
+    enum { SHOWN = 4 };
+    char rows[SHOWN * SHOWN * 24] = "";
+    size_t used = 0;
+    for (int i = 0; i < n; i++) {
+        double value;
+        const ric_status status = ric_yaml_real(r, ric_yaml_item(r, list, i), key, &value);
+        if (status) return status;
+        for (int j = 0; n <= SHOWN && j < n; j++)
+            used += (size_t)snprintf(rows + used, sizeof rows - used, "%s%.10g%s",
+                                     j > 0   ? ", "
+                                     : i > 0 ? "], ["
+                                             : "[[",
+                                     i == j ? value : 0.0, i == n - 1 && j == n - 1 ? "]]" : "");
+    }
+    return ric_yaml_wrong(
+        r, list, key,
+        "a plain list of numbers, and a matrix is a list of rows; with these on the diagonal it is "
+        "written %s%s",
+        *rows ? rows : "with all its zeros",
+        n > SHOWN ? ", or in a file, {file: M.mtx}, whose entries that are not given are zero"
+                  : "");
+}
+
+static bool is_plain_list(const ric_yaml *r, const ric_yaml_node *list, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!ric_yaml_is_scalar(ric_yaml_item(r, list, i))) return false;
+    return true;
+}
+
 static ric_status read_rows(const ric_yaml *r, const ric_yaml_node *list, const char *key, int *n,
                             double **out)
 {
     *n = ric_yaml_length(list);
     if (*n < 1 || *n > RIC_MATRIX_MAX)
         return ric_yaml_wrong(r, list, key, "%d rows; there must be 1 to %d", *n, RIC_MATRIX_MAX);
+    if (is_plain_list(r, list, *n)) return refuse_list(r, list, key, *n);
     *out = ric_malloc((size_t)*n * (size_t)*n * sizeof **out);
     if (!*out) return ric_yaml_no_memory(r);
     for (int i = 0; i < *n; i++) {
@@ -227,8 +262,9 @@ static ric_status read_normal(const ric_yaml *r, const ric_yaml_node *map,
     if (ric_yaml_length(from->value) != n)
         return ric_yaml_wrong(
             r, from->value, key,
-            "%d numbers, but the mass matrix has %d rows; give one number per displacement",
-            ric_yaml_length(from->value), n);
+            "%d number%s, but the mass matrix has %d row%s; give one number per displacement",
+            ric_yaml_length(from->value), ric_yaml_length(from->value) == 1 ? "" : "s", n,
+            n == 1 ? "" : "s");
     for (int j = 0; j < n; j++) {
         ric_status status = ric_yaml_real(r, ric_yaml_item(r, from->value, j), key, &out[j]);
         if (status) return status;

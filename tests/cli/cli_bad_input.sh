@@ -54,7 +54,10 @@ END
 
 study 1 'titel: x' | bad 'titel: unknown key; did you mean'
 study 2 'modell:' | bad 'modell: unknown key'
-study 3 '  mass: [[2, 0], [0]]' | bad 'model.mass: row 2 has 1 entries'
+study 3 '  mass: [[2, 0], [0]]' | bad 'model.mass: row 2 has 1 entry, '
+study 3 '  mass: [2, 1.5]' | bad 'model.mass: a plain list of numbers, and a matrix is a list of rows; .* written \[\[2, 0\], \[0, 1.5\]\]$'
+study 4 '  stiffness: [1, 2, 3, 4, 5]' | bad 'model.stiffness: a plain list .* with all its zeros, or in a file, {file: M.mtx}'
+study 4 '  stiffness: [1, x]' | bad "model.stiffness: 'x' is not a number"
 study 3 '  mass: [[2, 0.1], [0, 1]]' | bad 'model.mass: not symmetric'
 study 3 '  mass: [[2e301, 0], [0, 1e301]]' | bad 'model.mass: .*2e+301.*other units'
 study 3 '  mass: [[2, 0], [0, -1]]' | bad 'model.mass: .*not positive definite.*eigenvalue'
@@ -63,7 +66,7 @@ study 3 '  mass: {file: absent.mtx}' | bad 'model.mass: absent.mtx: No such file
 study 4 '  stiffness: [[9]]' | bad 'model.stiffness: 1 x 1'
 study 4 '  stiffness: [[-9, 0], [0, 1]]' | bad 'model.stiffness: .*not positive semidefinite'
 study 6 '    - normal: [0, 0]' | bad 'model.contacts\[1\].normal: all zeros'
-study 6 '    - normal: [1]' | bad 'model.contacts\[1\].normal: 1 numbers'
+study 6 '    - normal: [1]' | bad 'model.contacts\[1\].normal: 1 number, '
 study 7 '      clearance: 0' | bad 'model.contacts\[1\].clearance: zero.*small positive clearance'
 study 7 '      clearance: -1' | bad 'model.contacts\[1\].clearance: .*preloaded'
 study 7 '      clearance: .inf' | bad 'model.contacts\[1\].clearance: .*not finite'

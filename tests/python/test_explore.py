@@ -209,7 +209,10 @@ def test_errors(folder):
     raises(ricochet.InputError, "sides", ricochet.Contact, [1, 0], 1, sides="left")
     raises(ricochet.InputError, "clearance", ricochet.Model, np.eye(2), np.eye(2), [dict(normal=[1, 0], clearance=-1)])
     raises(ricochet.InputError, "normal of 3", ricochet.Model, np.eye(2), np.eye(2), [dict(normal=[1, 0, 0], clearance=1)])
-    raises(ricochet.InputError, "no square", ricochet.Model, [1, 2], np.eye(2), [])
+    raises(ricochet.InputError, "no square matrix; numpy.diag", ricochet.Model, [1, 2], np.eye(2), [])
+    raises(ricochet.InputError, "stiffness: no matrix of numbers", ricochet.Model, np.eye(2), [[1, "k"], ["k", 1]], [stop])
+    raises(ricochet.InputError, "Study.read", ricochet.Study, STUDY)
+    assert ricochet.Model(np.eye(2), np.eye(2), stop).n_mode == 1
     raises(ricochet.InputError, "impact", two_masses, impact=3)
     raises(ValueError, "energy", two_masses, energy=[2, 1])
     raises(ricochet.MissingError, "nowhere", ricochet.Atlas, os.path.join(folder, "nowhere.ricochet"))

@@ -199,9 +199,9 @@ static void keys_given_twice(void **state)
 static void wrong_shapes(void **state)
 {
     (void)state;
-    line_refused(3, "  mass: [[2, 0], [0]]", "model.mass", SAYS("row 2 has 1 entries", "square"));
+    line_refused(3, "  mass: [[2, 0], [0]]", "model.mass", SAYS("row 2 has 1 entry,", "square"));
     line_refused(3, "  mass: [2, 1]", "model.mass",
-                 SAYS("row 1 is a single value", "[[2, 0], [0, 1]]"));
+                 SAYS("a plain list of numbers", "[[2, 0], [0, 1]]"));
     line_refused(3, "  mass: 3", "model.mass", SAYS("expected a matrix", "{file: M.mtx}"));
     line_refused(3, "  mass: []", "model.mass", SAYS("0 rows", "1 to 1000"));
     line_refused(4, "  stiffness: [[1]]", "model.stiffness", SAYS("1 x 1", "2 x 2"));
