@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/truncate.h"
 #include "study/study.h"
 #include "common/shaking.h"
 
@@ -11,6 +12,7 @@
 typedef struct {
     const ric_model *model;
     int n, m;
+    int kept;                   /* the lowest modes, that the study keeps */
     double *frequency, *energy; /* [n] */
     bool *seen;                 /* [n] */
     int *contact;               /* [n] */
@@ -87,24 +89,6 @@ static ric_status facts_ask(facts *f)
     return status;
 }
 
-/* Share of c.c that the upper half of the modes brings. A truncated continuum keeps growing; its
- * impact orbits do not converge. */
-static double late_growth(const facts *f, int contact)
-{
-    const double *cumulative = f->compliance + (size_t)contact * (size_t)f->n;
-    double all = cumulative[f->n - 1];
-    return all > 0 ? (all - cumulative[f->n / 2 - 1]) / all : 0;
-}
-
-enum { FEW_MODES = 6 }; /* below, the structure is taken for what it is */
-/* STRONG_GROWTH: a mass of its own at the contact leaves less than this to the upper half */
-#define STRONG_GROWTH 0.25
-
-static bool grows(const facts *f, int contact)
-{
-    return f->n >= FEW_MODES && late_growth(f, contact) > STRONG_GROWTH;
-}
-
 /* -------------------------------------------------------------------- rows */
 
 static void set_numbered(json_t *row, const char *stem, int number, double value)
@@ -120,6 +104,7 @@ static json_t *mode_row(const facts *f, int i)
     json_object_set_new(row, "mode", json_integer(i + 1));
     json_object_set_new(row, "frequency", cli_number(shown(f, f->frequency[i])));
     json_object_set_new(row, "seen", json_boolean(f->seen[i]));
+    json_object_set_new(row, "kept", json_boolean(i < f->kept));
     json_object_set_new(row, "rigid", json_boolean(f->frequency[i] == 0));
     json_object_set_new(row, "grazing_energy", cli_number(f->unit * f->energy[i]));
     json_object_set_new(row, "grazing_contact",
@@ -177,6 +162,14 @@ static double restitution_of(const ric_study *study)
     return forcing.shaking.restitution;
 }
 
+/* A mode that is left out is seen by no contact of the model, and by some of the structure. */
+static void print_freedom(const facts *f)
+{
+    printf("%d degree%s of freedom, ", f->n, cli_plural(f->n));
+    if (f->kept < f->n) printf("%d modes are kept, ", f->kept);
+    printf("%d of them ", ric_model_n_mode(f->model));
+}
+
 static void print_head(const facts *f, const ric_study *study)
 {
     const ric_model *model = f->model;
@@ -185,8 +178,8 @@ static void print_head(const facts *f, const ric_study *study)
     if (is_smooth(f)) {
         ric_contact first;
         bool own = !ric_model_contact(model, 0, &first) && first.length > 0;
-        printf("%d degree%s of freedom, %d of them seen by the springs; %d power-law contact%s\n",
-               f->n, cli_plural(f->n), ric_model_n_mode(model), f->m, cli_plural(f->m));
+        print_freedom(f);
+        printf("seen by the springs; %d power-law contact%s\n", f->m, cli_plural(f->m));
         printf("scale: lengths by %g, %s; scaled energies times %g are physical ones\n",
                ric_model_length(model),
                own ? "the length of contact 1" : "as contact 1 is given by its stiffness",
@@ -199,9 +192,8 @@ static void print_head(const facts *f, const ric_study *study)
                    parts);
         return;
     }
-    printf("%d degree%s of freedom, %d of them seen by the stops; %d contact%s, %d face%s; "
-           "restitution %g\n",
-           f->n, cli_plural(f->n), ric_model_n_mode(model), f->m, cli_plural(f->m),
+    print_freedom(f);
+    printf("seen by the stops; %d contact%s, %d face%s; restitution %g\n", f->m, cli_plural(f->m),
            ric_model_n_face(model), cli_plural(ric_model_n_face(model)), restitution_of(study));
     printf("scale: lengths by %g, the clearance of contact 1; energies by its square\n",
            ric_model_length(model));
@@ -247,8 +239,9 @@ static void print_modes(const facts *f)
         printf("%5d  %#14.10g  ", i + 1, shown(f, f->frequency[i]));
         if (f->frequency[i] > 0) printf("%#14.8g  ", 2 * acos(-1) / f->frequency[i]);
         else printf("%14s  ", "-");
-        printf("%-6s ", f->seen[i] ? "yes" : "no");
-        if (is_smooth(f))
+        printf("%-6s ", i >= f->kept ? "-" : f->seen[i] ? "yes" : "no");
+        if (i >= f->kept) puts(is_smooth(f) ? "left out" : "        left out");
+        else if (is_smooth(f))
             puts(f->frequency[i] == 0 ? "rigid motion"
                  : f->seen[i]         ? "starts a branch at energy 0"
                                       : "stays linear");
@@ -293,20 +286,21 @@ static void print_contact(const facts *f, int contact)
     }
     if (!is_smooth(f))
         printf("%5s  %16s  %16s  %16s\n", "mode", "modal normal c", "c.c up to here", if_locked);
-    for (int i = 0; i < f->n; i++) {
+    for (int i = 0; i < f->kept; i++) {
         printf("%5d  %#16.9g  %#16.9g  ", i + 1, f->normal[k * n + (size_t)i],
                f->compliance[k * n + (size_t)i]);
         if (i + 1 < f->n) printf("%#16.10g\n", shown(f, f->locked[k * (n - 1) + (size_t)i]));
         else printf("%16s\n", "-");
     }
-    if (about.law == RIC_LAW_RIGID && grows(f, contact))
-        printf(
-            "warning: the upper half of the modes brings %.0f %% of c.c, which still grows. If the "
-            "structure is a\n"
-            "truncated continuum, its impact orbits do not converge with the number of modes; the "
-            "cures are a mass\n"
-            "of its own at the contact point, or a spring (law: bilinear) in place of the stop.\n",
-            100 * late_growth(f, contact));
+}
+
+/* Of a structure of which all modes are kept; of others the study says it of the whole. */
+static void print_growth(const facts *f)
+{
+    char growth[500];
+    if (f->kept < f->n) return;
+    ric_truncate_growth(f->model, sizeof growth, growth);
+    if (*growth) printf("\nwarning: %s\n", growth);
 }
 
 static bool two_sided(const facts *f)
@@ -319,7 +313,7 @@ static bool two_sided(const facts *f)
 static void print_remarks(const facts *f)
 {
     int unseen = 0, unseen_rigid = 0, seen_rigid = 0;
-    for (int i = 0; i < f->n; i++) {
+    for (int i = 0; i < f->kept; i++) {
         unseen += !f->seen[i];
         unseen_rigid += !f->seen[i] && f->frequency[i] == 0;
         seen_rigid += f->seen[i] && f->frequency[i] == 0;
@@ -349,6 +343,7 @@ static ric_status print_text(const facts *f, const ric_study *study)
     print_units(f);
     print_modes(f);
     for (int i = 0; i < f->m; i++) print_contact(f, i);
+    print_growth(f);
     print_remarks(f);
     if (*cli_forcing_remark(study)) printf("\n%s\n", cli_forcing_remark(study));
     if (*ric_study_remark(study)) printf("\n%s\n", ric_study_remark(study));
@@ -371,6 +366,7 @@ static int run(int argc, char **argv)
     const ric_status status = facts_allocate(&f, ric_study_model(study)) ? facts_ask(&f)
                                                                          : RIC_E_NOMEM;
     code = cli_report(status);
+    f.kept = ric_study_n_mode(study);
     f.hertz = hertz;
     f.physical = physical;
     f.names = ric_model_units(ric_study_model(study));

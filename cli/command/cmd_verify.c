@@ -176,16 +176,30 @@ static void tell_failure(const audit *a, const result *r)
                              : r->claims.finding);
 }
 
+/* The first names of a list, and how many more there are: of many displacements it is long. */
+static void shorten(const char *names, size_t size, char *out)
+{
+    enum { SHOWN = 6 };
+    int n = 1, shown = 1;
+    size_t length = strlen(names);
+    for (const char *c = names; (c = strstr(c, ", ")); c += 2)
+        if (n++ == SHOWN) length = (size_t)(c - names);
+    shown = n > SHOWN + 2 ? SHOWN : n;
+    if (shown == n) snprintf(out, size, "%s", names);
+    else snprintf(out, size, "%.*s and %d more", (int)length, names, n - shown);
+}
+
 /* What of one row could not be checked, by name. */
 static void tell_unchecked(const audit *a, const result *r, FILE *out)
 {
+    char names[400];
+    shorten(r->claims.unchecked, sizeof names, names);
     ric_junction junction;
     if (r->of == OF_JUNCTION && !ric_atlas_junction(a->atlas, r->check.point, &junction))
-        cli_tell(out, "junction %d %s: not checked: %s\n", r->check.point, junction.label,
-                 r->claims.unchecked);
+        cli_tell(out, "junction %d %s: not checked: %s\n", r->check.point, junction.label, names);
     else if (r->of == OF_POINT)
         cli_tell(out, "branch %d, point %d: not checked: %s\n", r->check.branch, r->check.point,
-                 r->claims.unchecked);
+                 names);
 }
 
 static const char *rows_of(subject of)

@@ -10,6 +10,7 @@
 
 #include "base/halt.h"
 #include "common/module.h"
+#include "study/study.h"
 #include "prove.h"
 
 enum { MOST_TOLD = 20 };
@@ -120,12 +121,52 @@ static bool is_end(const prove_list *w, const ric_proof *p)
            (p->point == 0 || p->point == branch.n_point - 1);
 }
 
-static void tell_failure(const prove_list *w, const ric_proof *p)
+/* The first point that is not proved for a reason, and how many there are. */
+typedef struct {
+    const ric_proof *first;
+    int n;
+} failure;
+
+static void tell_failure(const prove_list *w, const failure *f)
 {
+    const ric_proof *p = f->first;
     ric_branch branch;
     const char *label = ric_atlas_branch(w->atlas, p->branch, &branch) ? "" : branch.label;
-    cli_say("ricochet: branch %d %s, point %d is not proved: %s\n", p->branch, label, p->point,
-            p->why);
+    char more[40] = "is";
+    if (f->n > 1) snprintf(more, sizeof more, "and %d more are", f->n - 1);
+    cli_say("ricochet: branch %d %s, point %d %s not proved: %s\n", p->branch, label, p->point,
+            more, p->why);
+}
+
+/* Points that are no ends of branches, or all of them, by their reasons. */
+static void tell_failures(const prove_list *w, bool ends)
+{
+    failure told[MOST_TOLD];
+    int n = 0, rest = 0;
+    for (int i = 0; i < w->n; i++) {
+        const ric_proof *p = &w->results[i].proof;
+        if (!w->results[i].done || p->state != RIC_PROOF_NONE || (!ends && is_end(w, p))) continue;
+        int k = 0;
+        while (k < n && strcmp(told[k].first->why, p->why) != 0) k++;
+        if (k < n) told[k].n++;
+        else if (n < MOST_TOLD) told[n++] = (failure){p, 1};
+        else rest++;
+    }
+    for (int k = 0; k < n; k++) tell_failure(w, &told[k]);
+    if (rest) cli_say("ricochet: and %d more, each for a reason of its own\n", rest);
+}
+
+/* A structure with some of its modes has contacts that push only those, by normals that are
+ * rounded: in the numbers as they stand there other modes are seen, too. */
+static void tell_kept(const prove_list *w)
+{
+    const ric_study *study = ric_atlas_study(w->atlas);
+    const int n = ric_study_n_mode(study), all = ric_model_n_dof(ric_study_model(study));
+    if (n < all)
+        cli_say("ricochet: the study keeps %d of %d modes, and what is proved has to hold for its "
+                "numbers to the last digit, by which contacts see a little of the others: an atlas "
+                "with `modes: all` under `model` is another structure, and can be proved\n",
+                n, all);
 }
 
 /* The counts of each verdict; of those that are not proved `ends` are ends of branches. */
@@ -135,8 +176,12 @@ static void tell_counts(const prove_list *w, FILE *out, const int count[3], int 
     for (int i = 0; i < w->n; i++)
         junctions += w->results[i].done && w->results[i].proof.state == RIC_PROOF_DONE &&
                      *w->results[i].proof.why;
-    cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n",
-             count[RIC_PROOF_DONE], count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE], undecided);
+    const int tried = count[RIC_PROOF_DONE] + count[RIC_PROOF_NONE];
+    if (tried == 0 && count[RIC_PROOF_LEFT_OUT])
+        cli_tell(out, "nothing here is of a kind that can be proved\n");
+    else
+        cli_tell(out, "%d of %d points proved, of %d the stability is undecided\n",
+                 count[RIC_PROOF_DONE], tried, undecided);
     if (junctions) cli_tell(out, "%d of them as the junctions that they are\n", junctions);
     if (ends) cli_tell(out, "%d of those that are not are ends of branches\n", ends);
     if (count[RIC_PROOF_LEFT_OUT]) cli_tell(out, "%d points left out\n", count[RIC_PROOF_LEFT_OUT]);
@@ -158,18 +203,17 @@ int prove_tell_rest(const prove_list *w, int done, const char *what)
 /* What came of it; the counts to `out` unless it is NULL. */
 static int tell_all(const prove_list *w, FILE *out, bool verbose)
 {
-    int count[3] = {0}, ends = 0, told = 0, undecided = 0, done = 0;
+    int count[3] = {0}, ends = 0, undecided = 0, done = 0;
     for (int i = 0; i < w->n; i++) {
         const ric_proof *p = &w->results[i].proof;
         if (!w->results[i].done) continue;
         done++;
         count[p->state]++;
         undecided += p->state == RIC_PROOF_DONE && p->stable == RIC_STABLE_UNDECIDED;
-        if (p->state != RIC_PROOF_NONE) continue;
-        const bool end = is_end(w, p);
-        ends += end;
-        if ((!end || verbose) && told++ < MOST_TOLD) tell_failure(w, p);
+        ends += p->state == RIC_PROOF_NONE && is_end(w, p);
     }
+    tell_failures(w, verbose);
+    if (count[RIC_PROOF_NONE] > ends) tell_kept(w);
     if (out) tell_counts(w, out, count, ends, undecided);
     const int code = prove_tell_rest(w, done, "points");
     return code ? code : count[RIC_PROOF_NONE] > ends ? CLI_FAILED : CLI_DONE;

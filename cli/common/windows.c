@@ -104,7 +104,9 @@ static void print_left_out(const facts *f)
         if (out && ++left <= FEW) print_mode_left_out(f, i);
         not_started += isfinite(f->onset[i]) && !is_started(f, i);
     }
-    if (left > FEW) printf("  and so do %d more, see `onset` in --json\n", left - FEW);
+    if (left > FEW)
+        printf("  and so do%s %d more, see `onset` in --json\n", left - FEW == 1 ? "es" : "",
+               left - FEW);
     if (not_started)
         printf(
             "  %d mode%s not in `start`: what belongs to %s is found only on the way from others\n",

@@ -600,6 +600,11 @@ static int draw(fep *f)
                 "all draws %s, "
                 "--zoom and --energy make room\n",
                 f->unmarked, f->unmarked == 1 ? " is" : "s are", f->unmarked == 1 ? "it" : "them");
+    if (f->no_locked > 0)
+        cli_say(
+            "ricochet: %d frequencies with a contact locked are not drawn, which would hide the "
+            "branches; `ricochet check` lists them\n",
+            f->no_locked);
     report_idle(f);
     report_unused(f);
     plot_page_title(f->page, common, NULL);

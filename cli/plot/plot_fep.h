@@ -88,6 +88,7 @@ typedef struct {
     plot_tag *tags;
     int n_tag, room, n_group;
     int no_margin;    /* reference labels without a place */
+    int no_locked;    /* frequencies with a contact locked that would hide the branches */
     int unmarked;     /* junctions of the first panel whose marks would hide the curve */
     char remark[64];  /* of the legend, on them */
     char proofs[120]; /* the same, on what is proved */

@@ -278,6 +278,20 @@ static int spread(const plot_box *box, int n, reference *list, double line)
     return missing;
 }
 
+/* Lines of so many contacts and modes that they would hide the branches are left out. Returns how
+ * many references are left. */
+static int thin_out(fep *f, int n, reference *list)
+{
+    enum { MOST_LOCKED = 16 };
+    int locked = 0, left = 0;
+    for (int i = 0; i < n; i++) locked += list[i].stroke == PLOT_LOCKED;
+    if (locked <= MOST_LOCKED) return n;
+    f->no_locked = locked;
+    for (int i = 0; i < n; i++)
+        if (list[i].stroke != PLOT_LOCKED) list[left++] = list[i];
+    return left;
+}
+
 ric_status fep_draw_references(fep *f, const fep_source *s)
 {
     const int n_dof = ric_model_n_dof(s->model), n_contact = ric_model_n_contact(s->model);
@@ -287,6 +301,7 @@ ric_status fep_draw_references(fep *f, const fep_source *s)
     int n = 0;
     ric_status status = list && work ? gather_references(f, s, &n, list, work) : RIC_E_NOMEM;
     if (status != RIC_OK) goto out;
+    n = thin_out(f, n, list);
     qsort(list, (size_t)n, sizeof *list, lower);
     for (int i = 0; i < n; i++) list[i].y = plot_axis_at(&f->panel->y, list[i].frequency);
     f->no_margin += spread(&box, n, list,

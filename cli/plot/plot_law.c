@@ -74,7 +74,10 @@ static int take_curves(picture *p, const plot_listed *keys, int n_key)
         const ric_model *model = p->sources[i].model;
         for (int k = 0; k < ric_model_n_contact(model); k++) {
             if (p->n == MAX_CURVE)
-                return cli_wrong("plot law: at most %d contacts can be told apart", MAX_CURVE);
+                return cli_wrong(
+                    "plot law: more than %d contacts cannot be told apart in a picture; "
+                    "give a study with those that matter",
+                    MAX_CURVE);
             curve *c = &p->curves[p->n++];
             const ric_status status = ric_model_contact(model, k, &c->contact);
             if (status) return cli_report(status);
@@ -162,7 +165,7 @@ static void draw_panel(picture *p, int i, plot_box box)
     char across[80], up[80];
     unit_title(p, "gap coordinate s", false, sizeof across, across);
     unit_title(p, "force F(s) of the contact", true, sizeof up, up);
-    plot_panel_frame(p->page, &panel, across, law == RIC_LAW_RIGID ? "" : up);
+    plot_panel_frame(p->page, &panel, across, up);
     snprintf(letter, sizeof letter, "(%c)", 'a' + i);
     if (p->n_panel > 1)
         plot_page_text(p->page, (plot_point){box.left - 40, box.top + 15}, PLOT_LEFT, type + 1,

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "common/section.h"
+#include "study/study.h"
 #include "plot.h"
 
 enum { MAX_ROW = 40, MAX_NUMBERED = 12, MAX_NAMED = 6, MAX_NODE_TEXT = 30, LEVELS = 24 };
@@ -154,7 +155,8 @@ static double x_of(const picture *p, int i)
 
 static void draw_mass(picture *p, int i)
 {
-    const double x = x_of(p, i), y = p->line, s = p->size;
+    const double x = x_of(p, i), y = p->line, s = p->size, up = fmin(8, 0.5 * s),
+                 down = fmin(10, 0.5 * s);
     char text[40];
     plot_page_line(p->page, PLOT_PART, 5,
                    (plot_point[]){{x - s, y - s},
@@ -163,9 +165,9 @@ static void draw_mass(picture *p, int i)
                                   {x - s, y + s},
                                   {x - s, y - s}});
     snprintf(text, sizeof text, p->n > MAX_NUMBERED ? "%d" : "x_{%d}", i + 1);
-    plot_page_text(p->page, (plot_point){x, y + (p->lumped && p->n <= MAX_NUMBERED ? 8 : 0)},
+    plot_page_text(p->page, (plot_point){x, y + (p->lumped && p->n <= MAX_NUMBERED ? up : 0)},
                    PLOT_CENTRE, type, "#000000", false, text);
-    if (p->lumped) number(p, (plot_point){x, y - 10}, 2 * s - 4, 'm', p->mass[i * p->n + i]);
+    if (p->lumped) number(p, (plot_point){x, y - down}, 2 * s - 4, 'm', p->mass[i * p->n + i]);
 }
 
 /* Which level above or below the row is free between two places: levels hold how far to the right
@@ -359,24 +361,42 @@ static void contact_text(const picture *p, int number, const ric_contact *c, siz
     }
 }
 
-/* A line for each contact; returns the height that they take. */
+/* What the numbers of a structure are in, where its study says it. */
+static bool units_text(const picture *p, size_t size, char *out)
+{
+    const ric_units *names = ric_model_units(p->from.model);
+    char mass[32], raw[120];
+    if (!*names->length) return false;
+    ric_study_units_mass(names, sizeof mass, mass);
+    snprintf(raw, sizeof raw, "lengths in %s, stiffness in %s/%s%s%s", names->length, names->force,
+             names->length, *mass ? ", masses in " : "", mass);
+    plot_text_escape(raw, size, out);
+    return true;
+}
+
+/* A line for each contact, and one for the units; returns the height that they take. */
 static double list_contacts(picture *p, double bottom)
 {
     enum { MOST = 8 };
     const int n = ric_model_n_contact(p->from.model);
+    char units[300];
+    const double foot = units_text(p, sizeof units, units) ? 19 : 0;
+    if (p->page && foot > 0)
+        plot_page_text(p->page, (plot_point){plot_page_width(p->page) / 2, bottom + 11},
+                       PLOT_CENTRE, type, "#000000", false, units);
     for (int i = 0; p->page && i < n && i < MOST; i++) {
         ric_contact c;
         char text[500];
-        if (ric_model_contact(p->from.model, i, &c)) continue;
+        if (ric_study_contact(p->study, i, &c)) continue;
         contact_text(p, i + 1, &c, sizeof text, text);
         if (i == MOST - 1 && n > MOST)
             snprintf(text, sizeof text, "and %d more contacts", n - MOST + 1);
         plot_page_text(p->page,
                        (plot_point){plot_page_width(p->page) / 2,
-                                    bottom + 19 * ((n < MOST ? n : MOST) - i) - 8},
+                                    bottom + foot + 19 * ((n < MOST ? n : MOST) - i) - 8},
                        PLOT_CENTRE, type, "#000000", false, text);
     }
-    return 19 * (n < MOST ? n : MOST) + 8;
+    return foot + 19 * (n < MOST ? n : MOST) + 8;
 }
 
 /* Without a page only what it needs is found. */
@@ -398,7 +418,7 @@ static void draw_row(picture *p)
     }
     for (int i = 0; i < ric_model_n_contact(p->from.model); i++) {
         ric_contact c;
-        if (!ric_model_contact(p->from.model, i, &c)) draw_contact(p, &c, below);
+        if (!ric_study_contact(p->study, i, &c)) draw_contact(p, &c, below);
     }
 }
 
@@ -508,7 +528,7 @@ static void draw_nodes(picture *p, plot_box box)
         for (int axis = 0; axis < 3; axis++)
             for (int k = 0; node.moves[axis] && k < ric_model_n_contact(p->from.model); k++) {
                 ric_contact c;
-                if (ric_model_contact(p->from.model, k, &c) || c.normal[node.moves[axis] - 1] == 0)
+                if (ric_study_contact(p->study, k, &c) || c.normal[node.moves[axis] - 1] == 0)
                     continue;
                 draw_node_stop(p, &c, at, axis, c.normal[node.moves[axis] - 1]);
             }

@@ -19,6 +19,9 @@
 
 #define EQUAL 1e-8   /* relative: frequencies that belong to one family of modes */
 #define UNSEEN 1e-10 /* of c.c: what is left of a contact that no mode that is kept sees */
+/* GROWS: of c.c: a mass of its own at the contact leaves less than this to the upper half */
+#define GROWS 0.25
+enum { FEW_MODES = 6 }; /* below, the structure is taken for what it is */
 
 int ric_truncate_count(const ric_model *m, double up_to)
 {
@@ -59,6 +62,41 @@ ric_status ric_truncate_check(const ric_model *m, int n_mode)
                             f + 1, n_mode);
     }
     return RIC_OK;
+}
+
+/* Share of c.c that the upper half of the modes brings. A truncated continuum keeps growing; its
+ * impact orbits do not converge. */
+static double late_growth(const ric_model *m, int f)
+{
+    double all = 0, late = 0;
+    for (int i = 0; i < m->n_dof; i++) {
+        const double c = m->normal[f * m->n_dof + i];
+        all += c * c;
+        if (i >= m->n_dof / 2) late += c * c;
+    }
+    return all > 0 ? late / all : 0;
+}
+
+void ric_truncate_growth(const ric_model *m, size_t size, char *out)
+{
+    int n = 0, first = 0;
+    double most = 0;
+    char more[40] = "";
+    out[0] = '\0';
+    for (int f = 0; f < m->n_contact && m->n_dof >= FEW_MODES; f++) {
+        const double growth = late_growth(m, f);
+        if (m->contact[f].law != RIC_LAW_RIGID || growth <= GROWS) continue;
+        if (n++ == 0) first = f + 1;
+        most = fmax(most, growth);
+    }
+    if (n == 0) return;
+    if (n > 1) snprintf(more, sizeof more, " and of %d more", n - 1);
+    snprintf(out, size,
+             "the upper half of all modes brings %s%.0f %% of c.c of contact %d%s, which still "
+             "grows: if the structure is a truncated continuum, its impact orbits do not converge "
+             "with the number of modes; the cures are a mass of its own at the contact point, or a "
+             "spring (law: bilinear) in place of the stop",
+             n > 1 ? "up to " : "", 100 * most, first, more);
 }
 
 /* b_N of a contact, [n_dof]. */

@@ -12,5 +12,8 @@ ric_status ric_truncate_check(const ric_model *model, int n_mode);
 /* What the modes above the lowest n_mode give way by at contact f to a force of 1 at contact g,
  * statically. */
 double ric_truncate_rest(const ric_model *model, int n_mode, int f, int g);
+/* A sentence on rigid stops whose c.c the upper half of the modes still makes grow, with the cures;
+ * "" where there is none. */
+void ric_truncate_growth(const ric_model *model, size_t size, char *out);
 
 #endif

@@ -22,6 +22,9 @@ struct ric_study {
     char *title, *text;
     size_t explore_at, explore_end; /* the explore options in `text` */
     ric_model *model;
+    int n_mode; /* the lowest, that are kept */
+    int n_contact;
+    ric_contact *contacts; /* as they are given, where not all modes are kept; NULL: the model's */
     size_t restitution_line;
     ric_explore_options options;
     char remark[1600]; /* "" from an atlas */
@@ -433,6 +436,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
                                        &study->model)))
         return status;
     ric_model_name_units(study->model, &units);
+    study->n_mode = raw->n_mode > 0 ? raw->n_mode : raw->n;
     if ((status = ric_study_drawing_read(r, &slots[S_DRAWING], raw->n, &study->drawing)) ||
         (status = ric_study_vary_read(r, &slots[S_VARY], raw, &study->vary)) ||
         (status = ric_study_forcing_read(r, &slots[S_DAMPING], &slots[S_RESTITUTION],
@@ -446,7 +450,12 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
                                  slots[S_EXPLORE].key ? slots[S_EXPLORE].key : slots[S_MODEL].key,
                                  &relative, study)))
         return status;
-    return write_text(study, raw);
+    if ((status = write_text(study, raw)) || study->n_mode == raw->n) return status;
+    study->contacts = raw->contacts;
+    study->n_contact = raw->n_contact;
+    raw->contacts = NULL;
+    raw->n_contact = 0;
+    return RIC_OK;
 }
 
 static ric_status parse(const char *text, size_t size, const char *label, const char *base,
@@ -618,6 +627,7 @@ void ric_study_free(ric_study *study)
     ric_study_drawing_free(&study->drawing);
     ric_study_vary_free(&study->vary);
     ric_study_forcing_free(&study->forcing);
+    ric_study_contacts_free(study->n_contact, study->contacts);
     ric_model_free(study->model);
     free(study->title);
     free(study->text);
@@ -670,6 +680,19 @@ size_t ric_study_restitution_line(const ric_study *study)
 const char *ric_study_remark(const ric_study *study)
 {
     return study->remark;
+}
+
+ric_status ric_study_contact(const ric_study *study, int contact, ric_contact *out)
+{
+    if (!study->contacts || contact < 0 || contact >= study->n_contact)
+        return ric_model_contact(study->model, contact, out);
+    *out = study->contacts[contact];
+    return RIC_OK;
+}
+
+int ric_study_n_mode(const ric_study *study)
+{
+    return study->n_mode;
 }
 
 bool ric_study_window_chosen(const ric_study *study, bool frequency)

@@ -28,6 +28,14 @@ bool ric_study_window_chosen(const ric_study *study, bool frequency);
  * halves that differ by rounding; "" if nothing. Borrowed. */
 const char *ric_study_remark(const ric_study *study);
 
+/* How many of the modes of its structure a study keeps, the lowest ones; the others move no more.
+ */
+int ric_study_n_mode(const ric_study *study);
+
+/* Contact i as the study gives it: that of its structure acts on the modes that are kept alone. Its
+ * pointers are borrowed. */
+ric_status ric_study_contact(const ric_study *study, int contact, ric_contact *out);
+
 /* The unit of mass that follows from the others, such as kg of N, m and s; "" where one of their
  * names is not known. */
 void ric_study_units_mass(const ric_units *units, size_t size, char *out);

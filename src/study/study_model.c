@@ -478,13 +478,18 @@ enum { M_MASS, M_STIFFNESS, M_CONTACTS, M_RESTITUTION, M_MODES, M_COUNT };
 static const char *const model_keys[M_COUNT] = {"mass", "stiffness", "contacts", "restitution",
                                                 "modes"};
 
+void ric_study_contacts_free(int n, ric_contact *contacts)
+{
+    for (int i = 0; i < n; i++) {
+        free((void *)(uintptr_t)contacts[i].name);
+        free((void *)(uintptr_t)contacts[i].normal);
+    }
+    free(contacts);
+}
+
 void ric_study_model_free(ric_raw_model *raw)
 {
-    for (int i = 0; i < raw->n_contact; i++) {
-        free((void *)(uintptr_t)raw->contacts[i].name);
-        free((void *)(uintptr_t)raw->contacts[i].normal);
-    }
-    free(raw->contacts);
+    ric_study_contacts_free(raw->n_contact, raw->contacts);
     free(raw->mass);
     free(raw->stiffness);
 }

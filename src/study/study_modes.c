@@ -76,6 +76,14 @@ static double coupling(const ric_model *full, int n, int f)
     return most;
 }
 
+/* What the modes that are left out would have shown of the stops. */
+static void say_growth(const ric_model *full, ric_raw_model *raw)
+{
+    char growth[500];
+    ric_truncate_growth(full, sizeof growth, growth);
+    if (*growth) ric_study_remark_add(raw, "%s", growth);
+}
+
 static ric_status say(const ric_model *full, int n, bool chosen, ric_raw_model *raw)
 {
     const int all = ric_model_n_dof(full);
@@ -115,6 +123,7 @@ static ric_status say(const ric_model *full, int n, bool chosen, ric_raw_model *
     if (ric_model_n_contact(full) > SAID)
         ric_study_remark_add(raw, "and likewise for %d more contacts",
                              ric_model_n_contact(full) - SAID);
+    if (n < all) say_growth(full, raw);
     return status;
 }
 

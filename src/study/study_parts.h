@@ -96,6 +96,8 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from,
                                 const ric_explore_options *options, bool open, ric_raw_model *raw,
                                 ric_model **out);
 void ric_study_model_free(ric_raw_model *raw);
+/* With their names and normals. */
+void ric_study_contacts_free(int n, ric_contact *contacts);
 void ric_study_model_write(const ric_raw_model *raw, FILE *out);
 /* A symmetric matrix, as rows or from a file; *n: its size, 0 on entry for any. *out is allocated.
  */
