@@ -510,15 +510,15 @@ static ric_status keep_end(ric_continuation *tr)
 /* What is stored of the end at distance x: an orbit beyond a touch is not, and the branch would end
  * a step before it. Where the place is known to less than counts as rounding it is one on the near
  * side. */
-static ric_status near_side(ric_continuation *tr, double x, double h)
+static ric_status near_side(ric_continuation *tr, double *x, double h)
 {
     const double before = tr->now.test[RIC_TEST_REACH];
     bool good = true;
     for (int i = 0; i < SHORTENED && good && before > 0 && tr->mid.row.reach > 1 + RIC_MARGIN;
          i++) {
         const double beyond = tr->mid.row.reach - 1;
-        x -= 2 * x * beyond / (before + beyond);
-        ric_status status = ric_event_solve(tr, x, h, RIC_LOOK_ALL, &tr->mid, &good);
+        *x -= 2 * *x * beyond / (before + beyond);
+        ric_status status = ric_event_solve(tr, *x, h, RIC_LOOK_ALL, &tr->mid, &good);
         if (status) return status;
     }
     tr->mid.solved &= good;
@@ -527,7 +527,8 @@ static ric_status near_side(ric_continuation *tr, double x, double h)
 
 /* The same of a corner. Where a spring closes beside an impact on a stop it loses its speed before
  * the two fall together if that impact, however slow, kicks it back: the last orbit that meets all
- * faces from the right side is stored. */
+ * faces from the right side is stored. And of a touch at which an impact loses its speed, where the
+ * place is one of the touch. */
 static ric_status right_side(ric_continuation *tr, double x, double h)
 {
     bool good = true;
@@ -592,9 +593,10 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
         end_by(tr, test);
     }
     if ((status = fill_event(tr, test, &tr->mid, &tr->end))) return status;
-    if (test == RIC_TEST_REACH && read < 0 && tr->mid.solved && (status = near_side(tr, end, h)))
+    if (test == RIC_TEST_REACH && read < 0 && tr->mid.solved && (status = near_side(tr, &end, h)))
         return status;
-    if (test == RIC_TEST_FLIGHT && read < 0 && tr->mid.solved && (status = right_side(tr, end, h)))
+    if ((test == RIC_TEST_FLIGHT || test == RIC_TEST_REACH) && read < 0 && tr->mid.solved &&
+        (status = right_side(tr, end, h)))
         return status;
     return keep_end(tr);
 }
