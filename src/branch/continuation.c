@@ -42,6 +42,9 @@
  * orbit is known to rounding / time */
 #define MERGED 1e-5
 
+/* STALLED: residual of a point that has lost more than the digits which flights cost it */
+#define STALLED (512 * DBL_EPSILON)
+
 ric_limits ric_continuation_limits(const ric_model *m, const double energy[2],
                                    const double frequency[2], double max_step, int max_points)
 {
@@ -341,6 +344,45 @@ bool ric_continuation_goes_wrong(const ric_continuation *tr, const ric_station *
     return p->row.approach < -RIC_MARGIN * unit;
 }
 
+/* Whether an orbit that extended precision does not come to is farther away than one that is
+ * solved. */
+static bool strays(ric_shooting *c, const double *u)
+{
+    ric_fine_real orbit[2 * c->n + c->n_flight];
+    double moved = 0;
+    return ric_floquet_fine_fits(c) && !ric_floquet_fine_orbit(c, u, orbit, &moved) &&
+           moved > RIC_SAME_SOLVED * c->scale;
+}
+
+/* Beside a contact that lasts next to no time Newton's method in double stalls: a point there is
+ * kept with the digits that it has in extended precision, or not at all. The trace goes on from
+ * where it was. */
+static ric_status polish(ric_continuation *tr, ric_station *p)
+{
+    ric_shooting *c = tr->chain;
+    const int size = c->n_unknown;
+    const ric_point row = p->row;
+    double u[size], moved = 0;
+    if (!(row.residual > STALLED) || tr->limits->ghost || tr->n_point == 0) return RIC_OK;
+    memcpy(u, p->u, sizeof u);
+    if (!ric_floquet_fine_nearest(c, p->u)) {
+        p->solved = !strays(c, p->u);
+        return RIC_OK;
+    }
+    for (int i = 0; i < size; i++) moved = fmax(moved, fabs(p->u[i] - u[i]));
+    ric_status status = RIC_OK;
+    if (moved <= RIC_SAME_LOCATED * c->scale) {
+        status = ric_continuation_fill(tr, p->s, p);
+        if (row.stable == RIC_STABLE_UNDECIDED) p->row.stable = row.stable;
+        if (status || (p->row.residual < row.residual && !ric_continuation_goes_wrong(tr, p)))
+            return status;
+    }
+    memcpy(p->u, u, sizeof u);
+    p->row = row;
+    p->solved = true;
+    return RIC_OK;
+}
+
 ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *station)
 {
     double u[tr->chain->n_unknown];
@@ -351,6 +393,7 @@ ric_status ric_continuation_keep(ric_continuation *tr, const ric_station *statio
     bool inadmissible = p->row.reach > 1 + RIC_MARGIN || ric_continuation_goes_wrong(tr, p);
     if (status || !p->solved || (inadmissible && !tr->limits->ghost)) return status;
     if (p->doubtful && (status = ric_trust(ric_continuation_fill(tr, p->s, p)))) return status;
+    if ((status = ric_trust(polish(tr, p))) || !p->solved) return status;
     if (tr->n_point == tr->point_capacity) {
         int capacity = tr->point_capacity + tr->point_capacity / 2 +
                        64; /* one point, too, may be a full array */

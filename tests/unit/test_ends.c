@@ -698,6 +698,36 @@ static void a_branch_beside_an_orbit_twice_over(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Beside the end of a contact that lasts 1e-5 of a period Newton's method in double stalls at
+ * 1e-12: the true orbit was up to 1e-6 beside what was stored. */
+static void points_beside_a_contact_of_no_time(void **state)
+{
+    (void)state;
+    int points = 0;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2.390625, -0.171875, -0.015625], [-0.171875, 0.96875, 0.0625], "
+        "[-0.015625, 0.0625, 2.046875]]\n"
+        "  stiffness:\n    - [13.551554540150839, 2.453019367726779, 1.5659961987357325]\n"
+        "    - [2.453019367726779, 6.145015584992454, 2.593057706036805]\n"
+        "    - [1.5659961987357325, 2.593057706036805, 3.2930647826838717]\n  contacts:\n"
+        "    - {normal: [-1, 1, 0], law: bilinear, clearance: 1.34, sides: lower, stiffness: "
+        "14200}\n"
+        "    - {normal: [1, 1, 2], law: rigid, clearance: 0.567, sides: both}\n"
+        "explore: {energy: [0, 2], frequency: [0.2, 9], impacts: 2, multiply: 2, depth: 2}\n");
+    const int id = branch_named(atlas, "A2[00]");
+    const ric_branch b = branch_of(atlas, id);
+    for (int i = 0; i < b.n_point; i++) {
+        ric_point p;
+        assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
+        assert_true(p.residual < 1e-13);
+        points += p.approach < 1e-4;
+        const ric_claims claims = claims_of(atlas, id, i);
+        if (claims.numbers == RIC_AGREES_NO) fail_msg("%d: %s", i, claims.finding);
+    }
+    assert_in_range(points, 1, b.n_point);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -721,6 +751,7 @@ int main(void)
         cmocka_unit_test(grazings_of_one_touch_and_of_two),
         cmocka_unit_test(no_corner_where_no_orbit_closes),
         cmocka_unit_test(a_branch_beside_an_orbit_twice_over),
+        cmocka_unit_test(points_beside_a_contact_of_no_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
