@@ -19,6 +19,9 @@
 #define HARDLY 1e-7
 #define NO_TIME 1e-7 /* scaled: a contact that lasts no longer is a touch of a spring */
 #define BEYOND 1e-9  /* of its size: what is open by more does not come back */
+/* KICK: of the speed of the impacts that are left out: what is open by as much is what they make up
+ * for */
+#define KICK 1e-2
 #define AT_END 1e-10 /* of its energy: the end of a branch is located to less */
 /* NEAR_END: the same where the gap opens slowly along it, if the equations with the touch as an
  * event are REGULAR, their least pivot: then they have the place */
@@ -68,20 +71,29 @@ static double lost_speed(const ric_model *m, const ric_periodic *c)
     return lost;
 }
 
+/* The largest speed at a touch of a stop; *stops: whether all touches are. */
+static double fastest_touch(const ric_model *m, const ric_node *node, bool *stops)
+{
+    const ric_periodic *c = node->cycle;
+    double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n, sizeof *W), most = 0;
+    if (W) ric_periodic_states(m, c, W);
+    *stops = W;
+    for (int i = 0; i < node->n_touch && W; i++) {
+        const bool stop = m->face[c->face[node->touch[i]]].spring == 0;
+        if (stop) most = fmax(most, fabs(impact_speed(m, c, W, node->touch[i])));
+        *stops &= stop;
+    }
+    free(W);
+    return most;
+}
+
 /* Whether a touch of a stop has more speed than Newton's method leaves, and no more than rounding
  * does: of an orbit that is known better a slow impact is an impact. */
 static bool is_hardly(const ric_model *m, const ric_node *node)
 {
-    const ric_periodic *c = node->cycle;
-    double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n, sizeof *W), most = 0;
-    bool stops = W;
-    if (W) ric_periodic_states(m, c, W);
-    for (int i = 0; i < node->n_touch && stops; i++) {
-        stops = m->face[c->face[node->touch[i]]].spring == 0;
-        if (stops) most = fmax(most, fabs(impact_speed(m, c, W, node->touch[i])));
-    }
-    free(W);
-    return stops && most > NO_SPEED && most <= lost_speed(m, c);
+    bool stops;
+    const double most = fastest_touch(m, node, &stops);
+    return stops && most > NO_SPEED && most <= lost_speed(m, node->cycle);
 }
 
 /* The events of the cycle without its touches but for the first and its images. Whether any is left
@@ -205,12 +217,13 @@ int ric_node_space(const ric_model *m, const ric_node *node)
 
 /* Whether a motion without impacts comes back after its period: it is one of a single frequency, or
  * all of its frequencies fit. Impacts that are all slow may end at none, where frequencies fit to
- * 1e-7 only. */
+ * 1e-7 only; or they are what keeps a motion periodic whose frequencies all but fit. */
 static bool comes_back(const ric_model *m, const ric_node *node)
 {
     const ric_periodic *c = node->cycle;
     const double period = ric_periodic_period(c);
     double open = 0, size = 0;
+    bool stops;
     if (linear_mode(c, RIC_SAME_LOCATED) >= 0 || mixture_of(m, c->w, RIC_SAME_LOCATED) >= 0)
         return true;
     for (int i = 0; i < c->n; i++) {
@@ -220,7 +233,8 @@ static bool comes_back(const ric_model *m, const ric_node *node)
                                            : period * c->w[c->n + i]);
         size = hypot(size, own);
     }
-    return open <= BEYOND * size;
+    const double slow = fastest_touch(m, node, &stops);
+    return open <= BEYOND * size && (slow <= NO_SPEED || open <= KICK * slow);
 }
 
 /* Whether a word says which springs of an orbit are closed. One that is closed without end has no

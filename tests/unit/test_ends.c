@@ -728,6 +728,32 @@ static void points_beside_a_contact_of_no_time(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Frequencies as 1 : 2 : 3 but for 8e-10, which impacts of 1.5e-9 make up for: where a spring is
+ * touched they are impacts, and without them no motion comes back. */
+static void impacts_that_keep_a_motion_periodic(void **state)
+{
+    (void)state;
+    int found = 0;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.5, -0.1875, -0.125], [-0.1875, 0.953125, 0.125], [-0.125, 0.125, "
+        "1.578125]]\n"
+        "  stiffness:\n    - [5.490583612255174, -1.2491350064680526, -3.5730024209344]\n"
+        "    - [-1.2491350064680526, 3.323471663978314, -2.5384034146893066]\n"
+        "    - [-3.5730024209344, -2.5384034146893066, 10.698068322599045]\n  contacts:\n"
+        "    - {normal: [-1, 1, 0], law: rigid, clearance: 0.784, sides: upper}\n"
+        "    - {normal: [0, 0, 1], law: bilinear, clearance: 1.35, sides: both, stiffness: "
+        "0.5916}\n"
+        "explore: {energy: [0, 36.81], frequency: [0.2, 9], impacts: 2, multiply: 2, depth: 2}\n");
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        const ric_junction j = junction_of(atlas, id);
+        const ric_claims claims = claims_of(atlas, id, -1);
+        if (claims.numbers == RIC_AGREES_NO) fail_msg("junction %d: %s", id, claims.finding);
+        found += j.impacts == 2 && j.grazings == 1 && agrees(j.energy, 27.3444576, 1e-8);
+    }
+    assert_int_equal(found, 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -752,6 +778,7 @@ int main(void)
         cmocka_unit_test(no_corner_where_no_orbit_closes),
         cmocka_unit_test(a_branch_beside_an_orbit_twice_over),
         cmocka_unit_test(points_beside_a_contact_of_no_time),
+        cmocka_unit_test(impacts_that_keep_a_motion_periodic),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
