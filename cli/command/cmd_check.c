@@ -310,6 +310,46 @@ static bool two_sided(const facts *f)
            first.sides == RIC_SIDES_BOTH;
 }
 
+static bool has_side(const ric_contact *c, bool upper)
+{
+    return c->sides != (upper ? RIC_SIDES_LOWER : RIC_SIDES_UPPER);
+}
+
+/* Whether one face of two contacts is the same: their normals and clearances are in one proportion.
+ */
+static bool are_same(const facts *f, const ric_contact *a, const ric_contact *b)
+{
+    const double rounding = 1e-12;
+    int largest = 0;
+    for (int i = 1; i < f->n; i++)
+        if (fabs(a->normal[i]) > fabs(a->normal[largest])) largest = i;
+    const double ratio = b->normal[largest] / a->normal[largest],
+                 off = rounding * fabs(b->normal[largest]);
+    bool same = ratio != 0 &&
+                fabs(b->clearance - fabs(ratio) * a->clearance) <= rounding * b->clearance;
+    for (int i = 0; i < f->n; i++) same &= fabs(b->normal[i] - ratio * a->normal[i]) <= off;
+    return same && ((has_side(a, true) && has_side(b, ratio > 0)) ||
+                    (has_side(a, false) && has_side(b, ratio < 0)));
+}
+
+/* A stop that is given twice: both are met at once, and no impact law says what follows. */
+static void print_doubles(const facts *f)
+{
+    ric_contact a, b;
+    for (int j = 1; j < f->m; j++)
+        for (int i = 0; i < j; i++) {
+            if (ric_model_contact(f->model, i, &a) || ric_model_contact(f->model, j, &b) ||
+                a.law != RIC_LAW_RIGID || b.law != RIC_LAW_RIGID || !are_same(f, &a, &b))
+                continue;
+            printf(
+                "\nwarning: contacts %d and %d are one stop: their normals and clearances are in "
+                "the same proportion, and nothing departs from where both are met; leave one of "
+                "them out\n",
+                i + 1, j + 1);
+            break;
+        }
+}
+
 static void print_remarks(const facts *f)
 {
     int unseen = 0, unseen_rigid = 0, seen_rigid = 0;
@@ -344,6 +384,7 @@ static ric_status print_text(const facts *f, const ric_study *study)
     print_modes(f);
     for (int i = 0; i < f->m; i++) print_contact(f, i);
     print_growth(f);
+    print_doubles(f);
     print_remarks(f);
     if (*cli_forcing_remark(study)) printf("\n%s\n", cli_forcing_remark(study));
     if (*ric_study_remark(study)) printf("\n%s\n", ric_study_remark(study));

@@ -113,6 +113,39 @@ static void print_left_out(const facts *f)
             not_started, not_started == 1 ? " is" : "s are", not_started == 1 ? "it" : "them");
 }
 
+/* The least scaled energy of any motion that meets contact k: between stops and springs that are
+ * open s = b.x is at most sqrt(2 E b.K^-1 b), and what closed springs hold is taken from E. 0 where
+ * it moves freely. normal: of this contact, [n]. */
+static double least_energy(const facts *f, const double *normal, double clearance)
+{
+    double give = 0;
+    for (int i = 0; i < f->n; i++)
+        if (f->frequency[i] > 0) give += pow(normal[i] / f->frequency[i], 2);
+        else if (normal[i] != 0) return 0;
+    return pow(clearance / ric_model_length(f->model), 2) / (2 * give);
+}
+
+/* Contacts that take part in nothing: one of them with a clearance in other units, say. */
+static ric_status print_out_of_reach(const facts *f)
+{
+    const double rounding = 1e-9;
+    const int m = ric_model_n_contact(f->model);
+    double *normals = f->smooth ? NULL : malloc((size_t)m * (size_t)f->n * sizeof *normals);
+    ric_status status = f->smooth  ? RIC_OK
+                        : !normals ? RIC_E_NOMEM
+                                   : ric_model_modal_normals(f->model, normals);
+    for (int k = 0; k < m && !f->smooth && !status; k++) {
+        ric_contact contact;
+        if ((status = ric_model_contact(f->model, k, &contact))) break;
+        const double least = least_energy(f, normals + (size_t)k * (size_t)f->n, contact.clearance);
+        if (least > f->options->energy[1] * (1 + rounding))
+            printf("  contact %d is out of reach: no motion of an energy below %.6g meets it\n",
+                   k + 1, least);
+    }
+    free(normals);
+    return status;
+}
+
 /* Seconds that a branch of n modes takes, roughly, on one core of 2022: a step is the solution of
  * equations of that size, and under a power law the integration of as many sensitivities. */
 #define RIGID_SECONDS 2e-5
@@ -227,7 +260,7 @@ static void print_look(const facts *f, const ric_study *study)
                o->tongue_width);
 }
 
-static void print_windows(const facts *f, const ric_study *study)
+static ric_status print_windows(const facts *f, const ric_study *study)
 {
     char length[500], why[600];
     const double *energy = f->options->energy, *frequency = f->options->frequency;
@@ -242,6 +275,7 @@ static void print_windows(const facts *f, const ric_study *study)
                          : "the first touch",
                f->reference, energy[1] / f->unit);
     print_left_out(f);
+    const ric_status status = print_out_of_reach(f);
     print_look(f, study);
     if (refused(study, why, sizeof why)) printf("warning: a run refuses this study: %s\n", why);
     if (!any_begins(f))
@@ -254,13 +288,14 @@ static void print_windows(const facts *f, const ric_study *study)
              "study\neach part alone");
     write_length(f, sizeof length, length);
     if (*length) printf("warning: %s\n", length);
+    return status;
 }
 
 ric_status cli_windows_print(const ric_study *study)
 {
     facts f;
     ric_status status = facts_ask(study, &f);
-    if (!status) print_windows(&f, study);
+    if (!status) status = print_windows(&f, study);
     facts_free(&f);
     return status;
 }

@@ -234,6 +234,18 @@ model:
     - {normal: [1, 0], clearance: 0.15}
     - {normal: [0, 1], clearance: 0.15}
 Y
+printf '%s\n' 'model:' '  mass: [[2, 0], [0, 1]]' '  stiffness: [[9, -1], [-1, 1]]' '  contacts:' \
+    '    - {normal: [-1, 1], clearance: 1}' '    - {normal: [1, 0], clearance: 2}' \
+    '    - {normal: [2, -2], clearance: 2, sides: lower}' >"$folder/twice.yaml"
+ok 'a stop that is given twice is named' says 'warning: contacts 1 and 3 are one stop' check "$folder/twice.yaml"
+ok 'and what is given once is not' bash -c '! grep "contacts [0-9] and 2\|contacts 2" "$0"' "$folder/said"
+sed -i 's/sides: lower/sides: upper/; s/, clearance: 1}/, clearance: 1, sides: upper}/' "$folder/twice.yaml"
+ok 'nor are the two sides of a gap' bash -c '! "$0" check "$1" | grep "one stop"' "$ricochet" "$folder/twice.yaml"
+# sqrt(2 E b.K^-1 b) = d with b.K^-1 b = 2/3: E = 0.75 d^2, of which the motion is a static deflection
+printf '%s\n' 'model:' '  mass: [[1, 0], [0, 1]]' '  stiffness: [[2, -1], [-1, 2]]' '  contacts:' \
+    '    - {normal: [1, 0], clearance: 1}' '    - {normal: [0, 1], clearance: 1000}' >"$folder/far.yaml"
+ok 'a stop that nothing can reach is named' says 'contact 2 is out of reach: no motion of an energy below 750000 meets it' check "$folder/far.yaml"
+ok 'and one that is reached is not' bash -c '! grep "contact 1 is out of reach" "$0"' "$folder/said"
 ok 'a structure that falls apart: check' says 'warning: the structure falls into parts' check "$folder/planes.yaml"
 ok 'and run' says 'no orbit that meets .*: the structure falls into parts that no contact joins' run "$folder/planes.yaml"
 cat >"$folder/side.yaml" <<'Y'
