@@ -273,7 +273,10 @@ static void say_unknown(const cli_command *command, const char *picture, const c
     cli_guess guess = {.word = typed};
     for (const cli_item *item = NULL; (item = cli_next_option(command, picture, item));)
         cli_nearest(&guess, item->name);
-    if (guess.known && strlen(guess.known) > 2)
+    if (access(word, F_OK) == 0)
+        cli_wrong("%s: option '%s' is unknown; the file of that name is written ./%s",
+                  command->name, word, word);
+    else if (guess.known && strlen(guess.known) > 2)
         cli_wrong("%s: option '%s' is unknown; did you mean '%s'?", command->name, word,
                   guess.known);
     else if (picture)

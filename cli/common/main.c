@@ -67,6 +67,10 @@ void cli_print_program_help(FILE *out)
 
 static int unknown_command(const char *name)
 {
+    if (name[0] == '-')
+        return cli_wrong("'%s' stands before the command; write `ricochet COMMAND ... %s`, and "
+                         "`ricochet --help` lists the commands",
+                         name, name);
     cli_guess guess = {.word = name};
     for (const cli_command *const *c = cli_commands; *c; c++) cli_nearest(&guess, (*c)->name);
     if (guess.known)

@@ -73,8 +73,10 @@ ric_status ric_store_sqlite_fail(ric_database file, int code)
             "%s: cannot be opened; check that its folder exists, and the permissions of both",
             file.path);
     case SQLITE_IOERR:
-        return ric_fail(RIC_E_IO, "%s: cannot be read or written (%s); check the disk", file.path,
-                        sqlite3_errstr(code));
+        return ric_fail(RIC_E_IO,
+                        "%s: cannot be read or written (%s); check the disk, and the largest size "
+                        "of a file (ulimit -f)",
+                        file.path, sqlite3_errstr(code));
     case SQLITE_TOOBIG:
         return ric_fail(RIC_E_RANGE,
                         "%s: one record is larger than the file can hold; use a smaller study",

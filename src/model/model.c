@@ -145,8 +145,13 @@ static ric_status check_mass(int n, const double *M)
                      : ric_fail(RIC_E_INPUT,
                                 "mass matrix is not positive definite: its smallest eigenvalue is "
                                 "%g; check row %d, column %d, "
-                                "which is %g",
-                                value[0], worst + 1, worst + 1, M[worst * n + worst]);
+                                "which is %g%s",
+                                value[0], worst + 1, worst + 1, M[worst * n + worst],
+                                M[worst * n + worst] == 0
+                                    ? ": a displacement without mass follows the others "
+                                      "statically; condense it out of both matrices, or give it a "
+                                      "mass"
+                                    : "");
     }
 out:
     free(A);

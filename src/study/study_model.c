@@ -133,7 +133,10 @@ static ric_status read_matrix_file(const ric_yaml *r, const ric_yaml_node *map, 
             key, repeated);
     if (status == RIC_E_INPUT || status == RIC_E_MISSING) {
         snprintf(why, sizeof why, "%s", ric_detail());
-        status = ric_yaml_wrong(r, file.value, key, "%s", why);
+        status = ric_yaml_wrong(r, file.value, key, "%s%s", why,
+                                status == RIC_E_MISSING && name[0] != '/'
+                                    ? "; the name of a file is taken from the folder of the study"
+                                    : "");
     }
 out:
     free(name);

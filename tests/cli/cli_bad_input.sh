@@ -60,9 +60,10 @@ study 4 '  stiffness: [1, 2, 3, 4, 5]' | bad 'model.stiffness: a plain list .* w
 study 4 '  stiffness: [1, x]' | bad "model.stiffness: 'x' is not a number"
 study 3 '  mass: [[2, 0.1], [0, 1]]' | bad 'model.mass: not symmetric'
 study 3 '  mass: [[2e301, 0], [0, 1e301]]' | bad 'model.mass: .*2e+301.*other units'
+study 3 '  mass: [[2, 0], [0, 0]]' | bad 'model.mass: .*row 2, column 2, which is 0: a displacement without mass .*; condense it'
 study 3 '  mass: [[2, 0], [0, -1]]' | bad 'model.mass: .*not positive definite.*eigenvalue'
 study 3 '  mass: [[2, 0], [0, .nan]]' | bad 'model.mass, row 2, column 2: .*not finite'
-study 3 '  mass: {file: absent.mtx}' | bad 'model.mass: absent.mtx: No such file'
+study 3 '  mass: {file: absent.mtx}' | bad 'model.mass: absent.mtx: No such file.*; the name of a file is taken from the folder of the study'
 study 4 '  stiffness: [[9]]' | bad 'model.stiffness: 1 x 1'
 study 4 '  stiffness: [[-9, 0], [0, 1]]' | bad 'model.stiffness: .*not positive semidefinite'
 study 6 '    - normal: [0, 0]' | bad 'model.contacts\[1\].normal: all zeros'
@@ -95,6 +96,10 @@ study 1 'title: good' >"$folder/s.yaml"
 expect 2 'usage: ricochet COMMAND'
 expect 2 "unknown command 'braches'; did you mean 'branches'" braches
 expect 2 "unknown command 'xyzzy'" xyzzy
+study 1 'title: x' >"$folder/-s.yaml"
+expect 2 "option '-s.yaml' is unknown; the file of that name is written ./-s.yaml" check -s.yaml
+rm -f "$folder/-s.yaml"
+expect 2 "'--json' stands before the command; write .ricochet COMMAND ... --json." --json branches
 expect 2 'argument is missing' check
 expect 2 'one argument too many' check s.yaml s.yaml
 expect 2 "'extra' is one argument too many" --version extra
