@@ -10,7 +10,7 @@
 
 #include "plot.h"
 
-enum { NAME = 160 };
+enum { NAME = 160, SHOWN = 8 /* branches that are named where several fit */ };
 /* As in plot_orbit.c: exact to rounding on a branch, with the error of its flights at a grazing. */
 static const double touch_of_branch = 1e-9, touch_of_grazing = 1e-7;
 
@@ -124,13 +124,22 @@ static bool take_ends(const ric_atlas *atlas, const char *text, const char *what
     return true;
 }
 
+/* Several that fit, the first of them by their ids. */
+static void say_several(const char *what, const char *text, int found, const char *ids)
+{
+    cli_wrong("%s %s: %d branches fit, %s%s; give an id, name their ends as well, LABEL|P1 P2, or "
+              "add #N for the Nth",
+              what, text, found, ids, found > SHOWN ? " and more" : "");
+}
+
 bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what,
                        plot_segment *out)
 {
     const char *bar;
     char label[NAME];
     int n_end = 0, junctions[2], found = 0, by_handle = 0, total = ric_atlas_n_branch(atlas);
-    char body[2 * NAME];
+    char body[2 * NAME], ids[16 * SHOWN] = "";
+    size_t used = 0;
     const char *number = strrchr(text, '#');
     long which = 0;
     if (number && !cli_parse_integer(number + 1, what, 1, 1000000, &which)) return false;
@@ -154,6 +163,8 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
         if ((n_end > 0 && isnan(at[0])) || (n_end > 1 && isnan(at[1]))) continue;
         if (which && ++found != which) continue;
         found += !which;
+        if (!which && found <= SHOWN)
+            used += (size_t)snprintf(ids + used, sizeof ids - used, found > 1 ? ", %d" : "%d", id);
         *out = (plot_segment){.branch = id,
                               .s = {n_end == 2 ? at[0] : s[0], n_end == 2 ? at[1] : s[1]}};
     }
@@ -164,10 +175,7 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
     else if (found == 0)
         cli_wrong("%s %s: no branch has this label or key%s; `ricochet branches` lists them", what,
                   text, n_end ? " and meets these junctions" : "");
-    else
-        cli_wrong(
-            "%s %s: %d branches fit; name their ends as well, LABEL|P1 P2, or add #N for the Nth",
-            what, text, found);
+    else say_several(what, text, found, ids);
     return false;
 }
 

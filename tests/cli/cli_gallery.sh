@@ -114,7 +114,7 @@ refused() { # PATTERN ARGUMENTS...
     ! "$ricochet" plot "$@" -o "$folder/refused.svg" 2>"$folder/message" && grep -q "$pattern" "$folder/message" && [ ! -e "$folder/refused.svg" ]
 }
 atlas=$folder/elementary.ricochet
-ok 'a label of many branches' refused '2 branches fit' fep "$atlas" --branch 'S4[0011]'
+ok 'a label of many branches' refused 'branch S4\[0011\]: 2 branches fit, [0-9]*, [0-9]*; give an id' fep "$atlas" --branch 'S4[0011]'
 ok 'a branch that is not there' refused 'no branch has this label' fep "$atlas" --branch 'S4[01]'
 ok 'a junction that is not on the branch' refused 'meets these junctions' fep "$atlas" --branch 'S6[010101]|C1_31'
 ok 'a junction that is not there' refused 'no junction has this name' fep "$atlas" --label C9_99
