@@ -44,7 +44,9 @@ typedef struct {
     const ric_atlas *before; /* what was in the file; NULL: nothing */
     bool quiet, json;        /* nothing in words; the report in JSON */
     long workers;            /* 0: not given, so one */
-    bool same, kept;         /* it is of the same study; its tables were left as they are */
+    const char *step;        /* --max-step, or NULL */
+    bool prove;
+    bool same, kept; /* it is of the same study; its tables were left as they are */
 } display;
 
 /* How far the run is. Departures make new ones, so that their share is that of the round at work:
@@ -297,6 +299,35 @@ static void tell_smaller(const char *path, const ric_study *old, const ric_study
     }
 }
 
+/* A word that a shell reads as it is. */
+static void say_word(const char *text)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "_./+:,@%=-";
+    if (*text && text[strspn(text, plain)] == '\0') {
+        cli_say(" %s", text);
+        return;
+    }
+    fputs(" '", stderr);
+    for (const char *c = text; *c; c++)
+        if (*c == '\'') fputs("'\\''", stderr);
+        else if ((unsigned char)*c >= ' ') fputc(*c, stderr);
+    fputc('\'', stderr);
+}
+
+/* What goes on with it: a run with another step makes another atlas. */
+static void say_command(const char *path, const char *study, const display *d)
+{
+    fputs("\nricochet: the same command continues there: ricochet run", stderr);
+    say_word(study);
+    fputs(" -o", stderr);
+    say_word(path);
+    if (d->workers) cli_say(" -j %ld", d->workers);
+    if (d->step) cli_say(" --max-step %s", d->step);
+    if (d->prove) fputs(" --prove", stderr);
+    fputc('\n', stderr);
+}
+
 /* The report of what was found so far, what is left, and how to go on. */
 static int tell_stopped(const char *path, const char *study, const ric_atlas *atlas,
                         const display *d)
@@ -325,7 +356,7 @@ static int tell_stopped(const char *path, const char *study, const ric_atlas *at
     if (d->last.fresh > 0)
         cli_say("; %d step%s of this run %s kept, those of unfinished branches too", d->last.fresh,
                 cli_plural(d->last.fresh), d->last.fresh == 1 ? "is" : "are");
-    cli_say("\nricochet: the same command continues there: ricochet run %s -o %s\n", study, path);
+    say_command(path, study, d);
     return d->over ? CLI_LIMIT : CLI_INTERRUPTED;
 }
 
@@ -380,21 +411,22 @@ static ric_status read_study(const char *path, bool quiet, ric_study **out)
 
 static int run(int argc, char **argv)
 {
-    const char *given, *step;
+    const char *given;
     char *path = NULL;
     display d = {.seconds = HUGE_VAL,
                  .quiet = cli_take_flag(&argc, argv, "--quiet"),
                  .json = cli_take_flag(&argc, argv, "--json")};
-    const bool prove = cli_take_flag(&argc, argv, "--prove");
+    d.prove = cli_take_flag(&argc, argv, "--prove");
     ric_study *study = NULL;
     int code;
     if (!cli_take_value(&argc, argv, "-o", &given) ||
         !cli_take_workers(&argc, argv, 1024, &d.workers) ||
-        !cli_take_value(&argc, argv, "--max-step", &step) ||
+        !cli_take_value(&argc, argv, "--max-step", &d.step) ||
         !cli_take_seconds(&argc, argv, "run", &d.seconds) || !cli_operands(&cli_run, argc, argv, 1))
         return CLI_WRONG;
     ric_status status = read_study(argv[1], d.quiet, &study);
-    if (!status && step) status = ric_study_override(study, "explore", "step", step, "--max-step");
+    if (!status && d.step)
+        status = ric_study_override(study, "explore", "step", d.step, "--max-step");
     if (!status && !(path = given ? strdup(given) : default_path(argv[1]))) status = RIC_E_NOMEM;
     if (status) code = cli_report(status);
     else if (!strcmp(path, argv[1]))
@@ -409,7 +441,7 @@ static int run(int argc, char **argv)
             "give --seconds S to try for so long, or reduce the structure to the modes that matter",
             argv[1], ric_model_n_mode(ric_study_model(study)));
     else code = explore(study, argv[1], path, d);
-    if (prove && code == CLI_DONE)
+    if (d.prove && code == CLI_DONE)
         code = cli_prove_atlas(path, d.workers ? (int)d.workers : 1,
                                d.quiet  ? NULL
                                : d.json ? stderr

@@ -52,4 +52,9 @@ ok 'Ctrl-C' interrupted
 set +m
 ok 'the report after it' in_out '^branches: '
 ok 'and how to go on' in_said 'the same command continues there'
+again() { # the command that goes on is the one that was given, as a shell reads it
+    "$ricochet" run examples/elementary/study.yaml -o "$folder/it's long.ricochet" -j 1 --max-step 0.001 --seconds 1e-9 >/dev/null 2>"$folder/said"
+    [ $? = 3 ] && grep -q "^ricochet: the same command continues there: ricochet run examples/elementary/study.yaml -o '.*/it'.''s long.ricochet' -j 1 --max-step 0.001$" "$folder/said"
+}
+ok 'with its options and its file' again
 finish
