@@ -10,6 +10,7 @@
 
 #define MOVES 3      /* by which an error is measured: a single one may lie across */
 #define MEASURED 4.0 /* its margin */
+#define FAR 300      /* powers of two from which on entries are scaled */
 
 bool ric_eigen(int k, double *A, double *out)
 {
@@ -25,26 +26,55 @@ bool ric_eigen(int k, double *A, double *out)
     return true;
 }
 
+/* Conditions of the eigenvalues of a Schur form T. vectors [2 k^2] is workspace. */
+static bool conditions_of(int k, const double *T, double *vectors, double *condition)
+{
+    double *left = vectors, *right = vectors + (size_t)k * (size_t)k, apart[k + 1];
+    lapack_int count;
+    if (ric_lapack(LAPACKE_dtrevc(LAPACK_COL_MAJOR, 'B', 'A', NULL, k, T, k, left, k, right, k, k,
+                                  &count)) ||
+        ric_lapack(LAPACKE_dtrsna(LAPACK_COL_MAJOR, 'E', 'A', NULL, k, T, k, left, k, right, k,
+                                  condition, apart, k, &count)))
+        return false;
+    for (int i = 0; i < k; i++) condition[i] = 1 / condition[i];
+    return true;
+}
+
+/* T = ldexp(A, -*exponent), which is zero but for entries whose products are no numbers. False: one
+ * of A is none. */
+static bool scaled(size_t count, const double *A, double *T, int *exponent)
+{
+    double most = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(A[i])) return false;
+        most = fmax(most, fabs(A[i]));
+    }
+    frexp(most, exponent);
+    if (abs(*exponent) < FAR) *exponent = 0;
+    for (size_t i = 0; i < count; i++) T[i] = *exponent ? ldexp(A[i], -*exponent) : A[i];
+    return true;
+}
+
 bool ric_eigen_conditions(int k, const double *A, double *out, double *condition)
 {
     const size_t kk = (size_t)k * (size_t)k;
-    double re[k + 1], im[k + 1], norm, scale[k + 1], apart[k + 1];
-    double *store = ric_calloc(3 * kk + 1, sizeof *store), *copy = store, *left = copy + kk,
-           *right = left + kk;
-    lapack_int first, last;
-    bool found = store != NULL;
-    for (size_t i = 0; i < kk && found; i++) found = isfinite(copy[i] = A[i]);
-    /* read by columns it is the transpose, whose eigenvalues and conditions are the same; not
-     * balanced, which would tell the conditions of another matrix */
-    found = found && !ric_lapack(LAPACKE_dgeevx(LAPACK_COL_MAJOR, 'N', 'V', 'V', 'E', k, copy, k,
-                                                re, im, left, k, right, k, &first, &last, scale,
-                                                &norm, condition, apart));
+    double re[k + 1], im[k + 1], tau[k + 1],
+        *T = ric_calloc((condition ? 3 : 1) * kk + 1, sizeof *T);
+    int exponent;
+    /* read by columns it is the transpose, whose eigenvalues and conditions are the same */
+    bool found = T && scaled(kk, A, T, &exponent) &&
+                 !ric_lapack(LAPACKE_dgehrd(LAPACK_COL_MAJOR, k, 1, k, T, k, tau));
+    for (int j = 0; j < k && found; j++)
+        for (int i = j + 2; i < k; i++) T[j * k + i] = 0;
+    found = found &&
+            !ric_lapack(LAPACKE_dhseqr(LAPACK_COL_MAJOR, condition ? 'S' : 'E', 'N', k, 1, k, T, k,
+                                       re, im, NULL, 1)) &&
+            (!condition || conditions_of(k, T, T + kk, condition));
     for (int i = 0; i < k && found; i++) {
-        out[2 * i] = re[i];
-        out[2 * i + 1] = im[i];
-        condition[i] = 1 / condition[i];
+        out[2 * i] = exponent ? ldexp(re[i], exponent) : re[i];
+        out[2 * i + 1] = exponent ? ldexp(im[i], exponent) : im[i];
     }
-    free(store);
+    free(T);
     return found;
 }
 

@@ -16,9 +16,12 @@ static inline double ric_moved(unsigned *bits, double move)
  * failed. */
 bool ric_eigen(int k, double *A, double *out);
 
-/* The same with the condition [k] of each: by how much more than the 2-norm of a small change of A
+/* The same, with the condition [k] of each: by how much more than the 2-norm of a small change of A
  * it moves, 1 / |y' x| of its left and right vectors of length one (Golub and Van Loan, Matrix
- * Computations, section 7.2.2). A stays. False also where there is no memory. */
+ * Computations, section 7.2.2). A stays, and is not balanced, which would tell the conditions of
+ * another matrix. The vectors are those of the Schur form, whose angles are the same: they are not
+ * taken back, which would take more time than all else. condition NULL: not asked for. False also
+ * where there is no memory. */
 bool ric_eigen_conditions(int k, const double *A, double *out, double *condition);
 
 /* mu [2m] = eigenvalues of B C, [m * m] each, sorted, and the error [m] of each, measured on

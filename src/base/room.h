@@ -7,6 +7,7 @@
 #include "c_locale.h"
 #include "cache.h"
 #include "constants.h"
+#include "dense.h"
 #include "eigen.h"
 #include "eigen_fine.h"
 #include "extremes.h"

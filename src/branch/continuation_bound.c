@@ -235,6 +235,7 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, ques
     memcpy(each, f->each, sizeof each);
     if (seen) memset(seen, 0, (size_t)k * sizeof *seen);
     f->enough = ask.enough;
+    f->coarse = !seen && !(f->sharp > 0);
     for (int sample = 0; sample < 2 * WAYS && known && !status; sample++) {
         const int at = !seen && sample < 4 ? alone[sample] : sample;
         double *v = moved + order[at / 2] * size;

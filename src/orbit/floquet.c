@@ -4,9 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <lapacke.h>
-
 #include "base/room.h"
+#include "floquet_again.h"
 #include "floquet_fine.h"
 #include "floquet_judge.h"
 #include "floquet_known.h"
@@ -39,7 +38,8 @@ ric_status ric_floquet_create(int n, ric_floquet *out)
     out->each = ric_calloc(k, sizeof(double));
     out->work = ric_calloc(out->n_work, sizeof(double));
     out->fine = ric_calloc(k <= MOST_PAIRS ? ric_floquet_fine_size(n) : 1, sizeof *out->fine);
-    const bool known = ric_floquet_known_create(n, &out->known);
+    const bool known = ric_floquet_known_create(n, &out->known) &&
+                       ric_floquet_again_create(n, &out->again);
     if (!known || !out->rho || !out->own || !out->each || !out->work || !out->fine) {
         ric_floquet_release(out);
         return ric_fail(RIC_E_NOMEM, "no memory for %d Floquet multipliers", 2 * out->n_pair);
@@ -55,7 +55,9 @@ void ric_floquet_release(ric_floquet *f)
     free(f->work);
     free(f->fine);
     ric_floquet_known_free(f->known);
+    ric_floquet_again_free(f->again);
     f->known = NULL;
+    f->again = NULL;
     f->rho = f->own = f->each = f->work = NULL;
     f->fine = NULL;
 }
@@ -245,13 +247,11 @@ static double determinant(int k, int ld, const double *A, double *work, double r
     double det = 1, others = 1, least = HUGE_VAL;
     *error = 0;
     if (k == 0) return 1;
-    lapack_int pivot[k];
     for (int i = 0; i < k; i++) memcpy(work + i * k, A + i * ld, (size_t)k * sizeof *work);
-    if (k > 1) ric_lapack(LAPACKE_dgetrf(LAPACK_ROW_MAJOR, k, k, work, k, pivot));
-    else pivot[0] = 1;
+    det = ric_dense_factor(k, work);
     for (int i = 0; i < k; i++) {
         double p = work[i * k + i];
-        det *= pivot[i] == i + 1 ? p : -p;
+        det *= p;
         if (fabs(p) < least) {
             if (least < HUGE_VAL) others *= least;
             least = fabs(p);
@@ -331,21 +331,139 @@ static double roundings(const ric_shooting *c)
 
 /* ------------------------------------------------------ extended precision */
 
-/* Whether rho is worth another map, and has one: *size of its largest entry. What was known so far
- * is kept. */
-static bool made_fine(const ric_shooting *c, ric_floquet *f, const double *start, const double *end,
-                      double *size)
+/* Whether rho is worth another map. */
+static bool is_rough(const ric_floquet *f)
 {
     double least = HUGE_VAL;
     for (int i = 0; i < f->n_pair; i++)
         least = fmin(least, hypot(f->own[2 * i], f->own[2 * i + 1]));
-    f->rough = f->error;
-    if (!f->orbit && !(f->rough > fmax(ROUGH, f->enough) * (1 + least)) && isfinite(least))
-        return false;
+    return f->rough > fmax(ROUGH, f->enough) * (1 + least) || !isfinite(least);
+}
+
+/* Whether rho that are off by `error` at least are so, by the product of all rho + 2: one of them
+ * is not larger than its root. */
+static bool is_surely_rough(const ric_floquet *f, double error, double product)
+{
+    const double least = 2 + pow(product, 1.0 / f->n_pair);
+    return f->n_pair > 2 && f->n_pair <= MOST_PAIRS && !f->orbit &&
+           error > fmax(ROUGH, f->enough) * (1 + least);
+}
+
+/* Another map, if there is one: *size of its largest entry. */
+static bool made_fine(const ric_shooting *c, ric_floquet *f, const double *start, const double *end,
+                      double *size)
+{
     return f->n_pair <= MOST_PAIRS && ric_floquet_fine_fits(c) &&
            (f->orbit ? ric_floquet_fine_map(c, f->orbit, start, end, f->fine, size)
                      : ric_floquet_known_map(f->known, c, start, end, f->fine, size));
 }
+
+/* ------------------------------------------------------- what a matrix says */
+
+/* A matrix, and what is known of it. */
+typedef struct {
+    bool period;            /* the map [2k * 2k] of the general form, else 2 + 4 b'c [k * k] */
+    bool part;              /* of a part of the period, after which full ones are judged */
+    const double *H;        /* itself */
+    double *work;           /* of the general form H + H^-1, used up, else [k * k] free */
+    double error;           /* of its entries */
+    double rough;           /* the same of the map in double, if it has not been judged, else 0 */
+    ric_fine_real rounding; /* of f->fine, which it was made of: the map, or b and c; else 0 */
+} matrix;
+
+static bool find_pairs(const matrix *m, bool asked, ric_floquet_pairs *out)
+{
+    if (!m->period) return ric_floquet_pairs_of_matrix(m->H, asked, m->work, out);
+    if (!ric_floquet_pairs_of_period(m->work, out)) return false;
+    for (int i = 0; i < out->count; i++) out->condition[i] = HUGE_VAL;
+    if (asked) ric_floquet_pairs_conditions(m->H, out);
+    return true;
+}
+
+static void allow(const matrix *m, double error, ric_floquet_pairs *pairs)
+{
+    ric_floquet_pairs_allow(m->period ? 2 * pairs->count : pairs->count, m->H, error, pairs);
+}
+
+/* Both maps of an orbit have the same rho and conditions, to the error of the rough one. */
+static void judge_rough(ric_floquet *f, const matrix *m, ric_floquet_pairs *pairs)
+{
+    double rho[2 * pairs->count];
+    memcpy(rho, f->rho, sizeof rho);
+    allow(m, m->rough, pairs);
+    ric_floquet_judge_pairs(f, m->part, pairs);
+    f->rough = f->error;
+    memcpy(f->rho, rho, sizeof rho);
+}
+
+static void sharpen(ric_floquet *f, const matrix *m, ric_floquet_pairs *pairs)
+{
+    const int k = pairs->count;
+    if (!(f->sharp > 0) || !(m->rounding > 0)) return;
+    if (m->period) ric_floquet_sharpen_map(f->fine, m->rounding, f->sharp, pairs);
+    else ric_floquet_sharpen_blocks(f->fine, f->fine + k * k, m->rounding, f->sharp, pairs);
+}
+
+/* Whether what is known without conditions leaves open which rho are known, or whether another map
+ * has to be made. */
+static bool is_vague(ric_floquet *f, const matrix *m)
+{
+    bool lost = false;
+    for (int i = 0; i < f->n_pair; i++) lost |= isnan(f->own[2 * i]);
+    if (m->rounding > 0) return lost;
+    f->rough = f->error;
+    return lost || is_rough(f);
+}
+
+/* False: no rho were found. */
+static bool judge(ric_floquet *f, const matrix *m)
+{
+    const int k = f->n_pair;
+    double known[3 * k], rho[2 * k];
+    ric_floquet_pairs pairs = {.count = k,
+                               .rho = f->rho,
+                               .error = known,
+                               .alone = known + k,
+                               .condition = known + 2 * k};
+    const bool asked = !f->coarse;
+    if (!find_pairs(m, asked, &pairs)) return false;
+    memcpy(rho, f->rho, sizeof rho);
+    if (asked && m->rough > 0) judge_rough(f, m, &pairs);
+    allow(m, m->error, &pairs);
+    sharpen(f, m, &pairs);
+    ric_floquet_judge_pairs(f, m->part, &pairs);
+    if (asked || !is_vague(f, m)) return true;
+    memcpy(f->rho, rho, sizeof rho);
+    if (m->period) ric_floquet_pairs_conditions(m->H, &pairs);
+    else if (!find_pairs(m, true, &pairs)) return false;
+    allow(m, m->error, &pairs);
+    ric_floquet_judge_pairs(f, m->part, &pairs);
+    return true;
+}
+
+/* Two blocks whose product has the rho: as they are, 2^-exponent times their size. */
+typedef struct {
+    bool part;
+    const double *b, *c;
+    int exponent;
+    double rounding;    /* of their entries */
+    ric_fine_real fine; /* as of a matrix */
+} factors;
+
+/* Where the rounding of the largest rho matters to the others. work [4 k^2]. */
+static bool judge_blocks(ric_floquet *f, const factors *q, double *work)
+{
+    const int k = f->n_pair;
+    double known[2 * k];
+    ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
+    if (!ric_floquet_pairs_of_blocks(q->b, q->c, q->exponent, q->rounding, work, &pairs))
+        return false;
+    sharpen(f, &(matrix){.rounding = q->fine}, &pairs);
+    ric_floquet_judge_pairs(f, q->part, &pairs);
+    return true;
+}
+
+/* ------------------------------------------------------ from another map */
 
 /* P as the sum of two matrices in double. */
 static void split(int count, const ric_fine_real *P, double *high, double *low)
@@ -362,16 +480,34 @@ static double fine_rounding(const ric_shooting *c, double size)
     return ROUNDING * (double)LDBL_EPSILON * roundings(c) * size;
 }
 
-/* The reversible form: work [8 k^2] and f->work beside it are free, E0 and E1 are not. */
-static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double *E0,
-                            const double *E1, double *work)
+/* H = 2 + 4 b'c of blocks b, c of [4 k^2] numbers each of high and low; both parts of the blocks
+ * are summed in b_c [2 k^2]. Returns the largest entry. */
+static double fine_product(int k, const double *high, const double *low, ric_fine_real *b_c,
+                           double *H)
+{
+    const int kk = k * k;
+    const ric_fine_real *b = b_c, *c = b_c + kk;
+    double most = 0;
+    for (int i = 0; i < 2 * kk; i++) b_c[i] = (ric_fine_real)high[kk + i] + low[kk + i];
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) {
+            ric_fine_real s = 0;
+            for (int l = 0; l < k; l++) s += b[l * k + i] * c[l * k + j];
+            H[i * k + j] = (i == j ? 2 : 0) + (double)(4 * s);
+            most = fmax(most, fabs(H[i * k + j]));
+        }
+    return most;
+}
+
+/* The reversible form: work [8 k^2] and f->work beside it are free, E0 and E1 are not. `rough`:
+ * error of the map in double if that has not been judged, else 0. False: nothing was judged. */
+static bool reversible_fine(const ric_shooting *c, ric_floquet *f, const double *E0,
+                            const double *E1, double *work, double rough)
 {
     int k = c->n - 1, kk = k * k;
-    double size, *high = f->work, *low = high + 4 * kk, *x = work, *y = x + 4 * kk, most = 0,
-                 known[2 * k];
-    ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
-    bool quarter = c->multiple == 4, found;
-    if (!made_fine(c, f, E0, E1, &size)) return;
+    double size, *high = f->work, *low = high + 4 * kk, *x = work, *y = x + 4 * kk;
+    bool quarter = c->multiple == 4;
+    if (!made_fine(c, f, E0, E1, &size)) return false;
     split(4 * kk, f->fine, high, low);
     blocks(c, high, x, x + kk, x + 2 * kk, x + 3 * kk);
     blocks(c, low, y, y + kk, y + 2 * kk, y + 3 * kk);
@@ -381,33 +517,61 @@ static void reversible_fine(const ric_shooting *c, ric_floquet *f, const double 
         for (int i = 0; i < 4; i++) part[i] = (ric_fine_real)x[i] + y[i];
         double bc = (double)(part[1] * part[2]), ad = (double)(part[0] * part[3]);
         if (!isfinite(bc) || !isfinite(ad))
-            return; /* beyond a double, where the scaled map has its logarithm */
+            return false; /* beyond a double, where the scaled map has its logarithm */
         error += 8 * DBL_EPSILON * fmin(1 + fabs(bc), 1 + fabs(ad));
         ric_floquet_judge_plane(f, quarter, bc, ad, x[3] * x[1], 0, error);
-        return;
+        return true;
     }
-    for (int i = 0; i < k; i++)
-        for (int j = 0; j < k; j++) {
-            ric_fine_real s = 0;
-            for (int l = 0; l < k; l++)
-                s += ((ric_fine_real)x[kk + l * k + i] + y[kk + l * k + i]) *
-                     ((ric_fine_real)x[2 * kk + l * k + j] + y[2 * kk + l * k + j]);
-            high[i * k + j] = (i == j ? 2 : 0) + (double)(4 * s);
-            most = fmax(most, fabs(high[i * k + j]));
-        }
-    error += 8 * k * DBL_EPSILON * (1 + most);
-    found = error <= ACCURATE
-                ? ric_floquet_pairs_of_matrix(high, error, low, &pairs)
-                : ric_floquet_pairs_of_blocks(x + kk, x + 2 * kk, 0,
-                                              fine_rounding(c, size) + 2 * DBL_EPSILON * size, high,
-                                              &pairs);
-    if (!found) return;
-    if (f->sharp > 0) {
-        for (int i = 0; i < 2 * kk; i++)
-            f->fine[i] = (ric_fine_real)x[kk + i] + y[kk + i]; /* b, then c */
-        ric_floquet_sharpen_blocks(f->fine, f->fine + kk, fine_rounding(c, size), f->sharp, &pairs);
+    error += 8 * k * DBL_EPSILON * (1 + fine_product(k, x, y, f->fine, high));
+    if (error <= ACCURATE)
+        return judge(f, &(matrix){.part = quarter,
+                                  .H = high,
+                                  .work = low,
+                                  .error = error,
+                                  .rough = rough,
+                                  .rounding = fine_rounding(c, size)});
+    return !(rough > 0) &&
+           judge_blocks(f,
+                        &(factors){.part = quarter,
+                                   .b = x + kk,
+                                   .c = x + 2 * kk,
+                                   .rounding = fine_rounding(c, size) + 2 * DBL_EPSILON * size,
+                                   .fine = fine_rounding(c, size)},
+                        high);
+}
+
+/* The general form. work [16 k^2]; `rough` as above. */
+static bool whole_fine(const ric_shooting *c, ric_floquet *f, double *work, double rough)
+{
+    int k = c->n - 1, ld = 2 * k, count = ld * ld;
+    double size, *high = work, *low = high + count, *A = low + count, *B = A + count, most = 0;
+    if (!made_fine(c, f, NULL, NULL, &size)) return false;
+    ric_fine_real trace = 0;
+    for (int i = 0; i < count; i++) f->fine[i] *= c->sigma;
+    for (int i = 0; i < ld; i++) trace += f->fine[i * ld + i];
+    double error = fine_rounding(c, size);
+    if (k == 1) {
+        if (!isfinite((double)trace)) return false; /* likewise */
+        error += 4 * DBL_EPSILON * fabs((double)trace);
+        ric_floquet_judge_trace(f, c->sigma < 0, (double)trace, (double)f->fine[1], 0, error);
+        return true;
     }
-    ric_floquet_judge_pairs(f, quarter, &pairs);
+    split(count, f->fine, high, low);
+    ric_floquet_pairs_inverse(k, high, 1, high, A);
+    ric_floquet_pairs_inverse(k, low, 1, low, B);
+    for (int i = 0; i < count; i++) {
+        A[i] += B[i];
+        most = fmax(most, fabs(A[i]));
+    }
+    error += 8 * ld * DBL_EPSILON * (1 + most);
+    if (error > ACCURATE && (rough > 0 || f->error < error)) return false; /* others know better */
+    return judge(f, &(matrix){.period = true,
+                              .part = c->sigma < 0,
+                              .H = high,
+                              .work = A,
+                              .error = error,
+                              .rough = rough,
+                              .rounding = fine_rounding(c, size)});
 }
 
 /* The blocks of a map, and the workspace that is left. */
@@ -436,6 +600,7 @@ static linear_map reversible_map(const ric_shooting *c, ric_floquet *f)
     for (int i = 0; i < ld * ld; i++) q.size = fmax(q.size, fabs(P[i]));
     q.size = fmax(q.size, q.growth);
     double rounding = ROUNDING * DBL_EPSILON * steps(c) * q.size;
+    if (f->coarse && k > MOST_PAIRS) return q; /* they would tell whether to make another map */
     f->det_a = determinant(k, k, a, q.tmp, rounding, &f->error_a);
     f->det_b = determinant(k, k, b, q.tmp, rounding, &f->error_b);
     f->det_d = determinant(k, k, d, q.tmp, rounding, &f->error_d);
@@ -444,33 +609,41 @@ static linear_map reversible_map(const ric_shooting *c, ric_floquet *f)
     return q;
 }
 
-static ric_status reversible(const ric_shooting *c, ric_floquet *f)
+/* Unless rho are good enough; f->orbit has a map of its own. */
+static void improve(const ric_shooting *c, ric_floquet *f, const linear_map *q)
+{
+    f->rough = f->error;
+    if (!f->orbit && !is_rough(f)) return;
+    if (c->start == RIC_MIRROR_NONE) whole_fine(c, f, f->work, 0);
+    else reversible_fine(c, f, q->E0, q->E1, q->A, 0);
+}
+
+static void reversible(const ric_shooting *c, ric_floquet *f)
 {
     const linear_map q = reversible_map(c, f);
     int k = c->n - 1, exponent = q.exponent;
-    bool quarter = c->multiple == 4;
+    bool quarter = c->multiple == 4, found = exponent < 500;
     const double rounding = ROUNDING * DBL_EPSILON * roundings(c) * q.size;
     double error = rounding * q.size + ldexp(8 * DBL_EPSILON, -2 * exponent);
     if (k == 1) {
         ric_floquet_judge_plane(f, quarter, q.b[0] * q.c[0], q.a[0] * q.d[0], q.d[0] * q.b[0],
                                 exponent, error);
-        reversible_fine(c, f, q.E0, q.E1, q.A);
-        return RIC_OK;
+        improve(c, f, &q);
+        return;
     }
     f->trace_asinh = f->rotation = NAN;
-    double known[2 * k];
-    ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
     error = ldexp(error, exponent < 500 ? 2 * exponent : 1000);
-    bool found = exponent < 500;
     if (found && error <= ACCURATE) {
+        const double most = ldexp((fabs(f->det_a) + f->error_a) * (fabs(f->det_d) + f->error_d),
+                                  2 * k * (1 + exponent));
+        if (is_surely_rough(f, error, most) && reversible_fine(c, f, q.E0, q.E1, q.A, error))
+            return;
         ric_floquet_pairs_product(k, q.b, q.c, exponent, q.A);
-        found = ric_floquet_pairs_of_matrix(q.A, error, q.P, &pairs);
+        found = judge(f, &(matrix){.part = quarter, .H = q.A, .work = q.P, .error = error});
     } else if (found)
-        found = ric_floquet_pairs_of_blocks(q.b, q.c, exponent, rounding, q.P, &pairs);
-    if (found) ric_floquet_judge_pairs(f, quarter, &pairs);
+        found = judge_blocks(f, &(factors){quarter, q.b, q.c, exponent, rounding, 0}, q.P);
+    if (found) improve(c, f, &q);
     else ric_floquet_judge_lost(f);
-    if (found) reversible_fine(c, f, q.E0, q.E1, q.A);
-    return RIC_OK;
 }
 
 /* --------------------------------------------------------------- general */
@@ -589,42 +762,6 @@ static bool rho_of_halves(const ric_shooting *c, double *work, double *V, ric_fl
     return true;
 }
 
-/* The general form; f->work is free. */
-static void whole_fine(const ric_shooting *c, ric_floquet *f)
-{
-    int k = c->n - 1, ld = 2 * k, count = ld * ld;
-    double size, *high = f->work, *low = high + count, *A = low + count, *B = A + count, most = 0,
-                 known[2 * k];
-    ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
-    if (!made_fine(c, f, NULL, NULL, &size)) return;
-    ric_fine_real trace = 0;
-    for (int i = 0; i < count; i++) f->fine[i] *= c->sigma;
-    for (int i = 0; i < ld; i++) trace += f->fine[i * ld + i];
-    double error = fine_rounding(c, size);
-    if (k == 1) {
-        if (!isfinite((double)trace)) return; /* likewise */
-        error += 4 * DBL_EPSILON * fabs((double)trace);
-        ric_floquet_judge_trace(f, c->sigma < 0, (double)trace, (double)f->fine[1], 0, error);
-        return;
-    }
-    split(count, f->fine, high, low);
-    ric_floquet_pairs_inverse(k, high, 1, high, A);
-    ric_floquet_pairs_inverse(k, low, 1, low, B);
-    for (int i = 0; i < count; i++) {
-        A[i] += B[i];
-        most = fmax(most, fabs(A[i]));
-    }
-    error += 8 * ld * DBL_EPSILON * (1 + most);
-    if (error > ACCURATE && f->error < error) return; /* the halves know better */
-    double all[2 * ld];
-    if (!ric_eigen(ld, A, all)) return;
-    double apart[k];
-    ric_floquet_pairs_up(k, all, f->rho, apart);
-    ric_floquet_pairs_conditions(high, error, &pairs);
-    if (f->sharp > 0) ric_floquet_sharpen_map(f->fine, fine_rounding(c, size), f->sharp, &pairs);
-    ric_floquet_judge_pairs(f, c->sigma < 0, &pairs);
-}
-
 /* The return map of the general form in f->work, with sigma, and its determinant: a multiplier -1
  * of the half-period map breaks z(t+T/2) = -z(t). */
 static linear_map whole_map(const ric_shooting *c, ric_floquet *f)
@@ -661,7 +798,19 @@ static linear_map whole_map(const ric_shooting *c, ric_floquet *f)
     return q;
 }
 
-static ric_status whole(const ric_shooting *c, ric_floquet *f)
+/* The product of all rho + 2, det(1 + P). */
+static double above_minus_one(const ric_shooting *c, const ric_floquet *f, const linear_map *q)
+{
+    const int ld = 2 * (c->n - 1);
+    double error;
+    if (c->sigma < 0) return fabs(f->det_a) + f->error_a;
+    memcpy(q->A, q->P, (size_t)ld * (size_t)ld * sizeof *q->A);
+    for (int i = 0; i < ld; i++) q->A[i * ld + i] += 1;
+    const double det = determinant(ld, ld, q->A, q->tmp, 0, &error);
+    return fabs(det);
+}
+
+static void whole(const ric_shooting *c, ric_floquet *f)
 {
     const linear_map q = whole_map(c, f);
     int k = c->n - 1, ld = 2 * k, exponent = q.exponent;
@@ -670,22 +819,33 @@ static ric_status whole(const ric_shooting *c, ric_floquet *f)
     for (int i = 0; i < ld; i++) trace += q.P[i * ld + i];
     if (k == 1) {
         ric_floquet_judge_trace(f, c->sigma < 0, trace, q.P[1], exponent, rounding * q.size);
-        whole_fine(c, f);
-        return RIC_OK;
+        improve(c, f, &q);
+        return;
     }
     f->trace_asinh = f->rotation = NAN;
     if (!isfinite(error) || exponent) {
         ric_floquet_judge_lost(f);
-        return RIC_OK;
+        return;
     }
-    double known[2 * k];
-    ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
-    bool found = !(error <= ACCURATE) && rho_of_halves(c, q.A, f->work, &pairs);
-    if (!found) found = ric_floquet_pairs_of_period(q.P, error, q.A, &pairs);
-    if (found) ric_floquet_judge_pairs(f, c->sigma < 0, &pairs);
+    bool found = false;
+    if (!(error <= ACCURATE)) {
+        double known[2 * k];
+        ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
+        if ((found = rho_of_halves(c, q.A, f->work, &pairs)))
+            ric_floquet_judge_pairs(f, c->sigma < 0, &pairs);
+    } else if (error > ROUGH && k > 2 && is_surely_rough(f, error, above_minus_one(c, f, &q)) &&
+               whole_fine(c, f, q.A, error))
+        return;
+    if (!found) {
+        ric_floquet_pairs_inverse(k, q.P, 1, q.P, q.A);
+        found = judge(f, &(matrix){.period = true,
+                                   .part = c->sigma < 0,
+                                   .H = q.P,
+                                   .work = q.A,
+                                   .error = error});
+    }
+    if (found) improve(c, f, &q);
     else ric_floquet_judge_lost(f);
-    if (found) whole_fine(c, f);
-    return RIC_OK;
 }
 
 /* One seen mode: no multipliers besides the trivial ones; every periodic orbit is (orbitally)
@@ -700,8 +860,11 @@ static void alone(ric_floquet *f)
 
 ric_status ric_floquet_compute(const ric_shooting *c, ric_floquet *f)
 {
-    if (c->n > 1) return c->start == RIC_MIRROR_NONE ? whole(c, f) : reversible(c, f);
-    alone(f);
+    if (ric_floquet_again_find(f->again, c, f)) return RIC_OK;
+    if (c->n < 2) alone(f);
+    else if (c->start == RIC_MIRROR_NONE) whole(c, f);
+    else reversible(c, f);
+    ric_floquet_again_keep(f->again, c, f);
     return RIC_OK;
 }
 

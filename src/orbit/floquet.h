@@ -35,10 +35,12 @@ typedef struct {
                       another map */
     double sharp;  /* the same, to which each pair is to be known, at a cost of its own; 0: what
                       comes by itself */
+    bool coarse;   /* of several pairs only `own` and which of them are known are asked for */
     double *work;
     long double *fine;
     const long double *orbit; /* of more digits than the chain has (floquet_fine.h), or NULL */
     struct ric_floquet_known *known; /* maps made before (floquet_known.h), or NULL */
+    struct ric_floquet_again *again; /* answers given before (floquet_again.h), or NULL */
     size_t n_work;
 } ric_floquet;
 

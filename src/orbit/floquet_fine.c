@@ -14,6 +14,8 @@
 #define DONE 0x1p-64
 #define GOOD 0x1p-44
 #define SLOW 0.5
+/* FEW: modes up to which the basis of a section is made from that in double */
+#define FEW 3
 #define LARGEST 1e200L /* of an entry: its square is still a double */
 
 typedef ric_fine_real real;
@@ -45,6 +47,41 @@ static real dot(int n, const real *x, const real *y)
     real sum = 0;
     for (int i = 0; i < n; i++) sum += x[i] * y[i];
     return sum;
+}
+
+/* The same basis to the last digit at once, rows 1.. of the reflection that takes h [n] to a
+ * multiple of e_0 (ric_model_complement), and what it makes of columns X [n * ld]: their
+ * coordinates are rows 0.. of it then (ric_model_across). */
+typedef struct {
+    real first, beta;
+} reflection;
+
+static reflection reflection_of(int n, const real *h)
+{
+    const real norm = sqrtl(dot(n, h, h));
+    return (reflection){h[0] + copysignl(norm, h[0]), 1 / (norm * (norm + fabsl(h[0])))};
+}
+
+static void complement(int n, const real *h, real *E)
+{
+    const reflection q = reflection_of(n, h);
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < n; j++)
+            E[(i - 1) * n + j] = (i == j) - q.beta * h[i] * (j ? h[j] : q.first);
+    for (int j = 0; h[0] < 0 && j < n; j++) E[j] = -E[j];
+}
+
+static void across(int n, const real *h, int ld, real *X)
+{
+    const reflection q = reflection_of(n, h);
+    real along[ld];
+    for (int j = 0; j < ld; j++) along[j] = q.first * X[j];
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < ld; j++) along[j] += h[i] * X[i * ld + j];
+    for (int j = 0; j < ld; j++) along[j] *= q.beta;
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < ld; j++) X[(i - 1) * ld + j] = X[i * ld + j] - h[i] * along[j];
+    for (int j = 0; h[0] < 0 && j < ld; j++) X[j] = -X[j];
 }
 
 /* The basis in double, made orthonormal and perpendicular to h [n] to the last digit. */
@@ -130,18 +167,26 @@ static void exchange(const course *q, const ric_face *f, bool back, int count, r
     }
 }
 
-/* The basis E of the section at the present state, to the last digit. */
-static void section(course *q, ric_mirror mirror, int face, const double *E)
+/* What the section at the present state leaves out, h = rate + n of rate [2n]. */
+static void left_out(const course *q, ric_mirror mirror, int face, real *rate)
 {
     int n = q->n;
-    real rate[2 * n], *h = rate + n;
+    real *h = rate + n;
     pulls(q, h);
     for (int i = 0; i < n; i++) {
         rate[i] = q->c->model->kappa[i] * q->w[n + i];
         h[i] = mirror == RIC_MIRROR_CENTRE ? q->w[n + i] : -h[i];
     }
     if (mirror == RIC_MIRROR_IMPACT) exchange(q, &q->c->model->face[face], false, 1, rate);
-    sharpen(q, E, h);
+}
+
+/* The basis E of the section at the present state, to the last digit. */
+static void section(course *q, ric_mirror mirror, int face, const double *E)
+{
+    real rate[2 * q->n];
+    left_out(q, mirror, face, rate);
+    if (q->n > FEW) complement(q->n, rate + q->n, q->E);
+    else sharpen(q, E, rate + q->n);
 }
 
 static void start_columns(course *q, ric_mirror mirror, int face)
@@ -218,11 +263,11 @@ static void begin_on(course *q, const ric_face *f)
     for (int i = 0; i < q->n; i++) q->w[i] -= over / size * f->c[i] / kappa[i];
 }
 
-static void grow(course *q)
+static void grow(course *q, int count, const real *X)
 {
     real size = q->size;
-    for (int i = 0; i < 2 * q->n * q->ld; i++) {
-        const real entry = fabsl(q->V[i]);
+    for (int i = 0; i < count; i++) {
+        const real entry = fabsl(X[i]);
         if (entry > size) size = entry;
     }
     q->size = size;
@@ -257,7 +302,22 @@ static void strike(course *q, const ric_face *f)
         }
     }
     bounce(q, f);
-    grow(q);
+    grow(q, 2 * q->n * q->ld, q->V);
+}
+
+/* The same of more than FEW modes, for which V is used up: n^2 operations and not n^3. */
+static void project_across(course *q, ric_mirror mirror, int face)
+{
+    int n = q->n, k = q->k, ld = q->ld;
+    const double *kappa = q->c->model->kappa;
+    real rate[2 * n], *h = rate + n, *a = q->V, *p = q->V + n * ld;
+    left_out(q, mirror, face, rate);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < ld && kappa[i] != 1; j++) a[i * ld + j] /= kappa[i];
+    across(n, h, ld, a);
+    across(n, h, ld, p);
+    memcpy(q->P, a, (size_t)(k * ld) * sizeof *q->P);
+    memcpy(q->P + k * ld, p, (size_t)(k * ld) * sizeof *q->P);
 }
 
 static void project(course *q)
@@ -271,7 +331,6 @@ static void project(course *q)
                 q->P[r * ld + j] += q->E[r * n + i] * q->V[i * ld + j] / m->kappa[i];
                 q->P[(k + r) * ld + j] += q->E[r * n + i] * q->V[(n + i) * ld + j];
             }
-    for (int i = 0; i < ld * ld; i++) q->size = fmaxl(q->size, fabsl(q->P[i]));
 }
 
 /* Rows 1.. of the Householder reflection that takes eta [n] to a multiple of e_0, [k * n]: eta is
@@ -330,7 +389,7 @@ static bool flights(course *q)
         if (!fly(q, tau, q->w, q->V)) return false;
         if (next && next->spring == 0 && !(k + 1 == c->n_flight && c->end == RIC_MIRROR_IMPACT))
             strike(q, next);
-        else if (q->closed) grow(q);
+        else if (q->closed) grow(q, 2 * q->n * q->ld, q->V);
         if (closes) begin_on(q, next);
     }
     q->closed = c->closed[c->n_flight];
@@ -349,7 +408,6 @@ static bool return_map(course *q)
     around(q, e, true);
     if (!flights(q)) return false;
     around(q, e, false);
-    for (int i = 0; i < q->ld * q->ld; i++) q->size = fmaxl(q->size, fabsl(q->P[i]));
     return true;
 }
 
@@ -487,10 +545,14 @@ bool ric_floquet_fine_map(const ric_shooting *c, const real *orbit, const double
         section(&q, c->start, c->face[0], start);
         start_columns(&q, c->start, c->face[0]);
         if (!flights(&q)) return false;
-        section(&q, c->end, c->face[last], end);
         if (c->end == RIC_MIRROR_IMPACT) exchange(&q, &m->face[c->face[last]], false, ld, q.V);
-        project(&q);
+        if (n > FEW) project_across(&q, c->end, c->face[last]);
+        else {
+            section(&q, c->end, c->face[last], end);
+            project(&q);
+        }
     }
+    grow(&q, ld * ld, q.P);
     *size = (double)q.size;
     return q.size < LARGEST; /* false for what is no number */
 }

@@ -40,44 +40,25 @@ static double of_two(const double *H, double complex x, double complex y)
     return hypot(1, sqrt(above) / cabs(x - y));
 }
 
-/* Of eigenvalues of H [k * k]. */
-static void conditions(const double *H, double error, ric_floquet_pairs *out)
+void ric_floquet_pairs_allow(int size, const double *matrix, double error, ric_floquet_pairs *out)
 {
-    const int k = out->count;
-    const double *rho = out->rho;
-    double *alone = out->alone;
-    const double most = of_a_meeting(k * k, H, error);
-    double values[2 * k], condition[k];
-    const bool found = k == 2 || ric_eigen_conditions(k, H, values, condition);
-    for (int i = 0; i < k; i++) {
-        const double complex own = rho[2 * i] + rho[2 * i + 1] * I;
-        double least = HUGE_VAL;
-        alone[i] = most;
-        if (k == 2)
-            alone[i] = fmin(most,
-                            error * of_two(H, own, rho[2 * (1 - i)] + rho[2 * (1 - i) + 1] * I));
-        for (int j = 0; j < k && k != 2 && found; j++) {
-            const double off = cabs(values[2 * j] + values[2 * j + 1] * I - own);
-            if (off >= least) continue;
-            least = off;
-            alone[i] = fmin(most, error * condition[j]);
-        }
+    const double most = of_a_meeting(size * size, matrix, error);
+    for (int i = 0; i < out->count; i++) {
+        out->error[i] = error;
+        out->alone[i] = fmin(most, error * out->condition[i]);
     }
 }
 
-void ric_floquet_pairs_conditions(const double *M, double error, ric_floquet_pairs *out)
+void ric_floquet_pairs_conditions(const double *M, ric_floquet_pairs *out)
 {
     const int k = out->count, size = 2 * k;
     const double *rho = out->rho;
-    double *alone = out->alone;
-    for (int i = 0; i < k; i++) out->error[i] = error;
-    const double most = of_a_meeting(size * size, M, error);
     double values[2 * size], condition[size];
     const bool found = ric_eigen_conditions(size, M, values, condition);
     for (int i = 0; i < k; i++) {
         const double complex own = rho[2 * i] + rho[2 * i + 1] * I;
         double least = HUGE_VAL;
-        alone[i] = most;
+        out->condition[i] = HUGE_VAL;
         for (int j = 0; j < size && found; j++) {
             const double complex lambda = values[2 * j] + values[2 * j + 1] * I;
             /* of the two that have the same rho the large one says more */
@@ -85,30 +66,32 @@ void ric_floquet_pairs_conditions(const double *M, double error, ric_floquet_pai
             const double off = cabs(lambda + 1 / lambda - own);
             if (off >= least) continue;
             least = off;
-            alone[i] = fmin(most, error + error * condition[j] * cabs(1 - 1 / (lambda * lambda)));
+            out->condition[i] = 1 + condition[j] * cabs(1 - 1 / (lambda * lambda));
         }
     }
 }
 
 /* ------------------------------------------------------------------- pairs */
 
-bool ric_floquet_pairs_of_matrix(const double *H, double error, double *work,
-                                 ric_floquet_pairs *out)
+bool ric_floquet_pairs_of_matrix(const double *H, bool asked, double *work, ric_floquet_pairs *out)
 {
     const int k = out->count;
+    const double *rho = out->rho;
+    if (k > 2 && asked && ric_eigen_conditions(k, H, out->rho, out->condition)) return true;
+    for (int i = 0; i < k; i++) out->condition[i] = HUGE_VAL;
+    if (k > 2 && !asked && ric_eigen_conditions(k, H, out->rho, NULL)) return true;
     memcpy(work, H, (size_t)(k * k) * sizeof *work);
     if (!ric_eigen(k, work, out->rho)) return false;
-    for (int i = 0; i < k; i++) out->error[i] = error;
-    conditions(H, error, out);
+    for (int i = 0; i < k && k == 2; i++)
+        out->condition[i] = of_two(H, rho[2 * i] + rho[2 * i + 1] * I,
+                                   rho[2 * (1 - i)] + rho[2 * (1 - i) + 1] * I);
     return true;
 }
 
 void ric_floquet_pairs_product(int k, const double *b, const double *cc, int exponent, double *A)
 {
     memset(A, 0, (size_t)(k * k) * sizeof *A);
-    for (int l = 0; l < k; l++)
-        for (int i = 0; i < k; i++)
-            for (int j = 0; j < k; j++) A[i * k + j] += b[l * k + i] * cc[l * k + j];
+    ric_dense_add_transposed(k, b, cc, A);
     for (int i = 0; i < k; i++)
         for (int j = 0; j < k; j++)
             A[i * k + j] = (i == j ? 2 : 0) + ldexp(4 * A[i * k + j], 2 * exponent);
@@ -165,14 +148,11 @@ void ric_floquet_pairs_inverse(int k, const double *A, int sigma, const double *
         }
 }
 
-bool ric_floquet_pairs_of_period(const double *M, double error, double *work,
-                                 ric_floquet_pairs *out)
+bool ric_floquet_pairs_of_period(double *A, ric_floquet_pairs *out)
 {
     const int k = out->count, size = 2 * k;
     double all[2 * size], apart[k];
-    ric_floquet_pairs_inverse(k, M, 1, M, work);
-    if (!ric_eigen(size, work, all)) return false;
+    if (!ric_eigen(size, A, all)) return false;
     ric_floquet_pairs_up(k, all, out->rho, apart);
-    ric_floquet_pairs_conditions(M, error, out);
     return true;
 }

@@ -15,6 +15,7 @@ typedef struct {
     double *error; /* [k] of the matrix that it is an eigenvalue of, or what was measured of it */
     double *alone; /* [k] of each itself if no other is beside it: error times its condition, or
                       error again */
+    double *condition; /* [k] by how much more than the error of the matrix each moves */
 } ric_floquet_pairs;
 
 /* The larger multiplier of a pair; the other is its inverse, without cancellation. */
@@ -26,9 +27,11 @@ double ric_floquet_pairs_large_error(const double *rho, double e);
 /* H = 2 + 4 b'c [k * k], and its eigenvalues: the product knows every rho to the rounding of the
  * largest. */
 void ric_floquet_pairs_product(int k, const double *b, const double *c, int exponent, double *H);
-/* rho of H, whose entries are off by `error`. work [k * k]. */
-bool ric_floquet_pairs_of_matrix(const double *H, double error, double *work,
-                                 ric_floquet_pairs *out);
+/* rho of H, and the condition of each, HUGE_VAL where it was not `asked` for. work [k * k]. */
+bool ric_floquet_pairs_of_matrix(const double *H, bool asked, double *work, ric_floquet_pairs *out);
+/* What is known of rho whose conditions are those in a matrix [size * size], if its entries are off
+ * by `error`. */
+void ric_floquet_pairs_allow(int size, const double *matrix, double error, ric_floquet_pairs *out);
 /* rho = 2 + 4 eig(b'c) where the rounding of the largest matters. b and c are off by `rounding`.
  * work [4 k^2]. */
 bool ric_floquet_pairs_of_blocks(const double *b, const double *c, int exponent, double rounding,
@@ -38,12 +41,10 @@ bool ric_floquet_pairs_of_blocks(const double *b, const double *c, int exponent,
 void ric_floquet_pairs_inverse(int k, const double *A, int sigma, const double *B, double *out);
 /* 2k eigenvalues, each there twice, as k; apart [k]: half the distance of the two. */
 void ric_floquet_pairs_up(int k, const double *all, double *rho, double *apart);
-/* rho from M + M^-1 of the return map M [2k * 2k], whose entries are off by `error`. work [4 k^2].
- */
-bool ric_floquet_pairs_of_period(const double *M, double error, double *work,
-                                 ric_floquet_pairs *out);
-/* What is known of rho that were found otherwise. In M + M^-1, where each rho is there twice, it
+/* rho from A = M + M^-1 [2k * 2k] of the return map M, used up. */
+bool ric_floquet_pairs_of_period(double *A, ric_floquet_pairs *out);
+/* The conditions of rho that were found otherwise. In M + M^-1, where each rho is there twice, it
  * has no condition of its own: in M it has. */
-void ric_floquet_pairs_conditions(const double *M, double error, ric_floquet_pairs *out);
+void ric_floquet_pairs_conditions(const double *M, ric_floquet_pairs *out);
 
 #endif
