@@ -89,14 +89,17 @@ static trial admissible(ric_shooting *c, const leaving *from, const double *t, d
 }
 
 /* The side of t [n_unknown] on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown]
- * points there. */
+ * points there. What vanishes at the junction is positive on one side of it alone, so that where
+ * the branch is on one side it is not asked how short it would be on the other. */
 static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, double *t0,
                             int *found)
 {
+    static const char unknown[] = "whether the departure is admissible is lost in rounding";
     double approach[c->n_flight + 1];
     ric_shooting_fly(c, u0);
     memcpy(approach, c->approach, sizeof approach);
     const leaving from = {u0, approach, 1 - ric_reach(c, u0, NULL)};
+    bool beyond = false;
     for (int side = 1; side >= -1; side -= 2) {
         double h = side * TRIAL * c->scale;
         trial first = NONE, second = BRANCH;
@@ -104,9 +107,8 @@ static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, 
             first = admissible(c, &from, t, h);
             second = admissible(c, &from, t, h / 10);
         }
-        if (first != second || first == LOST || first == BEYOND)
-            return ric_fail(RIC_E_NUMERIC,
-                            "whether the departure is admissible is lost in rounding");
+        if (first != second || first == LOST) return ric_fail(RIC_E_NUMERIC, "%s", unknown);
+        beyond = beyond || first == BEYOND;
         if (first != BRANCH) continue;
         if (*found)
             return ric_fail(RIC_E_NUMERIC,
@@ -114,6 +116,7 @@ static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, 
         *found = side;
         for (int i = 0; i < c->n_unknown; i++) t0[i] = side * t[i];
     }
+    if (beyond && !*found) return ric_fail(RIC_E_NUMERIC, "%s", unknown);
     return RIC_OK;
 }
 
