@@ -87,6 +87,33 @@ bool ric_enclosure_orthogonal(const ric_model *m, int a, int b)
     return orthogonal;
 }
 
+/* Roots of the characteristic polynomial of M^-1 K, all of them real, without those that repeat. */
+int ric_enclosure_frequencies(const ric_model *m)
+{
+    const slong n = m->n_dof;
+    if (n > EXACT_MODES) return 0;
+    fmpq_mat_t M, K;
+    fmpq_poly_t p, slope;
+    fmpq_mat_init(M, n, n);
+    fmpq_mat_init(K, n, n);
+    fmpq_poly_init(p);
+    fmpq_poly_init(slope);
+    put_matrix(M, m->M, 0);
+    put_matrix(K, m->K, 0);
+    int count = 0;
+    if (fmpq_mat_solve(K, M, K)) {
+        fmpq_mat_charpoly(p, K);
+        fmpq_poly_derivative(slope, p);
+        fmpq_poly_gcd(slope, slope, p);
+        count = (int)(n - fmpq_poly_degree(slope));
+    }
+    fmpq_mat_clear(M);
+    fmpq_mat_clear(K);
+    fmpq_poly_clear(p);
+    fmpq_poly_clear(slope);
+    return count;
+}
+
 /* -------------------------------------------------------------------- basis */
 
 typedef struct {
@@ -203,10 +230,13 @@ static bool project(const basis *z, const fmpq_mat_t B, arb_mat_t X)
 static bool keep_seen(ric_enclosure *e, const basis *z, arb_mat_t X)
 {
     const ric_model *m = e->model;
+    if (e->n == m->n_dof) {
+        arb_mat_set(X, z->modes.X);
+        return true;
+    }
     for (slong i = 0; i < m->n; i++)
         for (slong k = 0; k < m->n_dof; k++)
             arb_set(arb_mat_entry(X, k, i), arb_mat_entry(z->modes.X, k, m->mode[i]));
-    if (m->n == m->n_dof) return true;
     snprintf(e->why, sizeof e->why, "more than %d modes, some of which no contact sees",
              (int)EXACT_MODES);
     if (m->n_dof > EXACT_MODES) return false;
@@ -221,6 +251,70 @@ static bool keep_seen(ric_enclosure *e, const basis *z, arb_mat_t X)
     fmpq_mat_clear(all);
     fmpq_mat_clear(B);
     return done;
+}
+
+/* ------------------------------------------------------------------- at rest */
+
+/* [K + sum k b b', sum k d b], lengths in d of the first contact. */
+static void put_pressed(const ric_enclosure *e, uint64_t closed, fmpq_mat_t A)
+{
+    const ric_model *m = e->model;
+    const slong n = m->n_dof;
+    fmpq_mat_t K, b;
+    fmpq_t k, d, first;
+    fmpq_mat_init(K, n, n);
+    fmpq_mat_init(b, n, 1);
+    fmpq_init(k);
+    fmpq_init(d);
+    fmpq_init(first);
+    put_matrix(K, m->K, 0);
+    put_decimal(first, m->contact[0].clearance);
+    for (slong i = 0; i < n * n; i++)
+        fmpq_set(fmpq_mat_entry(A, i / n, i % n), fmpq_mat_entry(K, i / n, i % n));
+    for (int f = 0; f < m->n_face; f++) {
+        if (!ric_face_in(closed, f)) continue;
+        const int contact = m->face[f].contact;
+        put_matrix(b, m->b + (slong)contact * n, 0);
+        put_decimal(d, m->contact[contact].clearance);
+        fmpq_div(d, d, first);
+        if (m->face[f].side < 0) fmpq_neg(d, d);
+        for (slong i = 0; i < n; i++) {
+            put_decimal(k, m->contact[contact].stiffness);
+            fmpq_mul(k, k, fmpq_mat_entry(b, i, 0));
+            for (slong j = 0; j < n; j++)
+                fmpq_addmul(fmpq_mat_entry(A, i, j), k, fmpq_mat_entry(b, j, 0));
+            fmpq_addmul(fmpq_mat_entry(A, i, n), k, d);
+        }
+    }
+    fmpq_mat_clear(K);
+    fmpq_mat_clear(b);
+    fmpq_clear(k);
+    fmpq_clear(d);
+    fmpq_clear(first);
+}
+
+bool ric_enclosure_rest(const ric_enclosure *e, uint64_t closed, arb_ptr out)
+{
+    const slong n = e->model->n_dof;
+    if (n > EXACT_MODES) return false;
+    fmpq_mat_t A;
+    arb_t x;
+    arb_init(x);
+    fmpq_mat_init(A, n, n + 1);
+    put_pressed(e, closed, A);
+    const slong rank = fmpq_mat_rref(A, A);
+    bool rests = true;
+    _arb_vec_zero(out, e->n);
+    for (slong i = 0, j = 0; i < rank && rests; i++) {
+        while (fmpq_is_zero(fmpq_mat_entry(A, i, j))) j++;
+        rests = j < n;
+        arb_set_fmpq(x, fmpq_mat_entry(A, i, n), e->prec + RIC_BASIS_GUARD);
+        for (slong k = 0; k < e->n && rests; k++)
+            arb_addmul(out + k, arb_mat_entry(e->back, k, j), x, e->prec + RIC_BASIS_GUARD);
+    }
+    fmpq_mat_clear(A);
+    arb_clear(x);
+    return rests;
 }
 
 /* ---------------------------------------------------------------- enclosing */
@@ -292,11 +386,11 @@ static void allocate(ric_enclosure *e)
     e->wall = flint_calloc((size_t)e->n_face, sizeof *e->wall);
 }
 
-bool ric_enclosure_create(ric_enclosure *e, const ric_model *m, slong prec)
+static bool create(ric_enclosure *e, const ric_model *m, int n, slong prec)
 {
     *e = (ric_enclosure){.prec = prec,
                          .model = m,
-                         .n = m->n,
+                         .n = n,
                          .n_dof = m->n_dof,
                          .n_contact = m->n_contact,
                          .n_face = m->n_face};
@@ -324,6 +418,16 @@ bool ric_enclosure_create(ric_enclosure *e, const ric_model *m, slong prec)
     basis_close(&z);
     arb_clear(error);
     return done;
+}
+
+bool ric_enclosure_create(ric_enclosure *e, const ric_model *m, slong prec)
+{
+    return create(e, m, m->n, prec);
+}
+
+bool ric_enclosure_create_whole(ric_enclosure *e, const ric_model *m, slong prec)
+{
+    return create(e, m, m->n_dof, prec);
 }
 
 void ric_enclosure_free(ric_enclosure *e)

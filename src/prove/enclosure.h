@@ -47,6 +47,8 @@ typedef struct {
 /* false, with the reason in `why`, where the structure cannot be enclosed. To be released in any
  * case. */
 bool ric_enclosure_create(ric_enclosure *e, const ric_model *model, slong prec);
+/* The same with all modes of the structure, those that no contact sees, too. */
+bool ric_enclosure_create_whole(ric_enclosure *e, const ric_model *model, slong prec);
 void ric_enclosure_free(ric_enclosure *e);
 
 /* The same structure, borrowed, for what is computed with few bits: balls that are wide anyway. */
@@ -56,6 +58,13 @@ ric_enclosure ric_enclosure_coarse(const ric_enclosure *e);
  * finite where there is none. */
 void ric_enclosure_slack(const ric_enclosure *e, const arb_t t, arb_t out);
 
+/* How many frequencies the structure has, each counted once: exactly; 0 where it has more than 40
+ * modes. */
+int ric_enclosure_frequencies(const ric_model *model);
+/* Where the structure may rest with these springs closed, out [n], also where it is free to move
+ * then: found in rational numbers. False where there is no such place, or more than 40 degrees of
+ * freedom. */
+bool ric_enclosure_rest(const ric_enclosure *e, uint64_t closed, arb_ptr out);
 /* Whether the normals of two contacts are exactly orthogonal in the metric of M^-1. */
 bool ric_enclosure_orthogonal(const ric_model *model, int a, int b);
 /* The exponent of the scale of times: 2^time is near the frequency that the model is scaled by. */

@@ -43,7 +43,8 @@ static bool guess(const ric_phase *p, const ric_enclosure *e, ric_basis *z)
     return true;
 }
 
-/* rest = (L + R + sum k c c')^-1 force; no mode of the phase is free. */
+/* rest = (L + R + sum k c c')^-1 force; where a mode of the phase may be free any place is taken
+ * that solves this exactly. */
 static bool find_rest(ric_phase *p, const ric_enclosure *e, arb_mat_t K, arb_srcptr force)
 {
     arb_mat_t f, x;
@@ -57,9 +58,10 @@ static bool find_rest(ric_phase *p, const ric_enclosure *e, arb_mat_t K, arb_src
     }
     firm = firm && arb_mat_solve(x, K, f, e->prec + RIC_BASIS_GUARD);
     for (slong i = 0; i < e->n && firm; i++) arb_set(p->rest + i, arb_mat_entry(x, i, 0));
+    const bool rests = firm || ric_enclosure_rest(e, p->closed, p->rest);
     arb_mat_clear(f);
     arb_mat_clear(x);
-    return firm;
+    return rests;
 }
 
 /* NULL, or what is missing. */
@@ -88,7 +90,7 @@ static const char *enclose(ric_phase *p, const ric_enclosure *e)
     }
     if (!done) why = "the modes of the structure with closed springs are not enclosed";
     else if (!find_rest(p, e, K, force))
-        why = "the structure is free to move while springs are closed";
+        why = "no place of rest with closed springs is found in rational numbers";
     arb_mat_transpose(p->back, p->V);
     arb_mat_mul(p->e.C, e->C, p->V, e->prec + RIC_BASIS_GUARD / 2);
     ric_basis_close(&z);

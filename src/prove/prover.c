@@ -10,7 +10,7 @@
 #include "monodromy.h"
 #include "passage.h"
 #include "prover.h"
-#include "prover_mode.h"
+#include "prover_at_junction.h"
 #include "prover_version.h"
 
 /* Speed, in d and 2^-time s, that the rounding of what is stored makes of a touch: a slower impact
@@ -66,7 +66,10 @@ void ric_prover_free(ric_prover *p)
 {
     if (!p) return;
     for (int i = 0; i < PRECISIONS; i++)
-        if (p->at[i].made) ric_enclosure_free(&p->at[i].e);
+        if (p->at[i].made) {
+            ric_linear_modes_free(&p->at[i].modes);
+            ric_enclosure_free(&p->at[i].e);
+        }
     free(p->model);
     free(p->certificate);
     free(p);
@@ -153,6 +156,17 @@ bool ric_prover_near(const double x[2], double stored)
 {
     return fabs(x[0] - stored) <= RIC_PROVER_NEAR * fabs(stored) &&
            fabs(x[1] - stored) <= RIC_PROVER_NEAR * fabs(stored);
+}
+
+bool ric_prover_agrees(const ric_point *stored, ric_proof *out)
+{
+    const double turn = 8 * atan(1), frequency[2] = {turn / out->period[1], turn / out->period[0]};
+    const bool near = ric_prover_near(out->energy, stored->energy) &&
+                      ric_prover_near(frequency, stored->frequency);
+    if (!near)
+        snprintf(out->why, sizeof out->why,
+                 "the stored energy or frequency is not that of the orbit");
+    return near;
 }
 
 static bool is_near(const arb_t x, double stored)
@@ -246,6 +260,20 @@ static bool prove(theorem *t, const ric_branch *branch, const double *state, con
     return true;
 }
 
+/* A point of a linear mode, which has no certificate. */
+static void prove_mode(ric_prover *p, int level, const ric_point *stored, const double *state,
+                       ric_proof *out)
+{
+    ric_linear_modes *modes = &p->at[level].modes;
+    if (!p->at[level].modes_made) ric_linear_modes_create(modes, &p->at[level].e);
+    p->at[level].modes_made = true;
+    if (!ric_linear_mode_prove(modes, stored->frequency, state, out) ||
+        !ric_prover_agrees(stored, out))
+        return;
+    out->state = RIC_PROOF_DONE;
+    *out->why = 0;
+}
+
 /* One precision; `more`: whether a larger one may say more. */
 static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *out, bool *more)
 {
@@ -266,7 +294,7 @@ static ric_status attempt(ric_prover *p, int level, int id, int i, ric_proof *ou
     p->contradicted = false;
     out->bits = (int)bits[level];
     if (!p->at[level].good) snprintf(out->why, sizeof out->why, "%s", e->why);
-    else if (!status && branch.letters == 0) ric_prover_mode(e, &stored, state, out);
+    else if (!status && branch.letters == 0) prove_mode(p, level, &stored, state, out);
     else if (!status && prove(&t, &branch, state, flights, out)) {
         tell(&t, out);
         const bool agree = agrees(&t, &stored, out);

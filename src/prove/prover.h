@@ -4,6 +4,7 @@
 #define RIC_PROVE_PROVER_H
 
 #include "enclosure.h"
+#include "linear_mode.h"
 
 /* What is stored is near the orbit that is proved: the distance of the states and times over 1 +
  * the largest state, and relative differences of energy and period. Rounding leaves 1e-12, and up
@@ -11,6 +12,8 @@
 #define RIC_PROVER_NEAR 1e-8
 /* Whether both ends of what was proved are as near as that to the stored number. */
 bool ric_prover_near(const double x[2], double stored);
+/* Whether energy and period of what was proved are near the stored ones; else `why`. */
+bool ric_prover_agrees(const ric_point *stored, ric_proof *out);
 
 enum { PRECISIONS = 3 };
 
@@ -18,8 +21,9 @@ struct ric_prover {
     const ric_atlas *atlas;
     const char *left_out; /* why no orbit is proved, or NULL */
     struct {
-        bool made, good;
+        bool made, good, modes_made;
         ric_enclosure e;
+        ric_linear_modes modes;
     } at[PRECISIONS];
     bool contradicted; /* what was proved last is not what is stored */
     char *model, *certificate;
