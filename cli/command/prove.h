@@ -50,6 +50,13 @@ void prove_arcs_free(prove_result *r);
 /* Keeps in the file of the atlas what is proved now. */
 ric_status prove_curves_keep(const prove_list *w, const char *path);
 ric_status prove_junctions_keep(const prove_list *w, const char *path);
+/* Why an entry of a list is not proved; NULL where it is, is left out, or was not looked at. */
+typedef const char *prove_why(const prove_result *r);
+/* Of a reason that more than a few have the first entry tells, for all of them: "is", or "and 14
+ * more are". false: it was told. */
+bool prove_tells(const prove_list *w, prove_why *why, int i, size_t size, char *is);
+/* Where the study keeps some of its modes only: what that means here, and what to do. */
+void prove_tell_kept(const prove_list *w);
 /* Of a list that was stopped: says so, and is the exit code; CLI_DONE if it was not. */
 int prove_tell_rest(const prove_list *w, int done, const char *what);
 /* Branches that are proved as curves, into the list; and what came of them, the counts to `out`

@@ -71,6 +71,11 @@ static void add_row(json_t *rows, const ric_curve_proof *p, const char *label)
     json_array_append_new(rows, row);
 }
 
+static const char *why_of(const prove_result *r)
+{
+    return r->done && r->curve.state == RIC_PROOF_NONE ? r->curve.why : NULL;
+}
+
 int prove_curves_print(const prove_list *w, cli_format format, bool verbose, FILE *out)
 {
     static const char columns[] = "branch label verdict tubes from to stable unstable approach why";
@@ -86,10 +91,13 @@ int prove_curves_print(const prove_list *w, cli_format format, bool verbose, FIL
         tubes += p->tubes;
         whole += p->state == RIC_PROOF_DONE && p->from && p->to;
         add_row(rows, p, row.label);
-        if (p->state == RIC_PROOF_NONE && format == CLI_TEXT && !verbose)
-            cli_say("ricochet: branch %d %s is not proved to be one curve: %s\n", p->branch,
-                    row.label, p->why);
+        char is[40];
+        if (p->state == RIC_PROOF_NONE && format == CLI_TEXT && !verbose &&
+            prove_tells(w, why_of, i, sizeof is, is))
+            cli_say("ricochet: branch %d %s %s not proved to be one curve: %s\n", p->branch,
+                    row.label, is, p->why);
     }
+    if (count[RIC_PROOF_NONE]) prove_tell_kept(w);
     int code = format != CLI_TEXT || verbose ? cli_print_rows(rows, columns, format) : CLI_DONE;
     json_decref(rows);
     if (out)

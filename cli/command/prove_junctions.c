@@ -58,6 +58,11 @@ static void add_row(json_t *rows, const ric_junction_proof *p, const ric_junctio
     json_array_append_new(rows, row);
 }
 
+static const char *why_of(const prove_result *r)
+{
+    return r->done && r->junction.state == RIC_PROOF_NONE ? r->junction.why : NULL;
+}
+
 int prove_junctions_print(const prove_list *w, cli_format format, bool verbose, FILE *out)
 {
     static const char columns[] =
@@ -72,9 +77,13 @@ int prove_junctions_print(const prove_list *w, cli_format format, bool verbose, 
         done++;
         count[p->state]++;
         add_row(rows, p, &row);
-        if (p->state == RIC_PROOF_NONE && format == CLI_TEXT && !verbose)
-            cli_say("ricochet: junction %d %s is not proved: %s\n", p->junction, row.label, p->why);
+        char is[40];
+        if (p->state == RIC_PROOF_NONE && format == CLI_TEXT && !verbose &&
+            prove_tells(w, why_of, i, sizeof is, is))
+            cli_say("ricochet: junction %d %s %s not proved: %s\n", p->junction, row.label, is,
+                    p->why);
     }
+    if (count[RIC_PROOF_NONE]) prove_tell_kept(w);
     int code = format != CLI_TEXT || verbose ? cli_print_rows(rows, columns, format) : CLI_DONE;
     json_decref(rows);
     if (out)

@@ -158,7 +158,7 @@ static void tell_failures(const prove_list *w, bool ends)
 
 /* A structure with some of its modes has contacts that push only those, by normals that are
  * rounded: in the numbers as they stand there other modes are seen, too. */
-static void tell_kept(const prove_list *w)
+void prove_tell_kept(const prove_list *w)
 {
     const ric_study *study = ric_atlas_study(w->atlas);
     const int n = ric_study_n_mode(study), all = ric_model_n_dof(ric_study_model(study));
@@ -167,6 +167,23 @@ static void tell_kept(const prove_list *w)
                 "numbers to the last digit, by which contacts see a little of the others: an atlas "
                 "with `modes: all` under `model` is another structure, and can be proved\n",
                 n, all);
+}
+
+bool prove_tells(const prove_list *w, prove_why *why, int i, size_t size, char *is)
+{
+    enum { EACH = 3 }; /* entries of one reason that are told one by one */
+    const char *own = why(&w->results[i]);
+    int n = 0, before = 0;
+    for (int k = 0; k < w->n; k++) {
+        const char *other = why(&w->results[k]);
+        if (!other || strcmp(other, own) != 0) continue;
+        n++;
+        before += k < i;
+    }
+    snprintf(is, size, "is");
+    if (n <= EACH) return true;
+    snprintf(is, size, "and %d more are", n - 1);
+    return before == 0;
 }
 
 /* The counts of each verdict; of those that are not proved `ends` are ends of branches. */
@@ -213,7 +230,7 @@ static int tell_all(const prove_list *w, FILE *out, bool verbose)
         ends += p->state == RIC_PROOF_NONE && is_end(w, p);
     }
     tell_failures(w, verbose);
-    if (count[RIC_PROOF_NONE] > ends) tell_kept(w);
+    if (count[RIC_PROOF_NONE] > ends) prove_tell_kept(w);
     if (out) tell_counts(w, out, count, ends, undecided);
     const int code = prove_tell_rest(w, done, "points");
     return code ? code : count[RIC_PROOF_NONE] > ends ? CLI_FAILED : CLI_DONE;

@@ -46,6 +46,9 @@ ok 'more force curves than can be told apart are refused with a way out' curves
 if "$ricochet" prove "$folder/discs.ricochet" 2>&1 | grep -q FLINT; then left_out 'points that are not proved' 'built without FLINT'; else
     proved() { "$ricochet" prove "$folder/discs.ricochet" >"$folder/said" 2>&1; [ $? = 1 ] && "$@" "$folder/said"; }
     ok 'points that are not proved for one reason are one line' proved grep -q 'point 1 and [0-9]* more are not proved: 8 modes are seen, and by the decimals of the model it is 12$'
+    many() { "$ricochet" prove "$folder/discs.ricochet" --junctions >"$folder/said" 2>&1; [ $? = 1 ] && "$@" "$folder/said"; }
+    ok 'so are junctions' many grep -q '^ricochet: junction 1 G1_0,. and [0-9]* more are not proved: '
+    ok 'and nothing else of them' test "$(grep -c 'not proved' "$folder/said")" = 1
     ok 'which says what can be done' proved grep -q 'the study keeps 8 of 12 modes, .*`modes: all`'
 fi
 
