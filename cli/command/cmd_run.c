@@ -147,8 +147,9 @@ static void print_report(const json_t *rows, const ric_explore_options *options)
     const char *last = "";
     size_t i, tongues = 0;
     counted single = {0};
-    bool climbs = false,
-         first = false; /* some branch leaves its backbone along a tongue; a first look has ended */
+    bool climbs = false, /* some branch leaves its backbone along a tongue */
+        first = false,   /* a first look has ended by its points, */
+        deeper = false;  /* or by its depth */
     json_t *row;
     json_array_foreach(rows, i, row)
     {
@@ -161,6 +162,8 @@ static void print_report(const json_t *rows, const ric_explore_options *options)
         const json_t *value = json_object_get(row, "value");
         first = first ||
                 (item && detail && json_integer_value(value) && strstr(detail, "`points`"));
+        deeper = deeper || (options->points && item && detail && json_integer_value(value) &&
+                            !strcmp(detail, "beyond `depth`"));
         if (!item || !detail || json_is_null(value) ||
             (json_is_integer(value) && json_integer_value(value) == 0))
             continue;
@@ -189,6 +192,12 @@ static void print_report(const json_t *rows, const ric_explore_options *options)
                  "`explore` goes on with "
                  "what is left, and `--seconds S` with that ends it\n",
                  options->points);
+    else if (deeper)
+        cli_tell(
+            stdout,
+            "a first look: what lies beyond `depth` is tried with `depth: %d` under `explore`, "
+            "and the same command then extends the atlas\n",
+            options->depth + 1);
     tell_counted(&single);
 }
 

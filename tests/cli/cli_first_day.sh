@@ -246,6 +246,8 @@ printf '%s\n' 'model:' '  mass: [[1, 0], [0, 1]]' '  stiffness: [[2, -1], [-1, 2
     '    - {normal: [1, 0], clearance: 1}' '    - {normal: [0, 1], clearance: 1000}' >"$folder/far.yaml"
 ok 'a stop that nothing can reach is named' says 'contact 2 is out of reach: no motion of an energy below 750000 meets it' check "$folder/far.yaml"
 ok 'and one that is reached is not' bash -c '! grep "contact 1 is out of reach" "$0"' "$folder/said"
+"$ricochet" run "$folder/twice.yaml" >"$folder/said" 2>&1
+ok 'a first look that ends at its depth says how to go on' grep -q '^a first look: what lies beyond `depth` is tried with `depth: 4` under `explore`' "$folder/said"
 ok 'a structure that falls apart: check' says 'warning: the structure falls into parts' check "$folder/planes.yaml"
 ok 'and run' says 'no orbit that meets .*: the structure falls into parts that no contact joins' run "$folder/planes.yaml"
 cat >"$folder/side.yaml" <<'Y'
