@@ -20,6 +20,9 @@
 /* VANISHING: part of a change that a margin at the junction may be off zero, beside its rounding,
  * where it vanishes */
 #define VANISHING 1e-5
+#define TOUCH 1e-9 /* reach within this of 1 at the junction is a touch */
+/* AT_ONE_TIME: scaled time by which a touch moves within TRIAL at most */
+#define AT_ONE_TIME 1e-2
 /* SECANT: distance, relative, of the point that gives the direction of a side branch */
 #define SECANT 1e-4
 #define NEAR 1e-5 /* the same of points that are not solved: directions are their differences */
@@ -53,7 +56,8 @@ static const char *together(const ric_model *m, const ric_periodic *c)
  */
 typedef struct {
     const double *u, *approach; /* [n_unknown] [n_flight + 1] */
-    double room;                /* 1 - reach */
+    int n_touch;
+    ric_touch touch[4 * RIC_MAX_TOUCHES];
 } leaving;
 
 /* Whether a margin is lost at a distance because it vanishes at the junction, not because the
@@ -61,6 +65,24 @@ typedef struct {
 static bool vanishes(double there, double here, double lost)
 {
     return there <= fmax(lost, VANISHING * fabs(here - there));
+}
+
+static double time_of(const ric_shooting *c, const double *u, const ric_touch *touch)
+{
+    double sum = touch->time;
+    for (int k = 0; k < touch->flight; k++) sum += u[c->n_start + k];
+    return sum;
+}
+
+/* The same of a gap that is closed there: whether it is one of those that touch at the junction. */
+static bool touches(const ric_shooting *c, const leaving *from, const double *u,
+                    const ric_touch *beyond)
+{
+    for (int i = 0; i < from->n_touch; i++)
+        if (from->touch[i].face == beyond->face &&
+            fabs(time_of(c, from->u, &from->touch[i]) - time_of(c, u, beyond)) <= AT_ONE_TIME)
+            return true;
+    return false;
 }
 
 /* Admissible at distance h along t from u0? Strictly: every margin has its sign. An impact may have
@@ -84,8 +106,9 @@ static trial admissible(ric_shooting *c, const leaving *from, const double *t, d
         if (ric_shooting_touches(c, k) && fabs(time) <= lost) return LOST;
         else if (!(time > 0)) return vanishes(from->u[c->n_start + k], time, lost) ? NONE : BEYOND;
     }
-    const double room = 1 - ric_reach(c, u, NULL);
-    return room > 0 ? BRANCH : vanishes(from->room, room, lost) ? NONE : BEYOND;
+    ric_touch farthest;
+    if (ric_reach(c, u, &farthest) < 1) return BRANCH;
+    return touches(c, from, u, &farthest) ? NONE : BEYOND;
 }
 
 /* The side of t [n_unknown] on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown]
@@ -96,9 +119,12 @@ static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, 
 {
     static const char unknown[] = "whether the departure is admissible is lost in rounding";
     double approach[c->n_flight + 1];
+    leaving from = {.u = u0, .approach = approach};
+    const int capacity = (int)(sizeof from.touch / sizeof *from.touch);
     ric_shooting_fly(c, u0);
     memcpy(approach, c->approach, sizeof approach);
-    const leaving from = {u0, approach, 1 - ric_reach(c, u0, NULL)};
+    from.n_touch = ric_reach_all(c, u0, 1 - TOUCH, capacity, from.touch);
+    if (from.n_touch > capacity) from.n_touch = capacity;
     bool beyond = false;
     for (int side = 1; side >= -1; side -= 2) {
         double h = side * TRIAL * c->scale;

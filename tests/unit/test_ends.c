@@ -754,6 +754,24 @@ static void impacts_that_keep_a_motion_periodic(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Two masses that are images of each other but for a millionth come to their stops all but at once:
+ * the branch that leaves where one touches both of its stops ends where the other touches, 1e-6 on,
+ * and leads to A2[02]. */
+static void a_touch_beside_two_that_vanish(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[0.857000857, 0], [0, 0.857]]\n"
+        "  stiffness: [[3.721, -0.871], [-0.871, 3.721]]\n  contacts:\n"
+        "    - {normal: [1, 0], law: rigid, clearance: 1, sides: both}\n"
+        "    - {normal: [0, -1], law: rigid, clearance: 1, sides: both}\n"
+        "explore: {energy: [0, 10], frequency: [0.2, 10], impacts: 4, multiply: 1, depth: 3}\n");
+    const ric_branch b = branch_of(atlas, branch_named(atlas, "A2[02]"));
+    assert_true(b.from > 0);
+    assert_relative(b.energy_min, 2.7708, 1e-4);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -779,6 +797,7 @@ int main(void)
         cmocka_unit_test(a_branch_beside_an_orbit_twice_over),
         cmocka_unit_test(points_beside_a_contact_of_no_time),
         cmocka_unit_test(impacts_that_keep_a_motion_periodic),
+        cmocka_unit_test(a_touch_beside_two_that_vanish),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
