@@ -411,9 +411,9 @@ static void offer_end(search *q, const ric_face *impact, bool start)
     offer_impact(q, impact, at);
 }
 
-/* Where a spring closes or opens at the impact on a stop, the flight between the two lasts no time
- * and is not searched: what other gaps do at the impact would be lost, as an impact counts for the
- * flight that ends there. */
+/* Where a spring closes or opens at the impact on a stop, or stops are met together, the flight
+ * between the two lasts no time and is not searched: what other gaps do at the impact would be
+ * lost, as an impact counts for the flight that ends there. */
 static void search_no_time(search *q)
 {
     const ric_shooting *c = q->chain;
@@ -445,10 +445,8 @@ static void search_all(search *q, const double *u)
     for (q->flight = 0; q->flight < c->n_flight; q->flight++) {
         q->tau = u[c->n_start + q->flight];
         if (isnan(q->tau)) q->best = HUGE_VAL;
-        if (springs) {
-            search_rest(q);
-            search_no_time(q);
-        }
+        if (springs) search_rest(q);
+        if (springs || !(q->tau > 0)) search_no_time(q);
         if (!(q->tau > 0) || (springs && q->tau < NO_TIME)) continue;
         if (!enter_flight(q)) {
             q->best = HUGE_VAL;

@@ -772,6 +772,32 @@ static void a_touch_beside_two_that_vanish(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Three impacts on two stops come to one instant, around which the gap of a third one is largest:
+ * it counts although no flight ends there that lasts any time. */
+static void a_gap_at_impacts_that_fall_together(void **state)
+{
+    (void)state;
+    int corners = 0;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2.078125, 0.0625, -0.125], [0.0625, 1.015625, -0.25], [-0.125, -0.25, "
+        "0.75]]\n"
+        "  stiffness: [[7.375, 0.4375, -2.5], [0.4375, 3.0625, -0.5625], [-2.5, -0.5625, 5.6875]]\n"
+        "  contacts:\n    - {normal: [0, -1, 1], law: rigid, clearance: 1.93, sides: both}\n"
+        "    - {normal: [0, 0, 1], law: rigid, clearance: 1.75, sides: upper}\n"
+        "    - {normal: [1, 1, -1], law: rigid, clearance: 1.68, sides: both}\n"
+        "explore: {energy: [0, 8.397], frequency: [0.3308, 8.719], impacts: 4, multiply: 1, depth: "
+        "2}\n");
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        if (b.stop != RIC_STOP_CORNER) continue;
+        const ric_claims claims = claims_of(atlas, id, b.n_point - 1);
+        if (claims.numbers == RIC_AGREES_NO) fail_msg("branch %d: %s", id, claims.finding);
+        corners++;
+    }
+    assert_true(corners > 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -798,6 +824,7 @@ int main(void)
         cmocka_unit_test(points_beside_a_contact_of_no_time),
         cmocka_unit_test(impacts_that_keep_a_motion_periodic),
         cmocka_unit_test(a_touch_beside_two_that_vanish),
+        cmocka_unit_test(a_gap_at_impacts_that_fall_together),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
