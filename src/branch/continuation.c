@@ -354,6 +354,13 @@ static bool strays(ric_shooting *c, const double *u)
            moved > RIC_SAME_SOLVED * c->scale;
 }
 
+static bool lasts(const ric_shooting *c, const double *u)
+{
+    bool all = true;
+    for (int k = c->n_start; k < c->n_start + c->n_flight; k++) all &= u[k] >= 0;
+    return all;
+}
+
 /* Beside a contact that lasts next to no time Newton's method in double stalls: a point there is
  * kept with the digits that it has in extended precision, or not at all. The trace goes on from
  * where it was. */
@@ -371,7 +378,7 @@ static ric_status polish(ric_continuation *tr, ric_station *p)
     }
     for (int i = 0; i < size; i++) moved = fmax(moved, fabs(p->u[i] - u[i]));
     ric_status status = RIC_OK;
-    if (moved <= RIC_SAME_LOCATED * c->scale) {
+    if (moved <= RIC_SAME_LOCATED * c->scale && lasts(c, p->u)) {
         status = ric_continuation_fill(tr, p->s, p);
         if (row.stable == RIC_STABLE_UNDECIDED) p->row.stable = row.stable;
         if (status || (p->row.residual < row.residual && !ric_continuation_goes_wrong(tr, p)))

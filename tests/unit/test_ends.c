@@ -798,6 +798,24 @@ static void a_gap_at_impacts_that_fall_together(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A contact that ends at a touch lasts no time in the last orbit of its branch: with all its digits
+ * it would last less than none. */
+static void no_negative_flight_of_more_digits(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2.015625, 0.125], [0.125, 1.515625]]\n"
+        "  stiffness: [[4.8125, -3.75], [-3.75, 7.3125]]\n  contacts:\n"
+        "    - {normal: [0, 1], law: bilinear, clearance: 1.04, sides: both, stiffness: 104.5}\n"
+        "    - {normal: [1, -1], law: bilinear, clearance: 0.00104, sides: both, stiffness: "
+        "3132000}\n"
+        "    - {normal: [1, 0], law: rigid, clearance: 0.68, sides: lower}\n"
+        "explore: {energy: [0, 2.7e-6], frequency: [0.2071, 7.64], impacts: 4, multiply: 2, depth: "
+        "2}\n");
+    assert_true(flights_of_no_time(atlas) > 0);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -825,6 +843,7 @@ int main(void)
         cmocka_unit_test(impacts_that_keep_a_motion_periodic),
         cmocka_unit_test(a_touch_beside_two_that_vanish),
         cmocka_unit_test(a_gap_at_impacts_that_fall_together),
+        cmocka_unit_test(no_negative_flight_of_more_digits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
