@@ -5,6 +5,7 @@
 #include "augmented_rows.h"
 #include "base/room.h"
 #include "lu.h"
+#include "monodromy.h"
 
 /* CONVERGED: step of Newton's method from which on the test of the box says more than it */
 #define CONVERGED 1e-12
@@ -17,7 +18,8 @@ enum {
     POWER = 4, /* steps of the inverse iteration for motions beside the orbit */
     WIDEST = 3,
     FINEST = 50, /* 2^-k: radii in which there is no other zero, as far as they are tried */
-    TIGHT = 24   /* doublings of a radius of existence */
+    TIGHT = 24,  /* doublings of a radius of existence */
+    NARROW = 40  /* 2^-k: radii in which there is no other multiplier */
 };
 
 /* What A makes least of, x [n], by inverse iteration: in doubles, */
@@ -380,6 +382,72 @@ static bool closes(const ric_augmented *x)
     return done;
 }
 
+/* Whether the polynomial has one root alone within r of 0: the linear term is larger than all
+ * others together on that circle (Rouche). */
+static bool has_one_root(const acb_poly_t p, const arb_t r, slong prec)
+{
+    arb_t rest, size, power, linear;
+    arb_init(rest);
+    arb_init(size);
+    arb_init(linear);
+    arb_init(power);
+    arb_one(power);
+    for (slong k = 0; k < acb_poly_length(p); k++) {
+        acb_abs(size, acb_poly_get_coeff_ptr(p, k), prec);
+        arb_mul(size, size, power, prec);
+        if (k == 1) arb_set(linear, size);
+        else arb_add(rest, rest, size, prec);
+        arb_mul(power, power, r, prec);
+    }
+    const bool one = arb_gt(linear, rest);
+    arb_clear(rest);
+    arb_clear(size);
+    arb_clear(linear);
+    arb_clear(power);
+    return one;
+}
+
+/* A multiplier (1 + mu) exp(2 i g) has exp(2 i g) / (1 + mu) beside it, and both are one where the
+ * return has one multiplier alone as near: mu = 0. Of two modes that is so, as there are no others.
+ */
+static bool stays_on_circle(const ric_augmented *x)
+{
+    const slong n = 2 * x->e->n, prec = x->e->prec;
+    bool alone = false;
+    arb_mat_t H;
+    arb_poly_t p;
+    acb_poly_t q;
+    acb_t turn;
+    arb_t off, r;
+    arb_mat_init(H, n, n);
+    arb_poly_init(p);
+    acb_poly_init(q);
+    acb_init(turn);
+    arb_init(off);
+    arb_init(r);
+    ric_monodromy_map(&x->c, x->e, x->z, H);
+    arb_mat_charpoly(p, H, prec);
+    acb_poly_set_arb_poly(q, p);
+    arb_set_si(off, 2 * x->ask.p);
+    arb_div_si(off, off, x->ask.q, prec);
+    arb_sin_cos_pi(acb_imagref(turn), acb_realref(turn), off, prec);
+    acb_poly_taylor_shift(q, q, turn, prec);
+    arb_abs(off, x->z + x->n - 1);
+    arb_mul_2exp_si(off, off, 1);
+    for (int k = 1; k <= NARROW && !alone; k++) {
+        arb_one(r);
+        arb_mul_2exp_si(r, r, -k);
+        alone = arb_lt(off, r) && has_one_root(q, r, prec);
+    }
+    arb_mat_clear(H);
+    arb_poly_clear(p);
+    acb_poly_clear(q);
+    acb_clear(turn);
+    arb_clear(off);
+    arb_clear(r);
+    return alone;
+}
+
 static const char *prove(ric_augmented *x, arb_mat_t J, arb_ptr F)
 {
     const double work = 10 * pow((double)x->n, 3);
@@ -389,8 +457,8 @@ static const char *prove(ric_augmented *x, arb_mat_t J, arb_ptr F)
     if (ric_halt(work)) return "stopped";
     if (!contracts(x, J, F)) return "its equations are not proved to be regular";
     if (!closes(x)) return "the energy is not proved to be positive";
-    if (ric_augmented_has_factor(x) && x->e->n != 2)
-        return "a turn of a chain without mirrors, of more than two modes: not yet";
+    if (ric_augmented_has_factor(x) && x->e->n != 2 && !stays_on_circle(x))
+        return "other multipliers may be as near";
     return row_follows(x, x->z) ? NULL : "at the broken mirror the motion is not told from rest";
 }
 

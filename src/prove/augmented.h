@@ -12,8 +12,8 @@
  * sin(g) a into its
  *                   opposite, g = pi p / q: there are multipliers exp(+-2 i g) of the way there and
  *                   back;
- *                   of a general chain of two modes: a + i b returns as (1 + mu) exp(2 i g) (a + i
- *                   b), mu = 0 as the product of the two multipliers, which are not real, is 1
+ *                   of a general chain: a + i b returns as (1 + mu) exp(2 i g) (a + i b); as
+ *                   exp(2 i g) / (1 + mu) is a multiplier, too, mu = 0 where no other one is near
  *   DOUBLE          of a general chain: a motion beside it that closes with the other sign
  *   SPEED           the speed of the impact that block `place` begins with, or that the chain ends
  *                   with (m), is zero

@@ -88,4 +88,19 @@ ok 'no grazing is proved where nothing touches' rows "$folder/p.json" '
 assert not [row for row in proved if row["kind"] == "grazing" and row["distance"] > 1e-8], proved'
 ok 'options that do not go together are refused' bash -c '
 for more in --curves "--branch 3"; do "$0" prove "$1/e.ricochet" --junctions $more 2>/dev/null; [ $? -eq 2 ] || exit 1; done' "$ricochet" "$folder"
+# Three modes and one stop: A4[0000] and A5[00000] have no mirror, and their multipliers pass exp(2 pi i / 3). That they stay on the unit circle
+# there follows as no other multiplier is near.
+cat >"$folder/turns.yaml" <<'END'
+model:
+  mass: [[0.671875, 0.015625, -0.09375], [0.015625, 1.828125, -0.046875], [-0.09375, -0.046875, 1.84375]]
+  stiffness: [[1875000, -31250, -31250], [-31250, 1453125, -609375], [-31250, -609375, 515625]]
+  contacts:
+    - {law: rigid, normal: [-1, 0, -1], clearance: 1.2, sides: lower}
+explore: {start: modes, frequency: [68.9, 5037], energy: [0, 2200000], impacts: 5, multiply: 3, depth: 2}
+END
+"$ricochet" run "$folder/turns.yaml" -o "$folder/turns.ricochet" --quiet
+prove "$folder/turns.ricochet" "$folder/turns.json" --junctions
+ok 'multipliers of three modes that turn by a third, of an orbit without a mirror' rows "$folder/turns.json" '
+assert len(proved) == len(rows) > 60, [row for row in rows if row["verdict"] != "proved"]
+assert [row for row in rows if row["how"] == "multipliers turn by 1/3"], {row["how"] for row in rows}'
 finish
