@@ -17,6 +17,8 @@
 /* TRIAL: first trial step of a departure, relative to the size of the orbit; its tenth must agree
  */
 #define TRIAL 1e-4
+/* NEARER: the same where neither side has a branch there */
+#define NEARER 1e-6
 /* VANISHING: part of a change that a margin at the junction may be off zero, beside its rounding,
  * where it vanishes */
 #define VANISHING 1e-5
@@ -111,13 +113,34 @@ static trial admissible(ric_shooting *c, const leaving *from, const double *t, d
     return touches(c, from, u, &farthest) ? NONE : BEYOND;
 }
 
+/* What two trials say that agree, the second a tenth as far as the first. LOST: none agree. */
+static trial ask_side(ric_shooting *c, const leaving *from, const double *t, int side)
+{
+    double h = side * TRIAL * c->scale;
+    trial first = NONE, second = BRANCH;
+    for (int i = 0; i < 6 && (first != second || first == BEYOND); i++, h /= 10) {
+        first = admissible(c, from, t, h);
+        second = admissible(c, from, t, h / 10);
+    }
+    return first == second ? first : LOST;
+}
+
+/* Where neither side has a branch so far away it may have one that is shorter: the gap that closes
+ * at its end is one that opens at the junction. */
+static trial ask_nearer(ric_shooting *c, const leaving *from, const double *t, int side)
+{
+    const trial near = admissible(c, from, t, side * NEARER * c->scale),
+                nearest = admissible(c, from, t, side * NEARER / 10 * c->scale);
+    if (near != BRANCH && nearest != BRANCH) return NONE;
+    return near == nearest ? BRANCH : LOST;
+}
+
 /* The side of t [n_unknown] on which the branch exists: *found +-1, 0 for neither; t0 [n_unknown]
  * points there. What vanishes at the junction is positive on one side of it alone, so that where
  * the branch is on one side it is not asked how short it would be on the other. */
 static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, double *t0,
                             int *found)
 {
-    static const char unknown[] = "whether the departure is admissible is lost in rounding";
     double approach[c->n_flight + 1];
     leaving from = {.u = u0, .approach = approach};
     const int capacity = (int)(sizeof from.touch / sizeof *from.touch);
@@ -125,24 +148,19 @@ static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, 
     memcpy(approach, c->approach, sizeof approach);
     from.n_touch = ric_reach_all(c, u0, 1 - TOUCH, capacity, from.touch);
     if (from.n_touch > capacity) from.n_touch = capacity;
-    bool beyond = false;
-    for (int side = 1; side >= -1; side -= 2) {
-        double h = side * TRIAL * c->scale;
-        trial first = NONE, second = BRANCH;
-        for (int i = 0; i < 6 && (first != second || first == BEYOND); i++, h /= 10) {
-            first = admissible(c, &from, t, h);
-            second = admissible(c, &from, t, h / 10);
-        }
-        if (first != second || first == LOST) return ric_fail(RIC_E_NUMERIC, "%s", unknown);
-        beyond = beyond || first == BEYOND;
-        if (first != BRANCH) continue;
-        if (*found)
+    trial said[2] = {ask_side(c, &from, t, 1), ask_side(c, &from, t, -1)};
+    if (said[0] == NONE && said[1] == NONE)
+        for (int k = 0; k < 2; k++) said[k] = ask_nearer(c, &from, t, k ? -1 : 1);
+    const bool either = said[0] == BRANCH || said[1] == BRANCH;
+    for (int k = 0; k < 2; k++)
+        if (said[k] == LOST || (said[k] == BEYOND && !either))
             return ric_fail(RIC_E_NUMERIC,
-                            "the departure is admissible both ways: the touch does not end it");
-        *found = side;
-        for (int i = 0; i < c->n_unknown; i++) t0[i] = side * t[i];
-    }
-    if (beyond && !*found) return ric_fail(RIC_E_NUMERIC, "%s", unknown);
+                            "whether the departure is admissible is lost in rounding");
+    if (said[0] == BRANCH && said[1] == BRANCH)
+        return ric_fail(RIC_E_NUMERIC,
+                        "the departure is admissible both ways: the touch does not end it");
+    if (either) *found = said[0] == BRANCH ? 1 : -1;
+    for (int i = 0; i < c->n_unknown && either; i++) t0[i] = *found * t[i];
     return RIC_OK;
 }
 

@@ -694,6 +694,8 @@ static void a_branch_beside_an_orbit_twice_over(void **state)
         assert_non_null(strstr(claims_of(atlas, id, 1).finding, "repetitions 1 stored, 2 found"));
         found++;
     }
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) /* of which one is no longer */
+        assert_int_equal(junction_of(atlas, id).departures.inadmissible, 0);
     assert_int_equal(found, 1);
     ric_atlas_free(atlas);
 }
