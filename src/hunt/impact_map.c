@@ -44,6 +44,10 @@ static ric_status find_modes(ric_impact_map *s, const ric_model *m, const ric_re
         if (sees && seen < 2) s->mode[seen] = i;
         seen += sees;
     }
+    if (seen != 2 && ric_model_n_mode(m) == 2)
+        return ric_fail(RIC_E_INPUT,
+                        "modes have one frequency, and the stops see a mixture of them, which the "
+                        "search by brute force does not take out");
     if (seen != 2 || ric_model_n_mode(m) != 2)
         return ric_fail(RIC_E_INPUT,
                         "the stops see %d modes; the map from impact to impact has a "

@@ -23,6 +23,9 @@ ok "a negative energy" refused 2 "not positive" "$folder/study.yaml" --energy -1
 ok "no impacts" refused 2 "whole number" "$folder/study.yaml" --energy 1 --impacts 0
 ok "--add without an atlas" refused 2 "needs --atlas" "$folder/study.yaml" --energy 1 --add
 ok "three modes" refused 2 "see 3 modes" examples/three-masses/study.yaml --energy 1
+printf '%s\n' 'model:' '  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]' '  stiffness: [[3, -1, -1], [-1, 3, -1], [-1, -1, 3]]' \
+    '  contacts: [{normal: [1, 0, 0], clearance: 1}]' >"$folder/equal.yaml"
+ok "two modes of one frequency" refused 2 "modes have one frequency, and the stops see a mixture" "$folder/equal.yaml" --energy 2
 ok "no such atlas" refused 2 "no such file" "$folder/study.yaml" --energy 1 --atlas "$folder/none.ricochet"
 
 ok "an atlas" "$ricochet" run "$folder/study.yaml" -o "$atlas"
