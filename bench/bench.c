@@ -519,9 +519,11 @@ static void smooth_paths(double seconds)
                ((const ric_point *)(path->points + (size_t)from * path->stride))->energy < 0.1)
             from++;
         snprintf(name, sizeof name, "S+, n = %d (aim %.0f)", rows[i].exponent, rows[i].aim);
-        course q = {name, graph->model, 1, OWN, from, 0, path};
-        figures f = measure(&q, seconds);
-        show(&q, &f);
+        for (int g = OWN; g <= GENERAL; g += GENERAL - OWN) {
+            course q = {name, graph->model, 1, (form)g, from, 0, path};
+            figures f = measure(&q, seconds);
+            show(&q, &f);
+        }
         ric_graph_free(graph);
         ric_study_free(study);
     }

@@ -5,13 +5,9 @@
 #include "power_flow.h"
 
 /* As in power_flow.c: of 64 bits, one by one. */
-enum { ORDER = 34, PAD = 4, LANES = 1 };
+enum { ORDER = 34 };
 #define EPSILON ((double)LDBL_EPSILON)
-typedef long double real, lane;
-static inline long double sum_of(lane x)
-{
-    return x;
-}
+typedef long double real;
 #include "taylor_plain.h"
 
 #include "taylor.h"
@@ -31,7 +27,9 @@ double ric_power_flow_again(const ric_model *m, double tau, const double *w0, do
         X[i] = i % ((size_t)size + 1) == 0;
         S[i] = 0;
     }
-    if (!fly_series(m, m->n, m->n_contact, size, tau, v, X, S, X + count)) unit = 1;
+    recipe how[m->n_contact];
+    plan(m, how);
+    if (!fly_series(m, m->n, m->n_contact, how, size, tau, v, X, S, X + count)) unit = 1;
     for (int i = 0; i < size && unit < 1; i++) w[i] = (double)v[i];
     for (size_t i = 0; i < count && unit < 1; i++) M[i] = (double)X[i];
     free(v);

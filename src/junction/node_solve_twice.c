@@ -24,8 +24,8 @@ typedef long double real;
 #endif
 
 /* SETTLED: an orbit is corrected until it moves by less, relative; the next time it would move by a
- * billionth of that */
-#define SETTLED 1e-17
+ * ten-millionth of that, as it lies FIRST beside the orbit that the derivatives are those of */
+#define SETTLED 1e-13
 #define PLACED 1e-18 /* and the branch point until it does */
 #define FIRST 1e-8   /* first step of the secant */
 #define REGULAR                                                                                    \
@@ -89,15 +89,12 @@ static real power(real x, int k)
 
 /* ------------------------------------------------------------------ the orbit */
 
-/* The state that the start block u makes, and if wanted its derivatives. */
-static void lift(fine *q, const real *u, bool neighbours)
+/* The state that the start block u makes. */
+static void lift(fine *q, const real *u)
 {
     int n = q->n, count = q->chain->n_start, first = q->chain->start == RIC_MIRROR_CENTRE ? n : 0;
     memset(q->w, 0, 2 * (size_t)n * sizeof *q->w);
     for (int i = 0; i < count; i++) q->w[first + i] = u[i];
-    if (!neighbours) return;
-    memset(q->X, 0, 2 * (size_t)n * (size_t)count * sizeof *q->X);
-    for (int i = 0; i < count; i++) q->X[(first + i) * count + i] = 1;
 }
 
 /* What a condition at the end of the flight leaves of a state that has come from `start`, or of a
@@ -126,19 +123,26 @@ static void rate(const fine *q, const real *w, real *out)
     }
 }
 
-/* The pseudo-inverse, in double, of the derivatives of the end conditions at u. */
+/* The pseudo-inverse of the derivatives of the end conditions at u, all in double: what it is off
+ * by only makes corrections less good. */
 static bool invert(fine *q)
 {
     int columns = q->columns, n_start = q->chain->n_start, rows = q->rows, rank;
     int most = rows > columns ? rows : columns;
     double J[rows * columns], B[most * rows], values[most];
-    real velocity[2 * q->n];
-    lift(q, q->u, true);
-    if (!fly(q, q->u[n_start], n_start)) return false;
+    int n2 = 2 * q->n, first = q->chain->start == RIC_MIRROR_CENTRE ? q->n : 0;
+    double w[n2], M[n2 * n2];
+    real velocity[n2];
+    lift(q, q->u);
+    for (int i = 0; i < n2; i++) w[i] = (double)q->w[i];
+    ric_flight_smooth(q->m, (double)q->u[n_start], w, M, NULL, w);
+    if (!isfinite(w[0])) return false;
+    for (int i = 0; i < n2; i++) q->w[i] = w[i];
     rate(q, q->w, velocity);
+    for (int i = 0; i < n2 * n2; i++) q->X[i] = M[i];
     for (int i = 0; i < rows; i++) {
         for (int k = 0; k < n_start; k++)
-            J[i * columns + k] = (double)off_end(q, i, q->X + k, n_start, i == k);
+            J[i * columns + k] = (double)off_end(q, i, q->X + first + k, n2, i == k);
         J[i * columns + n_start] = (double)
             velocity[q->chain->end == RIC_MIRROR_REST ? q->n + i : i];
     }
@@ -158,7 +162,7 @@ static bool correct(fine *q)
     real start[2 * q->n];
     for (int i = 0; i < CORRECTIONS; i++) {
         double moved = 0;
-        lift(q, q->u, false);
+        lift(q, q->u);
         memcpy(start, q->w, sizeof start);
         if (!(q->u[n_start] > 0) || !fly(q, q->u[n_start], 0)) return false;
         for (int k = 0; k < q->rows; k++) q->residual[k] = off_end(q, k, q->w, 1, start[k]);
@@ -214,7 +218,7 @@ static bool test(fine *q, real *value)
     int size = count + (mirrored && q->kind == RIC_TEST_B);
     real f[n2];
     double end[n2], h[n2];
-    lift(q, q->u, false);
+    lift(q, q->u);
     rate(q, q->w, f);
     memset(q->X, 0, (size_t)n2 * (size_t)count * sizeof *q->X);
     for (int k = 0; k < count; k++) q->X[(column + k) * count + k] = 1;
@@ -282,7 +286,7 @@ static bool write_back(fine *q, double *u)
     const ric_shooting *c = q->chain;
     double node[2 * q->n];
     for (int i = 0; i < q->columns; i++) u[i] = (double)q->u[i];
-    lift(q, q->u, false);
+    lift(q, q->u);
     for (int j = 1; j < c->parts; j++) {
         if (!fly(q, q->u[c->n_start] / c->parts, 0)) return false;
         for (int i = 0; i < 2 * q->n; i++) node[i] = (double)q->w[i];

@@ -14,13 +14,8 @@ __extension__ typedef __float128 real;
 typedef long double real;
 #define QUAD_FLOW_HAS_113_BITS 0
 #endif
-typedef real lane;
-enum { ORDER = 44, PAD = 4, LANES = 1 }; /* as in power_flow.c */
+enum { ORDER = 44 }; /* as in power_flow.c */
 #define EPSILON 1e-33
-static inline real sum_of(lane x)
-{
-    return x;
-}
 #include "flow/taylor_plain.h"
 
 #include "flow/taylor.h"
@@ -29,7 +24,9 @@ static inline real sum_of(lane x)
 static bool quad_fly_all(const ric_model *m, double tau, real *w)
 {
     real *work = malloc(series_work(m, 0) * sizeof *work);
-    const bool flown = work && fly_series(m, m->n, m->n_contact, 0, tau, w, NULL, NULL, work);
+    recipe how[m->n_contact];
+    plan(m, how);
+    const bool flown = work && fly_series(m, m->n, m->n_contact, how, 0, tau, w, NULL, NULL, work);
     free(work);
     return flown;
 }

@@ -397,6 +397,37 @@ static void twice_the_digits_in_flight(void **state)
     }
 }
 
+/* Code that knows the power has the bits of that which does not: columns of zeros take the latter.
+ */
+static void powers_are_known(void **state)
+{
+    static const int exponent[] = {3, 5, 7, 9, 21};
+    enum { N = 4, WIDE = N + 2 };
+    (void)state;
+    for (int e = 0; e < (int)(sizeof exponent / sizeof *exponent); e++) {
+        structure s;
+        article(exponent[e], &s);
+        double *work = calloc(ric_power_flow_work(s.model, WIDE), sizeof *work);
+        double alone[N] = {0.9, -0.4, 0.3, 1.1}, known[N], wide[N], M[N * N] = {0},
+               X[N * WIDE] = {0};
+        memcpy(known, alone, sizeof alone);
+        memcpy(wide, alone, sizeof alone);
+        for (int i = 0; i < N; i++) M[i * N + i] = X[i * WIDE + i] = 1;
+        assert_non_null(work);
+        assert_true(ric_power_flow_fly(s.model, 7.5, known, N, M, work));
+        assert_true(ric_power_flow_fly(s.model, 7.5, wide, WIDE, X, work));
+        assert_memory_equal(known, wide, sizeof wide);
+        for (int i = 0; i < N; i++) assert_memory_equal(M + i * N, X + i * WIDE, N * sizeof *M);
+        memcpy(wide, alone, sizeof alone);
+        memset(X, 0, sizeof X);
+        assert_true(ric_power_flow_fly(s.model, 7.5, alone, 0, NULL, work));
+        assert_true(ric_power_flow_fly(s.model, 7.5, wide, 2, X, work));
+        assert_memory_equal(alone, wide, sizeof wide);
+        free(work);
+        release(&s);
+    }
+}
+
 /* A flight of many steps is refused, not followed for ever; so is one that overflows. */
 static void endless_flights_are_refused(void **state)
 {
@@ -446,6 +477,7 @@ int main(void)
         cmocka_unit_test(more_digits_lose_less),
         cmocka_unit_test(twice_the_digits),
         cmocka_unit_test(twice_the_digits_in_flight),
+        cmocka_unit_test(powers_are_known),
         cmocka_unit_test(endless_flights_are_refused),
         cmocka_unit_test(secants),
     };
