@@ -73,15 +73,35 @@ void ric_floquet_pairs_conditions(const double *M, ric_floquet_pairs *out)
 
 /* ------------------------------------------------------------------- pairs */
 
+/* The condition of the eigenvalue of H [k * k] that is nearest to each rho. */
+static void conditions(const double *H, ric_floquet_pairs *out)
+{
+    const int k = out->count;
+    const double *rho = out->rho;
+    double values[2 * k], condition[k];
+    const bool found = ric_eigen_conditions(k, H, values, condition);
+    for (int i = 0; i < k && found; i++) {
+        double least = HUGE_VAL;
+        for (int j = 0; j < k; j++) {
+            const double off = hypot(values[2 * j] - rho[2 * i],
+                                     values[2 * j + 1] - rho[2 * i + 1]);
+            if (off >= least) continue;
+            least = off;
+            out->condition[i] = condition[j];
+        }
+    }
+}
+
+/* Values and conditions are made apart: those of a balanced matrix are the better values where
+ * multipliers are of very different sizes, and the worse conditions. */
 bool ric_floquet_pairs_of_matrix(const double *H, bool asked, double *work, ric_floquet_pairs *out)
 {
     const int k = out->count;
     const double *rho = out->rho;
-    if (k > 2 && asked && ric_eigen_conditions(k, H, out->rho, out->condition)) return true;
     for (int i = 0; i < k; i++) out->condition[i] = HUGE_VAL;
-    if (k > 2 && !asked && ric_eigen_conditions(k, H, out->rho, NULL)) return true;
     memcpy(work, H, (size_t)(k * k) * sizeof *work);
     if (!ric_eigen(k, work, out->rho)) return false;
+    if (k > 2 && asked) conditions(H, out);
     for (int i = 0; i < k && k == 2; i++)
         out->condition[i] = of_two(H, rho[2 * i] + rho[2 * i + 1] * I,
                                    rho[2 * (1 - i)] + rho[2 * (1 - i) + 1] * I);
