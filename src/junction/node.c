@@ -396,10 +396,19 @@ bool ric_node_chooses(const ric_node *node)
     return node->kind == RIC_KIND_GRAZING || node->kind == RIC_KIND_CORNER;
 }
 
+/* Doublings whose branches lose different mirror points, at energies that tell them apart: where an
+ * orbit is all but unstable two may lie within what counts as one orbit. */
+static bool break_apart(const ric_node *a, const ric_node *b)
+{
+    return a->kind == RIC_KIND_MULTIPLICATION && a->n_departure == 2 && b->n_departure == 2 &&
+           a->departures[1].choice != b->departures[1].choice &&
+           fabs(a->energy - b->energy) > RIC_SAME_SOLVED * fabs(a->energy);
+}
+
 bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
 {
     if (a->kind != b->kind || a->multiple != b->multiple || a->rotation[0] != b->rotation[0] ||
-        a->cycle->N != b->cycle->N || a->n_touch != b->n_touch)
+        a->cycle->N != b->cycle->N || a->n_touch != b->n_touch || break_apart(a, b))
         return false;
     if (a->asked.frequency != b->asked.frequency || a->asked.value != b->asked.value) return false;
     if (fabs(a->energy - b->energy) > ric_node_near(a->energy) ||
