@@ -530,8 +530,8 @@ static void check_doublings(const char *energy, int expected)
 static void no_doubling_in_rounding(void **state)
 {
     (void)state;
-    check_doublings("0, 1.0e-3", 0);
-    check_doublings("2.0e-3, 9.163", 1);
+    check_doublings("0, 8.0e-4", 0);
+    check_doublings("1.0e-3, 9.163", 1);
     if (long_form()) check_doublings("0, 9.163", 1);
 }
 
