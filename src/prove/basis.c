@@ -102,25 +102,33 @@ void ric_basis_refine(ric_basis *z)
     arb_mat_clear(E);
 }
 
-/* X' A X in balls, and its Frobenius distance from the diagonal of `diagonal`. */
+/* out = X' A X in balls. */
+static void congruence(const ric_basis *z, const arb_mat_t X, const arb_mat_t A, arb_mat_t out)
+{
+    const slong n = arb_mat_ncols(X), prec = 2 * z->prec;
+    arb_mat_t t, w;
+    arb_mat_init(t, n, z->n);
+    arb_mat_init(w, z->n, n);
+    arb_mat_transpose(t, X);
+    arb_mat_mul(w, A, X, prec);
+    arb_mat_mul(out, t, w, prec);
+    arb_mat_clear(t);
+    arb_mat_clear(w);
+}
+
+/* The Frobenius distance of X' A X from the diagonal of `diagonal`. */
 static void distance(const ric_basis *z, const arb_mat_t X, const arb_mat_t A, arb_srcptr diagonal,
                      arb_t out)
 {
     slong n = arb_mat_ncols(X), prec = 2 * z->prec;
-    arb_mat_t t, w, s;
-    arb_mat_init(t, n, z->n);
-    arb_mat_init(w, z->n, n);
+    arb_mat_t s;
     arb_mat_init(s, n, n);
-    arb_mat_transpose(t, X);
-    arb_mat_mul(w, A, X, prec);
-    arb_mat_mul(s, t, w, prec);
+    congruence(z, X, A, s);
     for (slong i = 0; i < n; i++)
         arb_sub(arb_mat_entry(s, i, i), arb_mat_entry(s, i, i), diagonal + i, prec);
     arb_mat_frobenius_norm(out, s, prec);
     arb_get_abs_ubound_arf(arb_midref(out), out, z->prec);
     mag_zero(arb_radref(out));
-    arb_mat_clear(t);
-    arb_mat_clear(w);
     arb_mat_clear(s);
 }
 
@@ -130,21 +138,15 @@ static void distance(const ric_basis *z, const arb_mat_t X, const arb_mat_t A, a
 static void shorten(const ric_basis *z, arb_mat_t X)
 {
     const slong n = arb_mat_ncols(X), prec = 2 * z->prec;
-    arb_mat_t t, w, g;
-    arb_mat_init(t, n, z->n);
-    arb_mat_init(w, z->n, n);
+    arb_mat_t g;
     arb_mat_init(g, n, n);
-    arb_mat_transpose(t, X);
-    arb_mat_mul(w, z->M, X, prec);
-    arb_mat_mul(g, t, w, prec);
+    congruence(z, X, z->M, g);
     arb_mat_neg(g, g);
     for (slong i = 0; i < n; i++)
         arb_add_ui(arb_mat_entry(g, i, i), arb_mat_entry(g, i, i), 3, prec);
     arb_mat_scalar_mul_2exp_si(g, g, -1);
     arb_mat_get_mid(g, g);
     arb_mat_mul(X, X, g, prec);
-    arb_mat_clear(t);
-    arb_mat_clear(w);
     arb_mat_clear(g);
 }
 
@@ -180,13 +182,9 @@ bool ric_basis_orthonormalise(const ric_basis *z, arb_mat_t X, arb_t error)
 bool ric_basis_squares(const ric_basis *z, const arb_mat_t X, ric_squares *out)
 {
     slong n = arb_mat_ncols(X);
-    arb_mat_t xt, w, s;
-    arb_mat_init(xt, n, z->n);
-    arb_mat_init(w, z->n, n);
+    arb_mat_t s;
     arb_mat_init(s, n, n);
-    arb_mat_transpose(xt, X);
-    arb_mat_mul(w, z->K, X, 2 * z->prec);
-    arb_mat_mul(s, xt, w, 2 * z->prec);
+    congruence(z, X, z->K, s);
     arb_one(out->top);
     for (slong i = 0; i < n; i++) {
         arb_get_mid_arb(out->square + i, arb_mat_entry(s, i, i));
@@ -203,8 +201,6 @@ bool ric_basis_squares(const ric_basis *z, const arb_mat_t X, ric_squares *out)
     }
     arb_add_ui(out->top, out->top, 1, z->bits);
     distance(z, X, z->K, out->square, out->rho);
-    arb_mat_clear(xt);
-    arb_mat_clear(w);
     arb_mat_clear(s);
     return positive;
 }
