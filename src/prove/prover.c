@@ -169,13 +169,6 @@ bool ric_prover_agrees(const ric_point *stored, ric_proof *out)
     return near;
 }
 
-static bool is_near(const arb_t x, double stored)
-{
-    double both[2];
-    ric_arb_interval(x, both);
-    return ric_prover_near(both, stored);
-}
-
 /* Of two modes: the stored trace is lost where less than three digits of it are known. */
 static bool trace_agrees(const arb_t trace, double stored)
 {
@@ -191,18 +184,9 @@ static bool agrees(const theorem *t, const ric_point *stored, ric_proof *out)
 {
     static const char *const verdict[] = {"unstable", "stable", "undecided"};
     const ric_stability proved = t->monodromy.stable;
-    arb_t frequency;
-    arb_init(frequency);
-    arb_const_pi(frequency, t->e->prec);
-    arb_mul_2exp_si(frequency, frequency, 1);
-    arb_div(frequency, frequency, t->period, t->e->prec);
-    const bool near = is_near(t->energy, stored->energy) && is_near(frequency, stored->frequency);
     const int flag = stored->stable;
-    arb_clear(frequency);
-    if (!near)
-        snprintf(out->why, sizeof out->why,
-                 "the stored energy or frequency is not that of the orbit");
-    else if (!trace_agrees(t->monodromy.trace, ric_point_trace(stored)))
+    if (!ric_prover_agrees(stored, out)) return false;
+    if (!trace_agrees(t->monodromy.trace, ric_point_trace(stored)))
         snprintf(out->why, sizeof out->why, "the stored trace is not that of the orbit");
     else if (proved != RIC_STABLE_UNDECIDED && flag != RIC_STABLE_UNDECIDED && flag != (int)proved)
         snprintf(out->why, sizeof out->why, "stored as %s, and proved to be %s",
