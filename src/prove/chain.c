@@ -319,6 +319,35 @@ static void middle_of_flight(const ric_enclosure *e, const motion *z, int k, arb
     arb_clear(half);
 }
 
+/* The letter of the same event of the image under x -> -x; -1: it has none. Backwards springs open
+ * where they close. */
+static int image_of(const ric_enclosure *e, int letter, bool backwards, bool turned)
+{
+    const int face = letter % e->n_face, image = turned ? e->wall[face].mirror : face;
+    const bool opens = (letter >= e->n_face) != (backwards && e->wall[face].closes);
+    return image < 0 ? -1 : image + (opens ? e->n_face : 0);
+}
+
+/* Reading the word and the times between its events backwards from a mirror point gives them again,
+ * with opposite faces from a centre. Where an orbit nearly is a shorter one gone through several
+ * times the middle of a flight may be next to a mirror point of that one, and is none of its own.
+ */
+static bool reflects(const ric_enclosure *e, const motion *z, int place, ric_chain_end kind)
+{
+    const int letters = z->letters;
+    double period = 0;
+    for (int k = 0; k < letters; k++) period += ric_arb_middle(z->tau + k);
+    for (int k = 0; k < letters; k++) {
+        const int image = (place - k + letters) % letters;
+        const double behind = ric_arb_middle(z->tau + k),
+                     before = ric_arb_middle(z->tau + (image + letters - 1) % letters);
+        if (z->word[image] != image_of(e, z->word[k], true, kind == RIC_CHAIN_CENTRE) ||
+            fabs(behind - before) > AT_MIRROR * period)
+            return false;
+    }
+    return true;
+}
+
 static void find_mirrors(const ric_enclosure *e, motion *z)
 {
     arb_ptr w = _arb_vec_init(2 * z->n);
@@ -330,43 +359,21 @@ static void find_mirrors(const ric_enclosure *e, motion *z)
             kind = kind_in_flight(e, z->phase[k], w);
         } else if (turns(e, z->phase[k], face_of(e, z, k), z->states + (slong)k * 2 * z->n))
             kind = RIC_CHAIN_IMPACT;
-        if (kind == RIC_CHAIN_GENERAL) continue;
+        if (kind == RIC_CHAIN_GENERAL || !reflects(e, z, place, kind)) continue;
         z->place[z->mirrors] = place;
         z->kind[z->mirrors++] = kind;
     }
     _arb_vec_clear(w, 2 * z->n);
 }
 
-/* The letter of the same event of the image under x -> -x; -1: it has none. Backwards springs open
- * where they close. */
-static int image_of(const ric_enclosure *e, int letter, bool backwards, bool turned)
-{
-    const int face = letter % e->n_face, image = turned ? e->wall[face].mirror : face;
-    const bool opens = (letter >= e->n_face) != (backwards && e->wall[face].closes);
-    return image < 0 ? -1 : image + (opens ? e->n_face : 0);
-}
-
-/* Reading the word backwards from a mirror point gives the word again, with opposite faces from a
- * centre. */
-static bool reflects(const ric_enclosure *e, const motion *z, int mirror)
-{
-    for (int k = 0; k < z->letters; k++) {
-        int image = (z->place[mirror] - k + z->letters) % z->letters;
-        if (z->word[image] != image_of(e, z->word[k], true, z->kind[mirror] == RIC_CHAIN_CENTRE))
-            return false;
-    }
-    return true;
-}
-
 /* Two mirror points are in a period, half of it apart, or four where centres and others take turns;
  * they are symmetries of the word, so that the orbit of which the chain is a part has that word. */
-static bool is_reversible(const ric_enclosure *e, const motion *z)
+static bool is_reversible(const motion *z)
 {
     if (z->mirrors != 2 && z->mirrors != MIRRORS) return false;
     const bool mixed = (z->kind[0] == RIC_CHAIN_CENTRE) != (z->kind[1] == RIC_CHAIN_CENTRE);
     const int apart = z->place[1] - z->place[0];
-    if (mixed != (z->mirrors == MIRRORS) || apart * (mixed ? 2 : 1) != z->letters) return false;
-    return reflects(e, z, 0) && reflects(e, z, 1);
+    return mixed == (z->mirrors == MIRRORS) && apart * (mixed ? 2 : 1) == z->letters;
 }
 
 /* The springs that are closed behind each letter: before the first one those whose first letter is
@@ -515,7 +522,7 @@ static bool is_halved(const ric_enclosure *e, const ric_branch *branch)
 static void fill(ric_chain *c, const ric_enclosure *e, motion *z, const ric_branch *branch)
 {
     if (branch->reversible) find_mirrors(e, z);
-    if (branch->reversible && is_reversible(e, z)) fill_reversible(c, e, z);
+    if (branch->reversible && is_reversible(z)) fill_reversible(c, e, z);
     else fill_general(c, e, z, is_halved(e, branch));
 }
 

@@ -134,6 +134,19 @@ ok 'a structure that floats while a spring is closed' bash -c '
 "$0" prove "$1" | grep -Eq "^([0-9]+) of \1 points proved"' "$ricochet" "$folder/free.ricochet"
 ok 'and its curves' bash -c '
 "$0" prove "$1" --curves | grep -Eq "^([1-9][0-9]*) of \1 curves proved, \1 of them from end to end"' "$ricochet" "$folder/free.ricochet"
+# Beside a linear mode gone through twice the middles of flights lie at mirror points of that mode.
+cat >"$folder/twice.yaml" <<'E2'
+model:
+  mass: [[2.203125, -0.03125, 0.09375], [-0.03125, 2.265625, -0.078125], [0.09375, -0.078125, 1.453125]]
+  stiffness: [[8.3125, -4.6875, 6.25], [-4.6875, 7.875, -2], [6.25, -2, 8.8125]]
+  contacts:
+    - {law: bilinear, normal: [0, 0, 1], clearance: 0.00195, stiffness: 3.778}
+    - {law: bilinear, normal: [-1, -2, 1], clearance: 0.00156, stiffness: 10860}
+explore: {start: [1], energy: [0, 4], frequency: [0.4, 1], impacts: 2, multiply: 1, depth: 2}
+E2
+"$ricochet" run "$folder/twice.yaml" -o "$folder/twice.ricochet" --quiet
+ok 'points up to the grazing of a mode gone through twice are proved' bash -c '
+"$0" branches "$1" --json | grep -q "3.857326883" && "$0" prove "$1" | grep -Eq "^([0-9]+) of \1 points proved"' "$ricochet" "$folder/twice.ricochet"
 ok 'a census is of stops alone' bash -c '
 "$0" prove examples/bilinear/study.yaml --complete --energy 5 2>&1 | grep -q "bilinear springs"' "$ricochet"
 finish
