@@ -230,7 +230,7 @@ class Judge:
                 v.find("penetration", where, f"gap opens to {worst!r} ({reach.where[i]})")
             self._margins(row, reach, (fine, chain), i, where)
         self._repeats(branch, fine, rows)
-        self._symmetries(branch, fine, rows, slow)
+        self._symmetries(branch, (fine, chain), rows, slow)
         if s.n > 1:
             self._multipliers(branch, rows, fine, chain)
 
@@ -252,9 +252,10 @@ class Judge:
 
     def _scatter(self, chain, i):
         """How far away from each other solutions may be of which doubles hold the equations: rounding over the smallest singular
-        value that is polished. A closing spring makes a velocity of the rounding of a displacement."""
+        value that is polished. A closing spring makes a velocity of the rounding of a displacement; frequencies that rounding alone
+        tells apart may be taken for one."""
         s = chain.singular()[1][i]
-        return ROUNDED * max(s[0], self._stiff()) / s[s > orbits.CUT * s[0]].min()
+        return max(ROUNDED * max(s[0], self._stiff()), self.s.one * s[0]) / s[s > orbits.CUT * s[0]].min()
 
     def _stored_reach(self, chain):
         if self._reach_of[0] is not chain:
@@ -297,8 +298,9 @@ class Judge:
                 else:
                     v.counts["nearly repeated"] += 1
 
-    def _symmetries(self, branch, chain, rows, slow):
-        s, v = self.s, self.verdict
+    def _images(self, chain):
+        """{symmetric, reversible: (off, everywhere)}, [P] each: how far orbits are from their images, where they start and at all of
+        their events. Where a stop has no counterpart the state at one event may be its own image, and the motion is not."""
         su, sv = chain.size()
 
         def distance(a, b):
@@ -311,17 +313,22 @@ class Judge:
             for sign in (1, -1):
                 back.append([distance((sign * u, -sign * w), chain.after[j])
                              for j in range(N) for u, w in [chain.before[(k - j) % N]]])
-        symmetric, reversible = (np.min([op[0] for op in ops], axis=0) for ops in (half, back))
-        # where a stop has no counterpart, the state at one event may be its own image, and the motion is not
-        everywhere = {what: np.min([np.max(op, axis=0) for op in ops], axis=0) for what, ops in (("symmetric", half), ("reversible", back))}
+        return {what: (np.min([op[0] for op in ops], axis=0), np.min([np.max(op, axis=0) for op in ops], axis=0))
+                for what, ops in (("symmetric", half), ("reversible", back))}
+
+    def _symmetries(self, branch, chains, rows, slow):
+        """Where rounding leaves a direction open, as along motions that go on at any phase, the polished orbit is another one than
+        the stored one, which solves the equations as well: either may have the symmetry."""
+        v, images = self.verdict, [self._images(chain) for chain in chains]
         middle = [i for i, r in enumerate(rows) if 0 < r["point"] < branch["points"] - 1 and slow[i] > 1e-4]
-        for said, found, what in ((branch["symmetric"], symmetric, "symmetric"), (branch["reversible"], reversible, "reversible")):
+        for what in ("symmetric", "reversible"):
+            said, found = branch[what], np.minimum(*(image[what][0] for image in images))
             for i in range(len(rows)):
                 v.counts[what] += bool(said)
                 if said and found[i] > SIMILAR * max(1, 1e-3 / max(slow[i], 1e-9)):
                     v.find(what, f"branch {branch['id']} {branch['label']} point {rows[i]['point']}",
                            f"said to be {what}, {found[i]:.1e} off")
-            if not said and len(middle) > 3 and max(everywhere[what][i] for i in middle) < 1e-10:
+            if not said and len(middle) > 3 and max(images[0][what][1][i] for i in middle) < 1e-10:
                 v.find(what, f"branch {branch['id']} {branch['label']}", f"all {len(middle)} inner orbits are {what}, not said")
 
     # ---- many digits

@@ -70,6 +70,9 @@ class Structure:
             else:
                 groups.append([i])
         kept = []
+        held = [group for group in groups if float(lam[group[-1]]) > ZERO * top]
+        # By how much squares of frequencies differ that rounding alone tells apart, relative.
+        self.one = max((float((lam[group[-1]] - lam[group[0]]) / lam[group[-1]]) for group in held), default=0.0)
         for group in groups:
             space = vectors[:, group]
             basis = []
