@@ -447,10 +447,10 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines)
     return status;
 }
 
-ric_status ric_store_stage_begin(ric_store *store, const ric_atlas *atlas)
+ric_status ric_store_stage_points(ric_store *store, const ric_atlas *atlas)
 {
     ric_store_stage_drop(store);
-    return ric_store_stage_lay(&store->stage, store->path, atlas, true);
+    return ric_store_stage_lay(&store->stage, store->path, atlas);
 }
 
 void ric_store_stage_drop(ric_store *store)
@@ -480,7 +480,6 @@ static ric_status put_meta(writing *w)
     return status ? status : ric_store_digest_meta(w->file, &w->digest);
 }
 
-/* Points come last: they may still be laid out. */
 static ric_status put_rows(const writing *w)
 {
     static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction,
@@ -491,11 +490,19 @@ static ric_status put_rows(const writing *w)
     return status ? status : ric_store_stage_take(w->stage, w->file);
 }
 
-/* Rows come into the file and into the digest at the same time. */
-static ric_status write_part(void *user, int part)
+static ric_status digest_rows(void *user)
 {
     writing *w = user;
-    return part == 0 ? put_rows(w) : ric_store_digest_rows(w->atlas, &w->digest);
+    return ric_store_digest_rows(w->atlas, &w->digest);
+}
+
+/* Rows come into the file and, with threads, into the digest at the same time. */
+static ric_status write_rows(writing *w, bool aside)
+{
+    ric_together_call *call = aside ? ric_together_begin(digest_rows, w) : NULL;
+    ric_status status = put_rows(w);
+    const ric_status digested = call ? ric_together_end(call) : digest_rows(w);
+    return status ? status : digested;
 }
 
 ric_status ric_store_write(ric_store *store, const ric_atlas *atlas, int workers)
@@ -503,11 +510,11 @@ ric_status ric_store_write(ric_store *store, const ric_atlas *atlas, int workers
     /* the work itself is kept even if the tables cannot be written */
     ric_status status = ric_store_commit(store);
     if (!status && !store->stage.memory.db)
-        status = ric_store_stage_lay(&store->stage, store->path, atlas, workers > 1);
+        status = ric_store_stage_lay(&store->stage, store->path, atlas);
     if (!status && !(status = begin(store))) {
         writing w = {.file = store->file, .stage = &store->stage, .atlas = atlas};
         status = put_meta(&w);
-        if (!status) status = ric_together(workers, 2, write_part, &w);
+        if (!status) status = write_rows(&w, workers > 1);
         status = conclude(store->file, status, &w.digest);
     }
     ric_store_stage_drop(store);

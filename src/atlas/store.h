@@ -49,10 +49,10 @@ ric_status ric_store_starts_add(ric_store *store, const char *lines);
  * NULL where there are none; free(*text). */
 ric_status ric_store_labels_get(ric_store *store, char **text);
 
-/* Begins to lay out the points of the branches of `atlas`, which have their ids, for
- * ric_store_write of the same ones, on a thread of its own; the atlas stays until that, or the call
- * that gives it up. Where nothing was laid out ric_store_write does it. */
-ric_status ric_store_stage_begin(ric_store *store, const ric_atlas *atlas);
+/* Lays out the points of the branches of `atlas`, which have their ids, for ric_store_write of the
+ * same ones, without need of the file; the atlas stays until that, or the call that gives it up.
+ * Where nothing was laid out ric_store_write does it. */
+ric_status ric_store_stage_points(ric_store *store, const ric_atlas *atlas);
 void ric_store_stage_drop(ric_store *store);
 /* Replaces the tables of branches, points and junctions by those of `atlas` in one transaction. */
 ric_status ric_store_write(ric_store *store, const ric_atlas *atlas, int workers);

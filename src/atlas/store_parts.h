@@ -165,13 +165,10 @@ ric_status ric_store_put_rows(ric_database file, const ric_atlas *atlas, const r
 typedef struct {
     ric_database memory;
     const ric_atlas *atlas;
-    ric_together_call *call; /* that fills it; NULL: there is none */
 } ric_store_stage;
 
-/* Fills it; `path` is what errors speak of. Aside: on a thread of its own, which is waited for when
- * the rows are taken. */
-ric_status ric_store_stage_lay(ric_store_stage *stage, const char *path, const ric_atlas *atlas,
-                               bool aside);
+/* Fills it; `path` is what errors speak of. */
+ric_status ric_store_stage_lay(ric_store_stage *stage, const char *path, const ric_atlas *atlas);
 /* Takes the rows into the file, whose table of points is empty. */
 ric_status ric_store_stage_take(ric_store_stage *stage, ric_database file);
 /* Outside a transaction of the file. */

@@ -1,6 +1,6 @@
 /* The points of an atlas on their way into the file. Their rows are nearly all that a run writes at
- * its end, and SQLite takes them one by one; so they are laid into a table in memory, by a thread
- * that needs nothing of the file while others still work, and the file takes over the table as it
+ * its end, and SQLite takes them one by one; so they are laid into a table in memory, for which
+ * nothing of the file is needed while others still work, and the file takes over the table as it
  * is. That is several times as fast, and fills its pages: rows that are inserted one by one leave
  * one byte in nine of the pages empty. */
 #include "store_parts.h"
@@ -17,12 +17,13 @@ static void name_of(const void *owner, char *name)
     snprintf(name, NAME, "file:ricochet-%p?mode=memory&cache=shared", owner);
 }
 
-static ric_status fill(void *user)
+/* Its pages go with it, so that they may be of the size that takes least time. */
+static ric_status fill(const ric_store_stage *stage)
 {
-    const ric_store_stage *stage = user;
     sqlite3_stmt *create = NULL;
     bool row;
-    ric_status status = ric_store_sqlite_run(stage->memory, "PRAGMA journal_mode = OFF; BEGIN");
+    ric_status status = ric_store_sqlite_run(stage->memory, "PRAGMA page_size = 32768; PRAGMA "
+                                                            "journal_mode = OFF; BEGIN");
     if (!status)
         status = ric_store_sqlite_table(stage->memory, &ric_table_point, RIC_SQL_CREATE, &create);
     if (!status) status = ric_store_sqlite_step(stage->memory, create, &row);
@@ -31,8 +32,7 @@ static ric_status fill(void *user)
     return status ? status : ric_store_sqlite_run(stage->memory, "COMMIT");
 }
 
-ric_status ric_store_stage_lay(ric_store_stage *stage, const char *path, const ric_atlas *atlas,
-                               bool aside)
+ric_status ric_store_stage_lay(ric_store_stage *stage, const char *path, const ric_atlas *atlas)
 {
     char name[NAME];
     name_of(stage, name);
@@ -42,10 +42,7 @@ ric_status ric_store_stage_lay(ric_store_stage *stage, const char *path, const r
                                               0, &stage->memory);
     stage->memory.path = path;
     stage->atlas = atlas;
-    if (status) return status;
-    if (!aside) return fill(stage);
-    stage->call = ric_together_begin(fill, stage);
-    return stage->call ? RIC_OK : ric_store_fail_memory();
+    return status ? status : fill(stage);
 }
 
 static ric_status attach(const ric_store_stage *stage, ric_database file)
@@ -66,16 +63,13 @@ static ric_status attach(const ric_store_stage *stage, ric_database file)
  * without looking into them, and fills pages to the end. */
 ric_status ric_store_stage_take(ric_store_stage *stage, ric_database file)
 {
-    ric_status status = ric_together_end(stage->call);
-    stage->call = NULL;
-    if (!status) status = attach(stage, file);
+    const ric_status status = attach(stage, file);
     return status ? status
                   : ric_store_sqlite_run(file, "INSERT INTO main.point SELECT * FROM stage.point");
 }
 
 void ric_store_stage_close(ric_store_stage *stage, ric_database file)
 {
-    ric_together_end(stage->call);
     if (stage->memory.db) sqlite3_exec(file.db, "DETACH stage", NULL, NULL, NULL);
     sqlite3_close(stage->memory.db);
     *stage = (ric_store_stage){0};

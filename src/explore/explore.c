@@ -110,27 +110,22 @@ ric_status ric_explore_check(const ric_study *study)
     return status ? status : check_springs(study);
 }
 
-/* What is left when the rows are made, to be done in this order or at the same time. */
-typedef struct {
-    ric_graph **graph;
-    ric_store *store;
-    const ric_atlas *atlas;
-    int workers;
-} ending;
-
-static ric_status end_part(void *user, int part)
+static ric_status release(void *graph)
 {
-    ending *e = user;
-    if (part == 1) return ric_store_write(e->store, e->atlas, e->workers);
-    ric_graph_free(*e->graph);
-    *e->graph = NULL;
+    ric_graph_free(graph);
     return RIC_OK;
 }
 
+/* What is left when the rows are made: the graph goes meanwhile, where there are threads. */
 static ric_status write_atlas(ric_store *store, const ric_atlas *atlas, ric_graph **graph)
 {
-    ending work = {graph, store, atlas, (*graph)->n_worker};
-    return ric_together(work.workers, 2, end_part, &work);
+    const int workers = (*graph)->n_worker;
+    ric_together_call *aside = workers > 1 ? ric_together_begin(release, *graph) : NULL;
+    if (!aside) ric_graph_free(*graph);
+    *graph = NULL;
+    ric_status status = ric_store_write(store, atlas, workers);
+    const ric_status released = ric_together_end(aside);
+    return status ? status : released;
 }
 
 /* One run: what is in the file already is taken up, everything else is computed, the tables are

@@ -18,6 +18,7 @@ typedef struct {
     ric_graph *graph;
     const ric_junction_row *junctions;
     ric_atlas *atlas;
+    const ric_rows_task *first;
     pthread_mutex_t lock; /* of the store, of whom to ask, and of the numbers */
     int left, unmeasured;
     time_t saved;
@@ -114,9 +115,8 @@ static void count(measuring *s, bool measured)
     pthread_mutex_unlock(&s->lock);
 }
 
-static ric_status measure_row(void *user, int i)
+static ric_status measure_row(measuring *s, int i)
 {
-    measuring *s = user;
     const ric_node *node = s->junctions[i].node;
     ric_junction *row = &s->atlas->junctions[i].row;
     char key[300];
@@ -141,13 +141,20 @@ static ric_status measure_row(void *user, int i)
     return status;
 }
 
-ric_status ric_junction_rows_measure(ric_graph *g, const ric_junction_row *junctions,
-                                     ric_atlas *atlas)
+static ric_status do_part(void *user, int i)
 {
-    measuring work = {.graph = g, .junctions = junctions, .atlas = atlas};
+    measuring *s = user;
+    const ric_rows_task *first = s->first;
+    return i < first->n ? first->each(first->user, i) : measure_row(s, i - first->n);
+}
+
+ric_status ric_junction_rows_measure(ric_graph *g, const ric_junction_row *junctions,
+                                     ric_atlas *atlas, const ric_rows_task *first)
+{
+    measuring work = {.graph = g, .junctions = junctions, .atlas = atlas, .first = first};
     for (int i = 0; i < atlas->n_junction; i++) work.left += has_label(&junctions[i]);
     pthread_mutex_init(&work.lock, NULL);
-    ric_status status = ric_together(g->n_worker, atlas->n_junction, measure_row, &work);
+    ric_status status = ric_together(g->n_worker, first->n + atlas->n_junction, do_part, &work);
     pthread_mutex_destroy(&work.lock);
     atlas->finished = atlas->finished && !work.unmeasured;
     return status;

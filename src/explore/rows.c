@@ -163,26 +163,25 @@ static ric_status take_records(int n, const ric_branch_row *branches, int n_junc
 }
 
 typedef struct {
-    ric_graph *graph;
-    const ric_junction_row *junctions;
+    ric_store *store; /* NULL: where points are laid out later */
     ric_atlas *atlas;
-} naming;
+} finishing;
 
-/* Keys need no labels. */
-static ric_status name_part(void *user, int part)
+/* What needs no labels. */
+static ric_status finish_part(void *user, int part)
 {
-    const naming *s = user;
-    return part == 0 ? ric_junction_rows_measure(s->graph, s->junctions, s->atlas)
-                     : ric_keys_make(s->atlas);
+    const finishing *s = user;
+    if (part == 1) return ric_keys_make(s->atlas);
+    return s->store ? ric_store_stage_points(s->store, s->atlas) : RIC_OK;
 }
 
-/* The points of branches, which have their ids, go to the store while junctions get their names. */
+/* With workers the points of branches, which have their ids, are laid out for the store while
+ * junctions get their names: that takes one of them longest, so that it comes first. */
 static ric_status finish_rows(ric_graph *g, const ric_junction_row *junctions, ric_atlas *atlas)
 {
-    naming work = {g, junctions, atlas};
-    ric_status status = RIC_OK;
-    if (g->store && g->n_worker > 1) status = ric_store_stage_begin(g->store, atlas);
-    if (!status) status = ric_together(g->n_worker, 2, name_part, &work);
+    finishing work = {g->n_worker > 1 ? g->store : NULL, atlas};
+    const ric_rows_task first = {2, finish_part, &work};
+    ric_status status = ric_junction_rows_measure(g, junctions, atlas, &first);
     if (!status) status = ric_junction_labels_give(g->labels, atlas);
     if (!status) status = ric_links_make(atlas);
     if (status && g->store) ric_store_stage_drop(g->store);

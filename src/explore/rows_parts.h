@@ -75,10 +75,18 @@ ric_status ric_junction_row_energies(const ric_graph *graph, int mode, ric_branc
 /* qsort: by impacts, energy, frequency and kind. */
 int ric_junction_row_order(const void *p, const void *q);
 
-/* C_ab of one junction of the atlas after the other, with its row; those that a stop leaves
- * unmeasured have a = b = 0, and then the atlas is not finished. */
+/* n calls each(user, 0..). */
+typedef struct {
+    int n;
+    ric_status (*each)(void *user, int i);
+    void *user;
+} ric_rows_task;
+
+/* By all workers: what comes `first`, then C_ab of one junction of the atlas after the other, with
+ * its row; those that a stop leaves unmeasured have a = b = 0, and then the atlas is not finished.
+ */
 ric_status ric_junction_rows_measure(ric_graph *graph, const ric_junction_row *junctions,
-                                     ric_atlas *atlas);
+                                     ric_atlas *atlas, const ric_rows_task *first);
 
 /* Labels of all junctions, which have their keys and names: within a family they are numbered in
  * the order of their ids; one whose name is a label of its family has that, and no other has a
