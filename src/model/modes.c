@@ -79,9 +79,48 @@ static void turn(int n, double factor, const long double *S, long double *X, lon
     memcpy(X, room, (size_t)n * (size_t)n * sizeof *X);
 }
 
+/* Columns i and j of A [n * n] turned: c a_i - s a_j and s a_i + c a_j. */
+static void turn_columns(int n, int i, int j, long double c, long double s, long double *A)
+{
+    for (int k = 0; k < n; k++) {
+        const long double one = A[k * n + i], other = A[k * n + j];
+        A[k * n + i] = c * one - s * other;
+        A[k * n + j] = s * one + c * other;
+    }
+}
+
+/* The same of rows. */
+static void turn_rows(int n, int i, int j, long double c, long double s, long double *A)
+{
+    for (int k = 0; k < n; k++) {
+        const long double one = A[i * n + k], other = A[j * n + k];
+        A[i * n + k] = c * one - s * other;
+        A[j * n + k] = s * one + c * other;
+    }
+}
+
+/* A turn of two vectors of nearly equal frequencies by any angle (Jacobi), the lower one first,
+ * that brings S = X' K X and R = 1 - X' M X along. LAPACK turns them by rounding over their
+ * distance, which is a hundredth at 1e-13, in another way for each order of the coordinates; S has
+ * the digits of a long double. What is one frequency is left as it is. */
+static void turn_pair(int n, int i, int j, long double *X, long double *S, long double *R)
+{
+    const long double low = S[i * n + i] / (1 - R[i * n + i]),
+                      high = S[j * n + j] / (1 - R[j * n + j]), size = fabsl(low) + fabsl(high),
+                      across = 2 * S[i * n + j] + (low + high) * R[i * n + j];
+    const long double apart = hypotl(high - low, across);
+    if (!(apart <= EQUAL * size) || !(apart > ROUNDINGS * DBL_EPSILON * size / 2)) return;
+    const long double angle = atan2l(across, high - low) / 2, c = cosl(angle), s = sinl(angle);
+    turn_columns(n, i, j, c, s, X);
+    turn_columns(n, i, j, c, s, S);
+    turn_rows(n, i, j, c, s, S);
+    turn_columns(n, i, j, c, s, R);
+    turn_rows(n, i, j, c, s, R);
+}
+
 /* The corrections E of both vectors of a pair, from S = X' K X, which it replaces, and R = 1 - X' M
  * X. Vectors of equal frequencies are any that are orthonormal, and those of nearly equal ones may
- * be turned by more than a correction of first order can undo: they are only kept so. */
+ * be turned by more than a correction of first order can undo: they are only kept so here. */
 static void correct_pair(int n, int i, int j, const long double *lambda, const long double *R,
                          long double *S)
 {
@@ -104,6 +143,8 @@ static void refine_once(const ric_model *m, int n, long double *X, long double *
     multiply_twice(n, m->K, X, KX, (ric_twice *)R);
     multiply_transposed(n, true, -1, X, MX, R);
     multiply_transposed(n, false, 1, X, KX, S);
+    for (int i = 0; i < n; i++)
+        for (int j = i + 1; j < n; j++) turn_pair(n, i, j, X, S, R);
     for (int i = 0; i < n; i++) lambda[i] = S[i * n + i] / (1 - R[i * n + i]);
     for (int i = 0; i < n; i++) { /* S becomes the correction E */
         S[i * n + i] = R[i * n + i] / 2;
