@@ -57,7 +57,7 @@ def one(task):
     """Everything about one seed, as a dictionary that goes into the log."""
     seed, o = task
     kind, text, study = (structures.near(seed, o["kind"]) if o["near"] else structures.bodies(seed, o["kind"]) if o["bodies"]
-                         else structures.make(seed, o["kind"], o["small"]))
+                         else structures.hard(seed, o["kind"]) if o["hard"] else structures.make(seed, o["kind"], o["small"]))
     out = {"seed": seed, "kind": kind, "text": text, "findings": [], "counts": {}, "named": [], "open": []}
     signal.signal(signal.SIGALRM, _alarm)
     with tempfile.TemporaryDirectory(prefix="attack-") as folder:
@@ -130,6 +130,7 @@ def parse():
     p.add_argument("--small", action="store_true", help="smaller budgets")
     p.add_argument("--near", action="store_true", help="structures with frequencies that are 1e-6 .. 1e-14 apart")
     p.add_argument("--bodies", action="store_true", help="structures of two or three free bodies, without power laws")
+    p.add_argument("--hard", action="store_true", help="larger budgets, far springs and clearances, up to six degrees of freedom")
     p.add_argument("--brute", type=int, nargs="?", const=2, metavar="N", help="orbits of two energies, or of N, that the atlas lacks, by brute force")
     p.add_argument("--verify", action="store_true", help="`ricochet verify` has to pass, too")
     p.add_argument("--compare", default="", metavar="LIST", help="of step, order, workers: the same atlas is asked for")

@@ -127,6 +127,36 @@ def make(seed, kind=None, small=False):
     return kind, text, {"title": f"seed {seed}", "model": model, "explore": explore}
 
 
+def hard(seed, kind=None):
+    """(kind, what it is, study) of a seed: larger budgets, more degrees of freedom, springs and clearances far from those of the
+    structure, equal frequencies; meant for a `--limit`, after which what is there is judged."""
+    rng = np.random.default_rng([seed, 3])
+    kind, text, study = make(seed, kind)
+    model, explore = study["model"], study["explore"]
+    if rng.random() < 0.5:  # another structure, of more degrees of freedom
+        n = int(rng.integers(4, 7))
+        flavour = str(rng.choice(["full", "chain", "resonant", "equal"])) if n < 6 else str(rng.choice(["full", "chain"]))
+        mass, stiffness = _matrices(rng, n, flavour)
+        normals = _normals(rng, n, 1 if kind == "power" else int(rng.choice([2, 2, 3])))
+        laws = ["rigid", "bilinear", "rigid"] if kind == "mixed" else [kind] * 3
+        typical = float(np.median(np.diag(stiffness)))
+        contacts = [_contact(rng, kind, law, b, _round(rng.uniform(0.5, 2), 3), typical) for law, b in zip(laws, normals)]
+        model.update(mass=mass.tolist(), stiffness=stiffness.tolist(), contacts=contacts)
+        text = f"{n} dof, {flavour}, {'+'.join(c['law'] for c in contacts)}"
+    mass, stiffness, contacts = np.array(model["mass"]), np.array(model["stiffness"]), model["contacts"]
+    typical = float(np.median(np.diag(stiffness)))
+    for contact in contacts:
+        if contact["law"] == "bilinear" and rng.random() < 0.5:
+            contact["stiffness"] = _round(typical * 10 ** float(rng.choice([-6, -4, 5, 7])))
+        if contact is not contacts[0] and "clearance" in contact and rng.random() < 0.4:
+            contact["clearance"] = _round(contacts[0]["clearance"] * 10 ** rng.uniform(-4, 1), 3)
+    omega = np.sqrt(np.maximum(np.linalg.eigvalsh(_standard(mass, stiffness)), 0))
+    explore["energy"], explore["frequency"] = _windows(rng, mass, stiffness, omega, omega < 1e-6 * omega.max(), contacts, kind)
+    explore.update(impacts=int(rng.integers(10, 21)), multiply=int(rng.integers(3, 7)), depth=int(rng.integers(2, 4)))
+    study["title"] = f"hard {seed}"
+    return kind, f"{text}; impacts {explore['impacts']}, multiply {explore['multiply']}, depth {explore['depth']}", study
+
+
 def _near_matrices(rng, n):
     """(mass, stiffness, how far apart) with two frequencies or three that are 1e-6 .. 1e-14 apart, the others anywhere."""
     apart = 10.0 ** -rng.uniform(6, 14)
