@@ -16,6 +16,7 @@
 #include "lane.h"
 #include "memory.h"
 #include "root.h"
+#include "shelf.h"
 #include "sine.h"
 #include "status.h"
 #include "together.h"

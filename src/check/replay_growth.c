@@ -44,6 +44,39 @@ real ric_replay_fly_column(const replay *r, int k, bool stretch, real *column)
     return face->side * cq;
 }
 
+void ric_replay_fly_row(const replay *r, int k, real *row)
+{
+    const int n = r->n;
+    const face_t *face = ric_replay_end_face(r, k);
+    const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)n,
+               *trig = r->trig + (size_t)k * 2 * (size_t)n;
+    if (!(face->spring > 0)) {
+        const real pull = face->side * ric_replay_pull(r, k, face, w),
+                   speed = face->side * fmax(r->speed[k + 1], BLUNT * ric_replay_fastest(r, face));
+        real moved = 0, kicked = 0;
+        for (int i = 0; i < n; i++) {
+            moved += row[i] * r->kappa[i] * face->c[i];
+            kicked += row[n + i] * face->c[i];
+        }
+        for (int i = 0; i < n; i++) {
+            row[i] -= 2 * (moved + kicked * pull / speed) / face->cc * face->c[i] / r->kappa[i];
+            row[n + i] -= 2 * kicked / face->cc * face->c[i];
+        }
+    }
+    if (r->closed) {
+        for (int i = 0; i < n; i++) row[i] *= r->kappa[i];
+        ric_simulator_fly_back(r->sim, r->closed + (size_t)k * (size_t)r->n_face, r->tau[k], row);
+        for (int i = 0; i < n; i++) row[i] /= r->kappa[i];
+        return;
+    }
+    for (int i = 0; i < n; i++) {
+        const bool turns = r->omega[i] > 0;
+        const real a = row[i], p = row[n + i], cosine = trig[i], sine = trig[n + i];
+        row[i] = turns ? a * cosine - p * sine : a;
+        row[n + i] = turns ? p * cosine + a * sine : p + r->kappa[i] * r->tau[k] * a;
+    }
+}
+
 /* Divides by the largest entry and returns its logarithm, so that long products do not overflow. */
 static real rescale(size_t size, real *A)
 {
@@ -54,17 +87,18 @@ static real rescale(size_t size, real *A)
     return log(largest);
 }
 
-/* Rows of A [2n * 2n] become the columns of the derivative from impact `first` to the end, over
- * e^x; returns x. */
-static real multiply(const replay *r, int first, real *A)
+/* A [2n * 2n] becomes the monodromy over e^x, and x is returned; *most: the largest such x of all
+ * ends of the period, each from some flight on. */
+static real multiply(const replay *r, real *A, real *most)
 {
-    int m = 2 * r->n;
+    const int m = 2 * r->n;
     real scale = 0;
     memset(A, 0, (size_t)m * (size_t)m * sizeof *A);
     for (int i = 0; i < m; i++) A[i * m + i] = 1;
-    for (int k = first; k < r->n_event; k++) {
-        for (int i = 0; i < m; i++) ric_replay_fly_column(r, k, true, A + i * m);
+    for (int k = r->n_event - 1; k >= 0; k--) {
+        for (int i = 0; i < m; i++) ric_replay_fly_row(r, k, A + i * m);
         scale += rescale((size_t)m * (size_t)m, A);
+        *most = fmax(*most, scale);
     }
     return scale;
 }
@@ -74,7 +108,7 @@ ric_status ric_replay_condition(replay *r)
     ric_status status = RIC_OK;
     int m = 2 * r->n;
     size_t size = (size_t)m * (size_t)m;
-    real *A = ric_calloc(size, sizeof *A), scale = 0, largest = 0;
+    real *A = ric_calloc(size, sizeof *A), scale, most = -INFINITY, largest = 0;
     double *B = ric_calloc(size + 2 * (size_t)m, sizeof *B), *re = B ? B + size : NULL,
            *im = B ? re + m : NULL;
     if (!A || !B) {
@@ -82,10 +116,8 @@ ric_status ric_replay_condition(replay *r)
                           r->n);
         goto out;
     }
-    for (int first = r->n_event - 1; first >= 0; first--) {
-        scale = multiply(r, first, A);
-        r->amplification = fmax(r->amplification, scale + log((real)m));
-    }
+    scale = multiply(r, A, &most);
+    r->amplification = fmax(r->amplification, most + log((real)m));
     for (size_t i = 0; i < size; i++) B[i] = (double)A[i];
     if (ric_lapack(LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', m, B, m, re, im, NULL, 1, NULL, 1))) {
         status = ric_fail(RIC_E_NUMERIC,

@@ -31,6 +31,7 @@
 
 #include "simulator_parts.h"
 #include "base/room.h"
+#include "model/room.h"
 
 /* Faces that close within this part of the clearance of each other close together. */
 #define TOGETHER 1e-12
@@ -41,6 +42,8 @@
 /* Rebounds slower than this part of the velocity bound, under an acceleration into the face, end in
  * a lasting contact. */
 #define CHATTER 1e-6
+
+enum { FRAMES = 64 }; /* sets of closed springs whose modes are kept from one orbit to the next */
 
 /* ------------------------------------------------------------------ create */
 
@@ -133,6 +136,30 @@ void ric_simulator_free(ric_simulator *sim)
     free(sim->rough);
     free(sim->face);
     free(sim);
+}
+
+static void release(ric_shelved *sim)
+{
+    ric_simulator_free((ric_simulator *)sim);
+}
+
+ric_status ric_simulator_borrow(const ric_model *model, ric_simulator **out)
+{
+    *out = (ric_simulator *)ric_shelf_take(model->simulators);
+    return *out ? RIC_OK : ric_simulator_create(model, out);
+}
+
+void ric_simulator_return(const ric_model *model, ric_simulator *sim)
+{
+    int frames = 0;
+    if (!sim) return;
+    for (const frame *f = sim->open; f; f = f->next) frames++;
+    if (frames > FRAMES) {
+        ric_simulator_free(sim);
+        return;
+    }
+    sim->shelved.release = release;
+    ric_shelf_put(model->simulators, &sim->shelved);
 }
 
 /* ------------------------------------------------------------------ events */
@@ -394,6 +421,13 @@ void ric_simulator_modal(const ric_simulator *sim, const double *x, const double
     ric_simulator_frame_to_modal(sim, sim->open, false, state, w);
 }
 
+void ric_simulator_modal_unit(const ric_simulator *sim, int j, ric_real *w)
+{
+    const int n = sim->n;
+    memset(w, 0, 2 * (size_t)n * sizeof *w);
+    for (int i = 0; i < n; i++) w[j < n ? i : n + i] = sim->open->mphi[i * n + j % n];
+}
+
 void ric_simulator_set_restitution(ric_simulator *sim, double restitution)
 {
     sim->restitution = restitution;
@@ -512,37 +546,77 @@ void ric_simulator_state_modal(const ric_simulator *sim, ric_real *time, ric_rea
     ric_simulator_frame_to_modal(sim, sim->open, false, state, w);
 }
 
-/* Displacements and velocities x [2n] of modal ones. */
-static void to_space(int n, const frame *f, const real *w, real *x)
+/* Modes of the frame, from its equilibrium if `linear` is not set, of those with every spring open:
+ * z = T w, with w = T' z as both are orthonormal in M. */
+static void turn(int n, const frame *f, bool linear, const real *w, real *z)
 {
-    for (int j = 0; j < n; j++) {
-        x[j] = x[n + j] = 0;
-        for (int i = 0; i < n; i++) {
-            x[j] += f->phi[i * n + j] * w[i];
-            x[n + j] += f->phi[i * n + j] * w[n + i];
+    for (int i = 0; i < n; i++) {
+        const real *T = f->turn + (size_t)i * (size_t)n;
+        real q = linear ? 0 : -f->rest[i], p = 0;
+        for (int j = 0; j < n; j++) {
+            q += T[j] * w[j];
+            p += T[j] * w[n + j];
         }
+        z[i] = q;
+        z[n + i] = p;
+    }
+}
+
+static void turn_back(int n, const frame *f, bool linear, const real *z, real *w)
+{
+    memset(w, 0, 2 * (size_t)n * sizeof *w);
+    for (int i = 0; i < n; i++) {
+        const real *T = f->turn + (size_t)i * (size_t)n, q = z[i] + (linear ? 0 : f->rest[i]),
+                   p = z[n + i];
+        for (int j = 0; j < n; j++) {
+            w[j] += T[j] * q;
+            w[n + j] += T[j] * p;
+        }
+    }
+}
+
+/* z [2n] of the frame after time t; `back`: the transposed of that. */
+static void fly_modes(int n, const frame *f, bool back, real t, real *z)
+{
+    for (int i = 0; i < n; i++) {
+        real omega = f->omega[i], sine, cosine, q = z[i], p = z[n + i];
+        sincosl(omega * t, &sine, &cosine);
+        const real ahead = omega > 0 ? sine / omega : t, pull = -omega * sine;
+        z[i] = q * cosine + p * (back ? pull : ahead);
+        z[n + i] = p * cosine + q * (back ? ahead : pull);
     }
 }
 
 ric_status ric_simulator_fly(ric_simulator *sim, const bool *closed, bool linear, ric_real t,
                              const ric_real *w, ric_real *after)
 {
-    int n = sim->n;
+    const int n = sim->n;
     const frame *f;
-    real x[2 * n], z[2 * n];
+    real z[2 * n];
     ric_status status = ric_simulator_frame_find(sim, closed, &f);
     if (status) return status;
-    to_space(n, sim->open, w, x);
-    ric_simulator_frame_to_modal(sim, f, linear, x, z);
-    for (int i = 0; i < n; i++) {
-        real omega = f->omega[i], sine, cosine, rest = linear ? 0 : f->rest[i], q = z[i],
-             p = z[n + i];
-        sincosl(omega * t, &sine, &cosine);
-        z[i] = rest + (omega > 0 ? q * cosine + p / omega * sine : q + p * t);
-        z[n + i] = p * cosine - omega * q * sine;
+    if (f == sim->open) memcpy(z, w, sizeof z);
+    else turn(n, f, linear, w, z);
+    fly_modes(n, f, false, t, z);
+    if (f == sim->open) memcpy(after, z, sizeof z);
+    else turn_back(n, f, linear, z, after);
+    return RIC_OK;
+}
+
+ric_status ric_simulator_fly_back(ric_simulator *sim, const bool *closed, ric_real t, ric_real *row)
+{
+    const int n = sim->n;
+    const frame *f;
+    real z[2 * n];
+    ric_status status = ric_simulator_frame_find(sim, closed, &f);
+    if (status) return status;
+    if (f == sim->open) {
+        fly_modes(n, f, true, t, row);
+        return RIC_OK;
     }
-    to_space(n, f, z, x);
-    ric_simulator_frame_to_modal(sim, sim->open, linear, x, after);
+    turn(n, f, true, row, z);
+    fly_modes(n, f, true, t, z);
+    turn_back(n, f, true, z, row);
     return RIC_OK;
 }
 

@@ -221,7 +221,7 @@ ric_status ric_simulator_frame_create(ric_simulator *sim, const bool *closed, fr
     frame *f = ric_calloc(1, sizeof *f);
     *out = NULL;
     if (!f || !(f->closed = ric_calloc(faces + 1, sizeof *f->closed)) ||
-        !(f->omega = ric_calloc(2 * n + 2 * n * n + (size_t)sim->n_contact * n,
+        !(f->omega = ric_calloc(2 * n + 3 * n * n + (size_t)sim->n_contact * n,
                                 sizeof *f->omega))) {
         ric_simulator_frame_free(f);
         return ric_fail(RIC_E_NOMEM, "no memory for the modes of %d degrees of freedom", sim->n);
@@ -230,11 +230,19 @@ ric_status ric_simulator_frame_create(ric_simulator *sim, const bool *closed, fr
     f->rest = f->omega + n;
     f->phi = f->rest + n;
     f->mphi = f->phi + n * n;
-    f->c = f->mphi + n * n;
+    f->turn = f->mphi + n * n;
+    f->c = f->turn + n * n;
     ric_status status = make_modes(sim, f);
-    if (status) ric_simulator_frame_free(f);
-    else *out = f;
-    return status;
+    if (status) {
+        ric_simulator_frame_free(f);
+        return status;
+    }
+    for (size_t i = 0; sim->open && i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            for (size_t k = 0; k < n; k++)
+                f->turn[i * n + j] += f->mphi[i * n + k] * sim->open->phi[j * n + k];
+    *out = f;
+    return RIC_OK;
 }
 
 void ric_simulator_frame_enter(ric_simulator *sim, const frame *f)

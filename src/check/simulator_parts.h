@@ -57,9 +57,11 @@ typedef struct frame {
     real *phi, *mphi; /* [n * n] row i is mode i: phi_i and M phi_i */
     real *c;          /* [n_contact * n] */
     real *rest;       /* [n] equilibrium */
+    real *turn;       /* [n * n] to the modes with every spring open: row i is mode i in these */
 } frame;
 
 struct ric_simulator {
+    ric_shelved shelved;
     ric_simulator_power *springs; /* under a power law all motion is theirs: y [2n] = x, v at the
                                      time now, and nothing else here is used */
     real *y;

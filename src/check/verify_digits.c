@@ -52,10 +52,7 @@ static void start_column(const replay *r, int j, real *column)
         ric_replay_delay_column(r, k, w, column);
         return;
     }
-    double unit[2 * n];
-    memset(unit, 0, sizeof unit);
-    unit[j] = 1;
-    ric_simulator_modal(r->sim, unit, unit + n, column);
+    ric_simulator_modal_unit(r->sim, j, column);
     for (int i = 0; i < n; i++) column[i] *= r->kappa[i];
 }
 
@@ -208,17 +205,16 @@ static bool is_seen(const replay *r, const ric_digits *d, int j, double fault)
 {
     int n = r->n, N = r->n_flight;
     const double *moves = d->moves + (size_t)j * ((size_t)N + 2 * (size_t)n);
-    double state[2 * n], before;
+    double state[2 * n];
     real moved = 0;
-    memcpy(state, r->state, sizeof state);
-    state[j] += fault;
-    before = ric_model_energy(r->model, r->state, r->state + n);
-    if (fabs(ric_model_energy(r->model, state, state + n) - before) > 2 * ENERGY * before)
-        return true;
     for (int k = 0; k < N; k++)
         if (fault * fabs(moves[k]) > 2 * d->gap[k]) return true;
     for (int i = 0; i < 2 * n; i++) moved += (real)moves[N + i] * moves[N + i];
-    return fault * sqrt(moved) > 2 * size_of(2 * n, d->close);
+    if (fault * sqrt(moved) > 2 * size_of(2 * n, d->close)) return true;
+    memcpy(state, r->state, sizeof state);
+    state[j] += fault;
+    const double before = ric_model_energy(r->model, r->state, r->state + n);
+    return fabs(ric_model_energy(r->model, state, state + n) - before) > 2 * ENERGY * before;
 }
 
 void ric_verify_digits_doubt(ric_claims *out, const char *name)

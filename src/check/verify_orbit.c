@@ -29,7 +29,7 @@ static ric_status load_faces(replay *r)
 
 void ric_verify_replay_close(replay *r)
 {
-    ric_simulator_free(r->sim);
+    ric_simulator_return(r->model, r->sim);
     free(r->face);
     free(r->store);
     free(r->stored);
@@ -191,7 +191,7 @@ static ric_status load_frequencies(replay *r)
 /* From the state and the flights. */
 static ric_status make_orbit(replay *r, bool touches)
 {
-    ric_status status = ric_simulator_create(r->model, &r->sim);
+    ric_status status = ric_simulator_borrow(r->model, &r->sim);
     if (!status) status = load_faces(r);
     if (!status) status = load_frequencies(r);
     if (!status) status = load_events(r);

@@ -123,6 +123,9 @@ void ric_replay_worsen(double *worst, double error);
 /* One column (kappa dq, dp) [2n] through flight k and the reflection at its end; `stretch` != 0
  * lets the impact follow the gap. Returns the gap's derivative before the reflection. */
 real ric_replay_fly_column(const replay *r, int k, bool stretch, real *column);
+/* The transposed of that, stretched: what a row [2n] behind flight k and its reflection is before.
+ */
+void ric_replay_fly_row(const replay *r, int k, real *row);
 /* What the state w, before the event at the end of flight k, becomes for every unit of time that it
  * comes later: a column [2n] behind the event. */
 void ric_replay_delay_column(const replay *r, int k, const real *w, real *column);
@@ -156,8 +159,7 @@ real ric_replay_growth(const replay *r, int from, int to);
  * behind the first: what springs make of rounding is then what they do in half a period.
  * ric_replay_make_chain undoes it. */
 void ric_replay_fold(replay *r);
-/* Largest modulus of a multiplier of the replayed orbit; rows of A are columns of the monodromy,
- * which has the same eigenvalues. */
+/* Largest modulus of a multiplier of the replayed orbit. */
 ric_status ric_replay_condition(replay *r);
 
 #endif

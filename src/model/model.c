@@ -383,6 +383,7 @@ ric_status ric_model_create_near(const ric_model *near, int n_dof, const double 
     make_faces(m);
     if ((status = ric_regimes_create(m))) goto out;
     if ((status = ric_mixtures_create(m))) goto out;
+    if ((status = ric_shelf_create(&m->simulators))) goto out;
     *out = m;
     m = NULL;
 out:
@@ -408,5 +409,6 @@ void ric_model_free(ric_model *m)
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     ric_regimes_free(m);
     ric_mixtures_free(m);
+    ric_shelf_free(m->simulators);
     free(m);
 }

@@ -10,6 +10,7 @@
 #define RIC_MODEL_MODEL_H
 
 #include "ricochet.h"
+#include "base/room.h"
 
 #define RIC_FACES_MAX 64 /* faces that a set of closed springs can hold, one bit each */
 
@@ -74,6 +75,7 @@ struct ric_model {
     struct ric_phases *phases; /* regime.h: what contacts of law bilinear make of the modes while
                                   they are closed */
     struct ric_mixtures *mixtures; /* mixture.h: motions of modes that share a frequency */
+    ric_shelf *simulators;         /* the judge's, between two orbits (check/simulator.h) */
 };
 
 /* Whether contacts stand off: motion that reaches no face is linear, in modes. A power law acts at

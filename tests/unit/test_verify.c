@@ -4,6 +4,7 @@
 #include "explored.h"
 #include "sample.h"
 #include "check/verify_pairs.h"
+#include "check/verify_parts.h"
 
 /* An atlas of one branch with the points given: `states` [n_point * 4], `flights` [n_point *
  * max(impacts, 1)]. */
@@ -544,6 +545,81 @@ static void verify_rotations(void **state)
     assert_int_equal(judged_half(true, close, 2. / 3 + 1e-6).multipliers, RIC_AGREES_NO);
 }
 
+/* A chain of three masses between a stop and a spring. */
+static ric_model *make_stop_and_spring(void)
+{
+    const double M[] = {1, 0, 0, 0, 2, 0, 0, 0, 1.5}, K[] = {3, -1, 0, -1, 4, -2, 0, -2, 2},
+                 normal[] = {0, 0, 1, 1, -0.5, 0};
+    const ric_contact contacts[] =
+        {{.normal = normal, .clearance = 1},
+         {.normal = normal + 3, .clearance = 0.7, .law = RIC_LAW_BILINEAR, .stiffness = 5}};
+    return make(3, M, K, 2, contacts, 1);
+}
+
+/* A row that is taken back through a flight and its end tells of a column before it what the row
+ * itself tells of the column behind it: at a stop, and where a spring closes and opens. */
+static void verify_rows_and_columns(void **state)
+{
+    (void)state;
+    enum { N = 4, M = 6 };
+    int word[N] = {2, 6, 0, 1}; /* the spring closes and opens, and both stops */
+    const double start[M] = {0.9, 0.4, -0.3, 0.5, 0.2, 0.7}, flights[N] = {0.8, 1.1, 0.6, 0.9};
+    ric_model *model = make_stop_and_spring();
+    const ric_branch like = {.id = 1, .letters = N, .word = word};
+    ric_check check = {0};
+    replay r = {.check = &check};
+    seed_now = 1;
+    if (ric_verify_replay_open_orbit(&r, model, &like, start, flights))
+        fail_msg("%s", ric_detail());
+    for (int k = 0; k < N; k++) {
+        ric_real row[M], column[M], before = 0, behind = 0;
+        for (int i = 0; i < M; i++) {
+            row[i] = uniform(-1, 1);
+            column[i] = uniform(-1, 1);
+        }
+        ric_real kept[M], moved[M];
+        memcpy(kept, row, sizeof row);
+        memcpy(moved, column, sizeof column);
+        ric_replay_fly_column(&r, k, true, moved);
+        ric_replay_fly_row(&r, k, row);
+        for (int i = 0; i < M; i++) {
+            behind += kept[i] * moved[i];
+            before += row[i] * column[i];
+        }
+        check_close((double)before, (double)behind, 1e-14, "a row and a column");
+    }
+    ric_verify_replay_close(&r);
+    ric_model_free(model);
+}
+
+/* Modes are made once: the next orbit has the simulator of the last one, and what that had done
+ * before shows in nothing. */
+static void verify_keeps_simulators(void **state)
+{
+    (void)state;
+    enum { N = 4 };
+    int word[N] = {2, 6, 0, 1};
+    const double start[6] = {0.9, 0.4, -0.3, 0.5, 0.2, 0.7}, flights[N] = {0.8, 1.1, 0.6, 0.9};
+    ric_model *model = make_stop_and_spring();
+    const ric_branch like = {.id = 1, .letters = N, .word = word};
+    ric_simulator *first = NULL;
+    ric_real end[6];
+    for (int i = 0; i < 2; i++) {
+        ric_check check = {0};
+        replay r = {.check = &check};
+        if (ric_verify_replay_open_orbit(&r, model, &like, start, flights))
+            fail_msg("%s", ric_detail());
+        if (i) {
+            assert_ptr_equal(r.sim, first);
+            for (int j = 0; j < 6; j++) assert_true(end[j] == r.chain[(size_t)N * 6 + (size_t)j]);
+        }
+        first = r.sim;
+        memcpy(end, r.chain + (size_t)N * 6, sizeof end);
+        ric_verify_replay_close(&r);
+    }
+    ric_model_free(model);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -558,6 +634,8 @@ int main(void)
         cmocka_unit_test(verify_slowest_impact),
         cmocka_unit_test(verify_slow_impacts),
         cmocka_unit_test(verify_rotations),
+        cmocka_unit_test(verify_rows_and_columns),
+        cmocka_unit_test(verify_keeps_simulators),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
