@@ -235,30 +235,26 @@ static bool undecided(const search *q, sample l, sample r, bool *single)
     return true;
 }
 
-static void search_flight(search *q, sample first, sample last)
+/* Interval after interval in order of time: one that is halved goes on with its left half, and the
+ * ends of what waits are those of the intervals behind it. */
+static inline __attribute__((always_inline)) void search_flight(search *q, sample l, sample r)
 {
-    sample left[LEVELS + 2], right[LEVELS + 2];
-    int top = 0;
-    left[0] = first;
-    right[0] = last;
-    while (top >= 0 && !ric_halt(16 * q->n)) {
-        sample l = left[top], r = right[top];
-        bool single;
-        top--;
-        if (!(r.t > l.t) || !undecided(q, l, r, &single)) continue;
-        bool close = r.t - l.t < CLOSE * q->tau;
-        if (close && ((q->own_start && l.t == 0) || (q->own_end && r.t == q->tau))) continue;
-        if (single || top + 2 > LEVELS || r.t - l.t < NARROWEST * q->tau) {
-            if (l.ds * r.ds < 0) polish(q, l, r, single);
+    sample ends[LEVELS];
+    int waiting = 0;
+    while (!ric_halt(16 * q->n)) {
+        bool single = false, open = r.t > l.t && undecided(q, l, r, &single);
+        const bool close = r.t - l.t < CLOSE * q->tau;
+        if (close && ((q->own_start && l.t == 0) || (q->own_end && r.t == q->tau))) open = false;
+        if (open && !single && waiting < LEVELS && !(r.t - l.t < NARROWEST * q->tau)) {
+            ends[waiting++] = r;
+            r = sample_at(q, (l.t + r.t) / 2);
+            if (r.ds == 0) offer_stationary(q, r);
             continue;
         }
-        sample mid = sample_at(q, (l.t + r.t) / 2);
-        if (mid.ds == 0) offer_stationary(q, mid);
-        left[top + 1] = mid; /* the right half waits, the left half is next: order of time */
-        right[top + 1] = r;
-        left[top + 2] = l;
-        right[top + 2] = mid;
-        top += 2;
+        if (open && l.ds * r.ds < 0) polish(q, l, r, single);
+        if (waiting == 0) return;
+        l = r;
+        r = ends[--waiting];
     }
 }
 
