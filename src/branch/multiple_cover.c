@@ -69,48 +69,50 @@ static double average(ric_shooting *c, const double *u, int order, int sign, dou
     return sqrt(distance);
 }
 
-/* The same of an orbit without events, one flight: its images start across the flow at its own
- * start. */
-static double average_smooth(const ric_shooting *c, const double *u, int order, int sign,
-                             double *mean)
+/* Of an orbit without events, one flight, its image that has the state w: what lies across the flow
+ * at its own start, off [2n]. */
+static void across(const ric_shooting *c, const double *u, const double *w, int sign, double *off)
 {
     int n = 2 * c->n;
-    double w[n], rate[n], distance = 0;
-    memcpy(mean, u, (size_t)c->n_unknown * sizeof *mean);
-    memcpy(w, u, sizeof w);
+    double rate[n], along = 0;
     ric_flight_rate(c->model, 0, u, rate);
-    double square = ric_dot(n, rate, rate);
-    for (int k = 1, s = sign; k < order; k++, s *= sign) {
-        double along = 0, off[n];
-        ric_flight_go(c->model, 0, -1, u[n] / order, w, w);
-        for (int i = 0; i < n; i++) off[i] = s * w[i] - u[i];
-        for (int i = 0; i < n; i++) along += rate[i] * off[i] / square;
-        for (int i = 0; i < n; i++) {
-            off[i] -= along * rate[i];
-            mean[i] += off[i] / order;
-        }
-        if (k == 1) distance = sqrt(ric_dot(n, off, off));
-    }
-    return distance;
+    for (int i = 0; i < n; i++) off[i] = sign * w[i] - u[i];
+    for (int i = 0; i < n; i++) along += rate[i] * off[i] / ric_dot(n, rate, rate);
+    for (int i = 0; i < n; i++) off[i] -= along * rate[i];
 }
 
-/* Distances [RIC_COPIES + 1] of an orbit without events from its image after 1 / r of its time, for
- * every r from 3 on. */
-static void distances(const ric_shooting *c, const double *u, int sign, double *out)
+/* The mean of `average` of such an orbit. */
+static void average_smooth(const ric_shooting *c, const double *u, int order, int sign,
+                           double *mean)
 {
     int n = 2 * c->n;
-    double w[n], rate[n], time = 0;
+    double w[n], off[n];
+    memcpy(mean, u, (size_t)c->n_unknown * sizeof *mean);
     memcpy(w, u, sizeof w);
-    ric_flight_rate(c->model, 0, u, rate);
-    for (int r = RIC_COPIES; r >= 3; r--) {
-        double along = 0, off[n];
-        ric_flight_go(c->model, 0, -1, u[n] / r - time, w, w);
-        time = u[n] / r;
-        for (int i = 0; i < n; i++) off[i] = sign * w[i] - u[i];
-        for (int i = 0; i < n; i++) along += rate[i] * off[i] / ric_dot(n, rate, rate);
-        for (int i = 0; i < n; i++) off[i] -= along * rate[i];
-        out[r] = sqrt(ric_dot(n, off, off));
+    for (int k = 1, s = sign; k < order; k++, s *= sign) {
+        ric_flight_go(c->model, 0, -1, u[n] / order, w, w);
+        across(c, u, w, s, off);
+        for (int i = 0; i < n; i++) mean[i] += off[i] / order;
     }
+}
+
+/* Distances of an orbit without events from its images after 1 / r of its time, by sign and for
+ * every r from 3 on. */
+typedef struct {
+    double image[2][RIC_COPIES + 1];
+} distances;
+
+static void measure(const ric_shooting *c, const double *u, distances *out)
+{
+    int n = 2 * c->n;
+    double time[RIC_COPIES - 2], w[(RIC_COPIES - 2) * n], off[n];
+    for (int r = RIC_COPIES; r >= 3; r--) time[RIC_COPIES - r] = u[n] / r;
+    ric_flight_visit(c->model, RIC_COPIES - 2, time, u, w);
+    for (int r = RIC_COPIES; r >= 3; r--)
+        for (int back = 0; back < 2; back++) {
+            across(c, u, w + (RIC_COPIES - r) * n, 1 - 2 * back, off);
+            out->image[back][r] = sqrt(ric_dot(n, off, off));
+        }
 }
 
 /* Solves the orbit of one period of the map from the mean u, puts it back into u, repeated, and
@@ -155,19 +157,26 @@ static ric_status fill_row(ric_continuation *tr, double s, ric_station *p)
     return status;
 }
 
-/* For one order. At distance d the mean is off by d^2 (by d at order 3, where the branch passes
- * with a slope). */
-static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bool *found,
+/* The last two orbits and their images after 1 / order of their time: the distances of those
+ * without events. */
+typedef struct {
+    int order, sign;
+    double past, now;
+} images;
+
+/* At distance d the mean is off by d^2 (by d at order 3, where the branch passes with a slope). */
+static ric_status ahead(ric_continuation *tr, const images *of, double *h, bool *found,
                         ric_station *out)
 {
     ric_shooting *c = tr->chain;
-    double before[c->n_unknown], now[c->n_unknown];
-    bool smooth = !ric_periodic_has_events(c->model);
-    double d0 = smooth ? average_smooth(c, tr->past.u, order, sign, before)
-                       : average(c, tr->past.u, order, sign, before);
-    double d1 = smooth ? average_smooth(c, tr->now.u, order, sign, now)
-                       : average(c, tr->now.u, order, sign, now),
-           scale = c->scale;
+    const int order = of->order, sign = of->sign;
+    const bool smooth = !ric_periodic_has_events(c->model);
+    double before[c->n_unknown], now[c->n_unknown], d0 = of->past, d1 = of->now;
+    if (!smooth) {
+        d0 = average(c, tr->past.u, order, sign, before);
+        d1 = average(c, tr->now.u, order, sign, now);
+    }
+    const double scale = c->scale;
     *found = false;
     if (!(d1 < d0) || d1 > NEAR * scale) return RIC_OK;
     double slope = (d0 - d1) / (tr->now.s - tr->past.s), left = d1 / slope,
@@ -184,6 +193,10 @@ static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bo
     if (left < STEPS * *h) *h = fmin(*h, fmax(nearest, left / 4));
     if (nearest < RIC_CROSSING * scale && near) tr->longest = fmin(tr->longest, *h);
     if (far) return RIC_OK;
+    if (smooth) {
+        average_smooth(c, tr->past.u, order, sign, before);
+        average_smooth(c, tr->now.u, order, sign, now);
+    }
     for (int i = 0; i < c->n_unknown; i++) out->u[i] = now[i] + x * (now[i] - before[i]);
     ric_status status = solve_short(c, order, sign, out->u, found);
     if (status) return status;
@@ -202,32 +215,36 @@ static ric_status ahead(ric_continuation *tr, int order, int sign, double *h, bo
 }
 
 /* Whether the orbit may be near one of 1 / r of its flights, by its word and its times; without
- * events, by its `distances`. */
-static bool candidate(const ric_shooting *c, const double *u, int r, int sign,
-                      const double *distances)
+ * events, by its distance. */
+static bool candidate(const ric_shooting *c, const double *u, const images *of)
 {
-    if (sign > 0 ? c->sigma < 0 : (c->sigma < 0) != r % 2) return false;
+    int r = of->order;
+    if (of->sign > 0 ? c->sigma < 0 : (c->sigma < 0) != r % 2) return false;
     if (!ric_periodic_has_events(c->model))
-        return distances[r] <= NEAR * c->scale && distances[r] > RIC_SAME_LOCATED * c->scale;
+        return of->now <= NEAR * c->scale && of->now > RIC_SAME_LOCATED * c->scale;
     return c->n_flight % r == 0 && may_repeat(c, u, c->n_flight / r) &&
-           word_repeats(c, c->n_flight / r, sign);
+           word_repeats(c, c->n_flight / r, of->sign);
 }
 
 ric_status ric_multiple_cover_ahead(ric_continuation *tr, double *h, int *order, ric_station *out)
 {
     const ric_shooting *c = tr->chain;
-    bool smooth = !ric_periodic_has_events(c->model);
-    double distance[2][RIC_COPIES + 1];
+    bool smooth = !ric_periodic_has_events(c->model), asked = false;
+    distances past = {0}, now = {0};
     *order = 0;
     if (c->start != RIC_MIRROR_NONE || !tr->has_past || tr->ignore || tr->limits->ghost || c->n < 2)
         return RIC_OK;
-    for (int i = 0; smooth && i < 2; i++) distances(c, tr->now.u, 1 - 2 * i, distance[i]);
+    if (smooth) measure(c, tr->now.u, &now);
     /* the longest repetition first: one of 6 half periods is one of 3 periods, too */
     for (int r = smooth ? RIC_COPIES : c->n_flight; r >= 3; r--)
-        for (int sign = 1; sign >= -1; sign -= 2) {
+        for (int back = 0; back < 2; back++) {
+            images of = {.order = r, .sign = 1 - 2 * back, .now = smooth ? now.image[back][r] : 0};
             bool found;
-            if (!candidate(c, tr->now.u, r, sign, distance[sign < 0])) continue;
-            ric_status status = ahead(tr, r, sign, h, &found, out);
+            if (!candidate(c, tr->now.u, &of)) continue;
+            if (smooth && !asked) measure(c, tr->past.u, &past);
+            asked = true;
+            of.past = smooth ? past.image[back][r] : 0;
+            ric_status status = ahead(tr, &of, h, &found, out);
             if (status) return status;
             if (!found) continue;
             *order = r;

@@ -30,6 +30,17 @@ void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *
     if (work != stack) free(work);
 }
 
+void ric_flight_visit(const ric_model *m, int count, const double *tau, const double *from,
+                      double *w)
+{
+    size_t size = ric_power_flow_work(m, 0), small = size <= SMALL ? size : 1;
+    _Alignas(16) double stack[small];
+    double *work = size <= SMALL ? stack : ric_malloc(size * sizeof *work);
+    if (!work || !ric_power_flow_visit(m, count, tau, from, w, work))
+        for (int i = 0; i < count * 2 * m->n; i++) w[i] = HUGE_VAL;
+    if (work != stack) free(work);
+}
+
 double ric_flight_pace(const ric_model *m, const double *w)
 {
     size_t size = ric_power_flow_work(m, 0), small = size <= SMALL ? size : 1;

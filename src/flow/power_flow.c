@@ -78,20 +78,62 @@ bool ric_power_flow_fly(const ric_model *m, double tau, double *w, int columns, 
     return go(m, tau, w, columns, X, NULL, work);
 }
 
-double ric_power_flow_pace(const ric_model *m, const double *w, double *work)
+/* The series of the state in the workspace, behind those of the contacts. */
+static pair *series_of(const ric_model *m, double *work)
+{
+    return (pair *)(void *)(work + (size_t)m->n_contact * powers_size());
+}
+
+/* One step's series from the state w [2n], whose size it says; returns how far it reaches. */
+static double series_from(const ric_model *m, const recipe *how, const double *over,
+                          const double *w, double *work, double *size)
 {
     int n = m->n, contacts = m->n_contact;
     powers *p = (powers *)(void *)work;
-    pair *W = (pair *)(void *)(work + (size_t)contacts * powers_size());
-    double over[ORDER + 2], after[2 * n];
+    pair *W = series_of(m, work);
     reaches all = {{HUGE_VAL, HUGE_VAL}};
-    recipe how[contacts];
-    plan(m, how);
-    list_inverses(over);
     state_start(m, n, w, W);
     for (int J = 0; J < ORDER; J += 2) state_orders(m, n, contacts, J, over, how, p, W);
-    double size = state_reach(n, W, &all);
-    return advance(m, n, contacts, p, size, radius(&all), 1, W, after);
+    *size = state_reach(n, W, &all);
+    return radius(&all);
+}
+
+bool ric_power_flow_visit(const ric_model *m, int count, const double *tau, const double *from,
+                          double *w, double *work)
+{
+    int n = m->n, size = 2 * n;
+    double over[ORDER + 2], now[size], time = 0;
+    recipe how[m->n_contact];
+    plan(m, how);
+    list_inverses(over);
+    memcpy(now, from, sizeof now);
+    if (!isfinite(tau[count - 1])) return false;
+    for (int k = 0, step = 0; k < count; step++) {
+        double largest, left = tau[count - 1] - time;
+        if (step == RIC_SMOOTH_STEPS || ric_halt(ORDER * ORDER * (1.0 + m->n_contact)))
+            return false;
+        double reach = series_from(m, how, over, now, work, &largest),
+               h = advance(m, n, m->n_contact, (const powers *)(const void *)work, largest,
+                           fmin(reach, left), 1, series_of(m, work), now);
+        if (!(h > 0 || left == 0)) return false;
+        for (; k < count && tau[k] - time <= h; k++)
+            state_sum(n, tau[k] - time, series_of(m, work), w + k * size);
+        time += h;
+        for (int i = 0; i < size; i++)
+            if (!isfinite(now[i])) return false;
+    }
+    return true;
+}
+
+double ric_power_flow_pace(const ric_model *m, const double *w, double *work)
+{
+    double over[ORDER + 2], after[2 * m->n], size;
+    recipe how[m->n_contact];
+    plan(m, how);
+    list_inverses(over);
+    double reach = series_from(m, how, over, w, work, &size);
+    return advance(m, m->n, m->n_contact, (const powers *)(const void *)work, size, reach, 1,
+                   series_of(m, work), after);
 }
 
 /* Of all steps, S [2n * 2n] in units of `unit` epsilon, and of the start as it is given, carried by

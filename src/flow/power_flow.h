@@ -28,6 +28,12 @@ enum { RIC_SMOOTH_STEPS = 20000 };
 bool ric_power_flow_fly(const ric_model *model, double tau, double *w, int columns, double *X,
                         double *work);
 
+/* The states w [count * 2n] behind the times tau [count], ascending and not negative, of a flight
+ * from `from` [2n]: all read off one series of steps, as if each were flown by itself but for the
+ * last digits. Workspace as without neighbours; false as above. */
+bool ric_power_flow_visit(const ric_model *model, int count, const double *tau, const double *from,
+                          double *w, double *work);
+
 /* Length of the first step of a flight from w [2n]: a part of the radius of convergence, the time
  * in which the motion changes its course. */
 double ric_power_flow_pace(const ric_model *model, const double *w, double *work);

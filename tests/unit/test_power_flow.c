@@ -443,6 +443,43 @@ static void endless_flights_are_refused(void **state)
     release(&s);
 }
 
+/* States on the way are those of flights that end there: at the start, twice at one time, several
+ * in a step and none in others. */
+static void states_on_the_way(void **state)
+{
+    enum { COUNT = 9 };
+    static const double tau[COUNT] = {0, 1e-9, 0.01, 0.02, 0.02, 0.4, 3, 3.001, 9};
+    (void)state;
+    for (int i = 0; i < 40; i++) {
+        structure s;
+        random_structure((uint64_t)(700 + i), 1 + i % MOST, 1 + i % CONTACTS, exponents[i % N_SET],
+                         i % 7 == 6 && i % MOST > 0, &s);
+        int ld = 2 * s.n;
+        double from[ld], seen[COUNT * ld], M[ld * ld], lost, alone[ld];
+        random_state(&s, i % 2 ? 0.8 : 0.01, from);
+        assert_true(ric_power_flow_visit(s.model, COUNT, tau, from, seen, s.work));
+        assert_memory_equal(seen, from, sizeof from);
+        double *work = calloc(ric_power_flow_work(s.model, ld), sizeof *work);
+        assert_non_null(work);
+        for (int k = 1; k < COUNT; k++) {
+            memcpy(alone, from, sizeof alone);
+            assert_true(ric_power_flow_map(s.model, tau[k], alone, M, &lost, work));
+            double off = 0;
+            for (int j = 0; j < ld; j++) off = fmax(off, fabs(alone[j] - seen[k * ld + j]));
+            /* what the steps of either lose */
+            assert_true(off <= 20 * DBL_EPSILON * (lost + largest(ld, from)));
+        }
+        free(work);
+        release(&s);
+    }
+    structure s;
+    article(7, &s);
+    double w[4] = {1, 0, 0, 0}, end[4];
+    assert_false(ric_power_flow_visit(s.model, 1, &(double){1e9}, w, end, s.work));
+    assert_false(ric_power_flow_visit(s.model, 1, &(double){HUGE_VAL}, w, end, s.work));
+    release(&s);
+}
+
 /* h . (w1 - w0) is twice the difference of the energies, near and far. */
 static void secants(void **state)
 {
@@ -479,6 +516,7 @@ int main(void)
         cmocka_unit_test(twice_the_digits_in_flight),
         cmocka_unit_test(powers_are_known),
         cmocka_unit_test(endless_flights_are_refused),
+        cmocka_unit_test(states_on_the_way),
         cmocka_unit_test(secants),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
