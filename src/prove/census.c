@@ -203,8 +203,8 @@ static void attend(ric_census *s)
 {
     const struct timespec nap = {0, 20000000};
     while (s->done < s->n_task) {
-        nanosleep(&nap, NULL);
         if (!s->stop && asked_to_stop(s)) s->stop = true;
+        nanosleep(&nap, NULL);
     }
 }
 
@@ -212,6 +212,7 @@ static void work_all(ric_census *s)
 {
     const int wanted = s->options.workers;
     int started = 0;
+    s->stop = s->stop || asked_to_stop(s); /* no time is no time, however quick the threads are */
     pthread_t *threads = ric_calloc((size_t)wanted, sizeof *threads);
     while (threads && started < wanted && !pthread_create(&threads[started], NULL, work, s))
         started++;
