@@ -29,7 +29,6 @@
 /* ALIKE: length, of the size of the unknowns, of a step in which resonances are not told apart */
 #define ALIKE 1e-8
 #define PERIODS 8         /* points of a step at which its period is looked at */
-#define SEEN_TO 1e-9      /* error of rho, over 1 + |rho|, beside which what is passed is seen */
 #define BRANCH_POINT 1e-7 /* smallest end pivot at the start below which it is one */
 /* LAST_STEP: of the size, towards a zero of the bordered determinant: crossings are read off from
  * there (event.c) */
@@ -86,13 +85,17 @@ static double smallest_flight(const ric_shooting *c, const double *u, bool ghost
 
 /* Pairs in ascending order, so that each is continuous as long as they do not meet; what is lost
  * comes last. */
-static void sort_pairs(int n_pair, const double *rho, double *out)
+static void sort_pairs(const ric_floquet *f, double *out, double *error)
 {
-    for (int i = 0; i < n_pair; i++) {
+    const double *rho = f->own;
+    for (int i = 0; i < f->n_pair; i++) {
         int place = i;
-        for (; place > 0 && !isnan(rho[2 * i]) && !(out[2 * place - 2] <= rho[2 * i]); place--)
+        for (; place > 0 && !isnan(rho[2 * i]) && !(out[2 * place - 2] <= rho[2 * i]); place--) {
             memcpy(out + 2 * place, out + 2 * place - 2, 2 * sizeof *out);
+            error[place] = error[place - 1];
+        }
         memcpy(out + 2 * place, rho + 2 * i, 2 * sizeof *out);
+        error[place] = f->own_error[i];
     }
 }
 
@@ -108,11 +111,26 @@ const ric_resonance *ric_continuation_resonance(const ric_continuation *tr, int 
     return k >= 0 && k < tr->n_resonance ? &tr->resonances[k] : NULL;
 }
 
+double ric_continuation_side(const ric_continuation *tr, int k, const ric_station *p)
+{
+    return ric_resonance_side(p->own, p->error, tr->floquet.n_pair, tr->resonances[k].rho);
+}
+
+void ric_continuation_remember(ric_continuation *tr, const ric_station *p)
+{
+    for (int k = 0; k < tr->n_resonance; k++) {
+        const double side = ric_continuation_side(tr, k, p);
+        if (side != 0) tr->passed[k] = isnan(side) ? 0 : side;
+    }
+}
+
 bool ric_continuation_resonances(ric_continuation *tr)
 {
     tr->resonances = ric_resonance_list(ric_shooting_halves(tr->chain), tr->limits->multiply,
                                         &tr->n_resonance);
-    return tr->n_resonance >= 0;
+    if (tr->n_resonance < 0) return false;
+    tr->passed = ric_calloc((size_t)tr->n_resonance + 1, sizeof *tr->passed);
+    return tr->passed != NULL;
 }
 
 const ric_user_point *ric_continuation_user_point(const ric_continuation *tr, int test)
@@ -264,7 +282,7 @@ ric_status ric_continuation_look(ric_continuation *tr, ric_station *p, double or
     const ric_floquet *of = at & RIC_LOOK_PAIRS ? &tr->floquet : &none;
     const ric_margins now = margins(c, p->u, at & RIC_LOOK_REACH);
     tr->steep |= ric_flight_law_of(c->model)->integrated && ric_continuation_tolerance(c) > STEEP;
-    tr->floquet.enough = at & RIC_LOOK_FOR ? SEEN_TO : 0;
+    tr->floquet.enough = at & RIC_LOOK_FOR ? RIC_SEEN_TO : 0;
     ric_status status = at & RIC_LOOK_PAIRS ? ric_floquet_compute(c, &tr->floquet) : RIC_OK;
     tr->floquet.enough = 0;
     if (status) return status;
@@ -273,7 +291,7 @@ ric_status ric_continuation_look(ric_continuation *tr, ric_station *p, double or
     p->row = ric_continuation_point(c, of, &now, p->s);
     if (of == &none)
         for (int i = 0; i < 2 * tr->floquet.n_pair; i++) p->own[i] = NAN;
-    else sort_pairs(of->n_pair, of->own, p->own);
+    else sort_pairs(of, p->own, p->error);
     for (int i = 0; i < 3; i++) p->test[RIC_TEST_A + i] = p->factor[i] = p->hidden[i] = NAN;
     examine_orbit(tr, p, orientation, &now, at);
     if (!(at & RIC_LOOK_FACTORS)) return RIC_OK;
@@ -285,9 +303,10 @@ ric_status ric_continuation_look(ric_continuation *tr, ric_station *p, double or
 static bool station_create(ric_station *p, int size, int n_pair)
 {
     p->own = ric_calloc(2 * (size_t)n_pair + 1, sizeof(double));
+    p->error = ric_calloc((size_t)n_pair + 1, sizeof(double));
     p->u = ric_calloc((size_t)size, sizeof(double));
     p->t = ric_calloc((size_t)size, sizeof(double));
-    return p->u && p->t && p->own;
+    return p->u && p->t && p->own && p->error;
 }
 
 static void station_free(ric_station *p)
@@ -295,6 +314,7 @@ static void station_free(ric_station *p)
     free(p->u);
     free(p->t);
     free(p->own);
+    free(p->error);
 }
 
 static bool samples_create(ric_continuation *tr)
@@ -367,6 +387,7 @@ static ric_status begin(ric_continuation *tr, const double *u0, const double *t0
                         chain->residual);
     for (int i = 0; i < RIC_N_TEST; i++)
         tr->definite[i] = tr->ignore & 1u << i ? 0 : tr->now.test[i];
+    ric_continuation_remember(tr, &tr->now);
     memcpy(tr->start_u, tr->now.u, size * sizeof *u0);
     memcpy(tr->start_t, tr->now.t, size * sizeof *u0);
     tr->longest = HUGE_VAL;
@@ -423,6 +444,7 @@ void ric_continuation_free(ric_continuation *tr)
     free(tr->events);
     free(tr->gaps);
     free(tr->resonances);
+    free(tr->passed);
     free(tr->samples.values);
     free(tr->known.own);
     free(tr->solved.u);
@@ -595,6 +617,7 @@ static ric_status move_on(ric_continuation *tr, bool *done)
     tr->approaches = 0;
     if (fabs(tr->next.test[RIC_TEST_DET]) > fabs(tr->now.test[RIC_TEST_DET])) tr->avoided = false;
     ric_event_samples_shift(tr);
+    ric_continuation_remember(tr, &tr->next);
     swap_stations(tr);
     return RIC_OK;
 }

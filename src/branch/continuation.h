@@ -67,6 +67,7 @@ typedef struct {
                          to nothing beside a grazing */
     double hidden[3]; /* below it the sign of their tests is lost in rounding */
     double *own;      /* [2 * n_pair] lambda + 1/lambda of the map in use, in ascending order */
+    double *error;    /* [n_pair] of each of these */
     ric_point row;
     bool solved;   /* its residual is rounding: only such orbits are stored */
     bool doubtful; /* its stability in the row is that of the map alone (ric_continuation_judge)
@@ -177,6 +178,7 @@ typedef struct {
     ric_floquet floquet;
     int n_resonance;
     ric_resonance *resonances;
+    double *passed; /* [n_resonance] last value of the test of each that was not lost in rounding */
     ric_station now, next, mid, past;
     ric_event_samples samples;
     ric_known_pairs known;
@@ -253,6 +255,10 @@ ric_status ric_continuation_run(ric_continuation *trace);
 ric_periodic *ric_continuation_cycle(const ric_continuation *trace, const double *u);
 /* What a test beyond RIC_N_TEST stands for; NULL if it is no resonance. */
 const ric_resonance *ric_continuation_resonance(const ric_continuation *trace, int test);
+/* On which side of resonance k a station is: the sign; 0 and NAN as of ric_resonance_side. And what
+ * later steps are to know of the sides. */
+double ric_continuation_side(const ric_continuation *trace, int k, const ric_station *station);
+void ric_continuation_remember(ric_continuation *trace, const ric_station *station);
 /* The resonances that are watched on chains like this one; false: no memory. */
 bool ric_continuation_resonances(ric_continuation *trace);
 

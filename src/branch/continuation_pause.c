@@ -8,7 +8,7 @@
 #include "base/room.h"
 
 /* PAUSE_FORMAT: changes with the layout, which is private to one version on one type of machine */
-#define PAUSE_FORMAT 6
+#define PAUSE_FORMAT 7
 
 /* -------------------------------------------------------------------- bytes */
 
@@ -26,6 +26,7 @@ static void pass_station(ric_bytes *b, ric_station *p, int n_unknown, int n_pair
     ric_bytes_pass(b, p->factor, sizeof p->factor);
     ric_bytes_pass(b, p->hidden, sizeof p->hidden);
     ric_bytes_pass(b, p->own, 2 * (size_t)n_pair * sizeof *p->own);
+    ric_bytes_pass(b, p->error, (size_t)n_pair * sizeof *p->error);
     ric_bytes_pass(b, &p->row, sizeof p->row);
 }
 
@@ -37,6 +38,7 @@ static void pass_stations(ric_bytes *b, ric_continuation *tr, ric_continuation_p
     pass_station(b, &tr->past, size, n_pair);
     ric_bytes_pass(b, tr->start_u, (size_t)size * sizeof *tr->start_u);
     ric_bytes_pass(b, tr->start_t, (size_t)size * sizeof *tr->start_t);
+    ric_bytes_pass(b, tr->passed, (size_t)tr->n_resonance * sizeof *tr->passed);
     ric_bytes_pass(b, tr->samples.s, sizeof tr->samples.s);
     ric_bytes_pass(b, tr->samples.values,
                    RIC_PAST_SAMPLES * (size_t)ric_continuation_watched(tr) * sizeof(double));

@@ -251,7 +251,8 @@ static ric_status find_zeros(ric_continuation *tr, int test, double to, double h
                                       ric_event_samples_values(tr, q->now + 1)[test] >
                                   0)
         return RIC_OK; /* as nearly always */
-    double last = test < RIC_N_TEST ? tr->definite[test] : 0, hidden = 0;
+    double last = test < RIC_N_TEST ? tr->definite[test] : tr->passed[test - RIC_N_TEST];
+    double hidden = 0;
     for (int i = q->now; i < q->n && q->x[i] < to; i++) {
         double f = ric_event_samples_values(tr, i)[test], x;
         bool zero, open = last == 0;

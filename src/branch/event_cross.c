@@ -41,13 +41,15 @@ static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q
                            double to, double h, ric_event_root *out)
 {
     int test = RIC_N_TEST + k, n = 0;
-    double from = 0, before = ric_event_value(tr, test, &tr->now);
+    const double after = ric_continuation_side(tr, k, &tr->next);
+    double from = 0, before = ric_continuation_side(tr, k, &tr->now);
+    if (before == 0) before = tr->passed[k];
+    if (after == 0) return 0; /* the next step shows whether it was passed */
     double place[BRIDGED] = {q->x[0], q->x[1], at, q->x[2], q->x[3], h};
     for (int i = 0; i < BRIDGED; i++) {
         double x = place[i];
         if (x <= from || x > h) continue;
-        double value = x == h ? ric_event_value(tr, test, &tr->next)
-                              : ric_event_bridge_test(tr, q, test, x);
+        double value = x == h ? after : ric_event_bridge_test(tr, q, test, x);
         if (before * value < 0) {
             double root_at = ric_event_bridge_root(tr, q, test, from, x, before, NAN);
             if (root_at < to || to == h) out[n++] = (ric_event_root){test, root_at};

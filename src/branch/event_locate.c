@@ -9,10 +9,7 @@
 
 #define PLACE 2e-16         /* of the step: a zero within it is at the last digit */
 #define PLACE_AT_ZERO 1e-17 /* scaled arclength: the same beside a step of no length */
-/* PLACED, SEEN_TO: of the size, and of 1 + |rho|: a resonance that near is solved for as a
- * junction, and what is nearer is noise of the multipliers */
-#define PLACED 1e-14
-#define SEEN_TO 1e-9
+#define PLACED 1e-14        /* of the size: a resonance that near is solved for as a junction */
 /* How much more than at a known place the error of a cubic may be where it is corrected by that. */
 #define ALIKE 4
 /* A sign change whose function does not fall below this part of its values at the ends is a pole or
@@ -225,7 +222,7 @@ ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa
         if (!good) return RIC_OK;
         const double value = ric_event_value(tr, test, &tr->mid);
         r.f = quotient ? tr->mid.own[0] - resonance->rho : value;
-        if (quotient) r.noise = fmin(tr->floquet.error, SEEN_TO * (1 + fabs(resonance->rho)));
+        if (quotient) r.noise = fmin(tr->floquet.error, RIC_SEEN_TO * (1 + fabs(resonance->rho)));
         top = fmax(top, height(test, &tr->mid, value));
     }
     if (r.x == last) good = true;

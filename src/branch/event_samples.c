@@ -65,17 +65,27 @@ static int pair_column(const ric_continuation *tr, int j)
     return RIC_N_TEST + tr->n_resonance + 3 + j;
 }
 
+/* Whether a pair has no side of resonance k at an end of the step. */
+static bool is_blurred(const ric_continuation *tr, int k)
+{
+    return ric_continuation_side(tr, k, &tr->now) == 0 ||
+           ric_continuation_side(tr, k, &tr->next) == 0;
+}
+
+/* On which side of it a point of the step is. Where both ends are known a pair is looked at as it
+ * is in between: it may go beyond and come back by less than the bound of its error. */
+static double side(const ric_continuation *tr, int k, const ric_station *p)
+{
+    const double known = ric_continuation_side(tr, k, p);
+    return known == 0 && !is_blurred(tr, k) ? ric_event_value(tr, RIC_N_TEST + k, p) : known;
+}
+
 static void take(ric_continuation *tr, int i, double x, const ric_station *p)
 {
     double *value = ric_event_samples_values(tr, i);
     tr->samples.x[i] = x;
     memcpy(value, p->test, sizeof p->test);
-    bool lost = false; /* some pair, in rounding: then the others do not tell what is passed */
-    for (int j = 0; j < 2 * tr->floquet.n_pair; j++) lost |= !isfinite(p->own[j]);
-    for (int k = 0; k < tr->n_resonance; k++)
-        value[RIC_N_TEST + k] = lost ? NAN
-                                     : ric_resonance_test(p->own, tr->floquet.n_pair,
-                                                          tr->resonances[k].rho);
+    for (int k = 0; k < tr->n_resonance; k++) value[RIC_N_TEST + k] = side(tr, k, p);
     for (int k = RIC_TEST_A; k <= RIC_TEST_D; k++)
         value[smooth(tr, k)] = value[k] == 0 ? 0 : p->factor[k - RIC_TEST_A];
     for (int j = 0; j < tr->floquet.n_pair; j++)
@@ -369,13 +379,14 @@ static bool resolved(const ric_continuation *tr, const stencil *st, int test, do
      * nothing */
     if (at && test <= RIC_TEST_FLIGHT && ric_larger(fabs(a[test]), fabs(b[test])) < RIC_MARGIN)
         return true;
+    const bool resonance = k >= 0 && k < tr->n_resonance;
+    if (resonance && a[test] * b[test] == 0 && is_blurred(tr, k)) return true; /* nothing shows */
     /* the only pair is nearly straight where its test, over 1 + rho^2, is not */
-    if (at && k >= 0 && k < tr->n_resonance && tr->floquet.n_pair == 1 &&
+    if (at && resonance && tr->floquet.n_pair == 1 &&
         is_resolved(tr, st,
                     &(reading){pair_column(tr, 0), -1, tr->resonances[k].rho, HUGE_VAL, false}, at))
         return true;
-    const bool lost_at_zero = (test < RIC_N_TEST || test >= RIC_N_TEST + tr->n_resonance) &&
-                              !(at && test <= RIC_TEST_FLIGHT);
+    const bool lost_at_zero = !resonance && !(at && test <= RIC_TEST_FLIGHT);
     return is_resolved(tr, st, &(reading){test, -1, 0, HUGE_VAL, lost_at_zero}, at);
 }
 
@@ -446,6 +457,7 @@ static bool all_resolved(const ric_continuation *tr, int i, unsigned which, bool
             return false;
         if (own ? !smoothly(tr, &st, test, at)
                 : tr->floquet.n_pair > 1 &&
+                      !(a[test] * b[test] == 0 && is_blurred(tr, test - RIC_N_TEST)) &&
                       !pairs_stay(tr, &st, tr->resonances[test - RIC_N_TEST].rho, at))
             return false;
     }
@@ -606,7 +618,7 @@ void ric_event_samples_tell(ric_continuation *tr, const ric_station *p, int i, d
     const double *value = ric_event_samples_values(tr, i);
     bool passed = false;
     for (int k = 0; k < tr->n_resonance; k++)
-        passed |= value[RIC_N_TEST + k] * ric_event_value(tr, RIC_N_TEST + k, p) < 0;
+        passed |= value[RIC_N_TEST + k] * ric_continuation_side(tr, k, p) < 0;
     if (passed && ric_flight_law_of(tr->chain->model)->closes)
         ric_continuation_widen(tr->unresolved++ == 0, tr->now.row.energy, energy, tr->crowded_at);
 }

@@ -344,6 +344,8 @@ static ric_status land(ric_continuation *tr, const cluster *all, double width)
     tr->avoided = false;
     tr->samples.n_past = 0;
     memcpy(tr->definite, tr->now.test, sizeof tr->definite);
+    memset(tr->passed, 0, (size_t)tr->n_resonance * sizeof *tr->passed);
+    ric_continuation_remember(tr, &tr->now);
     for (int k = c->n_start; k < c->n_start + c->n_flight; k++) rate += c->multiple * tr->now.t[k];
     tr->step = fmin(tr->step, AWAY * width / fabs(rate));
     return RIC_OK;

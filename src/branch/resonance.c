@@ -10,6 +10,10 @@
  * they are as wide as its square root, in radians of its phase over a period. Above, the angle
  * between successive tangents shows them. */
 #define FAINT 0.1
+/* BLURRED: of 1 + |rho|: what rounding makes of the pairs of orbits that hardly feel their springs,
+ * some hundred times over. Errors count up to that: they are bounds, and beside a grazing so far
+ * from what rounding does that pairs would have no side where they pass. */
+#define BLURRED 1e-12
 
 static int common_divisor(int a, int b)
 {
@@ -71,4 +75,16 @@ double ric_resonance_test(const double *rho, int n_pair, double value)
         else if (im == 0) product *= (re - value) / sqrt(1 + re * re);
     }
     return product;
+}
+
+double ric_resonance_side(const double *rho, const double *error, int n_pair, double value)
+{
+    const double most = BLURRED * (1 + fabs(value));
+    bool blurred = false;
+    for (int i = 0; i < n_pair; i++) {
+        if (!isfinite(rho[2 * i])) return NAN;
+        const double off = fmax(fabs(rho[2 * i] - value), fabs(rho[2 * i + 1]));
+        blurred |= off <= fmin(error[i], most);
+    }
+    return blurred ? 0 : ric_resonance_test(rho, n_pair, value);
 }

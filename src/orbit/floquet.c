@@ -27,12 +27,14 @@ ric_status ric_floquet_create(int n, ric_floquet *out)
     out->rho = ric_calloc(2 * k, sizeof(double));
     out->own = ric_calloc(2 * k, sizeof(double));
     out->each = ric_calloc(k, sizeof(double));
+    out->own_error = ric_calloc(k, sizeof(double));
     out->work = ric_calloc(out->n_work, sizeof(double));
     out->fine = ric_calloc(k <= RIC_FLOQUET_MOST_PAIRS ? ric_floquet_fine_size(n) : 1,
                            sizeof *out->fine);
     const bool known = ric_floquet_known_create(n, &out->known) &&
                        ric_floquet_again_create(n, &out->again);
-    if (!known || !out->rho || !out->own || !out->each || !out->work || !out->fine) {
+    if (!known || !out->rho || !out->own || !out->own_error || !out->each || !out->work ||
+        !out->fine) {
         ric_floquet_release(out);
         return ric_fail(RIC_E_NOMEM, "no memory for %d Floquet multipliers", 2 * out->n_pair);
     }
@@ -43,6 +45,7 @@ void ric_floquet_release(ric_floquet *f)
 {
     free(f->rho);
     free(f->own);
+    free(f->own_error);
     free(f->each);
     free(f->work);
     free(f->fine);
@@ -50,7 +53,7 @@ void ric_floquet_release(ric_floquet *f)
     ric_floquet_again_free(f->again);
     f->known = NULL;
     f->again = NULL;
-    f->rho = f->own = f->each = f->work = NULL;
+    f->rho = f->own = f->own_error = f->each = f->work = NULL;
     f->fine = NULL;
 }
 

@@ -10,14 +10,15 @@
  * so rho = lambda + 1/lambda = 2 + 4 eig(b'c), rho + 2 = 4 eig(d'a). The chain's own map M is over
  * half a period, or over a quarter joined with x -> -x twice: then M is the half-period map. */
 typedef struct {
-    int n_pair;   /* n - 1 */
-    double *rho;  /* [2 * n_pair] re, im of lambda + 1/lambda over the full period */
-    double *own;  /* [2 * n_pair] the same of the chain's own map, of which the full period may be
-                     the square */
-    double error; /* of rho, absolute, from rounding */
-    double *each; /* [n_pair] of each rho, over the full period */
-    double rough; /* the same of the map in double, which another one may have replaced
-                     (floquet_fine.h) */
+    int n_pair;  /* n - 1 */
+    double *rho; /* [2 * n_pair] re, im of lambda + 1/lambda over the full period */
+    double *own; /* [2 * n_pair] the same of the chain's own map, of which the full period may be
+                    the square */
+    double *own_error;  /* [n_pair] of each of these */
+    double error;       /* of rho, absolute, from rounding */
+    double *each;       /* [n_pair] of each rho, over the full period */
+    double rough;       /* the same of the map in double, which another one may have replaced
+                           (floquet_fine.h) */
     double trace_asinh; /* asinh(tau2 / 2), n = 2 only, else NaN */
     double rotation;    /* gamma, n = 2 on the unit circle, else NaN */
     ric_stability stable;

@@ -18,7 +18,7 @@ typedef struct {
 typedef struct {
     origin from;
     ric_floquet said;
-    double *state, *rho, *own, *each;
+    double *state, *rho, *own, *own_error, *each;
 } answer;
 
 struct ric_floquet_again {
@@ -29,7 +29,7 @@ struct ric_floquet_again {
 
 bool ric_floquet_again_create(int n, ric_floquet_again **out)
 {
-    const size_t k = (size_t)n - 1, each = 2 * (size_t)n + 5 * k;
+    const size_t k = (size_t)n - 1, each = 2 * (size_t)n + 6 * k;
     *out = NULL;
     if (n < 3) return true;
     ric_floquet_again *again = ric_calloc(1, sizeof *again + KEPT * each * sizeof(double));
@@ -40,7 +40,8 @@ bool ric_floquet_again_create(int n, ric_floquet_again **out)
         a->state = again->numbers + i * each;
         a->rho = a->state + 2 * (size_t)n;
         a->own = a->rho + 2 * k;
-        a->each = a->own + 2 * k;
+        a->own_error = a->own + 2 * k;
+        a->each = a->own_error + k;
     }
     *out = again;
     return true;
@@ -83,6 +84,7 @@ bool ric_floquet_again_find(const ric_floquet_again *again, const ric_shooting *
         *f = a->said;
         memcpy(f->rho, a->rho, 2 * k * sizeof *f->rho);
         memcpy(f->own, a->own, 2 * k * sizeof *f->own);
+        memcpy(f->own_error, a->own_error, k * sizeof *f->own_error);
         memcpy(f->each, a->each, k * sizeof *f->each);
         return true;
     }
@@ -99,5 +101,6 @@ void ric_floquet_again_keep(ric_floquet_again *again, const ric_shooting *c, con
     memcpy(a->state, c->w, 2 * (k + 1) * sizeof *a->state);
     memcpy(a->rho, f->rho, 2 * k * sizeof *a->rho);
     memcpy(a->own, f->own, 2 * k * sizeof *a->own);
+    memcpy(a->own_error, f->own_error, k * sizeof *a->own_error);
     memcpy(a->each, f->each, k * sizeof *a->each);
 }

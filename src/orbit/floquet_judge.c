@@ -20,6 +20,7 @@ static void put_rho(ric_floquet *f, bool part, double rho, double full)
     f->each[0] = (part ? f->error * (2 * fabs(rho) + f->error) : f->error) +
                  DBL_EPSILON * fabs(full);
     f->own[0] = rho;
+    f->own_error[0] = f->error;
     f->rho[0] = full;
     f->own[1] = f->rho[1] = 0;
 }
@@ -145,6 +146,7 @@ void ric_floquet_judge_pairs(ric_floquet *f, bool quarter, const ric_floquet_pai
         bool lost = !(radius[i] <= LOST * size), far = r[1] == 0 && fabs(r[0]) - radius[i] > 2;
         memcpy(f->own + 2 * i, r, 2 * sizeof *r);
         if (lost && !far) f->own[2 * i] = f->own[2 * i + 1] = NAN;
+        f->own_error[i] = radius[i];
         if (quarter) square(r);
         f->each[i] = quarter ? 2 * size * radius[i] : radius[i];
         if (lost) r[0] = r[1] = NAN;

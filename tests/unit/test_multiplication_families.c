@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "branch/resonance.h"
 #include "explored.h"
 #include "sample.h"
 
@@ -502,17 +503,30 @@ static void labels_far_up(void **state)
 /* Two modes at 2 : 3 under springs of the 11th and 21st power, which small motions do not feel:
  * lambda + 1 / lambda is -2 over a whole interval of energies, to rounding, and passes it nowhere
  * there. */
-static void check_doublings(const char *energy, int expected)
+static void sides_of_a_resonance(void **state)
 {
-    char text[512];
-    snprintf(text, sizeof text,
-             "model:\n  mass: [[2, 0], [0, 2]]\n  stiffness: [[3.25, -1.25], [-1.25, 3.25]]\n  "
-             "contacts:\n"
-             "    - {normal: [1, 0], law: power, exponent: 11, length: 1.28, reference: 0.7869}\n"
-             "    - {normal: [0, 1], law: power, exponent: 21, length: 1.28, reference: 3.729}\n"
-             "explore: {start: [1], energy: [%s], frequency: [0.2, 4.5], multiply: 2, depth: 1}\n",
-             energy);
-    ric_atlas *atlas = explore_text(text);
+    static const double pairs[4] = {-1, 0, 0.5, 0}, lost[4] = {NAN, NAN, 0.5, 0};
+    static const double fine[2] = {1e-14, 1e-14}, loose[2] = {1e-4, 1e-4};
+    (void)state;
+    assert_true(ric_resonance_side(pairs, fine, 2, 0) < 0);
+    assert_true(ric_resonance_side(pairs, fine, 2, 0.5 - 1e-13) < 0);
+    assert_true(ric_resonance_side(pairs, fine, 2, 0.5 + 1e-13) > 0);
+    assert_true(ric_resonance_side(pairs, fine, 2, 0.5 + 1e-15) == 0);
+    assert_true(ric_resonance_side(pairs, loose, 2, 0.5 + 1e-11) > 0); /* two may be that close */
+    assert_true(ric_resonance_side(pairs, loose, 2, 0.5 + 1e-12) == 0);
+    assert_true(isnan(ric_resonance_side(lost, fine, 2, 0)));
+}
+
+static void no_doubling_in_rounding(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[2, 0], [0, 2]]\n  stiffness: [[3.25, -1.25], [-1.25, 3.25]]\n  "
+        "contacts:\n"
+        "    - {normal: [1, 0], law: power, exponent: 11, length: 1.28, reference: 0.7869}\n"
+        "    - {normal: [0, 1], law: power, exponent: 21, length: 1.28, reference: 3.729}\n"
+        "explore: {start: [1], energy: [0, 9.163], frequency: [0.2, 4.5], multiply: 2, depth: "
+        "1}\n");
     int doublings = 0;
     for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
         ric_junction j;
@@ -521,18 +535,11 @@ static void check_doublings(const char *energy, int expected)
         doublings++;
         assert_true(fabs(j.energy - 6.84086675) < 1e-6);
     }
-    assert_int_equal(doublings, expected);
+    assert_int_equal(doublings, 1);
+    ric_branch branch;
+    assert_int_equal(ric_atlas_branch(atlas, 1, &branch), RIC_OK);
+    assert_true(branch.n_point < 200); /* nor are they looked for in the smallest of steps */
     ric_atlas_free(atlas);
-}
-
-/* Between both windows of the short form, where rounding begins to show, the branch goes in the
- * smallest of steps. */
-static void no_doubling_in_rounding(void **state)
-{
-    (void)state;
-    check_doublings("0, 8.0e-4", 0);
-    check_doublings("1.0e-3, 9.163", 1);
-    if (long_form()) check_doublings("0, 9.163", 1);
 }
 
 int main(void)
@@ -541,6 +548,7 @@ int main(void)
                                        cmocka_unit_test(larger_orders),
                                        cmocka_unit_test(both_pairs_of_three_modes),
                                        cmocka_unit_test(labels_far_up),
+                                       cmocka_unit_test(sides_of_a_resonance),
                                        cmocka_unit_test(no_doubling_in_rounding)};
     return cmocka_run_group_tests_name("multiplication", tests, NULL, NULL);
 }
