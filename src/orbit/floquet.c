@@ -208,6 +208,27 @@ static double fine_rounding(const ric_shooting *c, double size)
     return RIC_FLOQUET_ROUNDING * (double)LDBL_EPSILON * ric_floquet_map_roundings(c) * size;
 }
 
+/* Rows i, i + 1 and columns j, j + 1 of 4 b'c, as far as there are such, in registers. */
+static void fine_tile(int k, int i, int j, const ric_fine_real *b, const ric_fine_real *c,
+                      double *H)
+{
+    const int below = i + 1 < k ? 1 : 0, beside = j + 1 < k ? 1 : 0;
+    ric_fine_real first = 0, right = 0, under = 0, last = 0;
+    for (int l = 0; l < k; l++) {
+        const ric_fine_real *x = b + l * k + i, *y = c + l * k + j;
+        const ric_fine_real x0 = x[0], x1 = x[below], y0 = y[0], y1 = y[beside];
+        first += x0 * y0;
+        right += x0 * y1;
+        under += x1 * y0;
+        last += x1 * y1;
+    }
+    H += i * k + j;
+    H[below * k + beside] = (double)(4 * last);
+    H[below * k] = (double)(4 * under);
+    H[beside] = (double)(4 * right);
+    H[0] = (double)(4 * first);
+}
+
 /* H = 2 + 4 b'c of blocks b, c of [4 k^2] numbers each of high and low; both parts of the blocks
  * are summed in b_c [2 k^2]. Returns the largest entry. */
 static double fine_product(int k, const double *high, const double *low, ric_fine_real *b_c,
@@ -217,13 +238,12 @@ static double fine_product(int k, const double *high, const double *low, ric_fin
     const ric_fine_real *b = b_c, *c = b_c + kk;
     double most = 0;
     for (int i = 0; i < 2 * kk; i++) b_c[i] = (ric_fine_real)high[kk + i] + low[kk + i];
-    for (int i = 0; i < k; i++)
-        for (int j = 0; j < k; j++) {
-            ric_fine_real s = 0;
-            for (int l = 0; l < k; l++) s += b[l * k + i] * c[l * k + j];
-            H[i * k + j] = (i == j ? 2 : 0) + (double)(4 * s);
-            most = fmax(most, fabs(H[i * k + j]));
-        }
+    for (int i = 0; i < k; i += 2)
+        for (int j = 0; j < k; j += 2) fine_tile(k, i, j, b, c, H);
+    for (int i = 0; i < kk; i++) {
+        H[i] += i % (k + 1) == 0 ? 2 : 0;
+        most = fmax(most, fabs(H[i]));
+    }
     return most;
 }
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/room.h"
+#include "floquet_sharp.h"
 
 enum { KEPT = 4, FLIGHTS = 64 }; /* the last KEPT are kept, of so many flights at most */
 
@@ -59,7 +60,7 @@ static void take(const ric_shooting *c, const ric_floquet *f, origin *out)
     out->model = c->model;
     out->closed = c->closed[0];
     out->enough = f->enough;
-    out->sharp = f->sharp;
+    out->sharp = ric_floquet_sharpens(f->n_pair) ? f->sharp : 0; /* elsewhere it says nothing */
     memcpy(out->tau, c->tau, flights * sizeof *out->tau);
     memcpy(out->form, (int[]){c->n_flight, (int)c->start, (int)c->end, c->sigma, c->multiple},
            sizeof out->form);
@@ -81,7 +82,9 @@ bool ric_floquet_again_find(const ric_floquet_again *again, const ric_shooting *
         const answer *a = &again->answers[i % KEPT];
         if (memcmp(&a->from, &from, sizeof from) != 0 || memcmp(a->state, c->w, state) != 0)
             continue;
+        const double sharp = f->sharp;
         *f = a->said;
+        f->sharp = sharp;
         memcpy(f->rho, a->rho, 2 * k * sizeof *f->rho);
         memcpy(f->own, a->own, 2 * k * sizeof *f->own);
         memcpy(f->own_error, a->own_error, k * sizeof *f->own_error);

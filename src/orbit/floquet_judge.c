@@ -90,52 +90,38 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* How many of n distances in ascending order are not larger than one. */
-static int together(int n, const double *distances, double distance)
-{
-    int low = 0, high = n;
-    while (low < high) {
-        const int middle = low + (high - low) / 2;
-        if (distances[middle] <= distance) low = middle + 1;
-        else high = middle;
-    }
-    return low;
-}
-
-/* How far rho i may be off: m of them that may be one are moved by the m-th root of the error,
- * relative to their size (Kato, Perturbation Theory for Linear Operators, II section 1.2), so that
- * within that of each lie m. `least`: how many are together at least; distances [n_pair] of all
- * from this one, in ascending order. */
-static double radius_of(const ric_floquet *f, int i, int least, double error,
-                        const double *distances)
+/* How far rho i may be off, by itself and, with_other, with one more that it is as good as one
+ * with: m of them that may be one are moved by the m-th root of the error, relative to their size
+ * (Kato, Perturbation Theory for Linear Operators, II section 1.2), so that within that of each lie
+ * m. near [n_pair] is workspace: distances from this one that are within the widest. */
+static double radius_of(const ric_floquet *f, int i, double error, double *near, double *with_other)
 {
     const double *r = f->rho + 2 * i;
-    double size = 1 + fabs(r[0]) + fabs(r[1]),
-           radius = least == 1 ? error : sqrt(error / size) * size;
-    int most = together(f->n_pair, distances,
-                        pow(error / size, 1.0 / (error < size ? f->n_pair : 2)) *
-                            size); /* within the widest */
-    for (int m = 2; m <= most; m++) {
-        double wide = pow(error / size, 1.0 / m) * size;
-        if (together(f->n_pair, distances, wide) >= m) radius = fmax(radius, wide);
+    const double size = 1 + fabs(r[0]) + fabs(r[1]), part = error / size,
+                 widest = pow(part, 1.0 / (error < size ? f->n_pair : 2)) * size;
+    double radius = error;
+    int most = 0;
+    for (int j = 0; j < f->n_pair; j++) {
+        const double distance = hypot(f->rho[2 * j] - r[0], f->rho[2 * j + 1] - r[1]);
+        if (distance <= widest) near[most++] = distance;
     }
+    qsort(near, (size_t)most, sizeof *near, by_size);
+    for (int m = 2; m <= most; m++) {
+        const double wide = pow(part, 1.0 / m) * size;
+        if (near[m - 1] <= wide) radius = fmax(radius, wide);
+    }
+    *with_other = fmax(radius, sqrt(part) * size);
     return radius;
 }
 
 void ric_floquet_judge_pairs(ric_floquet *f, bool quarter, const ric_floquet_pairs *known)
 {
     bool undecided = false, unstable = false;
-    double distances[f->n_pair + 1], radius[f->n_pair + 1];
+    double near[f->n_pair + 1], radius[f->n_pair + 1];
     f->error = 0;
     for (int i = 0; i < f->n_pair; i++) {
-        for (int j = 0; j < f->n_pair; j++) {
-            double distance = hypot(f->rho[2 * j] - f->rho[2 * i],
-                                    f->rho[2 * j + 1] - f->rho[2 * i + 1]);
-            distances[j] = isnan(distance) ? HUGE_VAL : distance;
-        }
-        qsort(distances, (size_t)f->n_pair, sizeof *distances, by_size);
-        double alone = fmax(known->alone[i], radius_of(f, i, 1, known->error[i], distances)),
-               pair = fmax(alone, radius_of(f, i, 2, known->error[i], distances));
+        double pair, alone = fmax(known->alone[i], radius_of(f, i, known->error[i], near, &pair));
+        pair = fmax(pair, alone);
         radius[i] = alone;
         bool complex_pair = fabs(f->rho[2 * i + 1]) > 0;
         if (fabs(f->rho[2 * i + 1]) > pair || fabs(f->rho[2 * i]) - 2 > alone) unstable = true;

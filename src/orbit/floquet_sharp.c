@@ -62,11 +62,16 @@ static void sharpen(const source *s, double to, ric_floquet_pairs *pairs)
     free(work);
 }
 
+bool ric_floquet_sharpens(int n_pair)
+{
+    return n_pair <= MOST_PAIRS;
+}
+
 void ric_floquet_sharpen_blocks(const ric_fine_real *b, const ric_fine_real *c,
                                 ric_fine_real rounding, double to, ric_floquet_pairs *pairs)
 {
     const int k = pairs->count;
-    if (k > MOST_PAIRS) return;
+    if (!ric_floquet_sharpens(k)) return;
     ric_fine_real turned[k * k];
     for (int i = 0; i < k; i++)
         for (int j = 0; j < k; j++) turned[i * k + j] = b[j * k + i];
@@ -76,6 +81,6 @@ void ric_floquet_sharpen_blocks(const ric_fine_real *b, const ric_fine_real *c,
 void ric_floquet_sharpen_map(const ric_fine_real *M, ric_fine_real rounding, double to,
                              ric_floquet_pairs *pairs)
 {
-    if (pairs->count > MOST_PAIRS) return;
+    if (!ric_floquet_sharpens(pairs->count)) return;
     sharpen(&(source){.m = 2 * pairs->count, .B = M, .rounding = rounding}, to, pairs);
 }

@@ -8,6 +8,8 @@
 #include "floquet_fine.h"
 #include "floquet_pairs.h"
 
+/* Whether that is done where there are so many pairs. */
+bool ric_floquet_sharpens(int n_pair);
 /* Replaces those rho = 2 + 4 eig(b' c) whose error, over 1 + |rho|, is above `to`, and what is
  * known of them; b and c [k * k] are uncertain by `rounding`. What cannot be had stays. */
 void ric_floquet_sharpen_blocks(const ric_fine_real *b, const ric_fine_real *c,

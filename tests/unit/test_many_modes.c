@@ -127,17 +127,19 @@ static void write_matrix(int n, bool masses, size_t size, char *out)
         }
 }
 
-/* Seven masses between walls, the last one between two stops. */
-static ric_graph *row(ric_study **study)
+/* n masses between walls, the last one between two stops. */
+static ric_graph *row(int n, const char *explore, ric_study **study)
 {
-    char mass[600], stiffness[600], text[2000];
-    write_matrix(7, true, sizeof mass, mass);
-    write_matrix(7, false, sizeof stiffness, stiffness);
-    snprintf(text, sizeof text,
-             "model:\n  mass: %s\n  stiffness: %s\n  contacts:\n    - {normal: [0, 0, 0, 0, 0, 0, "
-             "1], law: rigid, clearance: 1, sides: both}\nexplore: {start: [1, 2], energy: [0, 4], "
-             "frequency: [0.1, 4], impacts: 4, multiply: 1, depth: 2}\n",
-             mass, stiffness);
+    char mass[3000], stiffness[3000], normal[100] = "[", text[8000];
+    write_matrix(n, true, sizeof mass, mass);
+    write_matrix(n, false, sizeof stiffness, stiffness);
+    for (int i = 0; i < n; i++) strcat(normal, i + 1 < n ? "0, " : "1]");
+    const int used =
+        snprintf(text, sizeof text,
+                 "model:\n  mass: %s\n  stiffness: %s\n  contacts:\n    - {normal: %s, law: rigid, "
+                 "clearance: 1, sides: both}\nexplore: {%s}\n",
+                 mass, stiffness, normal, explore);
+    assert_true(used < (int)sizeof text);
     if (ric_study_parse(text, "test", ".", study)) fail_msg("%s\n%s", ric_detail(), text);
     return explored_graph(*study);
 }
@@ -176,15 +178,22 @@ static void check_again(ric_shooting *c, const double *u, const double *other, r
 static void check_coarse(ric_shooting *c, const double *u, ric_floquet *f)
 {
     ric_floquet all = multipliers(c, u);
+    int lost = 0;
     f->coarse = true;
     assert_int_equal(ric_floquet_compute(c, f), RIC_OK);
     f->coarse = false;
     for (int i = 0; i < f->n_pair; i++) {
-        assert_true(isnan(f->own[2 * i]) == isnan(all.own[2 * i]));
-        if (!isnan(f->own[2 * i]))
-            assert_true(hypot(f->own[2 * i] - all.own[2 * i],
-                              f->own[2 * i + 1] - all.own[2 * i + 1]) <= all.each[i]);
+        double off = HUGE_VAL;
+        for (int j = 0; j < f->n_pair; j++) {
+            const double distance = hypot(f->own[2 * j] - all.own[2 * i],
+                                          f->own[2 * j + 1] - all.own[2 * i + 1]);
+            lost += i == 0 && isnan(f->own[2 * j]);
+            if (distance < off) off = distance;
+        }
+        if (isnan(all.own[2 * i])) lost--;
+        else assert_true(off <= all.each[i]);
     }
+    assert_int_equal(lost, 0);
     ric_floquet_release(&all);
 }
 
@@ -192,7 +201,10 @@ static void every_answer_stays(void **state)
 {
     (void)state;
     ric_study *study;
-    ric_graph *graph = row(&study);
+    ric_graph *graph = row(7,
+                           "start: [1, 2], energy: [0, 4], frequency: [0.1, 4], impacts: 4, "
+                           "multiply: 1, depth: 2",
+                           &study);
     int general = 0, reversible = 0;
     for (int e = 0; e < graph->n_edge; e++) {
         const ric_continuation *trace = graph->edges[e].trace;
@@ -214,11 +226,45 @@ static void every_answer_stays(void **state)
     ric_study_free(study);
 }
 
+/* Where there are too many pairs to bring each to more digits, the answer is the one that there
+ * was.
+ */
+static void more_digits_are_asked_for_in_vain(void **state)
+{
+    static const int modes[] = {7, 18};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        ric_study *study;
+        ric_graph *graph = row(modes[i],
+                               "start: [2, 3], energy: [0, 20], frequency: [0.01, 4], impacts: 2, "
+                               "multiply: 1, depth: 1",
+                               &study);
+        assert_true(graph->n_edge > 0);
+        const ric_continuation *trace = graph->edges[0].trace;
+        assert_true(trace->n_point > 2);
+        const double *u = trace->points + trace->stride + sizeof(ric_point) / sizeof(double);
+        ric_floquet f = multipliers(trace->chain, u), fresh;
+        assert_int_equal(ric_floquet_create(modes[i], &fresh), RIC_OK);
+        assert_int_equal(ric_floquet_compute(trace->chain, &f), RIC_OK);
+        f.sharp = fresh.sharp = 1e-10;
+        assert_int_equal(ric_floquet_again_find(f.again, trace->chain, &f), i == 1);
+        assert_int_equal(ric_floquet_compute(trace->chain, &f), RIC_OK);
+        assert_int_equal(ric_floquet_compute(trace->chain, &fresh), RIC_OK);
+        assert_true(f.sharp > 0);
+        assert_true(same(&f, &fresh));
+        ric_floquet_release(&f);
+        ric_floquet_release(&fresh);
+        ric_graph_free(graph);
+        ric_study_free(study);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(factors_are_those_of_the_textbook),
                                        cmocka_unit_test(products_are_those_of_the_textbook),
                                        cmocka_unit_test(conditions_have_no_size),
-                                       cmocka_unit_test(every_answer_stays)};
+                                       cmocka_unit_test(every_answer_stays),
+                                       cmocka_unit_test(more_digits_are_asked_for_in_vain)};
     return cmocka_run_group_tests_name("many modes", tests, NULL, NULL);
 }
