@@ -78,6 +78,27 @@ bool ric_eigen_conditions(int k, const double *A, double *out, double *condition
     return found;
 }
 
+static double square_of(size_t count, const double *A)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++) sum += A[i] * A[i];
+    return sum;
+}
+
+bool ric_eigen_balanced(int k, const double *A, double *work)
+{
+    const size_t kk = (size_t)k * (size_t)k;
+    const double square = square_of(kk, A);
+    double scale[k + 1];
+    lapack_int low, high;
+    if (!isfinite(square)) return false;
+    memcpy(work, A, kk * sizeof *A);
+    /* read by columns it is the transpose, whose balanced form is that of A, transposed */
+    if (ric_lapack(LAPACKE_dgebal(LAPACK_COL_MAJOR, 'S', k, work, k, &low, &high, scale)))
+        return false;
+    return square <= 4 * square_of(kk, work);
+}
+
 static int by_value(const void *p, const void *q)
 {
     const double *a = p, *b = q;

@@ -20,9 +20,15 @@ bool ric_eigen(int k, double *A, double *out);
  * it moves, 1 / |y' x| of its left and right vectors of length one (Golub and Van Loan, Matrix
  * Computations, section 7.2.2). A stays, and is not balanced, which would tell the conditions of
  * another matrix. The vectors are those of the Schur form, whose angles are the same: they are not
- * taken back, which would take more time than all else. condition NULL: not asked for. False also
+ * taken back, which would take more time than all else. The Schur form is that of A', which has
+ * another rounding than that of A. condition NULL: not asked for. False also
  * where there is no memory. */
 bool ric_eigen_conditions(int k, const double *A, double *out, double *condition);
+
+/* Whether a diagonal similarity makes A [k * k] no smaller than half of its size (Parlett and
+ * Reinsch, Numer. Math. 13 (1969)), so that the eigenvalues of A as it is are off by no more than
+ * twice what those of the balanced matrix are. work [k^2]. False also for what is not finite. */
+bool ric_eigen_balanced(int k, const double *A, double *work);
 
 /* mu [2m] = eigenvalues of B C, [m * m] each, sorted, and the error [m] of each, measured on
  * entries that are moved by `rounding` in three ways. The product knows small eigenvalues no better

@@ -68,13 +68,17 @@ static bool is_rough(const ric_floquet *f)
     return f->rough > fmax(ROUGH, f->enough) * (1 + least) || !isfinite(least);
 }
 
-/* Whether rho that are off by `error` at least are so, by the product of all rho + 2: one of them
- * is not larger than its root. */
-static bool is_surely_rough(const ric_floquet *f, double error, double product)
+/* Whether rho that are off by `error` at least are so: one of the eigenvalues of H [size * size] is
+ * not larger than the root of their product. work [size^2]. */
+static bool is_surely_rough(const ric_floquet *f, double error, int size, const double *H,
+                            double *work)
 {
-    const double least = 2 + pow(product, 1.0 / f->n_pair);
-    return f->n_pair > 2 && f->n_pair <= RIC_FLOQUET_MOST_PAIRS && !f->orbit &&
-           error > fmax(ROUGH, f->enough) * (1 + least);
+    const double most = fmax(ROUGH, f->enough);
+    double unused;
+    if (f->n_pair <= 2 || f->n_pair > RIC_FLOQUET_MOST_PAIRS || f->orbit || !(error > most))
+        return false;
+    const double product = ric_floquet_map_determinant(size, size, H, work, 0, &unused);
+    return error > most * (1 + pow(fabs(product), 1.0 / size));
 }
 
 /* Another map, if there is one: *size of its largest entry. */
@@ -348,29 +352,16 @@ static void reversible(const ric_shooting *c, ric_floquet *f)
     f->trace_asinh = f->rotation = NAN;
     error = ldexp(error, exponent < 500 ? 2 * exponent : 1000);
     if (found && error <= ACCURATE) {
-        const double most = ldexp((fabs(f->det_a) + f->error_a) * (fabs(f->det_d) + f->error_d),
-                                  2 * k * (1 + exponent));
-        if (is_surely_rough(f, error, most) && reversible_fine(c, f, q.E0, q.E1, q.A, error))
-            return;
         ric_floquet_pairs_product(k, q.b, q.c, exponent, q.A);
+        if (is_surely_rough(f, error, k, q.A, q.P)) {
+            if (reversible_fine(c, f, q.E0, q.E1, q.A, error)) return;
+            ric_floquet_pairs_product(k, q.b, q.c, exponent, q.A);
+        }
         found = judge(f, &(matrix){.part = quarter, .H = q.A, .work = q.P, .error = error});
     } else if (found)
         found = judge_blocks(f, &(factors){quarter, q.b, q.c, exponent, rounding, 0}, q.P);
     if (found) improve(c, f, &q);
     else ric_floquet_judge_lost(f);
-}
-
-/* The product of all rho + 2, det(1 + P). */
-static double above_minus_one(const ric_shooting *c, const ric_floquet *f,
-                              const ric_floquet_linear *q)
-{
-    const int ld = 2 * (c->n - 1);
-    double error;
-    if (c->sigma < 0) return fabs(f->det_a) + f->error_a;
-    memcpy(q->A, q->P, (size_t)ld * (size_t)ld * sizeof *q->A);
-    for (int i = 0; i < ld; i++) q->A[i * ld + i] += 1;
-    const double det = ric_floquet_map_determinant(ld, ld, q->A, q->tmp, 0, &error);
-    return fabs(det);
 }
 
 static void whole(const ric_shooting *c, ric_floquet *f)
@@ -396,11 +387,13 @@ static void whole(const ric_shooting *c, ric_floquet *f)
         ric_floquet_pairs pairs = {.count = k, .rho = f->rho, .error = known, .alone = known + k};
         if ((found = ric_floquet_map_halves(c, q.A, f->work, &pairs)))
             ric_floquet_judge_pairs(f, c->sigma < 0, &pairs);
-    } else if (error > ROUGH && k > 2 && is_surely_rough(f, error, above_minus_one(c, f, &q)) &&
-               whole_fine(c, f, q.A, error))
-        return;
+    }
     if (!found) {
         ric_floquet_pairs_inverse(k, q.P, 1, q.P, q.A);
+        if (error <= ACCURATE && is_surely_rough(f, error, ld, q.A, q.tmp)) {
+            if (whole_fine(c, f, q.A, error)) return;
+            ric_floquet_pairs_inverse(k, q.P, 1, q.P, q.A);
+        }
         found = judge(f, &(matrix){.period = true,
                                    .part = c->sigma < 0,
                                    .H = q.P,

@@ -104,6 +104,31 @@ static void conditions_have_no_size(void **state)
     assert_false(ric_eigen_conditions(2, nan, values, condition));
 }
 
+/* What one scale of unknowns makes of a matrix is taken back by balancing, and nothing of a
+ * symmetric one. */
+static void scales_are_seen(void **state)
+{
+    (void)state;
+    enum { M = 9 };
+    double A[M * M], work[M * M];
+    fill(M * M, A);
+    for (int i = 0; i < M; i++)
+        for (int j = 0; j < i; j++) A[i * M + j] = A[j * M + i];
+    assert_true(ric_eigen_balanced(M, A, work));
+    for (int i = 0; i < M; i++) {
+        A[i * M] *= 64;
+        A[i] /= 64;
+    }
+    assert_false(ric_eigen_balanced(M, A, work));
+    for (int i = 0; i < M; i++) {
+        A[i * M] /= 32;
+        A[i] *= 32;
+    }
+    assert_true(ric_eigen_balanced(M, A, work));
+    A[3] = NAN;
+    assert_false(ric_eigen_balanced(M, A, work));
+}
+
 /* --------------------------------------------------------------- a row of masses */
 
 /* Rows of a matrix of a study: 2 and 1.2 on the diagonal in turn, -1 beside it; or masses. */
@@ -264,6 +289,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(factors_are_those_of_the_textbook),
                                        cmocka_unit_test(products_are_those_of_the_textbook),
                                        cmocka_unit_test(conditions_have_no_size),
+                                       cmocka_unit_test(scales_are_seen),
                                        cmocka_unit_test(every_answer_stays),
                                        cmocka_unit_test(more_digits_are_asked_for_in_vain)};
     return cmocka_run_group_tests_name("many modes", tests, NULL, NULL);
