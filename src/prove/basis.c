@@ -5,10 +5,15 @@
 #include "base/room.h"
 
 enum {
-    STEPS = 8, /* of the refinement, each of which doubles 45 bits or more */
-    TINY = 20, /* bits beyond those computed with below which an eigenvalue, relative to the
-                  largest, counts as zero */
+    STEPS = 8,  /* of the refinement, each of which doubles 45 bits or more */
+    EQUAL = 64, /* bits to which eigenvalues agree that are one: what doubles leave of a vector goes
+                   into them squared */
+    FREE = 90,  /* the same relative to the largest eigenvalue, for those that are zero */
+    TINY = 20,  /* bits beyond those computed with below which an eigenvalue, relative to the
+                   largest, counts as zero */
 };
+
+#define TOO_FAR 0.1 /* a turn that is no correction any more */
 
 void ric_basis_open(ric_basis *z, int n, slong bits)
 {
@@ -57,12 +62,90 @@ static bool is_gap(const ric_basis *z, const arb_t gap, const arb_t eigenvalue)
     return out;
 }
 
+/* Columns i and j of A turned by an angle. */
+static void turn_columns(const ric_basis *z, slong i, slong j, const arb_t angle, arb_mat_t A)
+{
+    arb_t c, s, one;
+    arb_init(c);
+    arb_init(s);
+    arb_init(one);
+    arb_sin_cos(s, c, angle, z->prec);
+    for (slong k = 0; k < z->n; k++) {
+        arb_ptr a = arb_mat_entry(A, k, i), b = arb_mat_entry(A, k, j);
+        arb_mul(one, a, c, z->prec);
+        arb_submul(one, b, s, z->prec);
+        arb_mul(b, b, c, z->prec);
+        arb_addmul(b, a, s, z->prec);
+        arb_get_mid_arb(a, one);
+        arb_get_mid_arb(b, b);
+    }
+    arb_clear(c);
+    arb_clear(s);
+    arb_clear(one);
+}
+
+/* The same of columns and rows. */
+static void turn_both(const ric_basis *z, slong i, slong j, const arb_t angle, arb_mat_t A)
+{
+    turn_columns(z, i, j, angle, A);
+    arb_mat_transpose(A, A);
+    turn_columns(z, i, j, angle, A);
+    arb_mat_transpose(A, A);
+}
+
+/* Whether two eigenvalues that are `apart` are two. */
+static bool are_two(const ric_basis *z, const arb_t eigenvalue, const arb_t apart)
+{
+    double top = 0;
+    for (slong k = 0; k < z->n; k++)
+        top = fmax(top, fabs(ric_arb_middle(arb_mat_entry(z->S, k, k))));
+    const double one = fabs(ric_arb_middle(eigenvalue));
+    return ric_arb_middle(apart) > ldexp(one, -EQUAL) + ldexp(top, -FREE);
+}
+
+/* The turn of the vectors i and j of nearly one frequency (Jacobi), by less than a quarter of a
+ * half turn, where a correction of first order does not do; R and S go with X. Vectors of one
+ * frequency stay what they are. */
+static void turn_pair(ric_basis *z, slong i, slong j)
+{
+    arb_t li, lj, gap, across, apart;
+    arb_init(li);
+    arb_init(lj);
+    arb_init(gap);
+    arb_init(across);
+    arb_init(apart);
+    arb_div(li, arb_mat_entry(z->S, i, i), arb_mat_entry(z->R, i, i), z->prec);
+    arb_div(lj, arb_mat_entry(z->S, j, j), arb_mat_entry(z->R, j, j), z->prec);
+    arb_sub(gap, lj, li, z->prec);
+    arb_add(across, li, lj, z->prec);
+    arb_mul(across, across, arb_mat_entry(z->R, i, j), z->prec);
+    arb_neg(across, across);
+    arb_addmul_ui(across, arb_mat_entry(z->S, i, j), 2, z->prec);
+    arb_hypot(apart, gap, across, z->prec);
+    const bool far = fabs(ric_arb_middle(across)) > TOO_FAR * fabs(ric_arb_middle(gap));
+    if (far && are_two(z, li, apart)) {
+        if (arf_sgn(arb_midref(gap)) < 0) {
+            arb_neg(gap, gap);
+            arb_neg(across, across);
+        }
+        arb_atan2(apart, across, gap, z->prec);
+        arb_mul_2exp_si(apart, apart, -1);
+        turn_columns(z, i, j, apart, z->X);
+        turn_both(z, i, j, apart, z->R);
+        turn_both(z, i, j, apart, z->S);
+    }
+    arb_clear(li);
+    arb_clear(lj);
+    arb_clear(gap);
+    arb_clear(across);
+    arb_clear(apart);
+}
+
 /* Entry (i, j) of the correction of Ogita and Aishima (Japan J. Indust. Appl. Math. 35 (2018)
  * 1007); where a gap between eigenvalues does not tell the vectors apart they are only made
  * orthonormal. */
 static void correction(const ric_basis *z, slong i, slong j, arb_t out)
 {
-    static const double too_far = 0.1; /* a turn that is no correction any more */
     arb_t r, li, lj, gap;
     arb_init(r);
     arb_init(li);
@@ -78,7 +161,7 @@ static void correction(const ric_basis *z, slong i, slong j, arb_t out)
         arb_mul(li, lj, r, z->prec);
         arb_add(li, li, arb_mat_entry(z->S, i, j), z->prec);
         arb_div(li, li, gap, z->prec);
-        if (fabs(arf_get_d(arb_midref(li), ARF_RND_NEAR)) < too_far) arb_set(out, li);
+        if (fabs(arf_get_d(arb_midref(li), ARF_RND_NEAR)) < TOO_FAR) arb_set(out, li);
     }
     arb_get_mid_arb(out, out);
     arb_clear(r);
@@ -93,6 +176,8 @@ void ric_basis_refine(ric_basis *z)
     arb_mat_init(E, z->n, z->n);
     for (int step = 0; step < STEPS; step++) {
         congruences(z);
+        for (slong i = 0; i < z->n; i++)
+            for (slong j = i + 1; j < z->n; j++) turn_pair(z, i, j);
         for (slong i = 0; i < z->n; i++)
             for (slong j = 0; j < z->n; j++) correction(z, i, j, arb_mat_entry(E, i, j));
         arb_mat_approx_mul(z->W, z->X, E, z->prec);

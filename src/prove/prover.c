@@ -158,15 +158,24 @@ bool ric_prover_near(const double x[2], double stored)
            fabs(x[1] - stored) <= RIC_PROVER_NEAR * fabs(stored);
 }
 
+static bool is_another(const double x[2], double stored)
+{
+    const double near = RIC_PROVER_NEAR * fabs(stored);
+    return x[1] < stored - near || x[0] > stored + near;
+}
+
 bool ric_prover_agrees(const ric_point *stored, ric_proof *out)
 {
     const double turn = 8 * atan(1), frequency[2] = {turn / out->period[1], turn / out->period[0]};
-    const bool near = ric_prover_near(out->energy, stored->energy) &&
-                      ric_prover_near(frequency, stored->frequency);
-    if (!near)
-        snprintf(out->why, sizeof out->why,
-                 "the stored energy or frequency is not that of the orbit");
-    return near;
+    if (ric_prover_near(out->energy, stored->energy) &&
+        ric_prover_near(frequency, stored->frequency))
+        return true;
+    const bool another = is_another(out->energy, stored->energy) ||
+                         is_another(frequency, stored->frequency);
+    snprintf(out->why, sizeof out->why,
+             another ? "the stored energy or frequency is not that of the orbit"
+                     : "the energy or frequency of the orbit is known to less than is stored");
+    return false;
 }
 
 /* Of two modes: the stored trace is lost where less than three digits of it are known. */

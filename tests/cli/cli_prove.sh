@@ -263,6 +263,20 @@ E
 prove "$folder/three.ricochet" "$folder/three.json"
 ok 'modes of one frequency are enclosed' rows "$folder/three.json" 'assert len(proved) > 100 and len(proved) == len(rows), (len(proved), len(rows))'
 
+# Two frequencies 2e-14 apart, whose vectors doubles leave anywhere in their plane.
+cat >"$folder/twins.yaml" <<'E'
+model:
+  mass: [[2, 0.5, 0], [0.5, 1, 0.25], [0, 0.25, 1.5]]
+  stiffness: [[2.0000000000001, 0.5, 0], [0.5, 1, 0.25], [0, 0.25, 14]]
+  contacts:
+    - {normal: [-0.2, 0.8, -0.7], clearance: 1}
+    - {normal: [-1, 0.9, 0.8], clearance: 1, sides: upper}
+explore: {start: [3], energy: [0, 10], frequency: [0.4, 9], impacts: 2, multiply: 1, depth: 1}
+E
+"$ricochet" run "$folder/twins.yaml" -o "$folder/twins.ricochet" --quiet
+prove "$folder/twins.ricochet" "$folder/twins.json"
+ok 'modes of nearly one frequency are told apart' rows "$folder/twins.json" 'assert len(proved) > 40 and len(proved) == len(rows), (len(proved), len(rows))'
+
 # One of its branches ends where a gap touches in flight, and another one goes on from there with an impact.
 "$ricochet" run examples/corner/study.yaml -o "$folder/corner.ricochet" --quiet
 ok 'a touch in flight is an impact of no speed for the branch that has it' bash -c '"$0" prove "$1" | grep -q "^354 of 354 points proved"' "$ricochet" "$folder/corner.ricochet"

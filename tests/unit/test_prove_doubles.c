@@ -7,12 +7,14 @@
 #include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "ricochet.h"
 
 #if __has_include(<arb.h>) || __has_include(<flint/arb.h>)
 #include "prove/contraction.h"
 #include "prove/lu.h"
+#include "prove/prover.h"
 #include "prove/quick.h"
 #include "prove/skew.h"
 
@@ -551,6 +553,24 @@ static void nearest_doubles(void **state)
     arb_clear(small);
 }
 
+/* What is enclosed to less than what is stored does not say that another orbit is stored. */
+static void another_is_told_from_less(void **state)
+{
+    (void)state;
+    const ric_point stored = {.energy = 2, .frequency = 8 * atan(1)};
+    ric_proof out = {.energy = {1.9, 2.1}, .period = {1, 1}};
+    assert_false(ric_prover_agrees(&stored, &out));
+    assert_non_null(strstr(out.why, "known to less"));
+    out.energy[0] = 2.01;
+    assert_false(ric_prover_agrees(&stored, &out));
+    assert_non_null(strstr(out.why, "is not that of the orbit"));
+    out.energy[0] = out.energy[1] = 2;
+    assert_true(ric_prover_agrees(&stored, &out));
+    out.period[0] = 0.9;
+    assert_false(ric_prover_agrees(&stored, &out));
+    assert_non_null(strstr(out.why, "known to less"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -560,6 +580,7 @@ int main(void)
         cmocka_unit_test(bases_keep_what_cancels),
         cmocka_unit_test(factors_solve),
         cmocka_unit_test(nearest_doubles),
+        cmocka_unit_test(another_is_told_from_less),
     };
     return cmocka_run_group_tests_name("prove_doubles", tests, NULL, NULL);
 }
