@@ -12,6 +12,8 @@ enum { MOST_WORKERS = 256, MOST_TOLD = 10 };
 /* A period and a trace of the hunt are those of an orbit of the census, relative. */
 #define SAME_PERIOD 1e-8
 #define SAME_TRACE 1e-5
+/* RETURNED: turns: phases that differ by less are one to boxes along a curve */
+#define RETURNED 1e-7
 
 typedef struct {
     ric_census_options options;
@@ -140,6 +142,30 @@ static void tell_open(const request *r, const ric_census *census, int n)
     }
 }
 
+/* Why boxes are undecided where all linear motions come back within the periods looked through, and
+ * some of them reach no stop. */
+static void tell_return(const ric_model *model, const ric_census_account *a, FILE *out)
+{
+    const int n = ric_model_n_dof(model);
+    double frequency[n], two[2] = {0};
+    bool seen[n];
+    if (a->flight < HUGE_VAL || ric_model_frequencies(model, frequency) ||
+        ric_model_seen(model, seen))
+        return;
+    for (int i = n - 1, k = 1; i >= 0 && k >= 0; i--)
+        if (seen[i]) two[k--] = frequency[i];
+    const double most = a->period[1] * two[0] / (2 * acos(-1));
+    for (int k = 1; two[0] > 0 && k <= most; k++) {
+        const double other = k * two[1] / two[0];
+        if (fabs(other - round(other)) > RETURNED) continue;
+        cli_tell(out,
+                 "the modes turn %d : %.0f times in one period, so that linear motions come back; "
+                 "those that touch a stop lie on curves, which no boxes decide\n",
+                 k, other);
+        return;
+    }
+}
+
 static void tell_account(const request *r, const ric_census *census, const ric_census_account *a,
                          FILE *out)
 {
@@ -155,6 +181,7 @@ static void tell_account(const request *r, const ric_census *census, const ric_c
     if (a->undecided)
         cli_tell(out, "%ld boxes are undecided, %.3g of all flight times and states\n",
                  a->undecided, a->measure);
+    if (a->undecided) tell_return(r->model, a, out);
     if (a->open)
         cli_tell(out, "of %d solutions it is not proved whether they are motions\n", a->open);
     tell_open(r, census, a->open);

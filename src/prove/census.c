@@ -22,8 +22,13 @@ enum {
 #define LONGEST_TIME 1e6 /* in units of the enclosure, of a flight or a period */
 /* TRY_BELOW: sum of the widths of flights times the largest frequency, for an attempt */
 #define TRY_BELOW 0.4
-/* SMALLEST: of flights times the largest frequency: boxes are not divided further */
+/* SMALLEST: of flights times the largest frequency: boxes are not divided further. Where solutions
+ * lie on curves or surfaces, all boxes along them come to that: n times SOON boxes behind the first
+ * one of a part of the search, the next ones need only be n^3 times as large, up to COARSE, so that
+ * it ends. */
 #define SMALLEST 1e-9
+#define COARSE 1e-2
+#define SOON 10.0
 /* STATE_BEHIND: a state that is known that many times worse than flights say is divided first, */
 #define STATE_BEHIND 20.0
 /* STATE_FIRST: and one that is known no better than that, of |w|: flights follow from it */
@@ -35,7 +40,7 @@ typedef struct {
     ric_census_box box;
     int n, room;
     ric_census_find *found;
-    long boxes, undecided;
+    long boxes, undecided, first; /* first: boxes until one was not divided further, or 0 */
     double measure;
 } task;
 
@@ -135,6 +140,12 @@ static ric_range *widest(const ric_census *s, ric_census_box *b, int N, double *
     return size > STATE_FIRST || size > STATE_BEHIND * times ? state : flight;
 }
 
+static double smallest(const task *t)
+{
+    const double n = t->first ? (double)(t->boxes - t->first) / SOON : 0;
+    return fmin(COARSE, SMALLEST * (1 + n * n * n));
+}
+
 static void search(ric_census *s, task *t, ric_census_box *b, int tries, int depth)
 {
     double width;
@@ -156,7 +167,8 @@ static void search(ric_census *s, task *t, ric_census_box *b, int tries, int dep
         if (is_known(s, t, b)) return;
     }
     ric_range *x = widest(s, b, N, &width);
-    if (width < SMALLEST || depth > DEEPEST) {
+    if (width < smallest(t) || depth > DEEPEST) {
+        if (!t->first) t->first = t->boxes;
         leave(t, b);
         return;
     }
