@@ -135,7 +135,8 @@ static void draw_ground(picture *p, plot_point at, double length, double nx, dou
 
 /* "m = 1.25" in the middle of a place of that width: without its name, or in smaller letters, where
  * it would be wider. */
-static void number(picture *p, plot_point at, double room, char name, double value)
+static void number(picture *p, plot_point at, plot_anchor anchor, double room, char name,
+                   double value)
 {
     char text[80];
     if (p->n > MAX_NUMBERED) return;
@@ -143,7 +144,7 @@ static void number(picture *p, plot_point at, double room, char name, double val
     if (p->n > MAX_NAMED || plot_text_width(text, type) > room)
         snprintf(text, sizeof text, "%.4g", value);
     const double size = type * fmin(1, room / plot_text_width(text, type));
-    plot_page_text(p->page, at, PLOT_CENTRE, size, "#000000", false, text);
+    plot_page_text(p->page, at, anchor, size, "#000000", false, text);
 }
 
 /* ----------------------------------------------------------------- in a row */
@@ -167,7 +168,8 @@ static void draw_mass(picture *p, int i)
     snprintf(text, sizeof text, p->n > MAX_NUMBERED ? "%d" : "x_{%d}", i + 1);
     plot_page_text(p->page, (plot_point){x, y + (p->lumped && p->n <= MAX_NUMBERED ? up : 0)},
                    PLOT_CENTRE, type, "#000000", false, text);
-    if (p->lumped) number(p, (plot_point){x, y - down}, 2 * s - 4, 'm', p->mass[i * p->n + i]);
+    if (p->lumped)
+        number(p, (plot_point){x, y - down}, PLOT_CENTRE, 2 * s - 4, 'm', p->mass[i * p->n + i]);
 }
 
 /* Which level above or below the row is free between two places: levels hold how far to the right
@@ -197,23 +199,26 @@ static void draw_coupling(picture *p, int i, int k, double *levels)
     }
     if (!p->page) return;
     draw_spring(p, (plot_point){x0, y}, (plot_point){x1, y}, false);
-    number(p, (plot_point){(x0 + x1) / 2, y + 16}, x1 - x0 - 4, 'k', spring(p, i, k));
+    number(p, (plot_point){(x0 + x1) / 2, y + 16}, PLOT_CENTRE, x1 - x0 - 4, 'k', spring(p, i, k));
 }
 
-static void draw_support(picture *p, int i)
+static void draw_support(picture *p, int i, double *levels)
 {
     const double x = x_of(p, i), y = p->line, s = p->size;
     plot_point from = {x - s, y}, to = {x - p->pitch + s, y}, text = {(from.x + to.x) / 2, y + 16};
     double nx = -1, ny = 0;
+    plot_anchor anchor = PLOT_CENTRE;
     if (p->place[i] > 0 && p->place[i] == p->n - 1) {
         from.x = x + s;
         to.x = x + p->pitch - s;
         text.x = (from.x + to.x) / 2;
         nx = 1;
-    } else if (p->place[i] > 0) { /* below, beside its contacts */
+    } else if (p->place[i] > 0) { /* below, over its contacts */
         from = (plot_point){x - 0.6 * s, y - s};
         to = (plot_point){x - 0.6 * s, y - s - 48};
-        text = (plot_point){x - 0.6 * s - 24, y - s - 24};
+        text = (plot_point){from.x - 12, y - s - 24};
+        anchor = PLOT_RIGHT;
+        levels[0] = x;
         nx = 0;
         ny = -1;
         p->below = fmax(p->below, s + 60);
@@ -221,7 +226,7 @@ static void draw_support(picture *p, int i)
     if (!p->page) return;
     draw_spring(p, from, to, false);
     draw_ground(p, to, nx != 0 ? 2 * s : 26, nx, ny);
-    number(p, text, p->pitch - 2 * s - 4, 'k', p->ground[i]);
+    number(p, text, anchor, p->pitch - 2 * s - 4, 'k', p->ground[i]);
 }
 
 /* ----------------------------------------------------------------- contacts */
@@ -414,7 +419,7 @@ static void draw_row(picture *p)
                 draw_coupling(p, p->order[a], p->order[b], above);
     for (int i = 0; i < p->n; i++) {
         if (p->page) draw_mass(p, i);
-        if (p->springs && p->ground[i] != 0) draw_support(p, i);
+        if (p->springs && p->ground[i] != 0) draw_support(p, i, below);
     }
     for (int i = 0; i < ric_model_n_contact(p->from.model); i++) {
         ric_contact c;

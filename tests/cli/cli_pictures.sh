@@ -458,6 +458,21 @@ springs = [t for t in p.texts if "2345" in t[2].replace(".", "")]
 check(springs and all(wide(t[2], t[3]) < between for t in springs), between, springs)
 END
 done
+cat >"$folder/middle.yaml" <<'END'
+model:
+  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+  stiffness: [[250, -100, 0], [-100, 450.25, -100], [0, -100, 200]]
+  contacts: [{normal: [0, 1, 0], clearance: 1}]
+END
+ok 'a mass in the middle with a spring to the ground and two stops' draw middle model "$folder/middle.yaml"
+ok 'has its spring apart from its number and its stops' sees middle <<'END'
+spring = next(l for l in p.lines["part"] if len(l) == 12 and abs(l[0][0] - l[-1][0]) < 0.1)
+low, high = (tuple(pick(q[i] for q in spring) for i in (0, 1)) for pick in (min, max))
+inside = [q for l in p.lines["part"] if l is not spring for q in l if low[0] - 3 < q[0] < high[0] + 3 and low[1] + 1 < q[1] < high[1] - 1]
+x, _, text, size = next(t for t in p.texts if t[2] == "k = 250.2")
+anchor = next(g.get("text-anchor") for g in p.root.iter() if "translate(%.2f" % x in (g.get("transform") or ""))
+check(not inside and x + (0 if anchor == "end" else 0.26 * size * len(text)) < low[0] - 2, inside, x, anchor, low)
+END
 ok 'a structure with nodes' draw nodes model examples/arm/study.yaml
 ok 'is drawn from them' sees nodes <<'END'
 line = sorted({q for l in p.lines["member"] for q in l})
