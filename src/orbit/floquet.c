@@ -14,7 +14,8 @@
 #include "floquet_sharp.h"
 
 #define ACCURATE 1e-6 /* error of rho from which on the factors of the map are not multiplied */
-/* ROUGH: error of rho, over 1 + |rho|, from which on the map is made in extended precision */
+/* ROUGH: error of rho, over 1 + |rho|, from which on the map is made in extended precision; of two
+ * modes that of asinh(rho / 2), over itself or 1, which is what is kept of it */
 #define ROUGH 1e-12
 
 ric_status ric_floquet_create(int n, ric_floquet *out)
@@ -65,7 +66,8 @@ static bool is_rough(const ric_floquet *f)
     double least = HUGE_VAL;
     for (int i = 0; i < f->n_pair; i++)
         least = fmin(least, hypot(f->own[2 * i], f->own[2 * i + 1]));
-    return f->rough > fmax(ROUGH, f->enough) * (1 + least) || !isfinite(least);
+    const double told = f->n_pair == 1 ? fmax(asinh(least / 2), 1) : 1;
+    return f->rough > fmax(ROUGH, f->enough) * told * (1 + least) || !isfinite(least);
 }
 
 /* Whether rho that are off by `error` at least are so: one of the eigenvalues of H [size * size] is
