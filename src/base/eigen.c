@@ -58,8 +58,7 @@ static bool scaled(size_t count, const double *A, double *T, int *exponent)
 bool ric_eigen_conditions(int k, const double *A, double *out, double *condition)
 {
     const size_t kk = (size_t)k * (size_t)k;
-    double re[k + 1], im[k + 1], tau[k + 1],
-        *T = ric_calloc((condition ? 3 : 1) * kk + 1, sizeof *T);
+    double re[k + 1], im[k + 1], tau[k + 1], *T = ric_calloc(3 * kk + 1, sizeof *T);
     int exponent;
     /* read by columns it is the transpose, whose eigenvalues and conditions are the same */
     bool found = T && scaled(kk, A, T, &exponent) &&
@@ -67,9 +66,9 @@ bool ric_eigen_conditions(int k, const double *A, double *out, double *condition
     for (int j = 0; j < k && found; j++)
         for (int i = j + 2; i < k; i++) T[j * k + i] = 0;
     found = found &&
-            !ric_lapack(LAPACKE_dhseqr(LAPACK_COL_MAJOR, condition ? 'S' : 'E', 'N', k, 1, k, T, k,
-                                       re, im, NULL, 1)) &&
-            (!condition || conditions_of(k, T, T + kk, condition));
+            !ric_lapack(
+                LAPACKE_dhseqr(LAPACK_COL_MAJOR, 'S', 'N', k, 1, k, T, k, re, im, NULL, 1)) &&
+            conditions_of(k, T, T + kk, condition);
     for (int i = 0; i < k && found; i++) {
         out[2 * i] = exponent ? ldexp(re[i], exponent) : re[i];
         out[2 * i + 1] = exponent ? ldexp(im[i], exponent) : im[i];

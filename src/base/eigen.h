@@ -21,8 +21,7 @@ bool ric_eigen(int k, double *A, double *out);
  * Computations, section 7.2.2). A stays, and is not balanced, which would tell the conditions of
  * another matrix. The vectors are those of the Schur form, whose angles are the same: they are not
  * taken back, which would take more time than all else. The Schur form is that of A', which has
- * another rounding than that of A. condition NULL: not asked for. False also
- * where there is no memory. */
+ * another rounding than that of A. False also where there is no memory. */
 bool ric_eigen_conditions(int k, const double *A, double *out, double *condition);
 
 /* Whether a diagonal similarity makes A [k * k] no smaller than half of its size (Parlett and
