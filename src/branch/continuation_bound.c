@@ -219,9 +219,7 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, ques
                           double *seen)
 {
     enum { WAYS = RIC_TRACE_WAYS };
-    /* the first two are moved to either side of both directions; of the flag alone they are asked
-     * as they are at first, and when Newton's method has brought them back to the branch then */
-    static const int order[WAYS] = {0, 2, 1, 3}, alone[4] = {0, 2, 1, 3};
+    static const int order[WAYS] = {0, 2, 1, 3}; /* the first two to either side of both ways */
     int k = f->n_pair, size = c->n_unknown, worst = 0;
     double rho[2 * k], own[2 * k], each[k], moved[WAYS * size], margin = stable_margin(f, &worst),
                                                                 off = 0;
@@ -237,15 +235,17 @@ static ric_status measure(ric_shooting *c, const double *u, ric_floquet *f, ques
     f->enough = ask.enough;
     f->coarse = !seen && !(f->sharp > 0);
     for (int sample = 0; sample < 2 * WAYS && known && !status; sample++) {
-        const int at = !seen && sample < 4 ? alone[sample] : sample;
-        double *v = moved + order[at / 2] * size;
+        /* each as it is moved, and when Newton's method has brought it back to the branch; of the
+         * flag alone the first two are asked as they are moved before that */
+        const bool both = !seen && sample < 4, back = both ? sample / 2 : sample % 2;
+        double *v = moved + order[both ? sample % 2 : sample / 2] * size;
         if (!seen && ((sample == 2 && error + off < CLEAR * fmin(fabs(margin), 2 + margin)) ||
                       (sample == 4 && error + off < CLEAR * fabs(margin))))
             break;
         /* where several impacts are slow at once the equations leave more directions open than the
          * two that ric_continuation_move knows, and the orbit at which Newton's method ends lies
          * along all of them */
-        if (at % 2 && !ric_continuation_correct_beside(c, v)) continue;
+        if (back && !ric_continuation_correct_beside(c, v)) continue;
         ric_shooting_fly(c, v);
         if ((status = ric_floquet_compute(c, f))) break;
         off = fmax(off, RIC_MEASURED * fabs(stable_margin(f, NULL) - margin));
