@@ -183,36 +183,32 @@ static ric_status place_end(tracing *t, int i, ric_node *a)
 /* Newton's method may come to an image of the junction that the branch passes, which is as good a
  * proof, but on the branch that is the image of this one: u [m * size + 1] is then told of the same
  * motion near the chord of the points beside it. */
-static ric_status take_side(tracing *t, const station *s, const ric_augmented *x, arb_ptr u)
+static void take_side(const tracing *t, const ric_chain *chord, const ric_augmented *x, arb_ptr u)
 {
     const double place = 1e-5;
-    ric_chain like = {0};
-    bool made;
-    const ric_status status = ric_walk_between(&t->w, s->at, &like, &made);
-    if (made && apart(&like, u, t->w.e) > place) {
-        ric_story story;
-        ric_prover_junction_tell(x, &story);
-        ric_story_cut(&story, &like, place, u);
-        ric_story_free(&story);
-    }
-    ric_chain_free(&like);
-    return status;
+    ric_story story;
+    if (!(apart(chord, u, t->w.e) > place)) return;
+    ric_prover_junction_tell(x, &story);
+    ric_story_cut(&story, chord, place, u);
+    ric_story_free(&story);
 }
 
 /* A junction that the branch passes. */
 static ric_status place_inside(tracing *t, const station *s, const ric_junction *row, ric_node *a)
 {
     ric_augmented x = {0};
+    ric_chain chord = {0};
     ric_junction_proof proof = {.state = RIC_PROOF_NONE};
-    ric_status status = ric_prover_junction_inside(&t->w, row, s->at, &x, &proof);
+    const ric_status status = ric_prover_junction_inside(&t->w, row, s->at, &x, &chord, &proof);
     if (!status && proof.state == RIC_PROOF_DONE) {
         const slong count = (slong)x.c.m * x.c.size + 1;
         arb_ptr u = _arb_vec_init(count);
         _arb_vec_set(u, x.z, x.n_orbit);
-        status = take_side(t, s, &x, u);
+        take_side(t, &chord, &x, u);
         ric_curve_node_place(a, &x.c, u, false, t->w.e);
         _arb_vec_clear(u, count);
     }
+    ric_chain_free(&chord);
     ric_augmented_free(&x);
     return status;
 }

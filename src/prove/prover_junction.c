@@ -440,23 +440,21 @@ static bool prove_at(const ric_junction *row, const ric_chain *c, const ric_encl
 /* --------------------------------------------------------------- on a branch */
 
 ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, double at,
-                                      ric_augmented *x, ric_junction_proof *out)
+                                      ric_augmented *x, ric_chain *chord, ric_junction_proof *out)
 {
     ric_augmented_question ask[MOST_QUESTIONS];
-    ric_chain c = {0};
     bool made;
-    ric_status status = ric_walk_between(w, at, &c, &made);
-    const int n = made ? ask_inside(row, &c, ask) : 0;
+    const ric_status status = ric_walk_between(w, at, chord, &made);
+    const int n = made ? ask_inside(row, chord, ask) : 0;
     if (!n)
         snprintf(out->why, sizeof out->why,
                  "there are no equations for this kind in the class of its branch");
     for (int i = 0; i < n; i++) {
         ric_augmented_free(x);
-        if (!prove_at(row, &c, w->e, &ask[i], x, out)) continue;
+        if (!prove_at(row, chord, w->e, &ask[i], x, out)) continue;
         out->state = RIC_PROOF_DONE;
         break;
     }
-    ric_chain_free(&c);
     return status;
 }
 
@@ -582,9 +580,13 @@ static ric_status on_branch(ric_prover *p, const ric_junction *row, int id, int 
             status = ric_prover_junction_end(&w, row, false, x, out);
         if (!status && end && out->state && w.branch.to == row->id)
             status = ric_prover_junction_end(&w, row, true, x, out);
-        for (int i = 0; i < w.branch.n_junction && !status && out->state && !end; i++)
+        for (int i = 0; i < w.branch.n_junction && !status && out->state && !end; i++) {
+            ric_chain chord = {0};
             if (w.branch.junctions[i] == row->id)
-                status = ric_prover_junction_inside(&w, row, w.branch.junction_at[i], x, out);
+                status = ric_prover_junction_inside(&w, row, w.branch.junction_at[i], x, &chord,
+                                                    out);
+            ric_chain_free(&chord);
+        }
         out->branch = id;
     }
     ric_walk_close(&w);

@@ -13,9 +13,9 @@
 
 /* At an arclength of a branch, and at one of its ends where it grazes. Where out->state is
  * RIC_PROOF_DONE then `x` is the proof; it is 0 or another one before, and to be freed in any case.
- */
+ * So is `chord`, the orbit there on the chord of two stored points, from which the proof began. */
 ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, double at,
-                                      ric_augmented *x, ric_junction_proof *out);
+                                      ric_augmented *x, ric_chain *chord, ric_junction_proof *out);
 ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool last,
                                    ric_augmented *x, ric_junction_proof *out);
 
