@@ -28,10 +28,24 @@
 #define NEAR_END 1e-8
 #define REGULAR 1e-3
 
+/* Of a stop: how fast it is met at event i. */
 static double impact_speed(const ric_model *m, const ric_periodic *c, const double *W, int i)
 {
     const ric_face *f = &m->face[c->face[i]];
     return -f->side * ric_dot(c->n, f->c, W + 2 * c->n * i + c->n);
+}
+
+/* The same [N] of all events, allocated; -1 at springs. NULL: no memory. */
+static double *stop_speeds(const ric_model *m, const ric_periodic *c)
+{
+    double *speed = ric_calloc((size_t)c->N + 1, sizeof *speed),
+           *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n + 1, sizeof *W);
+    if (speed && W) ric_periodic_states(m, c, W);
+    for (int i = 0; i < c->N && speed && W; i++)
+        speed[i] = m->face[c->face[i]].spring > 0 ? -1 : fabs(impact_speed(m, c, W, i));
+    if (!W) free(speed);
+    free(W);
+    return W ? speed : NULL;
 }
 
 static bool list_touches(const ric_model *m, ric_node *node, double slow)
@@ -39,51 +53,53 @@ static bool list_touches(const ric_model *m, ric_node *node, double slow)
     const ric_periodic *c = node->cycle;
     node->n_touch = 0;
     node->refusal = RIC_REFUSAL_NONE;
-    double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n, sizeof *W);
+    double *speed = stop_speeds(m, c);
     bool fits = true;
-    if (!W) return false;
-    ric_periodic_states(m, c, W);
+    if (!speed) return false;
     for (int i = 0; i < c->N; i++) {
-        bool spring = m->face[c->face[i]].spring > 0,
-             pair = spring && c->face[(i + 1) % c->N] == c->face[i];
-        if (spring ? !pair || fabs(c->tau[i]) > NO_TIME : fabs(impact_speed(m, c, W, i)) > slow)
-            continue;
+        const bool spring = speed[i] < 0, pair = c->face[(i + 1) % c->N] == c->face[i];
+        if (spring ? !pair || fabs(c->tau[i]) > NO_TIME : speed[i] > slow) continue;
         if (node->n_touch < RIC_MAX_TOUCHES) node->touch[node->n_touch++] = i;
         else fits = false;
     }
-    free(W);
+    free(speed);
     if (!fits || node->n_touch * node->multiple > RIC_MAX_TOUCHES)
         node->refusal = RIC_REFUSAL_TOUCHES;
     return true;
 }
 
+/* The equations of an orbit, evaluated there. NULL: no memory. */
+static ric_shooting *equations_of(const ric_model *m, const ric_periodic *c)
+{
+    ric_shooting *chain = NULL;
+    double *u = NULL;
+    const bool made = !ric_periodic_to_chain(m, c, &chain, &u);
+    if (made) ric_shooting_evaluate(chain, u);
+    else ric_shooting_free(chain);
+    free(u);
+    return made ? chain : NULL;
+}
+
 /* What rounding leaves of the speeds of an orbit: a regular one has them to the last digits. */
 static double lost_speed(const ric_model *m, const ric_periodic *c)
 {
-    ric_shooting *chain = NULL;
-    double *u = NULL, lost = 0;
-    if (!ric_periodic_to_chain(m, c, &chain, &u)) {
-        ric_shooting_evaluate(chain, u);
-        lost = 4 * ric_continuation_tolerance(chain) * chain->scale * (1 + 1 / chain->smallest);
-    }
-    ric_shooting_free(chain);
-    free(u);
+    ric_shooting *q = equations_of(m, c);
+    const double lost = q ? 4 * ric_continuation_tolerance(q) * q->scale * (1 + 1 / q->smallest)
+                          : 0;
+    ric_shooting_free(q);
     return lost;
 }
 
 /* The largest speed at a touch of a stop; *stops: whether all touches are. */
 static double fastest_touch(const ric_model *m, const ric_node *node, bool *stops)
 {
-    const ric_periodic *c = node->cycle;
-    double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n, sizeof *W), most = 0;
-    if (W) ric_periodic_states(m, c, W);
-    *stops = W;
-    for (int i = 0; i < node->n_touch && W; i++) {
-        const bool stop = m->face[c->face[node->touch[i]]].spring == 0;
-        if (stop) most = fmax(most, fabs(impact_speed(m, c, W, node->touch[i])));
-        *stops &= stop;
+    double *speed = stop_speeds(m, node->cycle), most = 0;
+    *stops = speed;
+    for (int i = 0; i < node->n_touch && speed; i++) {
+        most = fmax(most, speed[node->touch[i]]);
+        *stops &= !(speed[node->touch[i]] < 0);
     }
-    free(W);
+    free(speed);
     return most;
 }
 
@@ -250,12 +266,10 @@ static bool is_spelt(const ric_model *m, const ric_periodic *c)
 /* Whether an orbit has speed at all its impacts: solved once more, some that had may be touches. */
 static bool strikes(const ric_model *m, const ric_periodic *c)
 {
-    double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n + 1, sizeof *W);
-    bool all = W;
-    if (W) ric_periodic_states(m, c, W);
-    for (int i = 0; i < c->N && all; i++)
-        all = m->face[c->face[i]].spring > 0 || fabs(impact_speed(m, c, W, i)) > NO_SPEED;
-    free(W);
+    double *speed = stop_speeds(m, c);
+    bool all = speed;
+    for (int i = 0; i < c->N && all; i++) all = speed[i] < 0 || speed[i] > NO_SPEED;
+    free(speed);
     return all;
 }
 
@@ -409,14 +423,9 @@ static ric_periodic *solve_end(const ric_model *m, const ric_periodic *cycle)
 /* The least end pivot of the equations of an orbit; 0: no memory. */
 static double least_pivot(const ric_model *m, const ric_periodic *cycle)
 {
-    ric_shooting *chain = NULL;
-    double *u = NULL, least = 0;
-    if (!ric_periodic_to_chain(m, cycle, &chain, &u)) {
-        ric_shooting_evaluate(chain, u);
-        least = chain->smallest;
-    }
-    ric_shooting_free(chain);
-    free(u);
+    ric_shooting *q = equations_of(m, cycle);
+    const double least = q ? q->smallest : 0;
+    ric_shooting_free(q);
     return least;
 }
 
