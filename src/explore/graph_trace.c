@@ -152,15 +152,13 @@ static ric_status turn_back(const ric_continuation *tr, const ric_limits *limits
 static ric_status set_out(const ric_model *m, const course *way, const ric_node *node,
                           ric_continuation **out)
 {
-    ric_shooting *chain = NULL;
-    double *u0 = NULL, *t0 = NULL;
-    unsigned ignore = 0;
+    ric_outset from;
     if (way->along) return turn_back(way->along, way->limits, out);
-    ric_status status = ric_switching_depart(m, node, way->choice, way->side, &chain, &u0, &t0,
-                                             &ignore);
-    if (!status && chain) status = ric_continuation_create(chain, u0, t0, ignore, way->limits, out);
-    free(u0);
-    free(t0);
+    ric_status status = ric_switching_depart(m, node, way->choice, way->side, &from);
+    if (status || !from.chain) return status;
+    status = ric_continuation_create(from.chain, from.u, from.t, from.ignore, way->limits, out);
+    from.chain = NULL;
+    ric_outset_clear(&from);
     return status;
 }
 

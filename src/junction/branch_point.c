@@ -113,16 +113,16 @@ static ric_status solve(const ric_model *m, const ric_node *node, crossing *q)
 }
 
 ric_status ric_branch_point_depart(const ric_model *m, const ric_node *node, unsigned choice,
-                                   ric_shooting **chain, double **u0, double **t0)
+                                   ric_outset *out)
 {
     crossing q;
     ric_status status = solve(m, node, &q);
     if (status) return status;
-    if ((*t0 = ric_malloc((size_t)q.at.unknowns * sizeof **t0))) {
-        along(&q, q.way[choice != RIC_THROUGH], *t0);
-        ric_singular_orient(q.at.unknowns, *t0);
-        *chain = q.chain;
-        *u0 = q.u0;
+    if ((out->t = ric_malloc((size_t)q.at.unknowns * sizeof *out->t))) {
+        along(&q, q.way[choice != RIC_THROUGH], out->t);
+        ric_singular_orient(q.at.unknowns, out->t);
+        out->chain = q.chain;
+        out->u = q.u0;
         q.chain = NULL;
         q.u0 = NULL;
     } else status = ric_no_memory("a departure");

@@ -44,37 +44,34 @@ static double time_between(const ric_periodic *c, int first, int place)
 /* The slopes along the family without the touches, whose orbit is `regular` and starts at event
  * `first` of the node's cycle. */
 static ric_status slopes_of(const ric_model *m, const ric_node *node, const ric_periodic *regular,
-                            int first, touch *touches, ric_shooting **chain, double **u, double **t)
+                            int first, touch *touches, ric_outset *family)
 {
     int n = m->n;
     double w[2][2 * n];
     ric_turn turn;
-    ric_status status = ric_periodic_to_chain(m, regular, chain, u);
+    ric_status status = ric_outset_open(m, regular, family);
     if (status) return status;
-    ric_shooting *c = *chain;
-    double *moved = ric_calloc((size_t)c->n_unknown, sizeof *moved), h;
+    ric_shooting *c = family->chain;
+    const double h = STEP * c->scale;
+    double *moved = ric_calloc((size_t)c->n_unknown, sizeof *moved);
     ric_periodic *side[2] = {NULL, NULL};
-    *t = ric_calloc((size_t)c->n_unknown, sizeof **t);
-    if (!moved || !*t) {
-        status = ric_no_memory("a departure");
-        goto out;
-    }
-    ric_shooting_evaluate(c, *u);
-    h = STEP * c->scale;
+    if (!moved) return ric_no_memory("a departure");
+    ric_shooting_evaluate(c, family->u);
     if (!(c->smallest > SIMPLE)) {
         status = ric_fail(RIC_E_NUMERIC, "the orbit at the grazing is a branch point of the family "
                                          "without the touch; such grazings are not left by "
                                          "this version");
         goto out;
     }
-    ric_continuation_tangent(c, NULL, *t);
-    if (!ric_turn_find(m, c, *u, regular, &turn)) {
+    ric_continuation_tangent(c, NULL, family->t);
+    if (!ric_turn_find(m, c, family->u, regular, &turn)) {
         status = ric_fail(RIC_E_NUMERIC,
                           "the family without the touches could not be followed at its grazing");
         goto out;
     }
     for (int k = 0; k < 2; k++) {
-        for (int j = 0; j < c->n_unknown; j++) moved[j] = (*u)[j] + (k ? h : -h) * (*t)[j];
+        for (int j = 0; j < c->n_unknown; j++)
+            moved[j] = family->u[j] + (k ? h : -h) * family->t[j];
         if (!(side[k] = ric_turn_cycle(m, c, moved, &turn))) status = ric_no_memory("a departure");
     }
     for (int i = 0; i < node->n_touch && !status; i++) {
@@ -149,9 +146,11 @@ static bool is_touch(const ric_model *m, const touch *t, int face, const double 
 
 /* To first order only the times of the touches change: a contact grows by sqrt(alpha / |s''|), at
  * the cost of the flights beside it. */
-static bool grow(const ric_model *m, const ric_node *node, const touch *touches,
-                 const ric_shooting *c, const double *u, double *t0)
+static bool grow(const ric_model *m, const ric_node *node, const touch *touches, ric_outset *out)
 {
+    const ric_shooting *c = out->chain;
+    const double *u = out->u;
+    double *t0 = out->t;
     int found = 0;
     for (int k = 0; k < c->n_flight; k++) {
         if (!ric_shooting_touches(c, k) || fabs(u[c->n_start + k]) > NO_TIME) continue;
@@ -169,12 +168,13 @@ static bool grow(const ric_model *m, const ric_node *node, const touch *touches,
 }
 
 static ric_status direction(const ric_model *m, const ric_node *node, const touch *touches,
-                            ric_shooting *c, const double *u, double *t0, bool *singular)
+                            ric_outset *out, bool *singular)
 {
+    ric_shooting *c = out->chain;
     int size = c->n_unknown;
-    double kernel[size];
-    ric_shooting_evaluate(c, u);
-    if (!grow(m, node, touches, c, u, t0))
+    double kernel[size], *t0 = out->t;
+    ric_shooting_evaluate(c, out->u);
+    if (!grow(m, node, touches, out))
         return ric_fail(RIC_E_NUMERIC,
                         "a touch of a spring is not found in the problem of the departure");
     double norm = sqrt(ric_dot(size, t0, t0));
@@ -189,28 +189,23 @@ static ric_status direction(const ric_model *m, const ric_node *node, const touc
 }
 
 static ric_status leave(const ric_model *m, const ric_node *node, unsigned choice,
-                        const touch *touches, ric_shooting **chain, double **u0, double **t0,
-                        bool *singular)
+                        const touch *touches, ric_outset *out, bool *singular)
 {
     ric_periodic *cycle = ric_grazing_words_cycle(m, node, choice);
-    ric_status status = cycle ? ric_periodic_to_chain(m, cycle, chain, u0)
-                              : ric_no_memory("a departure");
+    ric_status status = ric_outset_open(m, cycle, out);
     ric_periodic_free(cycle);
-    if (status) return status;
-    *t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0);
-    return *t0 ? direction(m, node, touches, *chain, *u0, *t0, singular)
-               : ric_no_memory("a departure");
+    return status ? status : direction(m, node, touches, out, singular);
 }
 
 ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, unsigned choice,
-                                     ric_shooting **chain, double **u0, double **t0, bool *singular)
+                                     ric_outset *out, bool *singular)
 {
     ric_status status = RIC_OK;
     int n = m->n, first = 0, N = node->cycle->N;
     touch touches[RIC_MAX_TOUCHES];
-    double W[RIC_MAX_TOUCHES * 2 * n], *u = NULL, *t = NULL;
+    double W[RIC_MAX_TOUCHES * 2 * n];
     bool keep[N];
-    ric_shooting *family = NULL;
+    ric_outset family = {0};
     ric_periodic *regular = NULL;
     *singular = false;
     for (int i = 0; i < node->n_touch; i++)
@@ -224,7 +219,7 @@ ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, u
     while (first < N && !keep[first]) first++;
     if (first < N) { /* else a linear mode, whose amplitude grows */
         regular = ric_grazing_words_keep(m, node->cycle, keep);
-        status = regular ? slopes_of(m, node, regular, first, touches, &family, &u, &t)
+        status = regular ? slopes_of(m, node, regular, first, touches, &family)
                          : ric_no_memory("a departure");
     }
     for (int i = 0; i < node->n_touch && !status; i++)
@@ -232,18 +227,13 @@ ric_status ric_grazing_spring_depart(const ric_model *m, const ric_node *node, u
             status = ric_fail(RIC_E_NUMERIC, "the gap of a touch does not change along the family: "
                                              "whether the spring is met is lost in rounding");
     int side = status ? 0 : side_of(node, touches, choice);
-    if (side && choice) status = leave(m, node, choice, touches, chain, u0, t0, singular);
-    else if (side && family) {
-        for (int i = 0; i < family->n_unknown; i++) t[i] *= side;
-        *chain = family;
-        *u0 = u;
-        *t0 = t;
-        family = NULL;
-        u = t = NULL;
+    if (side && choice) status = leave(m, node, choice, touches, out, singular);
+    else if (side && family.chain) {
+        for (int i = 0; i < family.chain->n_unknown; i++) family.t[i] *= side;
+        *out = family;
+        family = (ric_outset){0};
     }
     ric_periodic_free(regular);
-    ric_shooting_free(family);
-    free(u);
-    free(t);
+    ric_outset_clear(&family);
     return status;
 }

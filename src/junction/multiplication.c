@@ -501,28 +501,21 @@ out:
 /* ----------------------------------------------------------------- interface */
 
 ric_status ric_multiplication_depart(const ric_model *m, const ric_node *node, unsigned choice,
-                                     int side, ric_shooting **chain, double **u0, double **t0)
+                                     int side, ric_outset *out)
 {
     ring q;
-    *chain = NULL;
-    *u0 = *t0 = NULL;
     ric_status status = solve(m, node, &q);
     if (status) return status;
-    size_t bytes = (size_t)q.size * sizeof **u0;
+    size_t bytes = (size_t)q.size * sizeof *out->u;
     const double *start = q.start + (choice == RIC_OTHER_SIDE || side < 0 ? q.size : 0);
-    *u0 = ric_malloc(bytes);
-    *t0 = ric_malloc(bytes);
-    if (*u0 && *t0) {
-        memcpy(*u0, q.u0, bytes);
-        for (int i = 0; i < q.size; i++) (*t0)[i] = start[i] - q.u0[i];
-        *chain = q.chain;
+    out->u = ric_malloc(bytes);
+    out->t = ric_malloc(bytes);
+    if (out->u && out->t) {
+        memcpy(out->u, q.u0, bytes);
+        for (int i = 0; i < q.size; i++) out->t[i] = start[i] - q.u0[i];
+        out->chain = q.chain;
         q.chain = NULL;
-    } else {
-        free(*u0);
-        free(*t0);
-        *u0 = *t0 = NULL;
-        status = ric_no_memory("a departure");
-    }
+    } else status = ric_no_memory("a departure");
     ring_free(&q);
     return status;
 }

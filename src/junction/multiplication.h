@@ -18,16 +18,17 @@
 #define RIC_JUNCTION_MULTIPLICATION_H
 
 #include "node.h"
+#include "outset.h"
 
 /* Whether the branch that leaves is found that way. */
 bool ric_multiplication_applies(const ric_node *node, unsigned choice);
 
-/* The chain over r periods at the node, its unknowns *u0 and *t0 from there to a solved orbit
- * beside it (both allocated). Of two families SIDE is the elliptic one, of two alike the one of
- * smaller energy at equal distance; of one that passes, side = 1 leads that way. RIC_E_NUMERIC:
- * refused, the reason in ric_detail(). */
+/* The problem over r periods at the node, and the way from there to a solved orbit beside it. Of
+ * two families SIDE is the elliptic one, of two alike the one of smaller energy at equal distance;
+ * of one that passes, side = 1 leads that way. RIC_E_NUMERIC: refused, the reason in ric_detail().
+ */
 ric_status ric_multiplication_depart(const ric_model *model, const ric_node *node, unsigned choice,
-                                     int side, ric_shooting **chain, double **u0, double **t0);
+                                     int side, ric_outset *out);
 
 /* The choice (SIDE, OTHER_SIDE) and side (+1, -1) at which an orbit near the node, with its
  * symmetries, lies. */

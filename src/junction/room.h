@@ -9,6 +9,7 @@
 #include "node.h"
 #include "node_solve.h"
 #include "node_cache.h"
+#include "outset.h"
 #include "switching.h"
 
 #endif

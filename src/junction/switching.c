@@ -164,17 +164,18 @@ static ric_status try_sides(ric_shooting *c, const double *u0, const double *t, 
     return RIC_OK;
 }
 
-static ric_status find_side(ric_shooting *c, double *u0, double *t0, int *found)
+static ric_status find_side(ric_outset *out, int *found)
 {
+    ric_shooting *c = out->chain;
     double t[c->n_unknown];
     int iterations;
     *found = 0;
-    if (!ric_continuation_correct(c, u0, NULL, NULL, 0, t, &iterations))
+    if (!ric_continuation_correct(c, out->u, NULL, NULL, 0, t, &iterations))
         return ric_fail(RIC_E_NUMERIC, "the orbit at the grazing does not converge (residual %g)",
                         c->residual);
     if (c->smallest < SEVERAL) return ric_fail(RIC_E_NUMERIC, "%s", move_together);
     ric_continuation_tangent(c, NULL, t);
-    return try_sides(c, u0, t, t0, found);
+    return try_sides(c, out->u, t, out->t, found);
 }
 
 /* Whether a mode beside those of a linear motion has a frequency that the period of it, gone
@@ -196,9 +197,9 @@ static bool commensurate(const ric_model *m, const ric_node *node)
  * motions that touch; across them lies the one branch, if there is one: beside a motion that is
  * none of ric_mixtures the impulses do not drive that motion itself, and no impact gets any speed.
  */
-static ric_status find_shared_side(const ric_node *node, ric_shooting *c, const double *u0,
-                                   double *t0, int *found)
+static ric_status find_shared_side(const ric_node *node, ric_outset *out, int *found)
 {
+    ric_shooting *c = out->chain;
     double t[c->n_unknown];
     int count;
     *found = 0;
@@ -208,8 +209,8 @@ static ric_status find_shared_side(const ric_node *node, ric_shooting *c, const 
             "a grazing of modes of one frequency with %d unknowns: more than this version "
             "looks for a way out of",
             c->n_unknown);
-    ric_shooting_fly(c, u0);
-    ric_status status = ric_mixture_way(c, u0, t, &count);
+    ric_shooting_fly(c, out->u);
+    ric_status status = ric_mixture_way(c, out->u, t, &count);
     if (!status && count != 1 && commensurate(c->model, node))
         return ric_fail(RIC_E_NUMERIC, "%s", move_together);
     if (status || count == 0) return status;
@@ -217,44 +218,30 @@ static ric_status find_shared_side(const ric_node *node, ric_shooting *c, const 
         return ric_fail(RIC_E_NUMERIC, "modes of one frequency, and impacts that share their "
                                        "impulse in any way: no single branch "
                                        "leaves");
-    status = try_sides(c, u0, t, t0, found);
-    for (int i = 0; i < c->n_unknown; i++) t0[i] *= RIC_LEAVING * c->scale;
+    status = try_sides(c, out->u, t, out->t, found);
+    for (int i = 0; i < c->n_unknown; i++) out->t[i] *= RIC_LEAVING * c->scale;
     return status;
-}
-
-static void drop(ric_shooting **chain, double **u0, double **t0)
-{
-    ric_shooting_free(*chain);
-    free(*u0);
-    free(*t0);
-    *chain = NULL;
-    *u0 = *t0 = NULL;
 }
 
 /* From a grazing or a corner. */
 static ric_status depart_subset(const ric_model *m, const ric_node *node, unsigned choice,
-                                ric_shooting **chain, double **u0, double **t0, bool *singular)
+                                ric_outset *out, bool *singular)
 {
     ric_periodic *cycle = ric_grazing_words_cycle(m, node, choice);
     int found = 0;
     if (!cycle) return ric_no_memory("a departure");
     const char *refused = node->kind == RIC_KIND_GRAZING ? together(m, cycle) : NULL;
     ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused)
-                                : ric_periodic_to_chain(m, cycle, chain, u0);
+                                : ric_outset_open(m, cycle, out);
     ric_periodic_free(cycle);
     if (status) return status;
     if (ric_grazing_spring_applies(node)) {
-        drop(chain, u0, t0);
-        status = ric_grazing_spring_depart(m, node, choice, chain, u0, t0, singular);
-        if (status) drop(chain, u0, t0);
-        return status;
+        ric_outset_clear(out);
+        return ric_grazing_spring_depart(m, node, choice, out, singular);
     }
-    *t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0);
     *singular = node->kind == RIC_KIND_GRAZING && ric_node_space(m, node) >= 0;
-    status = !*t0        ? ric_no_memory("a departure")
-             : *singular ? find_shared_side(node, *chain, *u0, *t0, &found)
-                         : find_side(*chain, *u0, *t0, &found);
-    if (status || !found) drop(chain, u0, t0);
+    status = *singular ? find_shared_side(node, out, &found) : find_side(out, &found);
+    if (!found) ric_outset_clear(out);
     return status;
 }
 
@@ -279,17 +266,18 @@ static bool plane(ric_shooting *c, const double *u, double *kernel)
     return ric_shooting_plane(c, kernel, &second) && second <= SECOND;
 }
 
-/* A neighbour of the node on the branch that passes, at distance h, as unknowns of the problem in
+/* A neighbour of the node on the branch that passes, on one side, as unknowns of the problem in
  * which the other one leaves. */
-static ric_status neighbour(const ric_model *m, ric_shooting *form, const double *v,
-                            const double *t, double h, const ric_turn *turn,
+static ric_status neighbour(const ric_outset *passes, int side, const ric_turn *turn,
                             const ric_symmetry *problem, double **u)
 {
-    double point[form->n_unknown];
+    const ric_model *m = passes->chain->model;
+    const double h = side * NEAR * passes->chain->scale;
+    double point[passes->chain->n_unknown];
     ric_shooting *chain = NULL;
     ric_status status;
-    for (int i = 0; i < form->n_unknown; i++) point[i] = v[i] + h * t[i];
-    ric_periodic *home = ric_turn_cycle(m, form, point, turn),
+    for (int i = 0; i < passes->chain->n_unknown; i++) point[i] = passes->u[i] + h * passes->t[i];
+    ric_periodic *home = ric_turn_cycle(m, passes->chain, point, turn),
                  *repeated = home ? ric_symmetry_cycle(home, problem) : NULL;
     status = repeated ? ric_periodic_to_chain(m, repeated, &chain, u)
                       : ric_no_memory("a departure");
@@ -301,30 +289,31 @@ static ric_status neighbour(const ric_model *m, ric_shooting *form, const double
 
 /* In the kernel of the larger problem, perpendicular to the symmetric branch, largest component
  * positive. */
-static ric_status side_direction(ric_shooting *c, const double *u0, const double *before,
-                                 const double *after, double *t0)
+static ric_status side_direction(const double *before, const double *after, ric_outset *out)
 {
-    int size = c->n_unknown;
+    int size = out->chain->n_unknown;
     double kernel[2 * size], p = 0, q = 0;
-    ric_shooting_fly(c, u0);
-    if (!plane(c, u0, kernel))
+    ric_shooting_fly(out->chain, out->u);
+    if (!plane(out->chain, out->u, kernel))
         return ric_fail(RIC_E_NUMERIC, "the kernel at the branch point has not two dimensions");
     for (int i = 0; i < size; i++) {
         p += kernel[i] * (after[i] - before[i]);
         q += kernel[size + i] * (after[i] - before[i]);
     }
-    for (int i = 0; i < size; i++) t0[i] = (q * kernel[i] - p * kernel[size + i]) / hypot(p, q);
-    ric_singular_orient(size, t0);
+    for (int i = 0; i < size; i++) out->t[i] = (q * kernel[i] - p * kernel[size + i]) / hypot(p, q);
+    ric_singular_orient(size, out->t);
     return RIC_OK;
 }
 
 /* The kernel vector is perpendicular to the symmetric branch, the branch that leaves need not be:
  * its direction is that of a point on it. The symmetric branch has no point in the plane that is
  * solved in. */
-static bool secant_direction(ric_shooting *c, const double *u0, double *t0)
+static bool secant_direction(ric_outset *out)
 {
+    ric_shooting *c = out->chain;
     int size = c->n_unknown, iterations;
-    double u[size], du[size], h = SECANT * c->scale;
+    const double h = SECANT * c->scale, *u0 = out->u;
+    double u[size], du[size], *t0 = out->t;
     for (int pass = 0; pass < 2; pass++) {
         double norm = 0;
         for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
@@ -359,13 +348,13 @@ static double largest_difference(int size, const double *a, const double *b)
  * smallness are left in the right direction: deep in a cascade other orbits lie about. A cycle may
  * be read from either of its mirror points, which the shift exchanges, and on S orbits the other
  * one shows the mirror image: of the two sets of unknowns one must be that of the chain itself. */
-static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_shooting *c,
-                                const double *u0, double *t0)
+static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_outset *out)
 {
+    ric_shooting *c = out->chain;
     int size = c->n_unknown;
-    double point[size], norm = 0, sign = 0;
+    double point[size], norm = 0, sign = 0, *t0 = out->t;
     bool found = false, turned = node->cycle->half && node->multiple % 2;
-    for (int i = 0; i < size; i++) point[i] = u0[i] + NEAR * c->scale * t0[i];
+    for (int i = 0; i < size; i++) point[i] = out->u[i] + NEAR * c->scale * t0[i];
     ric_shooting_fly(c, point);
     ric_periodic *here = ric_periodic_from_chain(c, point);
     if (!here) return ric_no_memory("a departure");
@@ -390,6 +379,15 @@ static ric_status odd_direction(const ric_model *m, const ric_node *node, ric_sh
                : ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
 }
 
+static ric_status depart_through(const ric_model *m, const ric_node *node, ric_outset *out)
+{
+    ric_status status = ric_outset_open(m, node->cycle, out);
+    if (status) return status;
+    ric_shooting_evaluate(out->chain, out->u);
+    ric_continuation_tangent(out->chain, NULL, out->t);
+    return RIC_OK;
+}
+
 static bool turns_round(const ric_node *node)
 {
     return node->kind == RIC_KIND_MULTIPLICATION &&
@@ -397,66 +395,41 @@ static bool turns_round(const ric_node *node)
 }
 
 static ric_status depart_side(const ric_model *m, const ric_node *node, unsigned choice,
-                              ric_shooting **chain, double **u0, double **t0)
+                              ric_outset *out)
 {
     ric_symmetry problem = ric_node_problem(node, choice);
-    ric_shooting *form = NULL;
-    double *v = NULL, *before = NULL, *after = NULL, *t = NULL;
+    ric_outset passes = {0};
+    double *before = NULL, *after = NULL;
     ric_turn turn;
     ric_periodic *cycle = ric_symmetry_cycle(node->cycle, &problem);
-    ric_status status = cycle ? ric_periodic_to_chain(m, node->cycle, &form, &v)
-                              : ric_no_memory("a departure");
+    ric_status status = depart_through(m, node, &passes);
+    if (!status) status = ric_outset_open(m, cycle, out);
     if (status) goto out;
-    if ((status = ric_periodic_to_chain(m, cycle, chain, u0))) goto out;
-    *t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0);
-    t = ric_calloc((size_t)form->n_unknown, sizeof *t);
-    if (!*t0 || !t) {
-        status = ric_no_memory("a departure");
-        goto out;
-    }
-    ric_shooting_evaluate(form, v);
-    ric_continuation_tangent(form, NULL, t);
     /* the cycle of a chain may start elsewhere than the canonical one */
-    if (!ric_turn_find(m, form, v, node->cycle, &turn)) {
+    if (!ric_turn_find(m, passes.chain, passes.u, node->cycle, &turn)) {
         status = ric_fail(RIC_E_NUMERIC,
                           "the symmetric branch could not be followed at its branch point");
         goto out;
     }
-    if ((status = neighbour(m, form, v, t, -NEAR * form->scale, &turn, &problem, &before)))
-        goto out;
-    if ((status = neighbour(m, form, v, t, NEAR * form->scale, &turn, &problem, &after))) goto out;
-    if ((status = side_direction(*chain, *u0, before, after, *t0))) goto out;
-    if (turns_round(node)) status = odd_direction(m, node, *chain, *u0, *t0);
-    else if (!secant_direction(*chain, *u0, *t0))
+    if ((status = neighbour(&passes, -1, &turn, &problem, &before))) goto out;
+    if ((status = neighbour(&passes, 1, &turn, &problem, &after))) goto out;
+    if ((status = side_direction(before, after, out))) goto out;
+    if (turns_round(node)) status = odd_direction(m, node, out);
+    else if (!secant_direction(out))
         status = ric_fail(RIC_E_NUMERIC, "no orbit was found beside the branch point");
 out:
-    if (status) drop(chain, u0, t0);
-    ric_shooting_free(form);
+    ric_outset_clear(&passes);
     ric_periodic_free(cycle);
-    free(v);
     free(before);
     free(after);
-    free(t);
     return status;
 }
 
-static ric_status depart_through(const ric_model *m, const ric_node *node, ric_shooting **chain,
-                                 double **u0, double **t0)
+/* Along t, or for side = -1 against it; the start may be singular: its first step is the length of
+ * t. */
+static void orient(int side, double length, ric_outset *out)
 {
-    ric_status status = ric_periodic_to_chain(m, node->cycle, chain, u0);
-    if (status) return status;
-    if (!(*t0 = ric_calloc((size_t)(*chain)->n_unknown, sizeof **t0)))
-        return ric_no_memory("a departure");
-    ric_shooting_evaluate(*chain, *u0);
-    ric_continuation_tangent(*chain, NULL, *t0);
-    return RIC_OK;
-}
-
-/* Along t0, or for side = -1 against it; the start may be singular: its first step is the length of
- * t0. */
-static void orient(const ric_shooting *c, int side, double length, double *t0)
-{
-    for (int i = 0; i < c->n_unknown; i++) t0[i] *= side * length;
+    for (int i = 0; i < out->chain->n_unknown; i++) out->t[i] *= side * length;
 }
 
 /* Whether a spring is met from here on: the contact is short as the distance x from the grazing,
@@ -468,40 +441,43 @@ static bool keeps_soft(const ric_node *node, unsigned choice)
     return false;
 }
 
-ric_status ric_switching_depart(const ric_model *m, const ric_node *node, unsigned choice, int side,
-                                ric_shooting **chain, double **u0, double **t0, unsigned *ignore)
+/* As ric_switching_depart, into an empty *out, which is to be cleared after an error. */
+static ric_status depart(const ric_model *m, const ric_node *node, unsigned choice, int side,
+                         ric_outset *out)
 {
-    const unsigned breaks = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
+    const unsigned breaks = 1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D,
+                   slopes = 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
     bool singular = false;
-    *chain = NULL;
-    *u0 = *t0 = NULL;
+    ric_status status;
     if (node->kind == RIC_KIND_GRAZING) {
-        *ignore = breaks | 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH;
-        if (keeps_soft(node, choice)) *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD;
-        ric_status status = depart_subset(m, node, choice, chain, u0, t0, &singular);
-        if (singular) *ignore |= 1u << RIC_TEST_DET | RIC_SINGULAR_START;
+        status = depart_subset(m, node, choice, out, &singular);
+        out->ignore = breaks | 1u << RIC_TEST_REACH | 1u << RIC_TEST_APPROACH;
+        if (keeps_soft(node, choice)) out->ignore |= slopes;
+        if (singular) out->ignore |= 1u << RIC_TEST_DET | RIC_SINGULAR_START;
         return status;
     }
     if (node->kind == RIC_KIND_CORNER) {
-        *ignore = 1u << RIC_TEST_FLIGHT;
-        return depart_subset(m, node, choice, chain, u0, t0, &singular);
-    }
-    *ignore = breaks | 1u << RIC_TEST_DET;
-    if (node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET) {
-        *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
-        ric_status status = ric_branch_point_depart(m, node, choice, chain, u0, t0);
-        if (!status) orient(*chain, side, RIC_LEAVING * (*chain)->scale, *t0);
+        status = depart_subset(m, node, choice, out, &singular);
+        out->ignore = 1u << RIC_TEST_FLIGHT;
         return status;
     }
-    if (choice == RIC_THROUGH) {
-        ric_status status = depart_through(m, node, chain, u0, t0);
-        if (!status) orient(*chain, side, 1, *t0);
-        return status;
-    }
-    *ignore |= 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD | RIC_SINGULAR_START;
-    if (ric_multiplication_applies(node, choice))
-        return ric_multiplication_depart(m, node, choice, side, chain, u0, t0);
-    ric_status status = depart_side(m, node, choice, chain, u0, t0);
-    if (!status) orient(*chain, side, RIC_LEAVING * (*chain)->scale, *t0);
+    const bool crosses = node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET,
+               through = choice == RIC_THROUGH && !crosses;
+    out->ignore = breaks | 1u << RIC_TEST_DET | (through ? 0 : slopes | RIC_SINGULAR_START);
+    if (!through && !crosses && ric_multiplication_applies(node, choice))
+        return ric_multiplication_depart(m, node, choice, side, out);
+    status = crosses   ? ric_branch_point_depart(m, node, choice, out)
+             : through ? depart_through(m, node, out)
+                       : depart_side(m, node, choice, out);
+    if (!status) orient(side, through ? 1 : RIC_LEAVING * out->chain->scale, out);
+    return status;
+}
+
+ric_status ric_switching_depart(const ric_model *m, const ric_node *node, unsigned choice, int side,
+                                ric_outset *out)
+{
+    *out = (ric_outset){0};
+    const ric_status status = depart(m, node, choice, side, out);
+    if (status) ric_outset_clear(out);
     return status;
 }

@@ -4,12 +4,12 @@
 #define RIC_JUNCTION_SWITCHING_H
 
 #include "node.h"
+#include "outset.h"
 
-/* Prepares the departure: chain, start u0 and direction t0 (both allocated), bits to ignore in the
- * first step. side = -1: the other way, of a branch that passes. RIC_OK with *chain = NULL:
- * inadmissible; RIC_E_NUMERIC: refused, the reason in ric_detail(). */
+/* Prepares the departure. side = -1: the other way, of a branch that passes. RIC_OK with
+ * out->chain = NULL: inadmissible; RIC_E_NUMERIC: refused, the reason in ric_detail(), and
+ * out->chain is NULL, too. */
 ric_status ric_switching_depart(const ric_model *model, const ric_node *node, unsigned choice,
-                                int side, ric_shooting **chain, double **u0, double **t0,
-                                unsigned *ignore);
+                                int side, ric_outset *out);
 
 #endif

@@ -288,33 +288,32 @@ static ric_status search_along(ric_cascade *c, ric_continuation *tr, bool keep, 
     return status == RIC_E_NUMERIC ? RIC_OK : status;
 }
 
-/* The first step, along t0, is no longer than any other. */
-static void shorten(const ric_shooting *chain, double max_step, double *t0)
+/* The first step, along t, is no longer than any other. */
+static void shorten(double max_step, ric_outset *from)
 {
-    double norm = sqrt(ric_dot(chain->n_unknown, t0, t0)), most = max_step * chain->scale;
-    for (int i = 0; norm > most && i < chain->n_unknown; i++) t0[i] *= most / norm;
+    const int size = from->chain->n_unknown;
+    double norm = sqrt(ric_dot(size, from->t, from->t)), most = max_step * from->chain->scale;
+    for (int i = 0; norm > most && i < size; i++) from->t[i] *= most / norm;
 }
 
 /* One family of the last multiplication, in one direction. */
 static ric_status search_family(ric_cascade *c, unsigned choice, int side, bool *found)
 {
     const ric_node *node = c->stages[c->n - 1].node;
-    ric_shooting *chain = NULL;
+    ric_outset from;
     ric_continuation *tr = NULL;
-    double *u0 = NULL, *t0 = NULL;
-    unsigned ignore;
-    ric_status status = ric_switching_depart(c->model, node, choice, side, &chain, &u0, &t0,
-                                             &ignore);
-    if (!status && chain && !ric_multiplication_applies(node, choice))
-        shorten(chain, c->limits.max_step, t0);
-    if (!status && chain) status = ric_continuation_create(chain, u0, t0, ignore, &c->limits, &tr);
+    ric_status status = ric_switching_depart(c->model, node, choice, side, &from);
+    if (!status && from.chain) {
+        if (!ric_multiplication_applies(node, choice)) shorten(c->limits.max_step, &from);
+        status = ric_continuation_create(from.chain, from.u, from.t, from.ignore, &c->limits, &tr);
+        from.chain = NULL;
+    }
     if (status && c->n >= c->deepest) {
         c->deepest = c->n;
         snprintf(c->where, sizeof c->where, "%.150s", ric_detail());
     }
     if (!status && tr) status = search_along(c, tr, true, found);
-    free(u0);
-    free(t0);
+    ric_outset_clear(&from);
     return status == RIC_E_NUMERIC ? RIC_OK : status;
 }
 

@@ -7,6 +7,7 @@
 #include "base/room.h"
 #include "stored.h"
 #include "branch/room.h"
+#include "junction/room.h"
 
 /* The ghost continuation of a branch (docs/theory.md section 6): the same chain, traced on from a
  * stored end past the grazing. The orbit problem is regular there, since no impact speed is divided
@@ -93,10 +94,9 @@ static ric_status find_neighbour(const ric_atlas *a, const ric_branch *b, ric_en
     return status;
 }
 
-/* The chain of the branch, its unknowns at the end and the direction that leads out, both
- * allocated. */
+/* The end of the branch, and the direction that leads out. */
 static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end end, ric_ghost *g,
-                               ric_shooting **chain, double **u, double **t)
+                               ric_outset *out)
 {
     const ric_model *m = g->model;
     ric_periodic *tip = NULL, *near = NULL;
@@ -110,13 +110,13 @@ static ric_status start_at_end(const ric_atlas *a, const ric_branch *b, ric_end 
     if (!status) status = ric_stored_symmetries(a, b, neighbour, near);
     if (status) goto out;
     ric_periodic_take_symmetries(tip, near);
-    if ((status = ric_stored_chain(m, b, neighbour, near, &other, t)) ||
-        (status = ric_stored_chain(m, b, last, tip, chain, u)))
+    if ((status = ric_stored_chain(m, b, neighbour, near, &other, &out->t)) ||
+        (status = ric_stored_chain(m, b, last, tip, &out->chain, &out->u)))
         goto out;
-    if (!ric_turn_find(m, other, *t, near, &g->turn))
+    if (!ric_turn_find(m, other, out->t, near, &g->turn))
         status = ric_fail(RIC_E_NUMERIC,
                           "a stored orbit of branch %d does not fit its own symmetries", b->id);
-    for (int i = 0; i < (*chain)->n_unknown; i++) (*t)[i] = (*u)[i] - (*t)[i];
+    for (int i = 0; i < out->chain->n_unknown; i++) out->t[i] = out->u[i] - out->t[i];
     g->origin = at.arclength;
 out:
     ric_shooting_free(other);
@@ -159,8 +159,7 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
     /* what is zero at the very end, or has a pole there, is no event of the first step */
     const unsigned ignore = 1u << RIC_TEST_DET | 1u << RIC_TEST_SLOPE | 1u << RIC_TEST_PERIOD |
                             1u << RIC_TEST_A | 1u << RIC_TEST_B | 1u << RIC_TEST_D;
-    ric_shooting *chain = NULL;
-    double *u = NULL, *t = NULL;
+    ric_outset from = {.ignore = ignore};
     ric_ghost *g = ric_calloc(1, sizeof *g);
     *out = NULL;
     if (!g) return ric_no_memory("a ghost");
@@ -170,10 +169,11 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
                                         limits->max_points);
     g->limits.ghost = true;
     g->limits.multiply = limits->multiply;
-    ric_status status = start_at_end(a, b, end, g, &chain, &u, &t);
+    ric_status status = start_at_end(a, b, end, g, &from);
     if (!status) {
-        status = ric_continuation_create(chain, u, t, ignore, &g->limits, &g->trace);
-        chain = NULL;
+        status = ric_continuation_create(from.chain, from.u, from.t, from.ignore, &g->limits,
+                                         &g->trace);
+        from.chain = NULL;
     }
     /* at a corner the time between two impacts may be zero already */
     if (!status && g->trace->now.test[RIC_TEST_FLIGHT] > 0) status = ric_continuation_run(g->trace);
@@ -182,9 +182,7 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
         *out = g;
         g = NULL;
     }
-    ric_shooting_free(chain);
-    free(u);
-    free(t);
+    ric_outset_clear(&from);
     ghost_free(g);
     return status;
 }

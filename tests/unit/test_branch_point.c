@@ -59,15 +59,16 @@ static bool own_image(const ric_model *m, const ric_periodic *cycle)
 static ric_periodic *leave(const ric_graph *g, const ric_node *node, unsigned choice, int side,
                            int at, double *energy)
 {
-    ric_shooting *chain = NULL;
-    double *u0 = NULL, *t0 = NULL;
-    unsigned ignore = 0, seen;
+    ric_outset from;
+    unsigned seen;
     ric_continuation *tr = NULL;
     ric_limits limits = g->limits;
     limits.max_points = at + 1;
-    if (ric_switching_depart(g->model, node, choice, side, &chain, &u0, &t0, &ignore) ||
-        ric_continuation_create(chain, u0, t0, ignore, &limits, &tr) || ric_continuation_run(tr))
+    if (ric_switching_depart(g->model, node, choice, side, &from) ||
+        ric_continuation_create(from.chain, from.u, from.t, from.ignore, &limits, &tr) ||
+        ric_continuation_run(tr))
         fail_msg("choice %u, side %d at E %.9g: %s", choice, side, node->energy, ric_detail());
+    from.chain = NULL;
     assert_true(tr->n_point > at);
     const double *point = tr->points + (size_t)at * tr->stride,
                  *u = point + sizeof(ric_point) / sizeof(double);
@@ -80,8 +81,7 @@ static ric_periodic *leave(const ric_graph *g, const ric_node *node, unsigned ch
     if (seen != choice) fail_msg("choice %u at E %.9g is taken for %u", choice, node->energy, seen);
     ric_periodic_free(turned);
     ric_continuation_free(tr);
-    free(u0);
-    free(t0);
+    ric_outset_clear(&from);
     return cycle;
 }
 
@@ -464,27 +464,23 @@ static void slopes_beside(void **state)
     ric_graph *g = explored_graph(study);
     for (int k = 0; k < g->n_node; k++) {
         const ric_node *node = g->nodes[k];
-        ric_shooting *c = NULL;
-        double *u0 = NULL, *t0 = NULL, by[2], counts[2];
-        unsigned ignore = 0;
+        ric_outset from;
+        double by[2], counts[2];
         if (node->kind != RIC_KIND_MULTIPLICATION || node->n_departure < 2) continue;
-        if (ric_switching_depart(g->model, node, node->departures[1].choice, 1, &c, &u0, &t0,
-                                 &ignore))
-            continue;
-        const double step = sqrt(ric_dot(c->n_unknown, t0, t0));
-        for (int i = 0; i < c->n_unknown; i++) t0[i] /= step;
-        if (ignore & RIC_SINGULAR_START)
+        if (ric_switching_depart(g->model, node, node->departures[1].choice, 1, &from)) continue;
+        ric_shooting *c = from.chain;
+        const double step = sqrt(ric_dot(c->n_unknown, from.t, from.t));
+        for (int i = 0; i < c->n_unknown; i++) from.t[i] /= step;
+        if (from.ignore & RIC_SINGULAR_START)
             for (double d = 1e-4; d > 2e-8; d /= 1.3, checked++)
                 for (int side = -1; side <= 1; side += 2) {
-                    spread(c, u0, t0, side * d * c->scale, by, counts);
+                    spread(c, from.u, from.t, side * d * c->scale, by, counts);
                     for (int test = 0; test < 2; test++)
                         if (by[test] / 2 > counts[test])
                             fail_msg("E %.9g: at %g slopes differ by %g, and %g counts as one",
                                      node->energy, side * d, by[test], counts[test]);
                 }
-        ric_shooting_free(c);
-        free(u0);
-        free(t0);
+        ric_outset_clear(&from);
     }
     assert_true(checked > 20);
     ric_graph_free(g);

@@ -68,20 +68,18 @@ static void check_station(ric_continuation *tr, const double *u, int *checked)
 /* Every third point of the branches that leave a node. */
 static void check_departure(const ric_graph *g, const ric_node *node, unsigned choice, int *checked)
 {
-    ric_shooting *chain = NULL;
-    double *u0 = NULL, *t0 = NULL;
-    unsigned ignore = 0;
+    ric_outset from;
     ric_continuation *tr = NULL;
-    if (!ric_switching_depart(g->model, node, choice, 1, &chain, &u0, &t0, &ignore) && chain &&
-        !ric_continuation_create(chain, u0, t0, ignore, &g->limits, &tr) &&
+    if (!ric_switching_depart(g->model, node, choice, 1, &from) && from.chain &&
+        !ric_continuation_create(from.chain, from.u, from.t, from.ignore, &g->limits, &tr) &&
         !ric_continuation_run(tr))
         for (int i = 1; i < tr->n_point; i += 3)
             check_station(tr,
                           tr->points + (size_t)i * tr->stride + sizeof(ric_point) / sizeof(double),
                           checked);
     ric_continuation_free(tr);
-    free(u0);
-    free(t0);
+    from.chain = NULL;
+    ric_outset_clear(&from);
 }
 
 static void check_structure(const char *sides, int *checked)

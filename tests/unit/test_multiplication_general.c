@@ -186,15 +186,15 @@ typedef struct {
 static family leave(const ric_model *m, const ric_node *node, unsigned choice, int side,
                     const char *where)
 {
-    ric_shooting *chain = NULL;
-    double *u0 = NULL, *t0 = NULL, u[MAX_SIZE], distance = 0, period;
-    unsigned ignore = 0, choice2;
+    ric_outset from;
+    double u[MAX_SIZE], distance = 0, period;
+    unsigned choice2;
     int side2;
-    if (ric_switching_depart(m, node, choice, side, &chain, &u0, &t0, &ignore))
-        fail_msg("%s: %s", where, ric_detail());
+    if (ric_switching_depart(m, node, choice, side, &from)) fail_msg("%s: %s", where, ric_detail());
+    ric_shooting *chain = from.chain;
     for (int i = 0; i < chain->n_unknown; i++) {
-        u[i] = u0[i] + t0[i];
-        distance += t0[i] * t0[i];
+        u[i] = from.u[i] + from.t[i];
+        distance += from.t[i] * from.t[i];
     }
     distance = sqrt(distance) / chain->scale;
     family out = {0};
@@ -217,9 +217,7 @@ static family leave(const ric_model *m, const ric_node *node, unsigned choice, i
     if (choice2 != choice || side2 != side)
         fail_msg("%s: taken for %u, side %d", where, choice2, side2);
     ric_periodic_free(turned);
-    ric_shooting_free(chain);
-    free(u0);
-    free(t0);
+    ric_outset_clear(&from);
     return out;
 }
 
@@ -280,17 +278,17 @@ static void follow(const ric_model *m, const ric_limits *window, const ric_node 
                    unsigned choice, int side, const char *where)
 {
     ric_limits limits = *window;
-    ric_shooting *chain = NULL;
-    double *u0 = NULL, *t0 = NULL;
-    unsigned ignore = 0;
+    ric_outset from;
     ric_continuation *tr = NULL;
     limits.max_points = 5;
-    if (ric_switching_depart(m, node, choice, side, &chain, &u0, &t0, &ignore) ||
-        ric_continuation_create(chain, u0, t0, ignore, &limits, &tr) || ric_continuation_run(tr))
+    if (ric_switching_depart(m, node, choice, side, &from) ||
+        ric_continuation_create(from.chain, from.u, from.t, from.ignore, &limits, &tr) ||
+        ric_continuation_run(tr))
         fail_msg("%s: %s", where, ric_detail());
+    from.chain = NULL;
     if (tr->stop == RIC_STOP_FAILED || tr->n_point < 3)
         fail_msg("%s: stops after %d points, %s", where, tr->n_point, tr->why);
-    assert_memory_equal(unknowns(tr, 0), u0, (size_t)tr->chain->n_unknown * sizeof *u0);
+    assert_memory_equal(unknowns(tr, 0), from.u, (size_t)tr->chain->n_unknown * sizeof *from.u);
     for (int i = 1; i < tr->n_point; i++) {
         const double *u = unknowns(tr, i);
         ric_shooting_fly(tr->chain, u);
@@ -301,8 +299,7 @@ static void follow(const ric_model *m, const ric_limits *window, const ric_node 
     }
     come_back(m, tr, node, choice, where);
     ric_continuation_free(tr);
-    free(u0);
-    free(t0);
+    ric_outset_clear(&from);
 }
 
 static int types_checked[MAX_ORDER];

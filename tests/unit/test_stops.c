@@ -133,9 +133,7 @@ static void after_the_first_points(void **state)
         PAIR "    - {normal: [-1, 1], clearance: 1, law: rigid}\n"
              "explore: {energy: [0, 60], frequency: [0.2, 10], impacts: 2, depth: 0}\n");
     ric_graph *g = explored_graph(study);
-    ric_shooting *chain = NULL;
-    double *u0 = NULL, *t0 = NULL;
-    unsigned ignore = 0;
+    ric_outset from;
     ric_continuation *whole = NULL, *piece = NULL;
     const ric_node *node = NULL;
     unsigned choice = 0;
@@ -146,9 +144,10 @@ static void after_the_first_points(void **state)
             choice = node->departures[k].choice;
         }
     assert_non_null(node);
-    if (ric_switching_depart(g->model, node, choice, 1, &chain, &u0, &t0, &ignore) ||
-        ric_continuation_create(chain, u0, t0, ignore, &g->limits, &whole))
+    if (ric_switching_depart(g->model, node, choice, 1, &from) ||
+        ric_continuation_create(from.chain, from.u, from.t, from.ignore, &g->limits, &whole))
         fail_msg("%s", ric_detail());
+    from.chain = NULL;
     for (bool done = false; !done && whole->n_point <= 4;) {
         void *blob = NULL;
         size_t size;
@@ -163,8 +162,7 @@ static void after_the_first_points(void **state)
         assert_int_equal(ric_continuation_advance(whole, &done), RIC_OK);
     }
     ric_continuation_free(whole);
-    free(u0);
-    free(t0);
+    ric_outset_clear(&from);
     ric_graph_free(g);
     ric_study_free(study);
 }
@@ -206,15 +204,12 @@ static void in_the_midst_of_a_step(void **state)
             const ric_departure *d = &g->nodes[i]->departures[k];
             ric_continuation *tr[2] = {NULL, NULL};
             for (int piece = 0; piece < 2 && d->state == RIC_DEPARTURE_TAKEN; piece++) {
-                ric_shooting *chain = NULL;
-                double *u0 = NULL, *t0 = NULL;
-                unsigned ignore = 0;
-                if (!ric_switching_depart(g->model, g->nodes[i], d->choice, 1, &chain, &u0, &t0,
-                                          &ignore) &&
-                    chain)
-                    assert_int_equal(ric_continuation_create(chain, u0, t0, ignore, &g->limits,
-                                                             &tr[piece]),
+                ric_outset from;
+                if (!ric_switching_depart(g->model, g->nodes[i], d->choice, 1, &from) && from.chain)
+                    assert_int_equal(ric_continuation_create(from.chain, from.u, from.t,
+                                                             from.ignore, &g->limits, &tr[piece]),
                                      RIC_OK);
+                from.chain = NULL;
                 ric_status status = RIC_E_INTERRUPTED;
                 while (tr[piece] && status == RIC_E_INTERRUPTED) {
                     if (piece) ric_halt_ask(now_and_then, &bits);
@@ -222,8 +217,7 @@ static void in_the_midst_of_a_step(void **state)
                     ric_halt_ask(NULL, NULL);
                     stops += status == RIC_E_INTERRUPTED;
                 }
-                free(u0);
-                free(t0);
+                ric_outset_clear(&from);
             }
             if (tr[0] && tr[1]) {
                 branches++;
