@@ -12,17 +12,6 @@
 #define ALONG 0.9
 #define SETTLE_STEPS 3
 
-/* Unknowns of a cycle in the convention of ric_periodic_to_chain (a chain may start at either of
- * its mirror points); allocated. */
-static double *unknowns(const ric_model *m, const ric_periodic *cycle)
-{
-    ric_shooting *chain = NULL;
-    double *u = NULL;
-    if (cycle && ric_periodic_to_chain(m, cycle, &chain, &u)) u = NULL;
-    ric_shooting_free(chain);
-    return u;
-}
-
 /* Whether the image lies on the branch on the other side of `here`, where `beyond` is. The
  * operation is no isometry of the unknowns: lengths may differ. Nor is what is beyond opposite to
  * the neighbour: a branch may bend within the step over the crossing. */
@@ -137,14 +126,14 @@ static bool turned_round(const ric_continuation *tr, const ric_crossed *place, i
             double distance = image && image->pure == here->pure && image->flip == here->flip
                                   ? ric_periodic_distance(here, image)
                                   : HUGE_VAL;
-            double *same = distance < RIC_SAME_READ_OFF ? unknowns(m, image) : NULL;
+            double *same = distance < RIC_SAME_READ_OFF ? ric_periodic_unknowns(m, image) : NULL;
             ric_periodic_free(image);
             if (!same) continue;
-            if (!u) u = unknowns(m, here);
-            if (!v) v = unknowns(m, near);
-            if (!x) x = unknowns(m, beyond);
+            if (!u) u = ric_periodic_unknowns(m, here);
+            if (!v) v = ric_periodic_unknowns(m, near);
+            if (!x) x = ric_periodic_unknowns(m, beyond);
             image = ric_periodic_transform(m, near, s, op & 1, op & 2);
-            double *w = unknowns(m, image);
+            double *w = ric_periodic_unknowns(m, image);
             bool turned = u && v && x && w && opposite(c->n_unknown, u, x, w);
             found = turned && distance < RIC_SAME_EXTRAPOLATED;
             if (turned && !found) *aside = middle(c->n_unknown, u, v, same);

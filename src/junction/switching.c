@@ -327,11 +327,8 @@ static bool secant_direction(ric_outset *out)
 /* Unknowns of the chain of an image of a cycle; allocated, NULL without memory. */
 static double *image_unknowns(const ric_model *m, const ric_periodic *cycle, int shift, bool mirror)
 {
-    ric_shooting *chain = NULL;
-    double *u = NULL;
     ric_periodic *image = ric_periodic_transform(m, cycle, shift, false, mirror);
-    if (image && ric_periodic_to_chain(m, image, &chain, &u)) u = NULL;
-    ric_shooting_free(chain);
+    double *u = ric_periodic_unknowns(m, image);
     ric_periodic_free(image);
     return u;
 }

@@ -43,6 +43,8 @@ int ric_periodic_start(const ric_model *model, const ric_periodic *cycle);
 /* The chain of the form that the cycle's symmetries allow, and its unknowns, *u allocated. */
 ric_status ric_periodic_to_chain(const ric_model *model, const ric_periodic *cycle,
                                  ric_shooting **chain, double **u);
+/* These unknowns alone, allocated. NULL: no memory, or no cycle. */
+double *ric_periodic_unknowns(const ric_model *model, const ric_periodic *cycle);
 
 /* Springs of a model: bits, one per face. */
 uint64_t ric_periodic_springs(const ric_model *model);

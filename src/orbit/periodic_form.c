@@ -27,6 +27,15 @@ ric_status ric_periodic_to_chain(const ric_model *m, const ric_periodic *c, ric_
     return form_of(m)->to_chain(m, c, chain, u);
 }
 
+double *ric_periodic_unknowns(const ric_model *m, const ric_periodic *c)
+{
+    ric_shooting *chain = NULL;
+    double *u = NULL;
+    if (c && ric_periodic_to_chain(m, c, &chain, &u)) u = NULL;
+    ric_shooting_free(chain);
+    return u;
+}
+
 ric_periodic *ric_periodic_spelled(const ric_model *m, int letters, const int *word,
                                    const double *tau)
 {
