@@ -11,6 +11,7 @@
 #include "eigen.h"
 #include "eigen_fine.h"
 #include "extremes.h"
+#include "gauss.h"
 #include "halt.h"
 #include "hermite.h"
 #include "lane.h"

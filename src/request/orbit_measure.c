@@ -163,28 +163,23 @@ static double speed_at_impact(subject *s, int k, const double *normal)
 }
 
 /* What a spring exchanges over the flight behind letter k, in which it is closed: the integral of
- * its force, by the rule of Gauss with eight nodes (Abramowitz and Stegun 25.4.30) in panels of a
+ * its force, by the rule of Gauss in panels of a
  * radian of the fastest motion, which leaves nothing beyond rounding. A free run of the simulator
  * would not do: near a grazing it misses a contact, and what it tells of the next ones belongs to
  * another orbit. */
 static double exchanged_in_flight(subject *s, int k, int side, const ric_contact *contact,
                                   double fastest)
 {
-    static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                                  0.9602898564975363},
-                        weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
-                                    0.1012285362903763};
     const double limit = contact->clearance / ric_model_length(s->model);
     const int panels = 1 + (int)(fastest * s->flights[k]);
-    const double half = s->flights[k] / panels / 2;
     double begin = 0, sum = 0;
     for (int j = 0; j < k; j++) begin += s->flights[j];
-    for (int i = 0; i < 8 * panels && half > 0; i++) {
-        const double at = (i % 2 ? 1 : -1) * node[i % 8 / 2];
-        double gap = -limit;
-        ric_orbit_at_time(s->orbit, begin + half * (2 * (i / 8) + 1 + at), s->x, s->v);
+    for (int i = 0; i < 8 * panels && s->flights[k] > 0; i++) {
+        double gap = -limit, weight;
+        const double t = ric_gauss_node(s->flights[k], panels, i, &weight);
+        ric_orbit_at_time(s->orbit, begin + t, s->x, s->v);
         for (int d = 0; d < s->n_dof; d++) gap += side * contact->normal[d] * s->x[d];
-        sum += half * weight[i % 8 / 2] * gap;
+        sum += weight * gap;
     }
     return contact->stiffness * sum;
 }
