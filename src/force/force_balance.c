@@ -34,11 +34,21 @@ static cplx turned(double a, double tau)
     return tau * (half == 0 ? 1 : sin(half) / half) * cexp(I * half);
 }
 
-static void free_flight(const ric_force *f, const double *q, const double *p, double tau,
-                        double begin, double Omega, ric_force_balance *sum)
+/* A flight of an orbit, and its place in the period of the force. */
+typedef struct {
+    const ric_force *force;
+    uint64_t closed;
+    int event;
+    double tau, begin, Omega; /* seconds, rad/s */
+    const double *w;          /* [2 n] of the model's own frame */
+} flight;
+
+/* q, p [n] at its start. */
+static void free_flight(const flight *s, const double *q, const double *p, ric_force_balance *sum)
 {
+    const ric_force *f = s->force;
     const int n = f->n;
-    const double *omega = f->model->frequency;
+    const double *omega = f->model->frequency, tau = s->tau, Omega = s->Omega;
     cplx work = 0;
     for (int i = 0; i < n; i++) {
         const cplx P = p[i] + I * omega[i] * q[i];
@@ -53,23 +63,14 @@ static void free_flight(const ric_force *f, const double *q, const double *p, do
                 (P * turned(Omega + omega[i], tau) + conj(P) * turned(Omega - omega[i], tau));
         sum->size += fabs(f->g[i]) * cabs(P) * tau;
     }
-    work *= cexp(I * Omega * begin);
+    work *= cexp(I * Omega * s->begin);
     sum->work[0] += creal(work);
     sum->work[1] += cimag(work);
 }
 
 /* -------------------------------------------------------------- quadrature */
 
-/* A flight against springs. */
-typedef struct {
-    const ric_force *force;
-    uint64_t closed;
-    int event;
-    double tau, begin, Omega; /* seconds, rad/s */
-    const double *w;          /* [2 n] of the model's own frame */
-} pressed;
-
-static void add_sample(const pressed *s, const double *w, double weight, double t,
+static void add_sample(const flight *s, const double *w, double weight, double t,
                        ric_force_balance *sum)
 {
     const ric_force *f = s->force;
@@ -89,25 +90,20 @@ static void add_sample(const pressed *s, const double *w, double weight, double 
 
 /* A flight that is integrated goes on from node to node; another one starts anew, with its closing.
  */
-static ric_force_balance composite(const pressed *s, int panels)
+static ric_force_balance composite(const flight *s, int panels)
 {
-    static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                                  0.9602898564975363},
-                        weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
-                                    0.1012285362903763};
     const ric_model *m = s->force->model;
     const bool goes_on = ric_flight_law_of(m)->integrated;
-    const double half = s->tau / panels / 2;
     ric_force_balance sum = {0};
     double w[2 * m->n], last = 0;
     memcpy(w, s->w, sizeof w);
     for (int i = 0; i < 8 * panels; i++) {
-        const int place = i % 8, k = place < 4 ? 3 - place : place - 4;
-        const double t = half * (2 * (i / 8) + 1 + (place < 4 ? -node[k] : node[k]));
+        double weight;
+        const double t = ric_gauss_node(s->tau, panels, i, &weight);
         if (goes_on) ric_flight_go(m, s->closed, -1, (t - last) * m->omega_ref, w, w);
         else ric_flight_go(m, s->closed, s->event, t * m->omega_ref, s->w, w);
         last = t;
-        add_sample(s, w, half * weight[k], t, &sum);
+        add_sample(s, w, weight, t, &sum);
     }
     return sum;
 }
@@ -120,7 +116,8 @@ static double apart(const ric_force_balance *a, const ric_force_balance *b)
     return fmax(loss, work);
 }
 
-static void pressed_flight(const pressed *s, ric_force_balance *sum)
+/* Against springs. */
+static void pressed_flight(const flight *s, ric_force_balance *sum)
 {
     ric_force_balance last = composite(s, PANELS_FIRST), now = last;
     double error = INFINITY;
@@ -159,11 +156,11 @@ static void along_cycle(const ric_force *f, const ric_periodic *c, double Omega,
         const uint64_t closed = ric_periodic_closed(m, c, i);
         const int next = c->face[(i + 1) % c->N];
         const double tau = c->tau[i] / m->omega_ref;
-        const pressed s = {f, closed, c->face[i], tau, begin, Omega, w};
+        const flight s = {f, closed, c->face[i], tau, begin, Omega, w};
         ric_model_to_state(m, w, x, v);
         ric_force_modal(f, x, v, q, p);
         if (ric_flight_dense(m, closed)) pressed_flight(&s, sum);
-        else free_flight(f, q, p, tau, begin, Omega, sum);
+        else free_flight(&s, q, p, sum);
         ric_flight_go(m, closed, c->face[i], c->tau[i], w, after);
         memcpy(w, after, sizeof w);
         begin += tau;
@@ -205,7 +202,8 @@ ric_status ric_force_balance_of(const ric_force *f, const ric_orbit *orbit, bool
         double period;
         ric_orbit_data(orbit, &point, state, &period, NULL);
         ric_force_modal(f, state, state + n, q, p);
-        free_flight(f, q, p, period, 0, harmonic * point.frequency, out);
+        const flight s = {.force = f, .tau = period, .Omega = harmonic * point.frequency};
+        free_flight(&s, q, p, out);
         return RIC_OK;
     }
     ric_orbit_data(orbit, &point, state, NULL, NULL);

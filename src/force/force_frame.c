@@ -315,10 +315,11 @@ static void carry(const ric_force_medium *m, const ric_force_frame *f, double ta
 /* Columns of deviations: identity, then what theta, Omega and the level at the start make of the
  * steady answer, whose difference is carried. */
 static void derivatives(const ric_force_medium *m, const ric_force_frame *f,
-                        const ric_force_drive *d, double tau, double theta, double *D, double *room)
+                        const ric_force_start *start, double tau, double *D, double *room)
 {
+    const ric_force_drive *d = start->drive;
     const int size = 2 * m->n, ld = size + RIC_BY_COUNT;
-    const double theta1 = theta + d->omega * tau;
+    const double theta = start->theta, theta1 = theta + d->omega * tau;
     double on0[size], on1[size], by0[size], by1[size], at0[size], at1[size];
     turned_on(size, f->answer, theta, on0);
     turned_on(size, f->answer, theta1, on1);
@@ -343,21 +344,22 @@ static void derivatives(const ric_force_medium *m, const ric_force_frame *f,
     }
 }
 
-ric_status ric_force_frame_fly(ric_force_medium *m, uint64_t closed, const ric_force_drive *d,
-                               double tau, double theta, const double *z, double *z1, double *D)
+ric_status ric_force_frame_fly(ric_force_medium *m, const ric_force_start *start, double tau,
+                               double *z1, double *D)
 {
+    const ric_force_drive *d = start->drive;
     const int size = 2 * m->n;
     double at[size], x[size], room[size * (D ? size + RIC_BY_COUNT : 1)];
     const ric_force_frame *f;
-    if (m->smooth) return ric_force_series_fly(m, d, tau, theta, z, z1, D);
-    ric_status status = ric_force_frame_find(m, closed, d->omega, &f);
+    if (m->smooth) return ric_force_series_fly(m, start, tau, z1, D);
+    ric_status status = ric_force_frame_find(m, start->closed, d->omega, &f);
     if (status) return status;
-    turned(size, f->answer, theta, at);
-    for (int i = 0; i < size; i++) x[i] = z[i] - f->rest[i] - d->level * at[i];
+    turned(size, f->answer, start->theta, at);
+    for (int i = 0; i < size; i++) x[i] = start->z[i] - f->rest[i] - d->level * at[i];
     carry(m, f, tau, 1, x, room);
-    turned(size, f->answer, theta + d->omega * tau, at);
+    turned(size, f->answer, start->theta + d->omega * tau, at);
     for (int i = 0; i < size; i++) z1[i] = f->rest[i] + d->level * at[i] + x[i];
-    if (D) derivatives(m, f, d, tau, theta, D, room);
+    if (D) derivatives(m, f, start, tau, D, room);
     return RIC_OK;
 }
 
@@ -386,20 +388,26 @@ static double bend_of(const ric_force_reading *r)
     return sum;
 }
 
-ric_status ric_force_frame_read(ric_force_medium *m, uint64_t closed, const ric_force_drive *d,
-                                double theta, const double *z, const double *row, double *room,
-                                ric_force_reading *out)
+ric_status ric_force_frame_read(ric_force_medium *m, const ric_force_start *start,
+                                const double *row, double *room, ric_force_reading *out)
 {
+    const ric_force_drive *d = start->drive;
     const int size = 2 * m->n;
     double at[size], x[size];
     const ric_force_frame *f;
-    ric_status status = ric_force_frame_find(m, closed, d->omega, &f);
+    ric_status status = ric_force_frame_find(m, start->closed, d->omega, &f);
     if (status) return status;
-    *out = (ric_force_reading){m,     f,        row, room, room + size, ric_dot(size, row, f->rest),
-                               theta, d->omega, 0,   0};
-    turned(size, f->answer, theta, at);
+    *out = (ric_force_reading){.medium = m,
+                               .frame = f,
+                               .row = row,
+                               .y = room,
+                               .weight = room + size,
+                               .rest = ric_dot(size, row, f->rest),
+                               .theta = start->theta,
+                               .omega = d->omega};
+    turned(size, f->answer, start->theta, at);
     for (int i = 0; i < size; i++) {
-        x[i] = z[i] - f->rest[i] - d->level * at[i];
+        x[i] = start->z[i] - f->rest[i] - d->level * at[i];
         out->steady += d->level * row[i] * f->answer[i];
     }
     for (int i = 0; i < size; i++) {

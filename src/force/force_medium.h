@@ -65,11 +65,19 @@ bool ric_force_medium_rigid(const ric_force_medium *m, int face);
 /* Columns of D [2n * (2n + 3)] of a flight: derivatives by the state, and by these. */
 enum { RIC_BY_THETA, RIC_BY_OMEGA, RIC_BY_LEVEL, RIC_BY_COUNT };
 
-/* z1 [2n] after tau from z at theta; D may be NULL. RIC_E_NUMERIC, with the remedy: the force
- * resonates with a mode that is not damped, or modes are too near to critical damping to be told
- * apart. O(n^2), O(n^3) with D. */
-ric_status ric_force_frame_fly(ric_force_medium *m, uint64_t closed, const ric_force_drive *d,
-                               double tau, double theta, const double *z, double *z1, double *D);
+/* Where a flight begins. */
+typedef struct {
+    uint64_t closed; /* springs */
+    const ric_force_drive *drive;
+    double theta;    /* phase of the force */
+    const double *z; /* [2n] */
+} ric_force_start;
+
+/* z1 [2n] after tau, which may be the z of the start; D may be NULL. RIC_E_NUMERIC, with the
+ * remedy: the force resonates with a mode that is not damped, or modes are too near to critical
+ * damping to be told apart. O(n^2), O(n^3) with D. */
+ric_status ric_force_frame_fly(ric_force_medium *m, const ric_force_start *start, double tau,
+                               double *z1, double *D);
 ric_status ric_force_frame_find(ric_force_medium *m, uint64_t closed, double omega,
                                 const ric_force_frame **out);
 void ric_force_frame_free(ric_force_frame *frame);
@@ -88,16 +96,15 @@ typedef struct {
     double _Complex steady;
 } ric_force_reading;
 /* room [4n] is kept by the reading. */
-ric_status ric_force_frame_read(ric_force_medium *m, uint64_t closed, const ric_force_drive *d,
-                                double theta, const double *z, const double *row, double *room,
-                                ric_force_reading *out);
+ric_status ric_force_frame_read(ric_force_medium *m, const ric_force_start *start,
+                                const double *row, double *room, ric_force_reading *out);
 /* s and ds/dt at t. */
 double ric_force_frame_look(const ric_force_reading *r, double t, double *slope);
 
 /* ----------------------------------------------------------- force_series.c */
 
 /* The same under power laws, summed as series. */
-ric_status ric_force_series_fly(ric_force_medium *m, const ric_force_drive *d, double tau,
-                                double theta, const double *z, double *z1, double *D);
+ric_status ric_force_series_fly(ric_force_medium *m, const ric_force_start *start, double tau,
+                                double *z1, double *D);
 
 #endif

@@ -43,37 +43,45 @@ static void take(hunt *h, double time, double value)
     h->time = time;
 }
 
-/* Maxima between a and b, where values and slopes are known. */
-static void seek(hunt *h, double a, double at_a, double up_a, double b, double at_b, double up_b,
-                 int depth)
+/* A time, the value there, and its slope. */
+typedef struct {
+    double t, value, slope;
+} place;
+
+static place look(const ric_force_reading *r, double t)
 {
-    const double length = b - a, most = h->r->bend * length;
-    if (fmax(at_a, at_b) + most * length / 8 <= h->best + FLAT * (1 + fabs(h->best))) return;
-    if (up_a - most > 0 || up_b - most > 0 || up_a + most < 0 || up_b + most < 0)
+    place p = {.t = t};
+    p.value = ric_force_frame_look(r, t, &p.slope);
+    return p;
+}
+
+/* Maxima between a and b. */
+static void seek(hunt *h, place a, place b, int depth)
+{
+    const double length = b.t - a.t, most = h->r->bend * length;
+    if (fmax(a.value, b.value) + most * length / 8 <= h->best + FLAT * (1 + fabs(h->best))) return;
+    if (a.slope - most > 0 || b.slope - most > 0 || a.slope + most < 0 || b.slope + most < 0)
         return; /* it rises, or falls */
     /* Flat within rounding: parts of it could be told apart no better, and there are as many as one
      * looks at. */
     const bool last = depth == 0 || most * length / 8 <= FLAT * (1 + fabs(h->best));
-    if (up_a > 0 && up_b < 0 && (last || depth <= DEEPEST - 4)) {
-        double slope;
-        const double t = crest(h->r, a, b), top = ric_force_frame_look(h->r, t, &slope);
-        take(h, t, top);
+    if (a.slope > 0 && b.slope < 0 && (last || depth <= DEEPEST - 4)) {
+        const place top = look(h->r, crest(h->r, a.t, b.t));
+        take(h, top.t, top.value);
     }
     if (last) return;
-    double slope;
-    const double t = a + length / 2, value = ric_force_frame_look(h->r, t, &slope);
-    seek(h, a, at_a, up_a, t, value, slope, depth - 1);
-    seek(h, t, value, slope, b, at_b, up_b, depth - 1);
+    const place middle = look(h->r, a.t + length / 2);
+    seek(h, a, middle, depth - 1);
+    seek(h, middle, b, depth - 1);
 }
 
 /* All of a flight, with the value at its start or at its end if that counts. */
 static void seek_all(hunt *h, double tau, bool start, bool end)
 {
-    double up[2],
-        at[2] = {ric_force_frame_look(h->r, 0, &up[0]), ric_force_frame_look(h->r, tau, &up[1])};
-    if (start) take(h, 0, at[0]);
-    seek(h, 0, at[0], up[0], tau, at[1], up[1], DEEPEST);
-    if (end) take(h, tau, at[1]);
+    const place first = look(h->r, 0), last = look(h->r, tau);
+    if (start) take(h, first.t, first.value);
+    seek(h, first, last, DEEPEST);
+    if (end) take(h, last.t, last.value);
 }
 
 ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, double least,
@@ -82,7 +90,8 @@ ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, d
     const ric_force_medium *m = o->medium;
     const int n = o->n;
     double row[2 * n], room[4 * n];
-    const double *u = ric_force_orbit_node(o, k), *c = ric_force_medium_normal(m, face);
+    const ric_force_start start = ric_force_orbit_start(o, k);
+    const double *c = ric_force_medium_normal(m, face);
     const bool closed = ric_face_in(o->closed[k], face);
     const double sign = (closed ? -1 : 1) * m->model->face[face].side / m->gap[face];
     ric_force_reading r;
@@ -90,13 +99,12 @@ ric_status ric_force_motion_highest(const ric_force_orbit *o, int k, int face, d
         row[i] = sign * c[i];
         row[n + i] = 0;
     }
-    ric_status status = ric_force_frame_read(o->medium, o->closed[k], &o->drive, u[2 * n], u, row,
-                                             room, &r);
+    ric_status status = ric_force_frame_read(o->medium, &start, row, room, &r);
     if (status) return status;
     if (closed) r.rest += 2;
     hunt h = {&r, least, NAN};
     /* the impact of another contact may turn the gap round */
-    seek_all(&h, u[2 * n + 1], false, ric_force_orbit_end(o, k) != face);
+    seek_all(&h, ric_force_orbit_tau(o, k), false, ric_force_orbit_end(o, k) != face);
     *highest = h.best;
     *time = h.time;
     return RIC_OK;
@@ -142,8 +150,8 @@ static ric_status carry(const ric_force_orbit *o, int k, double *X, double *room
     ric_force_medium *m = o->medium;
     const double *u = ric_force_orbit_node(o, k), theta = u[size] + o->drive.omega * u[size + 1];
     double z[size], in[size], out[size], *D = room, *Y = D + size * ld;
-    ric_status status = ric_force_frame_fly(m, o->closed[k], &o->drive, u[size + 1], u[size], u, z,
-                                            D);
+    const ric_force_start start = ric_force_orbit_start(o, k);
+    ric_status status = ric_force_frame_fly(m, &start, u[size + 1], z, D);
     if (status) return status;
     memset(Y, 0, (size_t)size * (size_t)size * sizeof *Y);
     for (int i = 0; i < size; i++)
@@ -224,31 +232,26 @@ void ric_force_motion_enter(const ric_force_medium *m, const double *state, doub
     }
 }
 
-/* Nodes and weights of Gauss on (-1, 1). */
-static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                              0.9602898564975363},
-                    weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
-                                0.1012285362903763};
-
 /* Adds int x_j^2 dt over a flight to rms, and the largest |x_j| at the nodes to peak. */
 static ric_status sample(const ric_force_orbit *o, int k, int panels, ric_force_measures *out)
 {
     const int n = o->n;
-    const double *u = ric_force_orbit_node(o, k), half = u[2 * n + 1] / panels / 2;
+    const bool goes_on = o->medium->smooth;
+    ric_force_start start = ric_force_orbit_start(o, k);
     double z[2 * n], state[2 * n], last = 0;
-    memcpy(z, u, sizeof z);
     for (int i = 0; i < 8 * panels; i++) {
-        const int place = i % 8, at = place < 4 ? 3 - place : place - 4;
-        const double t = half * (2 * (i / 8) + 1 + (place < 4 ? -node[at] : node[at])),
-                     from = o->medium->smooth ? last : 0;
-        ric_status status = ric_force_frame_fly(o->medium, o->closed[k], &o->drive, t - from,
-                                                u[2 * n] + o->drive.omega * from,
-                                                o->medium->smooth ? z : u, z, NULL);
+        double weight;
+        const double t = ric_gauss_node(ric_force_orbit_tau(o, k), panels, i, &weight);
+        if (goes_on) start.theta = ric_force_orbit_theta(o, k) + o->drive.omega * last;
+        ric_status status = ric_force_frame_fly(o->medium, &start, t - last, z, NULL);
         if (status) return status;
-        last = t;
+        if (goes_on) {
+            start.z = z;
+            last = t;
+        }
         ric_force_motion_leave(o->medium, z, state);
         for (int j = 0; j < n; j++) {
-            out->rms[j] += half * weight[at] * state[j] * state[j];
+            out->rms[j] += weight * state[j] * state[j];
             out->peak[j] = fmax(out->peak[j], fabs(state[j]));
         }
     }
@@ -260,18 +263,17 @@ static ric_status peaks(const ric_force_orbit *o, int k, ric_force_measures *out
 {
     const int n = o->n;
     const ric_force_medium *m = o->medium;
-    const double *u = ric_force_orbit_node(o, k);
+    const ric_force_start start = ric_force_orbit_start(o, k);
     double row[2 * n], room[4 * n];
     memset(row, 0, sizeof row);
     for (int j = 0; j < 2 * n; j++) {
         ric_force_reading r;
         const double sign = j < n ? 1 : -1;
         for (int i = 0; i < n; i++) row[i] = sign * m->model->Phi[j % n * n + i] / m->unit;
-        ric_status status = ric_force_frame_read(o->medium, o->closed[k], &o->drive, u[2 * n], u,
-                                                 row, room, &r);
+        ric_status status = ric_force_frame_read(o->medium, &start, row, room, &r);
         if (status) return status;
         hunt h = {&r, out->peak[j % n], NAN};
-        seek_all(&h, u[2 * n + 1], true, false);
+        seek_all(&h, ric_force_orbit_tau(o, k), true, false);
         out->peak[j % n] = h.best;
     }
     return RIC_OK;
@@ -282,12 +284,14 @@ static ric_status peaks(const ric_force_orbit *o, int k, ric_force_measures *out
 static ric_status smooth_peaks(const ric_force_orbit *o, int k, ric_force_measures *out)
 {
     const int n = o->n;
-    const double *u = ric_force_orbit_node(o, k), step = u[2 * n + 1] / PARTS;
+    const double step = ric_force_orbit_tau(o, k) / PARTS;
+    ric_force_start start = ric_force_orbit_start(o, k);
     double z[2 * n], next[2 * n], state[2 * n], after[2 * n];
-    memcpy(z, u, sizeof z);
+    memcpy(z, start.z, sizeof z);
+    start.z = z;
     for (int i = 0; i < PARTS; i++) {
-        const double theta = u[2 * n] + o->drive.omega * step * i;
-        ric_status status = ric_force_series_fly(o->medium, &o->drive, step, theta, z, next, NULL);
+        start.theta = ric_force_orbit_theta(o, k) + o->drive.omega * step * i;
+        ric_status status = ric_force_series_fly(o->medium, &start, step, next, NULL);
         ric_force_motion_leave(o->medium, z, state);
         ric_force_motion_leave(o->medium, next, after);
         for (int j = 0; j < n && !status; j++) {
@@ -295,8 +299,7 @@ static ric_status smooth_peaks(const ric_force_orbit *o, int k, ric_force_measur
             out->peak[j] = fmax(out->peak[j], fabs(state[j]));
             if (state[n + j] * after[n + j] > 0) continue;
             for (int l = 0; l < DEEPEST && !status; l++) {
-                status = ric_force_series_fly(o->medium, &o->drive, (a + b) / 2, theta, z, at,
-                                              NULL);
+                status = ric_force_series_fly(o->medium, &start, (a + b) / 2, at, NULL);
                 ric_force_motion_leave(o->medium, at, x);
                 if (x[n + j] * state[n + j] > 0) a = (a + b) / 2;
                 else b = (a + b) / 2;
@@ -345,14 +348,14 @@ ric_status ric_force_motion_measure(const ric_force_orbit *o, ric_force_measures
 
 ric_status ric_force_motion_strobe(const ric_force_orbit *o, double theta, double *z)
 {
-    const int n = o->n;
     const double first = ric_force_orbit_theta(o, 0), whole = o->harmonic * RIC_TWO_PI;
     theta = first + remainder(theta - first, whole);
     if (theta < first) theta += whole;
     for (int k = 0; k < o->N; k++) {
-        const double *u = ric_force_orbit_node(o, k), t = (theta - u[2 * n]) / o->drive.omega;
-        if (t > u[2 * n + 1] && k + 1 < o->N) continue;
-        return ric_force_frame_fly(o->medium, o->closed[k], &o->drive, t, u[2 * n], u, z, NULL);
+        const ric_force_start start = ric_force_orbit_start(o, k);
+        const double t = (theta - start.theta) / o->drive.omega;
+        if (t > ric_force_orbit_tau(o, k) && k + 1 < o->N) continue;
+        return ric_force_frame_fly(o->medium, &start, t, z, NULL);
     }
     return RIC_OK;
 }

@@ -103,8 +103,8 @@ ric_status ric_force_orbit_spread(ric_force_orbit *o)
     for (int k = 0; k + 1 < o->N; k++) {
         const double *u = ric_force_orbit_node(o, k);
         double *next = ric_force_orbit_node(o, k + 1);
-        ric_status status = ric_force_frame_fly(o->medium, o->closed[k], &o->drive, u[2 * n + 1],
-                                                u[2 * n], u, next, NULL);
+        const ric_force_start start = ric_force_orbit_start(o, k);
+        ric_status status = ric_force_frame_fly(o->medium, &start, u[2 * n + 1], next, NULL);
         if (status) return status;
         if (o->events)
             ric_force_medium_strike(o->medium, o->drive.restitution, o->face[k + 1], 1, next + n);
@@ -143,7 +143,8 @@ static bool fill(ric_force_orbit *o, int k, ric_force_along along, double scale,
     double D[size * ld], z[size], rate[size], force[size], kick[size];
     const bool closes = k == o->N - 1;
     ric_force_medium *medium = o->medium;
-    if (ric_force_frame_fly(medium, o->closed[k], &o->drive, tau, u[size], u, z, D)) return false;
+    const ric_force_start start = ric_force_orbit_start(o, k);
+    if (ric_force_frame_fly(medium, &start, tau, z, D)) return false;
     ric_force_medium_rate(medium, o->closed[k], &o->drive, u[size] + o->drive.omega * tau, z, rate);
     for (int i = 0; i < size; i++)
         force[i] =

@@ -55,6 +55,11 @@ static inline double ric_force_orbit_tau(const ric_force_orbit *o, int k)
 {
     return ric_force_orbit_node(o, k)[2 * o->n + 1];
 }
+static inline ric_force_start ric_force_orbit_start(const ric_force_orbit *o, int k)
+{
+    return (ric_force_start){o->closed[k], &o->drive, ric_force_orbit_theta(o, k),
+                             ric_force_orbit_node(o, k)};
+}
 double *ric_force_orbit_parameter(ric_force_orbit *o, ric_force_along along);
 double ric_force_orbit_period(const ric_force_orbit *o);
 /* States of all flights but the first, from it and the flight times. */

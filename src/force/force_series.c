@@ -188,23 +188,24 @@ static bool create(ric_force_medium *m, const ric_force_drive *d, int columns, s
     return true;
 }
 
-ric_status ric_force_series_fly(ric_force_medium *m, const ric_force_drive *d, double tau,
-                                double theta, const double *z, double *z1, double *D)
+ric_status ric_force_series_fly(ric_force_medium *m, const ric_force_start *start, double tau,
+                                double *z1, double *D)
 {
+    const ric_force_drive *d = start->drive;
     const int n = m->n, columns = D ? 2 * n + RIC_BY_COUNT : 0;
     series s;
     double done = 0;
     int steps = 0;
     ric_status status = create(m, d, columns, &s) ? RIC_OK : ric_no_memory("a forced flight");
     for (int i = 0; i < n && !status; i++) {
-        s.q[i * TERMS] = z[i];
-        s.p[i * TERMS] = z[n + i];
+        s.q[i * TERMS] = start->z[i];
+        s.p[i * TERMS] = start->z[n + i];
         if (!columns) continue;
         s.Q[(i * n + i) * TERMS] = 1;
         s.P[((n + i) * n + i) * TERMS] = 1;
     }
     while (!status && done < tau) {
-        const double h = step(&s, theta + d->omega * done, done, tau - done);
+        const double h = step(&s, start->theta + d->omega * done, done, tau - done);
         if (!(h > 0) || !isfinite(s.q[0]) || ++steps > STEPS_MOST)
             status = ric_fail(RIC_E_NUMERIC,
                               "the forced motion cannot be followed beyond %.6g of a flight",

@@ -28,16 +28,6 @@ static ric_status smooth_start(const ric_orbit *orbit, double phase, double peri
     return ric_force_orbit_spread(o);
 }
 
-static ric_status smooth_from(ric_force_medium *m, const ric_orbit *orbit, const ric_point *point,
-                              int harmonic, const ric_force_drive *drive, double phase,
-                              ric_force_orbit **out)
-{
-    ric_status status = ric_force_orbit_create(m, SMOOTH_PARTS, NULL, NULL, harmonic, out);
-    if (status) return status;
-    (*out)->drive = *drive;
-    return smooth_start(orbit, phase, RIC_TWO_PI / point->frequency, *out);
-}
-
 ric_status ric_force_start_from(ric_force_medium *m, const ric_orbit *orbit, int harmonic,
                                 double level, double phase, ric_force_orbit **out)
 {
@@ -49,7 +39,12 @@ ric_status ric_force_start_from(ric_force_medium *m, const ric_orbit *orbit, int
     ric_orbit_data(orbit, &point, NULL, NULL, NULL);
     const ric_force_drive drive = {harmonic * point.frequency / m->time, level,
                                    m->force->restitution};
-    if (m->smooth) return smooth_from(m, orbit, &point, harmonic, &drive, phase, out);
+    if (m->smooth) {
+        status = ric_force_orbit_create(m, SMOOTH_PARTS, NULL, NULL, harmonic, out);
+        if (status) return status;
+        (*out)->drive = drive;
+        return smooth_start(orbit, phase, RIC_TWO_PI / point.frequency, *out);
+    }
     ric_orbit_data(orbit, NULL, state, NULL, NULL);
     ric_periodic *c = ric_force_cycle(m->force, orbit, state);
     if (!c) return ric_no_memory("a forced orbit");

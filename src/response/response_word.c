@@ -59,10 +59,9 @@ static ric_status add(const ric_force_orbit *o, int k, int face, double time, en
 {
     const double *u = ric_force_orbit_node(o, k);
     const int n = o->n;
+    const ric_force_start start = ric_force_orbit_start(o, k);
     ric_status status = RIC_OK;
-    if (time > 0)
-        status = ric_force_frame_fly(o->medium, o->closed[k], &o->drive, time, u[2 * n], u, out->z,
-                                     NULL);
+    if (time > 0) status = ric_force_frame_fly(o->medium, &start, time, out->z, NULL);
     else memcpy(out->z, u, 2 * (size_t)n * sizeof *u);
     out->theta = u[2 * n] + o->drive.omega * time;
     out->face = face;
@@ -74,14 +73,12 @@ static ric_status add(const ric_force_orbit *o, int k, int face, double time, en
 static double half_time(const ric_force_orbit *o, const ric_response_touch *t, double speed)
 {
     const int n = o->n;
-    const double *u = ric_force_orbit_node(o, t->flight);
+    const ric_force_start start = ric_force_orbit_start(o, t->flight);
     double z[2 * n], rate[2 * n];
-    memcpy(z, u, sizeof z);
-    if (t->time > 0 && ric_force_frame_fly(o->medium, o->closed[t->flight], &o->drive, t->time,
-                                           u[2 * n], u, z, NULL))
-        return 0;
-    ric_force_medium_rate(o->medium, o->closed[t->flight], &o->drive,
-                          u[2 * n] + o->drive.omega * t->time, z, rate);
+    memcpy(z, start.z, sizeof z);
+    if (t->time > 0 && ric_force_frame_fly(o->medium, &start, t->time, z, NULL)) return 0;
+    ric_force_medium_rate(o->medium, start.closed, start.drive,
+                          start.theta + o->drive.omega * t->time, z, rate);
     const double bend = fabs(ric_force_medium_towards(o->medium, t->face, rate + n));
     return bend > 0 ? speed / bend : 0;
 }
