@@ -37,9 +37,9 @@ static const double alike = 1e-6, leaving = 1e-4;
 
 static uint64_t mixed(uint64_t hash, int64_t number)
 {
-    for (int i = 0; i < 64; i += 8)
-        hash = (hash ^ ((uint64_t)number >> i & 255)) * 1099511628211u; /* FNV-1a */
-    return hash;
+    unsigned char bytes[8];
+    for (int i = 0; i < 8; i++) bytes[i] = (unsigned char)((uint64_t)number >> 8 * i);
+    return ric_bytes_hash(hash, bytes, sizeof bytes);
 }
 
 static uint64_t mixed_text(uint64_t hash, const char *text)
@@ -89,7 +89,7 @@ static uint64_t junction_identity(const ric_model *m, const ric_junction *j, boo
 {
     const int mode = start_mode(m, j);
     const double width = longer ? fine : coarse;
-    uint64_t hash = mixed_text(14695981039346656037u, ric_kind_text(j->kind));
+    uint64_t hash = mixed_text(RIC_BYTES_HASH, ric_kind_text(j->kind));
     hash = mixed_word(hash, m, j->letters, j->word);
     hash = mixed(mixed(hash, j->grazings), j->multiple);
     if (mode) return mixed(hash, mode);
@@ -142,7 +142,7 @@ static uint64_t branch_identity(const ric_atlas *atlas, const ric_branch *b,
     const ric_model *m = ric_atlas_model(atlas);
     const int least = least_junction(atlas, b, UNPLACED),
               next = longer ? least_junction(atlas, b, least) : UNPLACED;
-    uint64_t hash = mixed_word(mixed_text(14695981039346656037u, "branch"), m, b->letters, b->word);
+    uint64_t hash = mixed_word(mixed_text(RIC_BYTES_HASH, "branch"), m, b->letters, b->word);
     hash = mixed_text(mixed(mixed(hash, b->symmetric), b->reversible), b->mirror);
     if (!b->impacts && b->mode)
         return mixed(hash, b->mode); /* linear, or the backbone under a power law */

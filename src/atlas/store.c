@@ -257,7 +257,8 @@ ric_status ric_store_trace_get(ric_store *store, const char *key, void **blob, s
     if (!status && row) {
         size_t n = (size_t)sqlite3_column_bytes(store->get, 0);
         const void *bytes = sqlite3_column_blob(store->get, 0);
-        if (sqlite3_column_int64(store->get, 1) != (sqlite3_int64)ric_store_digest(bytes, n))
+        if (sqlite3_column_int64(store->get, 1) !=
+            (sqlite3_int64)ric_bytes_hash(RIC_BYTES_HASH, bytes, n))
             status = ric_store_fail_row(store->path, "trace", key,
                                         "the bytes do not match their digest");
         else if (!(*blob = ric_malloc(n + 1))) status = ric_store_fail_memory();
@@ -278,7 +279,8 @@ static ric_status put_now(ric_store *store, const ric_store_task *task)
     int code = task->size
                    ? sqlite3_bind_blob64(store->put, 2, task->blob, task->size, SQLITE_STATIC)
                    : sqlite3_bind_zeroblob(store->put, 2, 0);
-    sqlite3_bind_int64(store->put, 3, (sqlite3_int64)ric_store_digest(task->blob, task->size));
+    sqlite3_bind_int64(store->put, 3,
+                       (sqlite3_int64)ric_bytes_hash(RIC_BYTES_HASH, task->blob, task->size));
     status = code ? ric_store_sqlite_fail(store->file, code)
                   : ric_store_sqlite_step(store->file, store->put, &row);
     sqlite3_clear_bindings(store->put);

@@ -41,11 +41,7 @@ static ric_status digest_branch(const ric_atlas *atlas, int branch, uint64_t *ou
     fprintf(b.file, "%d %" PRIx64 " %d ", VERSION, ric_store_digest_model(ric_atlas_model(atlas)),
             branch);
     ric_store_graph_print_branch(b.file, atlas, branch);
-    char *text = ric_buffer_take(&b);
-    if (!text) return ric_store_fail_memory();
-    *out = ric_store_digest(text, strlen(text));
-    free(text);
-    return RIC_OK;
+    return ric_store_digest_text(&b, out);
 }
 
 /* *digest: of the row before; becomes that of this one. */
@@ -59,11 +55,7 @@ static ric_status digest_row(const ric_arc_proof *p, uint64_t *digest)
     numbers_of(p, numbers);
     for (int i = 0; i < NUMBERS; i++) fprintf(b.file, " %a", numbers[i]);
     fprintf(b.file, " %s\n%s", p->prover, p->certificate);
-    char *text = ric_buffer_take(&b);
-    if (!text) return ric_store_fail_memory();
-    *digest = ric_store_digest(text, strlen(text));
-    free(text);
-    return RIC_OK;
+    return ric_store_digest_text(&b, digest);
 }
 
 /* --------------------------------------------------------------------- read */

@@ -160,7 +160,7 @@ static const char *wrong_work(sqlite3_stmt *row, const char *last)
     if (sqlite3_column_type(row, 2) != SQLITE_INTEGER) return "digest: not a whole number";
     const void *bytes = sqlite3_column_blob(row, 1);
     const size_t n = (size_t)sqlite3_column_bytes(row, 1);
-    return sqlite3_column_int64(row, 2) == (sqlite3_int64)ric_store_digest(bytes, n)
+    return sqlite3_column_int64(row, 2) == (sqlite3_int64)ric_bytes_hash(RIC_BYTES_HASH, bytes, n)
                ? NULL
                : "the bytes do not match their digest";
 }

@@ -7,37 +7,32 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const uint64_t digest_start = 0xcbf29ce484222325u, digest_prime = 0x100000001b3u;
-
 /* In the order in which they are digested. */
 static const ric_table *const tables[] = {&ric_table_branch, &ric_table_branch_junction,
                                           &ric_table_point, &ric_table_junction,
                                           &ric_table_junction_branch};
 
-static uint64_t digest_bytes(uint64_t digest, const void *bytes, size_t n)
+ric_status ric_store_digest_text(ric_buffer *b, uint64_t *digest)
 {
-    const unsigned char *byte = bytes;
-    for (size_t i = 0; i < n; i++) digest = (digest ^ byte[i]) * digest_prime;
-    return digest;
-}
-
-uint64_t ric_store_digest(const void *bytes, size_t n)
-{
-    return digest_bytes(digest_start, bytes, n);
+    char *text = ric_buffer_take(b);
+    if (!text) return ric_store_fail_memory();
+    *digest = ric_bytes_hash(RIC_BYTES_HASH, text, strlen(text));
+    free(text);
+    return RIC_OK;
 }
 
 uint64_t ric_store_digest_model(const ric_model *m)
 {
     const size_t n = (size_t)ric_model_n_dof(m), size = sizeof(double);
-    uint64_t digest = digest_bytes(digest_start, ric_model_mass(m), n * n * size);
-    digest = digest_bytes(digest, ric_model_stiffness(m), n * n * size);
+    uint64_t digest = ric_bytes_hash(RIC_BYTES_HASH, ric_model_mass(m), n * n * size);
+    digest = ric_bytes_hash(digest, ric_model_stiffness(m), n * n * size);
     for (int i = 0; i < ric_model_n_contact(m); i++) {
         ric_contact c;
         if (ric_model_contact(m, i, &c)) return 0;
         const double numbers[] = {c.clearance, (double)c.sides, c.stiffness,
                                   c.exponent,  c.length,        c.reference};
-        digest = digest_bytes(digest, c.normal, n * size);
-        digest = digest_bytes(digest, numbers, sizeof numbers);
+        digest = ric_bytes_hash(digest, c.normal, n * size);
+        digest = ric_bytes_hash(digest, numbers, sizeof numbers);
     }
     return digest;
 }
@@ -46,9 +41,9 @@ uint64_t ric_store_digest_model(const ric_model *m)
  * digested are numbers that are zero. */
 static uint64_t digest_number(uint64_t digest, uint64_t value)
 {
-    const uint64_t p2 = digest_prime * digest_prime, p4 = p2 * p2;
+    const uint64_t prime = UINT64_C(0x100000001b3), p2 = prime * prime, p4 = p2 * p2;
     if (value == 0) return digest * (p4 * p4);
-    for (int k = 0; k < 8; k++) digest = (digest ^ (unsigned char)(value >> 8 * k)) * digest_prime;
+    for (int k = 0; k < 8; k++) digest = (digest ^ (unsigned char)(value >> 8 * k)) * prime;
     return digest;
 }
 
@@ -57,9 +52,9 @@ static uint64_t digest_number(uint64_t digest, uint64_t value)
 static uint64_t digest_value(uint64_t digest, const ric_store_value *value)
 {
     const unsigned char type = (unsigned char)value->type;
-    digest = digest_bytes(digest, &type, 1);
+    digest = ric_bytes_hash(digest, &type, 1);
     if (value->type == SQLITE_TEXT || value->type == SQLITE_BLOB)
-        return digest_bytes(digest_number(digest, value->n), value->bytes, value->n);
+        return ric_bytes_hash(digest_number(digest, value->n), value->bytes, value->n);
     uint64_t bits = 0;
     if (value->type == SQLITE_FLOAT) memcpy(&bits, &value->real, sizeof bits);
     return digest_number(digest_number(digest, (uint64_t)value->integer), bits);
@@ -99,7 +94,7 @@ static ric_status digest_query(ric_database file, sqlite3_stmt *query, uint64_t 
 ric_status ric_store_digest_meta(ric_database file, uint64_t *digest)
 {
     sqlite3_stmt *query = NULL;
-    *digest = digest_start;
+    *digest = RIC_BYTES_HASH;
     ric_status status =
         ric_store_sqlite_prepare(file,
                                  "SELECT key, value FROM meta WHERE key <> 'digest' ORDER BY key",

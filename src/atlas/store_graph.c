@@ -159,11 +159,7 @@ static ric_status digest_of(const ric_atlas *atlas, const ric_graph_proof *g, ui
     fprintf(b.file, "\n%s\n%s\n", g->why, g->how);
     if (g->kind == RIC_GRAPH_CURVE) ric_store_graph_print_branch(b.file, atlas, g->id);
     else print_junction(b.file, atlas, g->id);
-    char *text = ric_buffer_take(&b);
-    if (!text) return ric_store_fail_memory();
-    *out = ric_store_digest(text, strlen(text));
-    free(text);
-    return RIC_OK;
+    return ric_store_digest_text(&b, out);
 }
 
 /* --------------------------------------------------------------------- read */

@@ -140,7 +140,7 @@ ric_status ric_store_later_end(ric_store_later *later)
 /* A hash of a key, never 0. */
 static uint64_t hash_of(const char *key)
 {
-    return ric_store_digest(key, strlen(key)) | 1;
+    return ric_bytes_hash(RIC_BYTES_HASH, key, strlen(key)) | 1;
 }
 
 /* The slot of a hash, or the free one where it would lie. */

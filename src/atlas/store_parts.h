@@ -104,8 +104,8 @@ ric_status ric_store_put_meta(ric_database file, const char *key, const char *va
 
 /* Over all numbers of a structure. */
 uint64_t ric_store_digest_model(const ric_model *model);
-/* FNV-1a with 64 bits (Fowler, Noll, Vo): finds damage, not forgery. */
-uint64_t ric_store_digest(const void *bytes, size_t n);
+/* Of what was printed, which is closed: finds damage, not forgery. */
+ric_status ric_store_digest_text(ric_buffer *text, uint64_t *digest);
 /* That of all contents of a file. */
 ric_status ric_store_digest_contents(ric_database file, uint64_t *digest);
 /* The same in two steps, before the rows are in the file: its table meta, then the rows that are to

@@ -72,11 +72,7 @@ static ric_status digest_row(const ric_atlas *atlas, const ric_proof *p, const c
     for (int i = 0; i < branch->letters; i++) fprintf(b.file, " %a", row.flights[i]);
     for (int i = 0; i < NUMBERS; i++) fprintf(b.file, " %a", stored_number(p, i));
     fprintf(b.file, " %s\n%s", p->why, certificate);
-    char *text = ric_buffer_take(&b);
-    if (!text) return ric_store_fail_memory();
-    *out = ric_store_digest(text, strlen(text));
-    free(text);
-    return RIC_OK;
+    return ric_store_digest_text(&b, out);
 }
 
 /* --------------------------------------------------------------------- read */

@@ -19,7 +19,7 @@ static sqlite3_int64 digest_of(uint64_t row, const char *prover)
 {
     char text[80];
     const int n = snprintf(text, sizeof text, "%" PRIx64 " %.40s", row, prover);
-    return (sqlite3_int64)ric_store_digest(text, (size_t)n);
+    return (sqlite3_int64)ric_bytes_hash(RIC_BYTES_HASH, text, (size_t)n);
 }
 
 static int bind_key(sqlite3_stmt *query, const ric_refused *what)

@@ -36,3 +36,10 @@ void *ric_bytes_make(void (*pass)(ric_bytes *, void *), void *user, size_t *size
     if (out) pass(&written, user);
     return out;
 }
+
+uint64_t ric_bytes_hash(uint64_t hash, const void *bytes, size_t n)
+{
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < n; i++) hash = (hash ^ byte[i]) * UINT64_C(0x100000001b3);
+    return hash;
+}

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 typedef struct {
     char *at;     /* where the next value lies; NULL: they are only counted */
@@ -20,5 +21,10 @@ void ric_bytes_pass(ric_bytes *bytes, void *values, size_t size);
 bool ric_bytes_have(const ric_bytes *bytes, size_t size);
 /* What `pass` passes, allocated; NULL: no memory. Nothing of `user` is changed. */
 void *ric_bytes_make(void (*pass)(ric_bytes *bytes, void *user), void *user, size_t *size);
+
+/* FNV-1a with 64 bits (Fowler, Noll, Vo), from RIC_BYTES_HASH on: one changed byte always changes
+ * it. */
+#define RIC_BYTES_HASH UINT64_C(0xcbf29ce484222325)
+uint64_t ric_bytes_hash(uint64_t hash, const void *bytes, size_t n);
 
 #endif

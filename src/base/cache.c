@@ -1,4 +1,5 @@
 #include "cache.h"
+#include "bytes.h"
 #include "memory.h"
 
 #include <pthread.h>
@@ -65,9 +66,7 @@ void ric_cache_free(ric_cache *memo)
 
 static uint64_t hash_of(const void *key, size_t size)
 {
-    const unsigned char *bytes = key;
-    uint64_t hash = 14695981039346656037u; /* FNV-1a */
-    for (size_t i = 0; i < size; i++) hash = (hash ^ bytes[i]) * 1099511628211u;
+    const uint64_t hash = ric_bytes_hash(RIC_BYTES_HASH, key, size);
     return hash ^ hash >> 32;
 }
 

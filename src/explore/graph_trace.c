@@ -27,13 +27,6 @@ typedef struct {
     const ric_continuation *along;
 } course;
 
-static uint64_t mixed(uint64_t hash, const void *from, size_t size)
-{
-    const unsigned char *bytes = from;
-    for (size_t i = 0; i < size; i++) hash = (hash ^ bytes[i]) * 1099511628211u; /* FNV-1a */
-    return hash;
-}
-
 /* The orbit of a junction, and what of it is left open there. Mirror images in a structure that is
  * none have energy, period and word in common, and so do orbits of several kernels: the state tells
  * them from each other. */
@@ -41,12 +34,12 @@ static uint64_t node_hash(const ric_node *node)
 {
     const ric_periodic *c = node->cycle;
     const int form[] = {c->half, c->pure, c->flip, c->parts, node->test, node->n_touch};
-    uint64_t hash = mixed(14695981039346656037u, form, sizeof form);
-    hash = mixed(hash, &c->closed, sizeof c->closed);
-    hash = mixed(hash, node->touch, (size_t)node->n_touch * sizeof *node->touch);
-    hash = mixed(hash, c->face, (size_t)c->N * sizeof *c->face);
-    hash = mixed(hash, c->tau, (size_t)c->N * sizeof *c->tau);
-    return mixed(hash, c->w, 2 * (size_t)c->n * sizeof *c->w);
+    uint64_t hash = ric_bytes_hash(RIC_BYTES_HASH, form, sizeof form);
+    hash = ric_bytes_hash(hash, &c->closed, sizeof c->closed);
+    hash = ric_bytes_hash(hash, node->touch, (size_t)node->n_touch * sizeof *node->touch);
+    hash = ric_bytes_hash(hash, c->face, (size_t)c->N * sizeof *c->face);
+    hash = ric_bytes_hash(hash, c->tau, (size_t)c->N * sizeof *c->tau);
+    return ric_bytes_hash(hash, c->w, 2 * (size_t)c->n * sizeof *c->w);
 }
 
 /* The text that names a trace for later runs: junction, departure, and everything that shapes the

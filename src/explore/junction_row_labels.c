@@ -33,23 +33,16 @@ static bool has_label(const ric_junction_row *junction)
 
 /* ------------------------------------------------------------------- keeping */
 
-static uint64_t mixed(uint64_t hash, size_t size, const void *bytes)
-{
-    const unsigned char *at = bytes;
-    for (size_t i = 0; i < size; i++) hash = (hash ^ at[i]) * 1099511628211u; /* FNV-1a */
-    return hash;
-}
-
 /* All that a label depends on, as the key of a trace is all that shapes a trace (graph_follow.c).
  */
 static ric_status label_key(const ric_node *node, char *key, size_t size)
 {
     const ric_periodic *c = node->cycle;
-    uint64_t hash = 14695981039346656037u;
-    hash = mixed(hash, sizeof c->closed, &c->closed);
-    hash = mixed(hash, (size_t)c->N * sizeof *c->face, c->face);
-    hash = mixed(hash, (size_t)c->N * sizeof *c->tau, c->tau);
-    hash = mixed(hash, 2 * (size_t)c->n * sizeof *c->w, c->w);
+    uint64_t hash = RIC_BYTES_HASH;
+    hash = ric_bytes_hash(hash, &c->closed, sizeof c->closed);
+    hash = ric_bytes_hash(hash, c->face, (size_t)c->N * sizeof *c->face);
+    hash = ric_bytes_hash(hash, c->tau, (size_t)c->N * sizeof *c->tau);
+    hash = ric_bytes_hash(hash, c->w, 2 * (size_t)c->n * sizeof *c->w);
     ric_c_print(key, size, RIC_LABEL "%d %d %d %d %d %d %a %a %016" PRIx64, (int)node->kind, c->N,
                 c->parts, c->half, c->pure, node->multiple, node->energy, node->period, hash);
     return ric_memory_failed() ? ric_no_memory("the name of a label") : RIC_OK;

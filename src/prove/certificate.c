@@ -16,13 +16,12 @@ enum {
 static const char *const ends[] = {"general", "rest", "impact", "centre", "twin"};
 static const char *const flags[] = {"no", "yes", "undecided"};
 
-/* FNV-1a with 64 bits (Fowler, Noll, Vo) of the line so far: one changed byte always changes it. */
+/* With the hash of the line so far. */
 static char *finish(ric_buffer *b)
 {
-    uint64_t digest = 0xcbf29ce484222325u;
     if (!ric_buffer_sync(b)) return ric_buffer_take(b);
-    for (const char *c = b->text; *c; c++) digest = (digest ^ (unsigned char)*c) * 0x100000001b3u;
-    fprintf(b->file, ", \"check\": \"%016" PRIx64 "\"}", digest);
+    fprintf(b->file, ", \"check\": \"%016" PRIx64 "\"}",
+            ric_bytes_hash(RIC_BYTES_HASH, b->text, strlen(b->text)));
     return ric_buffer_take(b);
 }
 
