@@ -121,3 +121,38 @@ int ric_dense_factor(int m, double *A)
     }
     return sign;
 }
+
+static void swap_rows(int m, double *a, double *b)
+{
+    for (int k = 0; k < m; k++) {
+        double t = a[k];
+        a[k] = b[k];
+        b[k] = t;
+    }
+}
+
+bool ric_dense_solve(int n, int m, double *A, double *B, double least)
+{
+    for (int j = 0; j < n; j++) {
+        int best = j;
+        for (int i = j + 1; i < n; i++)
+            if (fabs(A[i * n + j]) > fabs(A[best * n + j])) best = i;
+        if (!(fabs(A[best * n + j]) > least)) return false;
+        if (best != j) {
+            swap_rows(n - j, A + j * n + j, A + best * n + j);
+            swap_rows(m, B + j * m, B + best * m);
+        }
+        for (int i = j + 1; i < n; i++) {
+            double factor = A[i * n + j] / A[j * n + j];
+            if (factor == 0) continue;
+            for (int k = j + 1; k < n; k++) A[i * n + k] -= factor * A[j * n + k];
+            for (int k = 0; k < m; k++) B[i * m + k] -= factor * B[j * m + k];
+        }
+    }
+    for (int i = n - 1; i >= 0; i--)
+        for (int c = 0; c < m; c++) {
+            for (int k = i + 1; k < n; k++) B[i * m + c] -= A[i * n + k] * B[k * m + c];
+            B[i * m + c] /= A[i * n + i];
+        }
+    return true;
+}

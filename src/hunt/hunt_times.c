@@ -1,7 +1,10 @@
 #include "hunt_times.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
+
+#include "base/room.h"
 
 #define STEPS 40
 #define HALVINGS 8
@@ -92,7 +95,7 @@ static bool place(ric_times *t, const ric_hit *hits)
     assemble_places(t, hits);
     memcpy(t->A, t->K, (size_t)(N * N) * sizeof *t->A);
     for (int k = 0; k < N; k++) first[k] = t->y[k * columns];
-    if (!ric_impact_map_eliminate(N, 1, t->A, first)) return false;
+    if (!ric_dense_solve(N, 1, t->A, first, DBL_MIN)) return false;
     for (int k = 0; k < N; k++) t->y[k * columns] = first[k];
     set_velocities(t, hits);
     double change[RIC_TIMES_MOST * (RIC_TIMES_MOST + 1)];
@@ -106,7 +109,7 @@ static bool place(ric_times *t, const ric_hit *hits)
         }
     }
     memcpy(t->A, t->K, (size_t)(N * N) * sizeof *t->A);
-    if (!ric_impact_map_eliminate(N, N, t->A, change)) return false;
+    if (!ric_dense_solve(N, N, t->A, change, DBL_MIN)) return false;
     for (int k = 0; k < N; k++)
         memcpy(&t->y[k * columns + 1], &change[k * N], (size_t)N * sizeof *change);
     return true;
@@ -195,7 +198,7 @@ static bool newton_step(ric_times *t, const ric_hit *hits)
     memcpy(t->step, t->r, (size_t)N * sizeof *t->step);
     memcpy(t->A + row * N, t->J + N * N, (size_t)N * sizeof *t->A);
     t->step[row] = t->r[N];
-    return ric_impact_map_eliminate(N, 1, t->A, t->step);
+    return ric_dense_solve(N, 1, t->A, t->step, DBL_MIN);
 }
 
 /* Part of the step; false: beyond the bounds. */

@@ -17,7 +17,6 @@
  * is far below */
 #define ROUNDING 1e-13
 #define RIGHT_ANGLE 1.57079632679489661923
-#define NOTHING 1e-300 /* a pivot below it is zero */
 /* NEARLY: relative: from there on Newton's method goes by its steps, and may rest */
 #define NEARLY 1e-9
 #define ASTRAY 1e6   /* a step that long leads nowhere */
@@ -399,41 +398,6 @@ bool ric_impact_map_around(const ric_impact_map *s, int N, const ric_hit *hits, 
 
 /* ------------------------------------------------------------------ polish */
 
-static void swap_rows(int m, double *a, double *b)
-{
-    for (int k = 0; k < m; k++) {
-        double t = a[k];
-        a[k] = b[k];
-        b[k] = t;
-    }
-}
-
-bool ric_impact_map_eliminate(int n, int m, double *A, double *B)
-{
-    for (int j = 0; j < n; j++) {
-        int best = j;
-        for (int i = j + 1; i < n; i++)
-            if (fabs(A[i * n + j]) > fabs(A[best * n + j])) best = i;
-        if (!(fabs(A[best * n + j]) > NOTHING)) return false;
-        if (best != j) {
-            swap_rows(n - j, A + j * n + j, A + best * n + j);
-            swap_rows(m, B + j * m, B + best * m);
-        }
-        for (int i = j + 1; i < n; i++) {
-            double factor = A[i * n + j] / A[j * n + j];
-            if (factor == 0) continue;
-            for (int k = j + 1; k < n; k++) A[i * n + k] -= factor * A[j * n + k];
-            for (int k = 0; k < m; k++) B[i * m + k] -= factor * B[j * m + k];
-        }
-    }
-    for (int i = n - 1; i >= 0; i--)
-        for (int c = 0; c < m; c++) {
-            for (int k = i + 1; k < n; k++) B[i * m + c] -= A[i * n + k] * B[k * m + c];
-            B[i * m + c] /= A[i * n + i];
-        }
-    return true;
-}
-
 size_t ric_impact_map_work(int N)
 {
     return (size_t)(3 * N) * (size_t)(3 * N) + (size_t)(3 * N);
@@ -488,7 +452,7 @@ bool ric_impact_map_polish(const ric_impact_map *s, int N, bool half, ric_hit *h
     double *A = work, *r = work + (size_t)n * (size_t)n, before = INFINITY;
     for (int i = 0; i < STEPS; i++) {
         double size = 1, change = 0, residual = assemble(s, N, half, hits, A, r);
-        if (!(residual < INFINITY) || !ric_impact_map_eliminate(n, 1, A, r)) return false;
+        if (!(residual < INFINITY) || !ric_dense_solve(n, 1, A, r, DBL_MIN)) return false;
         if (i > 8 && residual > before / 2 && residual > NEARLY) return false;
         before = residual;
         double part = allowed(s, N, hits, r);

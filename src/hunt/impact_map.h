@@ -67,8 +67,6 @@ bool ric_impact_map_slope(const ric_impact_map *section, const ric_hit *a, const
 bool ric_impact_map_polish(const ric_impact_map *section, int N, bool half, ric_hit *hits,
                            double *work);
 size_t ric_impact_map_work(int N);
-/* A [n * n] X = B [n * m] in place, partial pivoting; false where a pivot vanishes. */
-bool ric_impact_map_eliminate(int n, int m, double *A, double *B);
 
 /* Whether the simulator makes the same motion of it, flight by flight, and sees no other touch. */
 bool ric_impact_map_admissible(const ric_impact_map *section, int N, const ric_hit *hits);

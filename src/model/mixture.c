@@ -36,30 +36,7 @@ static bool solve(int k, double *A, double *b)
 {
     double size = 0;
     for (int i = 0; i < k; i++) size = fmax(size, fabs(A[i * k + i]));
-    for (int i = 0; i < k; i++) {
-        int best = i;
-        for (int j = i + 1; j < k; j++)
-            if (fabs(A[j * k + i]) > fabs(A[best * k + i])) best = j;
-        if (!(fabs(A[best * k + i]) > FLAT * size)) return false;
-        for (int l = 0; l < k && best != i; l++) {
-            double swap = A[i * k + l];
-            A[i * k + l] = A[best * k + l];
-            A[best * k + l] = swap;
-        }
-        double swap = b[i];
-        b[i] = b[best];
-        b[best] = swap;
-        for (int j = i + 1; j < k; j++) {
-            double factor = A[j * k + i] / A[i * k + i];
-            for (int l = i; l < k; l++) A[j * k + l] -= factor * A[i * k + l];
-            b[j] -= factor * b[i];
-        }
-    }
-    for (int i = k - 1; i >= 0; i--) {
-        for (int l = i + 1; l < k; l++) b[i] -= A[i * k + l] * b[l];
-        b[i] /= A[i * k + i];
-    }
-    return true;
+    return ric_dense_solve(k, 1, A, b, FLAT * size);
 }
 
 /* gamma . Z of one contact. */
