@@ -22,8 +22,7 @@ static bool canonical_turn(const ric_model *m, const ric_edge *e, ric_turn *out)
     ric_shooting_fly(tr->chain, p);
     ric_periodic *cycle = ric_periodic_from_chain(tr->chain, p),
                  *canonical = cycle ? ric_periodic_canonical(m, cycle) : NULL;
-    bool found = canonical && ric_periodic_match(m, canonical, cycle, RIC_SAME_SOLVED, &out->shift,
-                                                 &out->reverse, &out->mirror);
+    bool found = canonical && ric_periodic_match(m, canonical, cycle, RIC_SAME_SOLVED, out);
     ric_periodic_free(cycle);
     ric_periodic_free(canonical);
     return found;

@@ -29,8 +29,9 @@ bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_no
 {
     ric_continuation *tr = e->trace;
     ric_shooting *c = tr->chain;
-    int size = c->n_unknown, iterations, shift;
-    bool reverse, mirror, found = false;
+    int size = c->n_unknown, iterations;
+    bool found = false;
+    ric_turn turn;
     if (tr->n_point < 2) return false;
     double target = node->energy * m->energy_unit, du[size], u[size], t[size];
     if (target < e->energy[0] || target > e->energy[1] ||
@@ -62,8 +63,7 @@ bool ric_graph_edge_contains(const ric_model *m, const ric_edge *e, const ric_no
             for (int j = 0; j < size; j++) u[j] -= miss / slope * kernel[j];
         }
         ric_periodic *cycle = ric_continuation_cycle(tr, u);
-        found = cycle && ric_periodic_match(m, node->cycle, cycle, RIC_SAME_EXTRAPOLATED, &shift,
-                                            &reverse, &mirror);
+        found = cycle && ric_periodic_match(m, node->cycle, cycle, RIC_SAME_EXTRAPOLATED, &turn);
         ric_periodic_free(cycle);
         *at = a->arclength + x * (b->arclength - a->arclength);
     }

@@ -87,11 +87,11 @@ ric_periodic *ric_corner_least(const ric_model *m, const ric_periodic *c, int n_
 bool ric_corner_fixed(const ric_model *m, const ric_periodic *c, int n_pair, const int *pairs,
                       double tolerance)
 {
-    bool found = false, reverse, mirror;
+    bool found = false;
     for (unsigned choice = 1; choice < 1u << n_pair && !found; choice++) {
-        int shift;
+        ric_turn turn;
         ric_periodic *swapped = ric_corner_swap(m, c, n_pair, pairs, choice, tolerance);
-        found = swapped && ric_periodic_match(m, c, swapped, tolerance, &shift, &reverse, &mirror);
+        found = swapped && ric_periodic_match(m, c, swapped, tolerance, &turn);
         ric_periodic_free(swapped);
     }
     return found;

@@ -366,13 +366,12 @@ ric_periodic *ric_grazing_words_cycle(const ric_model *m, const ric_node *node, 
 
 int ric_grazing_words_order(const ric_model *m, const ric_node *node, const ric_periodic *cycle)
 {
-    int result = -1, shift;
-    bool reverse, mirror;
+    int result = -1;
+    ric_turn turn;
     for (int i = 0; i < node->n_departure && result < 0; i++) {
         unsigned choice = node->departures[i].choice;
         ric_periodic *swapped = ric_grazing_words_cycle(m, node, choice);
-        if (swapped && ric_periodic_match(m, swapped, cycle, FITS, &shift, &reverse, &mirror))
-            result = (int)choice;
+        if (swapped && ric_periodic_match(m, swapped, cycle, FITS, &turn)) result = (int)choice;
         ric_periodic_free(swapped);
     }
     return result;
@@ -395,17 +394,17 @@ static void exchange(ric_periodic *c, bool *kept, int n_pair, const int *pairs, 
 /* Touches of two contacts at one instant are listed in either order: `full` in that in which it is
  * the orbit of the node. */
 static bool match_touches(const ric_model *m, const ric_periodic *whole, ric_periodic *full,
-                          bool *kept, int *shift, bool *reverse)
+                          bool *kept, ric_turn *turn)
 {
     int pairs[RIC_MAX_TOUCHES], n = 0;
-    bool found = false, mirror;
+    bool found = false;
     for (int i = 0; i < full->N && n < RIC_MAX_TOUCHES; i++)
         if (full->tau[i] < RIC_COINCIDENT &&
             m->face[full->face[i]].contact != m->face[full->face[(i + 1) % full->N]].contact)
             pairs[n++] = i;
     for (unsigned order = 0; order < 1u << n && !found; order++) {
         exchange(full, kept, n, pairs, order);
-        found = ric_periodic_match(m, whole, full, FITS, shift, reverse, &mirror);
+        found = ric_periodic_match(m, whole, full, FITS, turn);
         if (!found) exchange(full, kept, n, pairs, order);
     }
     return found;
@@ -414,16 +413,16 @@ static bool match_touches(const ric_model *m, const ric_periodic *whole, ric_per
 int ric_grazing_words_choice(const ric_model *m, const ric_node *node, ric_periodic *full,
                              bool *kept)
 {
-    int result = -1, shift, N = node->cycle->N, all = N * node->multiple, p = node->n_touch;
-    bool reverse;
+    int result = -1, N = node->cycle->N, all = N * node->multiple, p = node->n_touch;
+    ric_turn turn;
     action actions[4];
     ric_periodic *whole = ric_periodic_repeat(node->cycle, node->multiple);
     if (whole && find_actions(m, node, actions) && full->N == all &&
-        match_touches(m, whole, full, kept, &shift, &reverse)) {
+        match_touches(m, whole, full, kept, &turn)) {
         unsigned choice = 0;
         for (int bit = 0; bit < p * node->multiple; bit++) {
             int i = bit / p * N + node->touch[bit % p],
-                j = reverse ? ((shift - i) % all + all) % all : (shift + i) % all;
+                j = turn.reverse ? ((turn.shift - i) % all + all) % all : (turn.shift + i) % all;
             if (kept[j]) choice |= 1u << bit;
         }
         result = (int)class_of(node, actions, choice);

@@ -420,8 +420,7 @@ bool ric_node_same(const ric_model *m, const ric_node *a, const ric_node *b)
 unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_periodic *cycle)
 {
     unsigned result = RIC_SIDE;
-    int shift;
-    bool reverse, mirror;
+    ric_turn turn;
     ric_periodic *repeated = node->multiple > 1 && node->n_departure > 2
                                  ? ric_periodic_repeat(node->cycle, node->multiple)
                                  : NULL,
@@ -429,12 +428,11 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_pe
     if (!repeated) return node->n_departure > 1 ? node->departures[1].choice : RIC_SIDE;
     ric_periodic *here = ric_periodic_copy(cycle);
     bool found = here && ric_periodic_divide(m, here, repeated->N);
-    found = found &&
-            ric_periodic_match(m, repeated, here, RIC_SAME_READ_OFF, &shift, &reverse, &mirror);
+    found = found && ric_periodic_match(m, repeated, here, RIC_SAME_READ_OFF, &turn);
     if (here && !found &&
         ric_periodic_half_mark(m, here)) /* one starts at a rest, the other at a centre */
-        found = ric_periodic_match(m, repeated, here, RIC_SAME_READ_OFF, &shift, &reverse, &mirror);
-    if (found) home = ric_periodic_transform(m, here, shift, reverse, mirror);
+        found = ric_periodic_match(m, repeated, here, RIC_SAME_READ_OFF, &turn);
+    if (found) home = ric_periodic_transform(m, here, turn.shift, turn.reverse, turn.mirror);
     ric_periodic_free(here);
     ric_symmetry other = ric_node_problem(node, RIC_OTHER_SIDE);
     /* on an S orbit the two differ by the reversal; else by the mirror points of it, of which those

@@ -433,7 +433,7 @@ bool ric_periodic_alike(const ric_model *m, const ric_periodic *a, const ric_per
 }
 
 bool ric_periodic_match(const ric_model *m, const ric_periodic *a, const ric_periodic *b,
-                        double tolerance, int *shift, bool *reverse, bool *mirror)
+                        double tolerance, ric_turn *turn)
 {
     images q = {.m = m, .c = b};
     double nearest = HUGE_VAL;
@@ -443,9 +443,7 @@ bool ric_periodic_match(const ric_model *m, const ric_periodic *a, const ric_per
             double distance = image_distance(&q, a, s, op & 1, op & 2, fmin(tolerance, APART));
             if (distance > tolerance || distance >= nearest) continue;
             nearest = distance;
-            *shift = s;
-            *reverse = op & 1;
-            *mirror = op & 2;
+            *turn = (ric_turn){s, op & 1, op & 2};
             /* the images of an orbit with symmetries differ by rounding: the first one */
             sure = distance <= RIC_SAME_SOLVED;
         }

@@ -106,9 +106,14 @@ bool ric_periodic_apart(const ric_model *model, const ric_periodic *cycle, int s
 /* Whether some image of b has the same word as a: without that no operation takes the one to the
  * other. */
 bool ric_periodic_alike(const ric_model *model, const ric_periodic *a, const ric_periodic *b);
+/* An operation on a cycle, as ric_periodic_transform takes it. */
+typedef struct {
+    int shift;
+    bool reverse, mirror;
+} ric_turn;
 /* The operation that takes b nearest to a, within `tolerance`: found or not. */
 bool ric_periodic_match(const ric_model *model, const ric_periodic *a, const ric_periodic *b,
-                        double tolerance, int *shift, bool *reverse, bool *mirror);
+                        double tolerance, ric_turn *turn);
 /* Whether there is one, however it reads. */
 bool ric_periodic_same(const ric_model *model, const ric_periodic *a, const ric_periodic *b,
                        double tolerance);

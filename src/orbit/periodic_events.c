@@ -235,9 +235,8 @@ static ric_status to_chain(const ric_model *m, const ric_periodic *c, ric_shooti
 
 static bool same(const ric_model *m, const ric_periodic *a, const ric_periodic *b, double tolerance)
 {
-    int shift;
-    bool reverse, mirror;
-    return ric_periodic_match(m, a, b, tolerance, &shift, &reverse, &mirror);
+    ric_turn turn;
+    return ric_periodic_match(m, a, b, tolerance, &turn);
 }
 
 static bool repeats(const ric_model *m, const ric_periodic *c, double tolerance)

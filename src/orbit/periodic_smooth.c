@@ -349,9 +349,8 @@ static void claim(const ric_model *m, const ric_periodic_claim *said, ric_period
 
 static bool same(const ric_model *m, const ric_periodic *a, const ric_periodic *b, double tolerance)
 {
-    int shift;
-    bool reverse, mirror;
-    if (ric_periodic_match(m, a, b, tolerance, &shift, &reverse, &mirror)) return true;
+    ric_turn turn;
+    if (ric_periodic_match(m, a, b, tolerance, &turn)) return true;
     if (a->N != b->N || !phase_free(a)) return false;
     ric_periodic *image = nearest_phase(m, a, b, tolerance);
     bool found = image;

@@ -9,8 +9,7 @@ bool ric_turn_find(const ric_model *m, ric_shooting *c, const double *u, const r
 {
     ric_shooting_fly(c, u);
     ric_periodic *raw = ric_periodic_from_chain(c, u);
-    bool found = raw && ric_periodic_match(m, like, raw, RIC_SAME_LOCATED, &out->shift,
-                                           &out->reverse, &out->mirror);
+    bool found = raw && ric_periodic_match(m, like, raw, RIC_SAME_LOCATED, out);
     ric_periodic_free(raw);
     return found;
 }

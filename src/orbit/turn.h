@@ -7,11 +7,6 @@
 
 /* The operation that takes the orbit of a chain to the start and direction in which its branch is
  * stored. */
-typedef struct {
-    int shift;
-    bool reverse, mirror;
-} ric_turn;
-
 bool ric_turn_find(const ric_model *model, ric_shooting *chain, const double *u,
                    const ric_periodic *like, ric_turn *out);
 /* The orbit of the chain at u, turned. NULL: no memory. */

@@ -46,10 +46,9 @@ static ric_periodic *exchanged(const ric_model *m, const ric_periodic *cycle)
 
 static bool own_image(const ric_model *m, const ric_periodic *cycle)
 {
-    int shift;
-    bool reverse, mirror;
+    ric_turn turn;
     ric_periodic *image = exchanged(m, cycle);
-    bool same = ric_periodic_match(m, cycle, image, 1e-7, &shift, &reverse, &mirror);
+    bool same = ric_periodic_match(m, cycle, image, 1e-7, &turn);
     ric_periodic_free(image);
     return same;
 }

@@ -322,8 +322,9 @@ static void check_types(int order, const family f[2], const char *where)
 static void check_node(const ric_model *m, const ric_limits *limits, const ric_node *node,
                        const char *where)
 {
-    int order = ric_symmetry_order(node->cycle, node->rotation[0], node->rotation[1]), shift;
-    bool two = node->n_departure > 2, reverse, mirror;
+    int order = ric_symmetry_order(node->cycle, node->rotation[0], node->rotation[1]);
+    bool two = node->n_departure > 2;
+    ric_turn turn;
     family f[2];
     for (int i = 0; i < 2; i++) {
         unsigned choice = two && i ? RIC_OTHER_SIDE : RIC_SIDE;
@@ -332,7 +333,7 @@ static void check_node(const ric_model *m, const ric_limits *limits, const ric_n
         follow(m, limits, node, choice, i && !two ? -1 : 1, where);
     }
     check_types(order, f, where);
-    if (ric_periodic_match(m, f[0].cycle, f[1].cycle, 1e-6, &shift, &reverse, &mirror))
+    if (ric_periodic_match(m, f[0].cycle, f[1].cycle, 1e-6, &turn))
         fail_msg("%s: both ways lead to one orbit", where);
     for (int i = 0; i < 2; i++) ric_periodic_free(f[i].cycle);
 }

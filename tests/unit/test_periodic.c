@@ -69,8 +69,8 @@ static void check_round_trip(const ric_model *m, ric_shooting *chain, const doub
 {
     ric_shooting *back = NULL;
     double *v = NULL;
-    int shift, letters = 0;
-    bool reverse, mirror;
+    int letters = 0;
+    ric_turn turn;
     assert_int_equal(ric_periodic_to_chain(m, cycle, &back, &v), RIC_OK);
     ric_shooting_fly(back, v);
     if (!same_form(chain, back))
@@ -84,9 +84,9 @@ static void check_round_trip(const ric_model *m, ric_shooting *chain, const doub
                 fabs(ric_periodic_energy(m, cycle) - E) <= 1e-12 * (1 + E));
     ric_periodic *again = ric_periodic_from_chain(back, v);
     assert_non_null(again);
-    if (!ric_periodic_match(m, cycle, again, 1e-11, &shift, &reverse, &mirror))
+    if (!ric_periodic_match(m, cycle, again, 1e-11, &turn))
         fail_msg("%s: another orbit comes back", where);
-    ric_periodic *image = ric_periodic_transform(m, again, shift, reverse, mirror);
+    ric_periodic *image = ric_periodic_transform(m, again, turn.shift, turn.reverse, turn.mirror);
     check_distance(cycle, image, where, "matched image");
     if (image->half != cycle->half || image->pure != cycle->pure || image->flip != cycle->flip)
         fail_msg("%s: symmetries %d %d %d become %d %d %d", where, cycle->half, cycle->pure,
@@ -266,15 +266,14 @@ static void check_canonical(const ric_model *m, ric_shooting *chain, const doubl
     assert_memory_equal(canonical->face, word, (size_t)cycle->N * sizeof *word);
     for (int op = 0; op < 4; op++)
         for (int s = 0; s < cycle->N; s++) {
-            int shift;
-            bool reverse, mirror;
+            ric_turn turn;
             ric_periodic *image = ric_periodic_transform(m, cycle, s, op & 1, op & 2),
                          *again = ric_periodic_canonical(m, image);
             check_distance(canonical, again, where, "canonical form of an image");
             if (canonical->half != again->half || canonical->pure != again->pure ||
                 canonical->flip != again->flip)
                 fail_msg("%s: canonical forms with other symmetries", where);
-            if (!ric_periodic_match(m, cycle, image, 1e-10, &shift, &reverse, &mirror))
+            if (!ric_periodic_match(m, cycle, image, 1e-10, &turn))
                 fail_msg("%s: an image is not recognised", where);
             if (!ric_periodic_alike(m, cycle, image))
                 fail_msg("%s: an image has another word", where);
