@@ -355,30 +355,33 @@ void ric_graph_edge_returning(const ric_graph *g, ric_edge *e)
 }
 
 /* Traces again from the far end, so that what is stored does not depend on which end was found
- * first. */
-static ric_status from_smaller_end(ric_graph *g, int from, unsigned leave, int to, unsigned arrive,
-                                   ric_continuation **tr, bool *turned)
+ * first: the ends of *e are exchanged then. */
+static ric_status from_smaller_end(ric_graph *g, ric_edge *e)
 {
     ric_continuation *back = NULL;
     int home = -1;
     unsigned choice = 0;
-    ric_node *a = g->nodes[from], *b = g->nodes[to];
-    int order = from == to ? (arrive < leave ? 1 : -1) : -ric_graph_node_order(b, a);
-    *turned = false;
+    ric_node *a = g->nodes[e->from], *b = g->nodes[e->to];
+    int order = e->from == e->to ? (e->arrive < e->leave ? 1 : -1) : -ric_graph_node_order(b, a);
     if (order <= 0 || !departs(b)) return RIC_OK;
-    ric_status status = ric_graph_trace(g, b, arrive, 1, &back);
+    ric_status status = ric_graph_trace(g, b, e->arrive, 1, &back);
     if (status == RIC_E_NUMERIC) return RIC_OK;
     if (!status && back) status = end_node(g, back, 1 << 20, &home, &choice);
     if (status) return status;
-    if (!back || home != from || (ric_node_chooses(a) && choice != leave)) {
-        (*tr)->stop = RIC_STOP_FAILED;
-        (*tr)->why = RIC_WHY_NO_WAY_BACK;
+    if (!back || home != e->from || (ric_node_chooses(a) && choice != e->leave)) {
+        e->trace->stop = RIC_STOP_FAILED;
+        e->trace->why = RIC_WHY_NO_WAY_BACK;
         ric_continuation_free(back);
         return RIC_OK;
     }
-    ric_continuation_free(*tr);
-    *tr = back;
-    *turned = true;
+    ric_continuation_free(e->trace);
+    *e = (ric_edge){.trace = back,
+                    .from = e->to,
+                    .leave = e->arrive,
+                    .to = e->from,
+                    .arrive = e->leave,
+                    .depth = e->depth,
+                    .mode = e->mode};
     return RIC_OK;
 }
 
@@ -397,21 +400,16 @@ static ric_status note_orbits(ric_edge *e)
     return e->first ? RIC_OK : ric_no_memory("a branch");
 }
 
-static ric_status finish_edge(ric_graph *g, ric_continuation *tr, int from, unsigned leave, int to,
-                              unsigned arrive, int depth, int mode)
+/* Takes over the trace of an edge of which its ends are known. */
+static ric_status finish_edge(ric_graph *g, const ric_edge *given)
 {
     ric_edge *e = ric_graph_add_edge(g);
     if (!e) {
-        ric_continuation_free(tr);
+        ric_continuation_free(given->trace);
         return ric_no_memory("a branch");
     }
-    e->trace = tr;
-    e->from = from;
-    e->to = to;
-    e->leave = leave;
-    e->arrive = arrive;
-    e->depth = depth;
-    e->mode = mode;
+    *e = *given;
+    const ric_continuation *tr = e->trace;
     ric_status status = note_orbits(e);
     for (int i = 0; i < tr->n_event && !status; i++) status = add_inner(g, e, &tr->events[i]);
     if (!status) ric_graph_edge_returning(g, e);
@@ -460,19 +458,26 @@ ric_status ric_graph_follow(ric_graph *g, int from, unsigned choice, int depth, 
     ric_continuation *tr = NULL;
     int to = -1;
     unsigned arrive;
-    bool turned = false;
     ric_status status = ric_graph_trace(g, g->nodes[from], choice, 1, &tr);
     *taken = tr != NULL;
     if (status || !tr) return status;
     if ((status = end_node(g, tr, depth, &to, &arrive))) goto out;
     if ((status = ric_graph_has_left(tr))) goto out; /* an end that is no junction is found here */
+    int mode = g->nodes[from]->mode >= 0 ? g->nodes[from]->mode : to >= 0 ? g->nodes[to]->mode : -1;
+    ric_edge edge = {.trace = tr,
+                     .from = from,
+                     .leave = choice,
+                     .to = to,
+                     .arrive = arrive,
+                     .depth = depth,
+                     .mode = mode};
     if (to >= 0) {
         ric_graph_mark(g, g->nodes[to], arrive, RIC_DEPARTURE_KNOWN);
-        if ((status = from_smaller_end(g, from, choice, to, arrive, &tr, &turned))) goto out;
+        status = from_smaller_end(g, &edge);
+        tr = edge.trace;
+        if (status) goto out;
     }
-    int mode = g->nodes[from]->mode >= 0 ? g->nodes[from]->mode : to >= 0 ? g->nodes[to]->mode : -1;
-    if (turned) status = finish_edge(g, tr, to, arrive, from, choice, depth, mode);
-    else status = finish_edge(g, tr, from, choice, to, arrive, depth, mode);
+    status = finish_edge(g, &edge);
     if (!status) supersede(g);
     else if (to >= 0) reopen(status, g->nodes[to], arrive);
     return status;
@@ -498,7 +503,11 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
             goto out;
         if ((status = end_node(g, tr[i], depth, &to[i], &arrive))) goto out;
         if (tr[i]->stop == RIC_STOP_CLOSED) {
-            status = finish_edge(g, tr[i], -1, 0, -1, 0, depth, g->nodes[inside]->mode);
+            status = finish_edge(g, &(ric_edge){.trace = tr[i],
+                                                .from = -1,
+                                                .to = -1,
+                                                .depth = depth,
+                                                .mode = g->nodes[inside]->mode});
             tr[i] = NULL;
             goto out;
         }
@@ -517,7 +526,12 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
     }
     if (!whole || (status = end_node(g, whole, depth, &far, &choice))) goto out;
     if (far >= 0) ric_graph_mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
-    status = finish_edge(g, whole, to[first], 0, far, choice, depth, g->nodes[inside]->mode);
+    status = finish_edge(g, &(ric_edge){.trace = whole,
+                                        .from = to[first],
+                                        .to = far,
+                                        .arrive = choice,
+                                        .depth = depth,
+                                        .mode = g->nodes[inside]->mode});
     whole = NULL;
 out:
     ric_continuation_free(tr[0]);
