@@ -341,27 +341,40 @@ static int next_counted(const ric_story *s, int i, bool touches)
     return i;
 }
 
+static double size_of(const ric_story *s, arb_srcptr w)
+{
+    double size = 1;
+    for (int j = 0; j < 2 * s->n; j++) size = fmax(size, 1 + fabs(ric_arb_middle(w + j)));
+    return size;
+}
+
+/* How far moment i is from a stored state, of its size. */
+static double differs(const ric_story *s, int i, arb_srcptr w)
+{
+    double worst = 0;
+    for (int j = 0; j < 2 * s->n; j++)
+        worst = fmax(worst, fabs(ric_arb_middle(w + j) - ric_arb_middle(s->at[i].w + j)));
+    return worst / size_of(s, w);
+}
+
 /* The story begun at moment `first`, against what is stored. */
 static double compare(const ric_story *s, int first, int letters, const int *word, arb_srcptr w,
                       const double *flights)
 {
-    double worst = 0, size = 1;
-    for (int j = 0; j < 2 * s->n; j++) {
-        worst = fmax(worst, fabs(ric_arb_middle(w + j) - ric_arb_middle(s->at[first].w + j)));
-        size = fmax(size, 1 + fabs(ric_arb_middle(w + j)));
-    }
+    const double size = size_of(s, w);
+    double worst = differs(s, first, w);
     int a = first;
     for (int k = 0; k < letters; k++) {
         const int b = next_counted(s, a, false);
         const double flight = ric_arb_middle(s->at[b].time) - ric_arb_middle(s->at[a].time) +
                               (b <= a ? ric_arb_middle(s->period) : 0);
         if (s->at[a].face + (s->at[a].opens ? s->e->n_face : 0) != word[k]) return HUGE_VAL;
-        worst = fmax(worst, fabs(flight - ldexp(flights[k], s->e->time)));
+        worst = fmax(worst, fabs(flight - ldexp(flights[k], s->e->time)) / size);
         a = b;
     }
     if (letters == 0)
-        worst = fmax(worst, fabs(ric_arb_middle(s->period) - ldexp(flights[0], s->e->time)));
-    return worst / size;
+        worst = fmax(worst, fabs(ric_arb_middle(s->period) - ldexp(flights[0], s->e->time)) / size);
+    return worst;
 }
 
 static double compare_all(ric_story *s, int letters, const int *word, arb_srcptr w,
@@ -421,16 +434,6 @@ static int find_moment(const ric_story *s, int first, double later, int face, bo
         best = i;
     }
     return best;
-}
-
-static double differs(const ric_story *s, int i, arb_srcptr w)
-{
-    double worst = 0, size = 1;
-    for (int j = 0; j < 2 * s->n; j++) {
-        worst = fmax(worst, fabs(ric_arb_middle(w + j) - ric_arb_middle(s->at[i].w + j)));
-        size = fmax(size, 1 + fabs(ric_arb_middle(w + j)));
-    }
-    return worst / size;
 }
 
 /* Whether all that lies between two moments is no impact. */
