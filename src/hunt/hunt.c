@@ -104,18 +104,22 @@ bool ric_hunt_coin(uint64_t *state)
 
 /* ------------------------------------------------------------------ images */
 
-/* Impact i of the image: `shift` counts in the orbit as it is, which is then run backwards and
- * mirrored. */
-static ric_hit image(const ric_impact_map *s, int N, const ric_hit *hits, int shift, bool reverse,
-                     bool mirror, int i)
+/* `shift` counts in the orbit as it is, which is then run backwards and mirrored. */
+typedef struct {
+    int shift;
+    bool reverse, mirror;
+} operation;
+
+/* Impact i of the image. */
+static ric_hit image(const ric_impact_map *s, int N, const ric_hit *hits, operation op, int i)
 {
-    int at = reverse ? ((shift - i) % N + N) % N : (shift + i) % N;
+    int at = op.reverse ? ((op.shift - i) % N + N) % N : (op.shift + i) % N;
     ric_hit hit = hits[at];
-    if (reverse) {
+    if (op.reverse) {
         hit = ric_impact_map_reversed(hit);
         hit.tau = hits[(at + N - 1) % N].tau;
     }
-    return mirror ? ric_impact_map_mirrored(s, hit) : hit;
+    return op.mirror ? ric_impact_map_mirrored(s, hit) : hit;
 }
 
 static bool same_hit(ric_hit a, ric_hit b, double tolerance)
@@ -125,11 +129,11 @@ static bool same_hit(ric_hit a, ric_hit b, double tolerance)
 }
 
 /* Whether the image of b is a. */
-static bool matches(const ric_impact_map *s, int N, const ric_hit *a, const ric_hit *b, int shift,
-                    bool reverse, bool mirror, double tolerance)
+static bool matches(const ric_impact_map *s, int N, const ric_hit *a, const ric_hit *b,
+                    operation op, double tolerance)
 {
     for (int i = 0; i < N; i++)
-        if (!same_hit(a[i], image(s, N, b, shift, reverse, mirror, i), tolerance)) return false;
+        if (!same_hit(a[i], image(s, N, b, op, i), tolerance)) return false;
     return true;
 }
 
@@ -139,7 +143,7 @@ static bool equivalent(const ric_impact_map *s, int N, const ric_hit *a, const r
     int mirrors = ric_model_symmetric(s->model) ? 2 : 1;
     for (int shift = 0; shift < N; shift++)
         for (int turn = 0; turn < 2 * mirrors; turn++)
-            if (matches(s, N, a, b, shift, turn & 1, turn & 2, tolerance)) return true;
+            if (matches(s, N, a, b, (operation){shift, turn & 1, turn & 2}, tolerance)) return true;
     return false;
 }
 
@@ -162,7 +166,8 @@ static void make_canonical(const ric_impact_map *s, int N, ric_hit *hits, ric_hi
     memcpy(best, hits, (size_t)N * sizeof *best);
     for (int shift = 0; shift < N; shift++)
         for (int turn = 0; turn < 2 * mirrors; turn++) {
-            for (int i = 0; i < N; i++) trial[i] = image(s, N, hits, shift, turn & 1, turn & 2, i);
+            for (int i = 0; i < N; i++)
+                trial[i] = image(s, N, hits, (operation){shift, turn & 1, turn & 2}, i);
             if (compare(N, trial, best) < 0) memcpy(best, trial, (size_t)N * sizeof *best);
         }
     memcpy(hits, best, (size_t)N * sizeof *hits);
@@ -171,7 +176,7 @@ static void make_canonical(const ric_impact_map *s, int N, ric_hit *hits, ric_hi
 static bool repeats(const ric_impact_map *s, int N, const ric_hit *hits)
 {
     for (int d = 1; d < N; d++)
-        if (N % d == 0 && matches(s, N, hits, hits, d, false, false, SAME)) return true;
+        if (N % d == 0 && matches(s, N, hits, hits, (operation){.shift = d}, SAME)) return true;
     return false;
 }
 
@@ -181,11 +186,12 @@ static void find_symmetries(const ric_impact_map *s, ric_prey *prey)
     bool mirrors = ric_model_symmetric(s->model);
     prey->pure = prey->flip = -1;
     prey->symmetric = mirrors && N % 2 == 0 &&
-                      matches(s, N, prey->hits, prey->hits, N / 2, false, true, SAME);
+                      matches(s, N, prey->hits, prey->hits, (operation){N / 2, false, true}, SAME);
     for (int shift = 0; shift < N; shift++)
         for (int mirror = 0; mirror <= mirrors; mirror++) {
             int *reversal = mirror ? &prey->flip : &prey->pure;
-            if (*reversal < 0 && matches(s, N, prey->hits, prey->hits, shift, true, mirror, SAME))
+            if (*reversal < 0 &&
+                matches(s, N, prey->hits, prey->hits, (operation){shift, true, mirror}, SAME))
                 *reversal = shift;
         }
     prey->reversible = prey->pure >= 0 || prey->flip >= 0;
