@@ -3,6 +3,7 @@
 #include "simulated_models.h"
 
 #include "explored.h"
+#include "claims.h"
 
 static const char *const studies[] = {
     "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n  contacts:\n"
@@ -27,13 +28,6 @@ static bool right(const ric_claims *c)
 {
     return c->multipliers != RIC_AGREES_NO && c->stable != RIC_AGREES_NO &&
            c->numbers != RIC_AGREES_NO;
-}
-
-static ric_claims claims_of(const ric_atlas *atlas, int branch, int i)
-{
-    ric_claims out;
-    if (ric_verify_claims(atlas, branch, i, &out)) fail_msg("%s", ric_detail());
-    return out;
 }
 
 static ric_point *point_in(ric_atlas *atlas, int branch, int i)
