@@ -6,7 +6,7 @@
 #include "continuation.h"
 
 /* A trace between two steps, NULL: one that has not begun, and which attempt it is
- * (graph_follow.c). */
+ * (graph_trace.c). */
 ric_status ric_continuation_pause(const ric_continuation *trace, int parts, void **blob,
                                   size_t *size);
 /* *out = NULL for one that has not begun. RIC_E_FORMAT: these are no such bytes; then *parts is 0.

@@ -421,7 +421,7 @@ static ric_status explore(ric_graph *g, const ric_run_options *run)
 }
 
 /* What workers have left and nobody has asked for: finished traces, and traces that were broken
- * off. Their keys are texts that begin with a digit (graph_follow.c), those of junctions do not
+ * off. Their keys are texts that begin with a digit (graph_trace.c), those of junctions do not
  * (node_cache.c). */
 static void save_left(const void *key, size_t key_size, const void *value, size_t size, void *user)
 {

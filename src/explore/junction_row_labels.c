@@ -33,7 +33,7 @@ static bool has_label(const ric_junction_row *junction)
 
 /* ------------------------------------------------------------------- keeping */
 
-/* All that a label depends on, as the key of a trace is all that shapes a trace (graph_follow.c).
+/* All that a label depends on, as the key of a trace is all that shapes a trace (graph_trace.c).
  */
 static ric_status label_key(const ric_node *node, char *key, size_t size)
 {

@@ -14,7 +14,7 @@
 /* Largest factor of a multiplication in a study, and so in a key; room for the list of them is
  * taken by it. */
 #define MULTIPLY_MOST 1000
-/* Places of the words of a key of a trace, between spaces (graph_follow.c): the factor, and behind
+/* Places of the words of a key of a trace, between spaces (graph_trace.c): the factor, and behind
  * the number of the word that of the energies and frequencies that are asked for. */
 enum { WORD_OF_FACTOR = 12, WORD_OF_ASKED = 14 };
 
@@ -58,7 +58,7 @@ static bool ends_with(const char *text, const char *ending)
     return n >= m && !strcmp(text + n - m, ending);
 }
 
-/* What graph_follow.c keeps under a key. */
+/* What graph_trace.c keeps under a key. */
 static ric_status check_trace(const judge *j, const char *key, const char *blob, size_t size)
 {
     const size_t head = sizeof RIC_REFUSED - 1;

@@ -165,7 +165,7 @@ double ric_shooting_energy_slope(const ric_shooting *chain, const double *du);
  * [2n]. E(w_N) = E(w_0) holds for any unknowns, so that the closure is perpendicular to it. */
 void ric_shooting_mean_gradient(const ric_shooting *chain, double *h);
 
-/* Dense Jacobian of all residuals [n_equation * n_unknown] by propagating one unknown at a time:
+/* Dense Jacobian of all residuals [equations * n_unknown] by propagating one unknown at a time:
  * for tests and junctions only. In the general form the 2n closure rows are unprojected. Returns
  * the number of equations. */
 int ric_shooting_jacobian(ric_shooting *chain, const double *u, double *J);
