@@ -140,12 +140,12 @@ void ric_simulator_free(ric_simulator *sim)
 
 static void release(ric_shelved *sim)
 {
-    ric_simulator_free((ric_simulator *)sim);
+    ric_simulator_free((ric_simulator *)(void *)sim);
 }
 
 ric_status ric_simulator_borrow(const ric_model *model, ric_simulator **out)
 {
-    *out = (ric_simulator *)ric_shelf_take(model->simulators);
+    *out = (ric_simulator *)(void *)ric_shelf_take(model->simulators);
     return *out ? RIC_OK : ric_simulator_create(model, out);
 }
 

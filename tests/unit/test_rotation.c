@@ -24,8 +24,8 @@ static void check(double got, double expected)
 static void of_reversible_chains(void **state)
 {
     (void)state;
-    double rho[2], own[2], each[1];
-    ric_floquet f = {.n_pair = 1, .rho = rho, .own = own, .each = each};
+    double rho[2], own[2], own_error[1], each[1];
+    ric_floquet f = {.n_pair = 1, .rho = rho, .own = own, .own_error = own_error, .each = each};
     for (int z = 0; z < 2; z++)
         for (int t = 0; t < 4; t++) {
             ric_floquet_judge_plane(&f, false, -1, ZERO[z], TWIST[t], 0, 0);
@@ -46,8 +46,8 @@ static void of_reversible_chains(void **state)
 static void of_general_chains(void **state)
 {
     (void)state;
-    double rho[2], own[2], each[1];
-    ric_floquet f = {.n_pair = 1, .rho = rho, .own = own, .each = each};
+    double rho[2], own[2], own_error[1], each[1];
+    ric_floquet f = {.n_pair = 1, .rho = rho, .own = own, .own_error = own_error, .each = each};
     for (int t = 0; t < 4; t++) {
         for (int half = 0; half < 2; half++) {
             ric_floquet_judge_trace(&f, half, -2, TWIST[t], 0, 0);
