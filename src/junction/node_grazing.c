@@ -103,13 +103,17 @@ static double fastest_touch(const ric_model *m, const ric_node *node, bool *stop
     return most;
 }
 
-/* Whether a touch of a stop has more speed than Newton's method leaves, and no more than rounding
- * does: of an orbit that is known better a slow impact is an impact. */
-static bool is_hardly(const ric_model *m, const ric_node *node)
+/* Whether the orbit with one touch and others read off is that of a node of which touches have the
+ * speed `most`. Where rounding leaves as much it is; of an orbit that is known better a slow impact
+ * is an impact, unless the branch ends nearer to the other orbit, at the energy `end`: stops that
+ * are images of each other but for 1e-9 are not touched at once, and one of two touches becomes
+ * such an impact. */
+static bool is_sharper(const ric_model *m, const ric_node *node, double most,
+                       const ric_periodic *full, double end)
 {
-    bool stops;
-    const double most = fastest_touch(m, node, &stops);
-    return stops && most > NO_SPEED && most <= lost_speed(m, node->cycle);
+    const double off = fabs(ric_periodic_energy(m, full) - end),
+                 other = fabs(ric_periodic_energy(m, node->cycle) - end);
+    return most <= lost_speed(m, node->cycle) || (off <= NEAR_END * end && off < other / 2);
 }
 
 /* The events of the cycle without its touches but for the first and its images. Whether any is left
@@ -289,12 +293,20 @@ static bool is_motion(const ric_model *m, const ric_node *node)
 }
 
 /* Puts the cycle in which touches are read off in the place of that of the node, where some of them
- * are hardly known and it has as many. False: no memory. */
-static bool sharpen(const ric_model *m, ric_node **node, int multiple)
+ * have more speed than Newton's method leaves, and are hardly known, and it has as many. `end`: of
+ * the branch that comes to it, its energy. False: no memory. */
+static bool sharpen(const ric_model *m, ric_node **node, int multiple, double end)
 {
     if (!list_touches(m, *node, HARDLY)) return false;
-    if ((*node)->refusal || is_bare(*node) || !is_hardly(m, *node)) return !ric_memory_failed();
+    if ((*node)->refusal || is_bare(*node)) return !ric_memory_failed();
+    bool stops;
+    const double most = fastest_touch(m, *node, &stops);
+    if (!stops || most <= NO_SPEED) return !ric_memory_failed();
     ric_periodic *full = solve_one_touch(m, *node);
+    if (full && !is_sharper(m, *node, most, full, end)) {
+        ric_periodic_free(full);
+        return !ric_memory_failed();
+    }
     ric_node *sharp = full ? ric_node_create(m, RIC_KIND_GRAZING, full) : NULL;
     if (!sharp) return !ric_memory_failed();
     sharp->multiple = multiple;
@@ -305,7 +317,8 @@ static bool sharpen(const ric_model *m, ric_node **node, int multiple)
     return listed;
 }
 
-static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple,
+/* `end`: the energy at which the branch ends that comes to it, or NAN. */
+static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int multiple, double end,
                                  ric_node **out)
 {
     const int events = full ? full->N : 0; /* the node may get another cycle */
@@ -313,7 +326,7 @@ static ric_status finish_grazing(const ric_model *m, ric_periodic *full, int mul
     ric_status status = RIC_OK;
     if (!node) return ric_no_memory("a junction");
     node->multiple = multiple;
-    if (!sharpen(m, &node, multiple)) {
+    if (!sharpen(m, &node, multiple, end)) {
         ric_node_free(node);
         return ric_no_memory("a junction");
     }
@@ -467,7 +480,7 @@ ric_status ric_node_grazing(const ric_model *m, const ric_periodic *cycle, ric_n
     ric_periodic_free(full);
     if (!solved)
         return ric_fail(RIC_E_NUMERIC, "a grazing orbit of %d impacts does not converge", cycle->N);
-    ric_status status = finish_grazing(m, solved, q, out);
+    ric_status status = finish_grazing(m, solved, q, ric_periodic_energy(m, cycle), out);
     if (!status && (*out)->n_touch && !(*out)->refusal && (*out)->mixture < 0)
         status = arrived_mode(m, out);
     if (status || (*out)->n_touch || (*out)->refusal) return status;
@@ -482,7 +495,7 @@ ric_status ric_node_duplicate(const ric_model *m, const ric_node *node, int mult
                               ric_node **out)
 {
     *out = NULL;
-    return finish_grazing(m, ric_periodic_copy(node->cycle), multiple, out);
+    return finish_grazing(m, ric_periodic_copy(node->cycle), multiple, NAN, out);
 }
 
 /* A touch of a face by a linear motion of one frequency, with the time after the start of its
@@ -541,7 +554,7 @@ static ric_status linear_grazing(const ric_model *m, double omega, const double 
     ric_periodic *canonical = ric_periodic_canonical(m, c);
     ric_periodic_free(c);
     if (!canonical) return ric_no_memory("a junction");
-    return finish_grazing(m, canonical, 1, out);
+    return finish_grazing(m, canonical, 1, NAN, out);
 }
 
 /* A linear mode with the amplitude at which it touches. */

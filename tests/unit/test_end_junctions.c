@@ -402,6 +402,30 @@ static void a_slow_impact_of_a_known_orbit(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Two stops that are images of each other but for 1e-9: a branch of two impacts ends where one of
+ * them is touched, and the gap of the other is 1e-9 there. As two touches they are solved for with
+ * one as a slow impact, 6e-9 of the energy aside. */
+static void a_touch_beside_one_that_is_none(void **state)
+{
+    (void)state;
+    int found = 0;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.25, 0], [0, 2]]\n  stiffness: [[1.5, -0.5], [-0.5, 1.5]]\n"
+        "  contacts:\n"
+        "    - {normal: [-1, 1], law: rigid, clearance: 1.5, sides: upper}\n"
+        "    - {normal: [1, -1], law: rigid, clearance: 1.5000000015, sides: upper}\n"
+        "explore: {energy: [0, 10], frequency: [0.2, 9], impacts: 6, multiply: 1, depth: 2}\n");
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        assert_true(b.stop == RIC_STOP_JUNCTION || b.stop == RIC_STOP_WINDOW);
+        if (!agrees(b.energy_min, 1.98890205169, 1e-10)) continue;
+        const ric_junction from = junction_of(atlas, b.from), to = junction_of(atlas, b.to);
+        found += agrees((from.energy < to.energy ? from : to).energy, b.energy_min, 1e-12);
+    }
+    assert_int_equal(found, 1);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -417,6 +441,7 @@ int main(void)
         cmocka_unit_test(impacts_that_keep_a_motion_periodic),
         cmocka_unit_test(a_touch_beside_two_that_vanish),
         cmocka_unit_test(a_slow_impact_of_a_known_orbit),
+        cmocka_unit_test(a_touch_beside_one_that_is_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
