@@ -201,18 +201,10 @@ double ric_shooting_nodes_gap(const ric_shooting *c, const double *u)
     return most;
 }
 
-/* The state, or the neighbour, w [2n] that the start block of u makes; chains with nodes start at a
- * rest, at a centre, or anywhere. */
-static void start_of(const ric_shooting *c, const double *u, double *w)
-{
-    memset(w, 0, 2 * (size_t)c->n * sizeof *w);
-    memcpy(c->start == RIC_MIRROR_CENTRE ? w + c->n : w, u, (size_t)c->n_start * sizeof *w);
-}
-
 void ric_shooting_nodes_spread(const ric_shooting *c, double *u)
 {
     double w[2 * c->n];
-    start_of(c, u, w);
+    ric_start_of(c, u, w);
     for (int j = 1; j < c->parts; j++) {
         ric_flight_go(c->model, 0, -1, u[c->n_start] / c->parts, w, w);
         ric_shooting_nodes_put(c, j, w, u);
@@ -230,7 +222,7 @@ static void carry_along(const ric_shooting *c, int part, double dtau, double *dw
 void ric_shooting_nodes_along(const ric_shooting *c, double *du)
 {
     double dw[2 * c->n];
-    start_of(c, du, dw);
+    ric_start_of(c, du, dw);
     for (int j = 1; j < c->parts; j++) {
         carry_along(c, j - 1, du[c->n_start], dw);
         ric_shooting_nodes_put(c, j, dw, du);

@@ -3,11 +3,21 @@
 #ifndef RIC_ORBIT_SHOOTING_PARTS_H
 #define RIC_ORBIT_SHOOTING_PARTS_H
 
+#include <string.h>
+
 #include "shooting.h"
 
 static inline bool ric_general(const ric_shooting *c)
 {
     return c->start == RIC_MIRROR_NONE;
+}
+
+/* The state, or the neighbour, w [2n] that the start block of u makes, of a chain that starts at a
+ * rest, at a centre, or anywhere. */
+static inline void ric_start_of(const ric_shooting *c, const double *u, double *w)
+{
+    memset(w, 0, 2 * (size_t)c->n * sizeof *w);
+    memcpy(c->start == RIC_MIRROR_CENTRE ? w + c->n : w, u, (size_t)c->n_start * sizeof *w);
 }
 
 /* In two sums, and in four where a row is long: one alone waits for every addition. They begin at

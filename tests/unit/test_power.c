@@ -694,6 +694,48 @@ static void backbones_come_to_regions(void **state)
     ric_atlas_free(some);
 }
 
+/* What is stored of an orbit, which takes no flight where the start tells it, is the start of the
+ * orbit that is flown: at both mirror points, both ways, as it is and at x -> -x, with and without
+ * mirror points. */
+static void stored_starts(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    const char *text = "model: {mass: [[2, 0], [0, 1]], stiffness: [[9, -1], [-1, 1]],"
+                       " contacts: [{normal: [-1, 1], law: power, exponent: 3, length: 1,"
+                       " reference: 1}]}\n"
+                       "explore: {energy: [0, 700], frequency: [0.3, 10], multiply: 3, depth: 4}\n";
+    assert_int_equal(ric_study_parse(text, "test", ".", &study), RIC_OK);
+    ric_graph *graph = explored_graph(study);
+    const ric_model *m = graph->model;
+    int seen[3] = {0}; /* chains of a quarter of a period, of a half, of all of it or a half */
+    for (int e = 0; e < graph->n_edge; e++) {
+        const ric_continuation *tr = graph->edges[e].trace;
+        ric_shooting *c = tr->chain;
+        seen[c->start == RIC_MIRROR_NONE ? 2 : c->multiple == 4 ? 0 : 1]++;
+        for (int i = 0; i < tr->n_point; i += 7) {
+            const double *u = tr->points + (size_t)i * tr->stride +
+                              sizeof(ric_point) / sizeof(double),
+                         *other = u + (i > 0 ? -1 : 1) * (ptrdiff_t)tr->stride;
+            for (int k = 0; k < 8; k++) {
+                const ric_turn turn = {.shift = k / 4, .reverse = k & 1, .mirror = k & 2};
+                double x[2][2], v[2][2], flights;
+                ric_shooting_fly(c, other); /* nothing is left of this orbit */
+                assert_int_equal(ric_turn_write(m, c, u, &turn, x[0], v[0], &flights), RIC_OK);
+                ric_periodic *cycle = ric_turn_cycle(m, c, u, &turn);
+                assert_non_null(cycle);
+                ric_model_to_state(m, cycle->w, x[1], v[1]);
+                ric_periodic_free(cycle);
+                assert_memory_equal(x[0], x[1], sizeof *x);
+                assert_memory_equal(v[0], v[1], sizeof *v);
+            }
+        }
+    }
+    assert_true(seen[0] > 0 && seen[1] > 0 && seen[2] > 0);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -716,6 +758,7 @@ int main(void)
         cmocka_unit_test(inner_nodes),
         cmocka_unit_test(backbones_are_followed_from_one_end),
         cmocka_unit_test(backbones_come_to_regions),
+        cmocka_unit_test(stored_starts),
     };
     return cmocka_run_group_tests(tests, explore_cubic, free_cubic);
 }
