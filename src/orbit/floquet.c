@@ -328,11 +328,12 @@ static bool whole_fine(const ric_shooting *c, ric_floquet *f, double *work, doub
                               .rounding = fine_rounding(c, size)});
 }
 
-/* Unless rho are good enough; f->orbit has a map of its own. */
+/* Unless rho are good enough, or the only one is beyond a double, where no other map tells more
+ * than the logarithm of the scaled one; f->orbit has a map of its own. */
 static void improve(const ric_shooting *c, ric_floquet *f, const ric_floquet_linear *q)
 {
     f->rough = f->error;
-    if (!f->orbit && !is_rough(f)) return;
+    if (!f->orbit && (!is_rough(f) || (f->n_pair == 1 && isinf(f->own[0])))) return;
     if (c->start == RIC_MIRROR_NONE) whole_fine(c, f, f->work, 0);
     else reversible_fine(c, f, q->E0, q->E1, q->A, 0);
 }
