@@ -148,11 +148,7 @@ static ric_status set_out(const ric_model *m, const course *way, const ric_node 
     ric_outset from;
     if (way->along) return turn_back(way->along, way->limits, out);
     ric_status status = ric_switching_depart(m, node, way->choice, way->side, &from);
-    if (status || !from.chain) return status;
-    status = ric_continuation_create(from.chain, from.u, from.t, from.ignore, way->limits, out);
-    from.chain = NULL;
-    ric_outset_clear(&from);
-    return status;
+    return status || !from.chain ? status : ric_outset_trace(&from, way->limits, out);
 }
 
 ric_status ric_graph_has_left(const ric_continuation *tr)

@@ -20,3 +20,12 @@ void ric_outset_clear(ric_outset *out)
     free(out->t);
     *out = (ric_outset){0};
 }
+
+ric_status ric_outset_trace(ric_outset *from, const ric_limits *limits, ric_continuation **out)
+{
+    const ric_status status = ric_continuation_create(from->chain, from->u, from->t, from->ignore,
+                                                      limits, out);
+    from->chain = NULL; /* it is the trace's */
+    ric_outset_clear(from);
+    return status;
+}

@@ -2,6 +2,7 @@
 #ifndef RIC_JUNCTION_OUTSET_H
 #define RIC_JUNCTION_OUTSET_H
 
+#include "branch/room.h"
 #include "orbit/room.h"
 
 /* chain NULL: no branch leaves that way. */
@@ -14,5 +15,7 @@ typedef struct {
 /* At an orbit, in no direction yet. What is there after an error is to be cleared, too. */
 ric_status ric_outset_open(const ric_model *model, const ric_periodic *cycle, ric_outset *out);
 void ric_outset_clear(ric_outset *out);
+/* The trace that begins there; *from gives up what it has, also after an error. */
+ric_status ric_outset_trace(ric_outset *from, const ric_limits *limits, ric_continuation **out);
 
 #endif

@@ -305,15 +305,13 @@ static ric_status search_family(ric_cascade *c, unsigned choice, int side, bool 
     ric_status status = ric_switching_depart(c->model, node, choice, side, &from);
     if (!status && from.chain) {
         if (!ric_multiplication_applies(node, choice)) shorten(c->limits.max_step, &from);
-        status = ric_continuation_create(from.chain, from.u, from.t, from.ignore, &c->limits, &tr);
-        from.chain = NULL;
+        status = ric_outset_trace(&from, &c->limits, &tr);
     }
     if (status && c->n >= c->deepest) {
         c->deepest = c->n;
         snprintf(c->where, sizeof c->where, "%.150s", ric_detail());
     }
     if (!status && tr) status = search_along(c, tr, true, found);
-    ric_outset_clear(&from);
     return status == RIC_E_NUMERIC ? RIC_OK : status;
 }
 

@@ -170,11 +170,7 @@ static ric_status ghost_create(const ric_atlas *a, const ric_branch *b, ric_end 
     g->limits.ghost = true;
     g->limits.multiply = limits->multiply;
     ric_status status = start_at_end(a, b, end, g, &from);
-    if (!status) {
-        status = ric_continuation_create(from.chain, from.u, from.t, from.ignore, &g->limits,
-                                         &g->trace);
-        from.chain = NULL;
-    }
+    if (!status) status = ric_outset_trace(&from, &g->limits, &g->trace);
     /* at a corner the time between two impacts may be zero already */
     if (!status && g->trace->now.test[RIC_TEST_FLIGHT] > 0) status = ric_continuation_run(g->trace);
     if (!status) {
