@@ -38,14 +38,13 @@ static double impact_speed(const ric_model *m, const ric_periodic *c, const doub
 /* The same [N] of all events, allocated; -1 at springs. NULL: no memory. */
 static double *stop_speeds(const ric_model *m, const ric_periodic *c)
 {
-    double *speed = ric_calloc((size_t)c->N + 1, sizeof *speed),
-           *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n + 1, sizeof *W);
-    if (speed && W) ric_periodic_states(m, c, W);
-    for (int i = 0; i < c->N && speed && W; i++)
+    double *W = ric_calloc((size_t)c->N * 2 * (size_t)c->n + 1, sizeof *W),
+           *speed = W ? ric_calloc((size_t)c->N + 1, sizeof *speed) : NULL;
+    if (speed) ric_periodic_states(m, c, W);
+    for (int i = 0; i < c->N && speed; i++)
         speed[i] = m->face[c->face[i]].spring > 0 ? -1 : fabs(impact_speed(m, c, W, i));
-    if (!W) free(speed);
     free(W);
-    return W ? speed : NULL;
+    return speed;
 }
 
 static bool list_touches(const ric_model *m, ric_node *node, double slow)
