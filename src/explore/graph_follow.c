@@ -62,16 +62,19 @@ static bool same_problem(const ric_shooting *a, const ric_shooting *b)
 /* The end of a branch at a junction, read off cubics, is replaced by the orbit of the junction
  * itself: of its images, as orbits of the branch's own problem, the one that lies there. What bends
  * the curves there grows with the stiffness; between stops, too, an orbit beside a branch point may
- * as well be one of the other branch. */
+ * as well be one of the other branch, and so it is where two contacts begin to close together for
+ * good. */
 static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ric_node *node,
                               unsigned choice)
 {
     ric_shooting *c = tr->chain;
     int size = c->n_unknown;
     double nearest = END_NEAR * c->scale, best[size];
-    if (!ric_node_leaves(node, choice)) return RIC_OK;
+    const bool meets = node->kind == RIC_KIND_CORNER && node->refusal && node->n_touch > 0;
+    if (!meets && !ric_node_leaves(node, choice)) return RIC_OK;
     ric_symmetry problem = ric_node_problem(node, choice);
-    ric_periodic *whole = ric_symmetry_cycle(node->cycle, &problem);
+    ric_periodic *whole = meets ? ric_periodic_copy(node->cycle)
+                                : ric_symmetry_cycle(node->cycle, &problem);
     if (!whole) return ric_no_memory("the end of a branch");
     int operations = ric_periodic_operations(g->model);
     for (int k = 0; k < operations * whole->N; k++) {
@@ -147,7 +150,7 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
                           ? 0
                           : ric_node_arrived(g->model, g->nodes[*index], cycle);
     }
-    if (!status && tr->arrival && *index >= 0)
+    if (!status && (tr->arrival || tr->stop == RIC_STOP_CORNER) && *index >= 0)
         status = end_on_node(g, tr, g->nodes[*index], *choice);
     ric_periodic_free(cycle);
     return ric_trust(status);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "corner.h"
+#include "meeting.h"
 #include "node_solve.h"
 #include "model/room.h"
 #include "branch/room.h"
@@ -138,17 +139,51 @@ static ric_status finish_corner(const ric_model *m, const ric_periodic *cycle, i
     return RIC_OK;
 }
 
+/* The corner at an orbit, canonical and taken over, that no branch leaves. */
+static ric_status refuse(const ric_model *m, ric_periodic *cycle, ric_refusal why, ric_node **out)
+{
+    *out = ric_node_create(m, RIC_KIND_CORNER, cycle);
+    if (!*out) return ric_no_memory("a junction");
+    (*out)->refusal = why;
+    return RIC_OK;
+}
+
+/* Another order of the pairs seems to be the same motion: then the branch ends where it comes to
+ * those that close them together for good. What has two orders after all is passed. */
+static ric_status meet(const ric_model *m, const ric_periodic *cycle, ric_node **out)
+{
+    int pairs[RIC_MAX_TOUCHES];
+    ric_periodic *met = ric_meeting_solve(m, cycle);
+    const int n_pair = met && ric_node_solve_admissible(m, met)
+                           ? ric_corner_pairs(m, met, NO_TIME, RIC_MAX_TOUCHES, pairs)
+                           : 0;
+    ric_status status = RIC_E_NUMERIC;
+    if (n_pair > 0 && ric_corner_fixed(m, met, n_pair, pairs, RIC_SAME_LOCATED)) {
+        if ((status = refuse(m, met, RIC_REFUSAL_TOGETHER, out))) return status;
+        (*out)->n_touch = n_pair;
+        memcpy((*out)->touch, pairs, sizeof pairs);
+        return RIC_OK;
+    }
+    if (n_pair > 0) status = finish_corner(m, met, n_pair, pairs, out);
+    else
+        ric_fail(status, "where two contacts meet, an orbit of %d impacts does not converge",
+                 cycle->N);
+    ric_periodic_free(met);
+    return status;
+}
+
 ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_node **out)
 {
     int pairs[RIC_MAX_TOUCHES], n_pair = RIC_CORNER_UNDEFINED;
+    bool fixed = false;
     ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL);
     *out = NULL;
     if (!full) return ric_grazing_words_lost(cycle);
     n_pair = ric_corner_pairs(m, full, NO_TIME, RIC_MAX_TOUCHES, pairs);
-    if (n_pair > 0 &&
-        (full->N > cycle->N || ric_corner_fixed(m, full, n_pair, pairs, RIC_SAME_EXTRAPOLATED)))
-        n_pair = RIC_CORNER_TOGETHER;
+    if (n_pair > 0 && full->N > cycle->N) n_pair = RIC_CORNER_TOGETHER;
+    else fixed = n_pair > 0 && ric_corner_fixed(m, full, n_pair, pairs, RIC_SAME_EXTRAPOLATED);
     ric_periodic_free(full);
+    if (fixed) return meet(m, cycle, out);
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
     ric_status status = ric_node_mode_together(m, cycle, out);
     if (status || *out) return status;
@@ -156,11 +191,8 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
     if (!ric_node_solve_admissible(m, cycle) || !ric_node_solve_solved(m, cycle))
         return ric_fail(RIC_E_NUMERIC, "where two contacts meet, an orbit of %d impacts is none",
                         cycle->N);
-    ric_node *node = ric_node_create(m, RIC_KIND_CORNER, ric_periodic_canonical(m, cycle));
-    if (!node) return ric_no_memory("a junction");
-    node->refusal = n_pair == RIC_CORNER_TOGETHER ? RIC_REFUSAL_TOGETHER : RIC_REFUSAL_OBLIQUE;
-    *out = node;
-    return RIC_OK;
+    return refuse(m, ric_periodic_canonical(m, cycle),
+                  n_pair == RIC_CORNER_TOGETHER ? RIC_REFUSAL_TOGETHER : RIC_REFUSAL_OBLIQUE, out);
 }
 
 /* ------------------------------------------------------------- branch points */

@@ -1,0 +1,102 @@
+/* Orbits that close two contacts together are a curve of solutions of the branch's equations, too,
+ * with a flight of no time in them, and the branch crosses it: at the crossing these equations are
+ * singular, also with that flight as one equation more. Beside it they are not. The crossing is
+ * read off orbits of the branch whose flight lasts +-h, +-2h, +-3h (less than no time: beyond the
+ * end), which are known to rounding / h, solved in more digits than double has: by the polynomial
+ * through these six, and the one through the inner four tells how good that is. */
+#include "meeting.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "criterion.h"
+#include "branch/room.h"
+#include "base/room.h"
+
+enum { SIDES = 6, PASSES = 2 };
+
+/* FARTHEST, NEAREST: h, scaled; by FINER from one to the next */
+#define FARTHEST 0x1p-6
+#define NEAREST 0x1p-20
+#define FINER 0.25
+#define WORSE 16      /* times the least error: a smaller h is worse from here on */
+#define GRAIN 0x1p-32 /* as in node_solve.c */
+
+static const double places[SIDES] = {-3, -2, -1, 1, 2, 3};
+
+/* The polynomial through `count` orbits v [count * size] in their unknown k, where that is 0: u. */
+static void read_off(int count, int size, const double *v, int k, double *u)
+{
+    memset(u, 0, (size_t)size * sizeof *u);
+    for (int i = 0; i < count; i++) {
+        const double own = v[i * size + k];
+        double share = 1;
+        for (int j = 0; j < count; j++)
+            if (j != i) share *= v[j * size + k] / (v[j * size + k] - own);
+        for (int j = 0; j < size; j++) u[j] += share * v[i * size + j];
+    }
+    u[k] = 0;
+}
+
+/* The same of orbits whose flight k lasts about places[i] * h, solved from `from` on. Returns how
+ * far the two polynomials are apart. */
+static double cross(ric_shooting *c, const double *from, int k, double h, double *u)
+{
+    const int size = c->n_unknown;
+    double along[size], v[SIDES * size], du[size], four[size], apart = 0;
+    int iterations;
+    memset(along, 0, sizeof along);
+    along[k] = 1;
+    for (int i = 0; i < SIDES; i++) {
+        double *at = v + i * size;
+        memcpy(at, from, sizeof along);
+        at[k] = places[i] * h;
+        if (!ric_continuation_correct(c, at, from, along, at[k] - from[k], du, &iterations))
+            return HUGE_VAL;
+        ric_floquet_fine_nearest(c, at); /* or it stays as it is */
+    }
+    read_off(SIDES, size, v, k, u);
+    read_off(SIDES - 2, size, v + size, k, four);
+    for (int j = 0; j < size; j++) apart = fmax(apart, fabs(u[j] - four[j]));
+    return apart;
+}
+
+static bool solve(ric_shooting *c, double *u)
+{
+    const int size = c->n_unknown;
+    double from[size], v[size], least = HUGE_VAL;
+    ric_shooting_evaluate(c, u);
+    const int shortest = ric_criterion_shortest(c, u), k = c->n_start + shortest;
+    if (shortest < 0) return false;
+    memcpy(from, u, sizeof from);
+    for (double h = FARTHEST; h >= NEAREST; h *= FINER) {
+        const double apart = cross(c, from, k, h, v);
+        if (apart < least) memcpy(u, v, sizeof v);
+        else if (least < HUGE_VAL && apart > WORSE * least) break;
+        least = fmin(least, apart);
+    }
+    ric_shooting_evaluate(c, u);
+    return least <= RIC_SAME_SOLVED * c->scale && ric_continuation_solved(c);
+}
+
+ric_periodic *ric_meeting_solve(const ric_model *m, const ric_periodic *cycle)
+{
+    ric_periodic *out = ric_periodic_copy(cycle);
+    for (int pass = 0; pass < PASSES && out; pass++) {
+        ric_shooting *chain = NULL;
+        ric_periodic *found = NULL, *canonical = NULL;
+        double *u = NULL;
+        bool good = !ric_periodic_to_chain(m, out, &chain, &u);
+        for (int i = 0; good && pass && i < chain->n_unknown; i++)
+            u[i] = rint(u[i] / GRAIN) * GRAIN; /* it does not remember where it came from */
+        if (good && solve(chain, u)) found = ric_periodic_from_chain(chain, u);
+        if (found && ric_periodic_same(m, cycle, found, RIC_SAME_READ_OFF))
+            canonical = ric_periodic_canonical(m, found);
+        ric_periodic_free(out);
+        ric_periodic_free(found);
+        ric_shooting_free(chain);
+        free(u);
+        out = canonical;
+    }
+    return out;
+}
