@@ -1,6 +1,8 @@
 /* The equations of a junction as a regular zero (augmented.h), row by row. */
 #include "augmented_rows.h"
 
+#include "both.h"
+
 typedef struct {
     ric_augmented *x;
     arb_srcptr z;      /* where */
@@ -177,8 +179,71 @@ static slong count_rows(const ric_augmented *x, bool opposite)
     return x->e->n + opposite;
 }
 
+/* (c.p)' (c.p) = (c.p) (c.p)': the motion beside it meets the face earlier by t = c.dq / c.p, and
+ * dp is what the force does in that time, c.dp = t c.p'. */
+static void put_earlier(filling *f, slong from, int face)
+{
+    const ric_enclosure *e = f->x->e;
+    const slong n = e->n, prec = e->prec;
+    const ric_phase *phase = f->x->c.phase[0];
+    arb_srcptr c = ric_enclosure_c(e, e->wall[face].contact);
+    arb_ptr pull = _arb_vec_init(n);
+    arb_t speed, force, dq, dp, y;
+    arb_init(speed);
+    arb_init(force);
+    arb_init(dq);
+    arb_init(dp);
+    arb_init(y);
+    ric_chain_pull(e, phase, f->z, pull);
+    arb_dot(speed, NULL, 0, c, 1, f->z + n, 1, n, prec);
+    arb_dot(force, NULL, 0, c, 1, pull, 1, n, prec);
+    arb_dot(dq, NULL, 0, c, 1, f->z + from, 1, n, prec);
+    arb_dot(dp, NULL, 0, c, 1, f->z + from + n, 1, n, prec);
+    arb_neg(force, force);
+    ric_chain_stiffen(e, phase, c, pull);
+    for (slong i = 0; i < n; i++) {
+        arb_mul(y, speed, c + i, prec);
+        add_term(f, f->row, from + n + i, y);
+        arb_mul(y, force, c + i, prec);
+        add_term(f, f->row, from + i, y);
+        arb_mul(y, dp, c + i, prec);
+        add_derivative(f, f->row, n + i, y);
+        arb_mul(y, dq, pull + i, prec);
+        add_derivative(f, f->row, i, y);
+    }
+    f->row++;
+    arb_clear(speed);
+    arb_clear(force);
+    arb_clear(dq);
+    arb_clear(dp);
+    arb_clear(y);
+    _arb_vec_clear(pull, n);
+}
+
+/* What parts the two impacts that turn a motion round, and is turned into its opposite: before both
+ * -dq and dp, so that dq is along what they kick, one part for each instant. A time shift is one,
+ * too. */
+static void put_parting(filling *f, slong from)
+{
+    const ric_augmented *x = f->x;
+    const slong n = x->e->n;
+    arb_mat_t B;
+    arb_mat_init(B, n - 1, 2 * n);
+    ric_both_across(x->e, &x->c, false, 0, B);
+    _arb_vec_set(arb_mat_entry(B, n - 2, 0), arb_mat_entry(x->gauge, 0, 0), 2 * n);
+    for (slong l = 0; l < n - 1; l++, f->row++)
+        for (slong j = 0; j < 2 * n; j++) add_term(f, f->row, from + j, arb_mat_entry(B, l, j));
+    arb_mat_clear(B);
+    put_earlier(f, from, x->c.face[0]);
+    put_earlier(f, from, x->c.also);
+}
+
 static void put_start(filling *f, slong from, bool opposite)
 {
+    if (opposite && f->x->c.start == RIC_CHAIN_BOTH) {
+        put_parting(f, from);
+        return;
+    }
     const slong n = f->x->e->n, rows = count_rows(f->x, opposite);
     arb_mat_t B;
     arb_mat_init(B, rows, 2 * n);

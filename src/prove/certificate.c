@@ -400,7 +400,8 @@ char *ric_certificate_junction(const ric_augmented *x, const ric_junction_proof 
     ric_chain c;
     bool together = false;
     for (int i = 0; i < x->e->n_contact; i++) together = together || x->together[i];
-    if (together || ric_augmented_has_factor(x)) return ric_strdup("");
+    if (together || ric_augmented_has_factor(x) || x->c.start == RIC_CHAIN_BOTH)
+        return ric_strdup("");
     if (!ric_buffer_open(&b)) return NULL;
     writing w = {.file = b.file, .chain = &c, .e = x->e, .unique = write_touch(x, &c)};
     w.u = c.u;

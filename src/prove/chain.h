@@ -30,8 +30,10 @@ typedef enum {
     RIC_CHAIN_REST,
     RIC_CHAIN_IMPACT,
     RIC_CHAIN_CENTRE,
-    RIC_CHAIN_TWIN /* in flight; it goes back as its image under a permutation: of junctions alone
-                    */
+    RIC_CHAIN_TWIN, /* in flight; it goes back as its image under a permutation: of junctions alone
+                     */
+    RIC_CHAIN_BOTH  /* behind impacts of two contacts at one instant, at the beginning of junctions
+                       alone (both.h) */
 } ric_chain_end;
 
 typedef struct {
@@ -40,6 +42,7 @@ typedef struct {
     int sign;                 /* sigma */
     const ric_twin *twin;     /* that permutation, borrowed from the enclosure, or NULL */
     int *face;                /* [m + 1] where block k begins, and the end; -1: in flight */
+    int also;                 /* BOTH: the other face where it begins */
     const ric_phase **phase;  /* [m] of the flight of block k, borrowed from the enclosure */
     int first;        /* the impact of the word, from 0, at or before which the chain begins */
     bool half_flight; /* it begins in the middle of the flight after that impact */

@@ -1,5 +1,7 @@
 #include "equations.h"
 
+#include "both.h"
+
 #include <math.h>
 
 #include "base/room.h"
@@ -220,6 +222,10 @@ void ric_equation_mirror(const ric_enclosure *e, const ric_chain *chain, bool la
     arb_zero(gap);
     if (kind == RIC_CHAIN_TWIN) {
         twin_rows(e, chain->twin, B);
+        return;
+    }
+    if (kind == RIC_CHAIN_BOTH) {
+        ric_both_mirror(e, chain, B, gap);
         return;
     }
     if (kind != RIC_CHAIN_IMPACT) {

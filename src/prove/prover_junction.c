@@ -1,4 +1,5 @@
 /* Junctions as theorems: docs/proofs.md states them. */
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -6,6 +7,7 @@
 
 #include "atlas/room.h"
 #include "augmented.h"
+#include "both.h"
 #include "base/room.h"
 #include "certificate.h"
 #include "passage.h"
@@ -242,7 +244,7 @@ static void measure(const ric_augmented *x, ric_junction_proof *out)
     ric_arb_interval(y, out->energy);
     arb_zero(y);
     for (int k = 0; k < x->c.m; k++) arb_add(y, y, x->z + (slong)k * x->c.size + 2 * e->n, e->prec);
-    arb_mul_ui(y, y, (ulong)ric_chain_copies(&x->c), e->prec);
+    arb_mul_ui(y, y, (ulong)(x->times * ric_chain_copies(&x->c)), e->prec);
     arb_mul_2exp_si(y, y, -e->time);
     ric_arb_interval(y, out->period);
     arb_clear(y);
@@ -257,6 +259,10 @@ static void describe(const ric_augmented *x, ric_junction_proof *out)
 {
     static const char *const kinds[] = {"the energy turns", "the period turns"};
     const ric_augmented_question *a = &x->ask;
+    if (x->c.start == RIC_CHAIN_BOTH) {
+        snprintf(out->how, sizeof out->how, "a motion parts two impacts at one instant");
+        return;
+    }
     switch (a->kind) {
     case RIC_AUGMENTED_ENERGY:
     case RIC_AUGMENTED_PERIOD: snprintf(out->how, sizeof out->how, "%s", kinds[a->kind]); break;
@@ -334,6 +340,10 @@ static void find_corner(const ric_augmented *x, ric_corner *corner)
     const int k = x->ask.place;
     const bool around = ric_chain_general(c), turned = around && c->sign < 0;
     *corner = (ric_corner){.empty = -1};
+    if (c->start == RIC_CHAIN_BOTH) {
+        add_closure(corner, 0, false, &wall[c->also], false);
+        return;
+    }
     if (x->ask.kind == RIC_AUGMENTED_GAP) {
         if (k < c->m) add_closure(corner, k, false, &wall[x->ask.face], x->ask.image);
         if (k > 0) add_closure(corner, k - 1, true, &wall[x->ask.face], x->ask.image);
@@ -353,7 +363,8 @@ static bool stands(const ric_augmented *x, ric_junction_proof *out)
 {
     const ric_augmented_question *a = &x->ask;
     const bool touches = a->kind == RIC_AUGMENTED_SPEED || a->kind == RIC_AUGMENTED_TOUCH;
-    const bool meets = a->kind == RIC_AUGMENTED_GAP || a->kind == RIC_AUGMENTED_MEET;
+    const bool meets = a->kind == RIC_AUGMENTED_GAP || a->kind == RIC_AUGMENTED_MEET ||
+                       x->c.start == RIC_CHAIN_BOTH;
     ric_corner corner;
     if (meets) find_corner(x, &corner);
     const ric_touch touch = {.impact = a->kind == RIC_AUGMENTED_SPEED ? a->place : -1,
@@ -401,11 +412,11 @@ static bool agrees(const ric_augmented *x, const ric_junction *row, ric_junction
     const double turn = 8 * atan(1), multiple = row->multiple;
     const double period[2] = {turn / out->period[1] / multiple, turn / out->period[0] / multiple};
     ric_story story;
-    tell_once(x, &story);
+    ric_prover_junction_tell(x, &story);
     out->distance = ric_story_distance(&story, a->slow, row->letters, row->word, row->state,
                                        row->flights);
     if (row->kind == RIC_KIND_CORNER) { /* it is stored in one order of the two */
-        ric_story_exchange(&story);
+        ric_story_exchange(&story, x->c.start == RIC_CHAIN_BOTH ? 1 : INT_MAX);
         out->distance = fmin(out->distance,
                              ric_story_distance(&story, a->slow, row->letters, row->word,
                                                 row->state, row->flights));
@@ -430,6 +441,7 @@ static bool prove_at(const ric_junction *row, const ric_chain *c, const ric_encl
     bool done = ric_augmented_prove(x, c, e, ask);
     if (!done) snprintf(out->why, sizeof out->why, "%s", x->why);
     if (done) find_together(x);
+    if (c->start == RIC_CHAIN_BOTH && !ask->broken[1]) x->times = 2;
     if (done) measure(x, out);
     done = done && stands(x, out) && agrees(x, row, out);
     if (done) describe(x, out);
@@ -458,6 +470,32 @@ ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, doub
     return status;
 }
 
+/* Where the equations of the branch are singular, as the two impacts at one instant turn the motion
+ * round: the branch leaves those that keep them together, of its own period, or of half of it. */
+static void part(const ric_walk *w, const ric_junction *row, ric_augmented *x,
+                 ric_junction_proof *out)
+{
+    ric_augmented_question ask;
+    ric_chain general;
+    ric_branch plain = w->branch;
+    plain.reversible = plain.symmetric = false;
+    bool made = !ric_chain_create(&general, w->e, &plain, w->state, w->state + 2 * w->e->n_dof) &&
+                ask_corner(&general, w->e, &ask) && ask.kind == RIC_AUGMENTED_MEET;
+    const int flight = made ? ask.place : 0;
+    for (int share = 2; share <= 4 && made && out->state != RIC_PROOF_DONE; share += 2) {
+        ric_chain c;
+        ask = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK,
+                                       .broken = {true, share == 2},
+                                       .slow = w->slow};
+        if (ric_both_create(&c, &general, w->e, flight, share)) {
+            ric_augmented_free(x);
+            if (prove_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
+        }
+        ric_chain_free(&c);
+    }
+    ric_chain_free(&general);
+}
+
 ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool last,
                                    ric_augmented *x, ric_junction_proof *out)
 {
@@ -477,6 +515,7 @@ ric_status ric_prover_junction_end(ric_walk *w, const ric_junction *row, bool la
         ric_augmented_free(x);
         ask.slow = w->slow;
         if (prove_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
+        else if (corner) part(w, row, x, out);
     } else if (corner)
         snprintf(out->why, sizeof out->why, "no two contacts close at all but one instant");
     else snprintf(out->why, sizeof out->why, "no impact and no gap is all but a touch");

@@ -166,6 +166,16 @@ static int add_together(ric_story *s, const ric_story_touch *touch, arb_srcptr b
     return count;
 }
 
+/* The first of two impacts that turn the motion round together, with which the chain begins. */
+static void add_first(ric_story *s, const ric_chain *c, arb_srcptr block, const arb_t time)
+{
+    arb_ptr between = _arb_vec_init(2 * s->n);
+    _arb_vec_set(between, block, 2 * s->n);
+    ric_chain_reflect(s->e, c->face[0], between + s->n);
+    add(s, &(ric_moment){.face = c->also}, time, between);
+    _arb_vec_clear(between, 2 * s->n);
+}
+
 /* A spring that is touched in flight closes and opens at once, or the other way round; at a mirror
  * point one of the two is on its far side. A stop is an impact of no speed, and at a mirror point
  * that itself. */
@@ -192,17 +202,19 @@ static void add_touch(ric_story *s, const ric_chain *c, const ric_story_touch *t
 static void tell(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before,
                  const ric_story_touch *touch, const ric_enclosure *e)
 {
-    const bool general = ric_chain_general(c);
-    int together = 0;
+    const bool general = ric_chain_general(c), both = c->start == RIC_CHAIN_BOTH;
+    int together = both;
     arb_t time;
     open_story(s, c, e);
     arb_init(time);
+    if (both) add_first(s, c, u, time);
     for (int k = 0; k < c->m; k++) {
         arb_srcptr block = u + (slong)k * c->size;
         const ric_moment here = {.face = c->face[k],
                                  .opens = ric_chain_opens(c, e, k),
                                  .touch = touch && k == touch->impact,
-                                 .mirror = !general && k == 0 && c->start != RIC_CHAIN_TWIN};
+                                 .mirror = !general && k == 0 && c->start != RIC_CHAIN_TWIN &&
+                                           !both};
         add(s, &here, time, block);
         if (touch && touch->flight == k) add_touch(s, c, touch, block, time);
         if (touch && touch->flight == k && touches_first(c, touch))
@@ -267,11 +279,12 @@ static bool meets(const ric_story *s, int i, int j)
     return meets;
 }
 
-void ric_story_exchange(ric_story *s)
+void ric_story_exchange(ric_story *s, int most)
 {
-    for (int i = 0; i < s->count && s->count > 2; i++) {
+    for (int i = 0; i < s->count && s->count > 2 && most > 0; i++) {
         const int j = (i + 1) % s->count;
         if (!meets(s, i, j)) continue;
+        most--;
         ric_moment *a = &s->at[i], *b = &s->at[j];
         _arb_vec_set(b->w, a->w, 2 * s->n);
         ric_chain_reflect(s->e, a->face, b->w + s->n); /* before both */

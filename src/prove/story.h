@@ -42,9 +42,9 @@ void ric_story_tell(ric_story *s, const ric_chain *c, arb_srcptr u, const ric_st
  * moments and times are linear in all of them. */
 void ric_story_tell_parts(ric_story *s, const ric_chain *c, arb_srcptr u, arb_srcptr before,
                           const ric_enclosure *e);
-/* Impacts of two contacts at one instant in the other order, all of them; of reflections that
- * commute it is the same motion. */
-void ric_story_exchange(ric_story *s);
+/* Impacts of two contacts at one instant in the other order, the first `most` pairs of them; of
+ * reflections that commute it is the same motion. */
+void ric_story_exchange(ric_story *s, int most);
 /* As a motion that many times as long. */
 void ric_story_repeat(ric_story *s, int times);
 void ric_story_free(ric_story *s);

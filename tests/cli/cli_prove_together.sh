@@ -125,6 +125,33 @@ for id, flights in db.execute("SELECT id, flights FROM junction WHERE kind = ?",
     db.execute("UPDATE junction SET flights = ? WHERE id = ?", (blob([t + 1e-6 for t in floats(flights)]), id))'
     ok "nor of $name with another energy" refused "$name" 'db.execute("UPDATE junction SET energy = energy * (1 + 2e-8) WHERE kind = ?", ("corner",))'
 done
+# Frames that pound at two floors: eight branches end where both impacts turn the motion round together, in its middle or
+# every half of its period. Flights of no length are no place on the branch alone there.
+cat >"$folder/floors.yaml" <<'STUDY'
+model:
+  mass: [[120, 0, 0, 0], [0, 100, 0, 0], [0, 0, 90, 0], [0, 0, 0, 80]]
+  stiffness: [[38000, -18000, 0, 0], [-18000, 18000, 0, 0], [0, 0, 52000, -24000], [0, 0, -24000, 24000]]
+  contacts:
+    - {normal: [1, 0, -1, 0], clearance: 0.03, sides: upper, law: rigid}
+    - {normal: [0, 1, 0, -1], clearance: 0.04, sides: upper, law: rigid}
+STUDY
+"$ricochet" run "$folder/floors.yaml" -o "$folder/floors.ricochet" --quiet
+junctions floors
+parted='some = [row for row in proved if row["how"] == "a motion parts two impacts at one instant"]'
+ok 'a motion parts two impacts at one instant' rows "$folder/rows.json" "$parted"'
+known = 44631.9936085056, 174238.991094092, 193654.327055415
+assert len(some) == 8 and all(row["exists"] < 1e-30 and row["distance"] < 1e-12 for row in some), some
+assert all(any(abs(row["energy"][0] - E) < 1e-12 * E for row in some) for E in known), some'
+unparted() {
+    planted floors "$1" && prove "$folder/p.ricochet" "$folder/rows.json" --junctions
+    rows "$folder/rows.json" "$parted"'
+assert len(rows) > 10 and not some, some'
+}
+ok 'but not where a state is off by 1e-6' unparted '
+for id, state in db.execute("SELECT id, state FROM junction WHERE kind = ?", ("corner",)).fetchall():
+    x = floats(state)
+    db.execute("UPDATE junction SET state = ? WHERE id = ?", (blob([x[0] - 1e-6] + x[1:]), id))'
+ok 'nor with another energy' unparted 'db.execute("UPDATE junction SET energy = energy * (1 + 2e-8) WHERE kind = ?", ("corner",))'
 # A mode that touches 18 times in nine periods touches once in its own class; so do branch points whose other branch
 # the atlas does not have.
 junctions loose-mass

@@ -11,6 +11,7 @@
 #include "ricochet.h"
 
 #if __has_include(<arb.h>) || __has_include(<flint/arb.h>)
+#include "prove/augmented_rows.h"
 #include "prove/bends.h"
 #include "random_chains.h"
 
@@ -140,9 +141,74 @@ static void bends_are_differences(void **state)
     }
 }
 
+/* Where two impacts turn a motion round together, of a motion beside it that parts them: the
+ * derivative of all rows along v, against differences. */
+static void check_rows(ric_augmented *x)
+{
+    const slong n = x->n;
+    arb_ptr z = _arb_vec_init(6 * n), v = z + n, step = v + n, F[] = {step + n, z + 4 * n};
+    arb_t along;
+    arb_mat_t J, other;
+    arb_init(along);
+    arb_mat_init(J, n, n);
+    arb_mat_init(other, n, n);
+    for (slong i = 0; i < n; i++) arb_set_d(z + i, uniform(0.3, 2));
+    for (slong i = 0; i < n; i++) arb_set_d(v + i, draw());
+    for (slong i = 0; i < n - x->n_orbit; i++) arb_set_d(x->l + i, draw());
+    for (slong i = 0; i < 2 * x->e->n; i++) arb_set_d(arb_mat_entry(x->gauge, 0, i), draw());
+    ric_augmented_evaluate(x, z, J, F[0]);
+    for (int side = 0; side < 2; side++) {
+        _arb_vec_scalar_mul_2exp_si(step, v, n, STEP);
+        if (side) _arb_vec_neg(step, step, n);
+        _arb_vec_add(step, step, z, n, BITS);
+        ric_augmented_evaluate(x, step, other, F[side]);
+    }
+    _arb_vec_sub(F[0], F[0], F[1], n, BITS);
+    _arb_vec_scalar_mul_2exp_si(F[0], F[0], n, -STEP - 1);
+    for (slong i = 0; i < n; i++) {
+        arb_dot(along, NULL, 0, arb_mat_entry(J, i, 0), 1, v, 1, n, BITS);
+        assert_true(is_near(F[0] + i, along));
+    }
+    arb_clear(along);
+    arb_mat_clear(J);
+    arb_mat_clear(other);
+    _arb_vec_clear(z, 6 * n);
+}
+
+static void partings_are_differences(void **state)
+{
+    (void)state;
+    for (unsigned seed = 1; seed <= 12; seed++) {
+        seed_now = seed;
+        ric_model *model = structure(2 + (int)seed % 3, 0);
+        ric_enclosure e;
+        assert_true(ric_enclosure_create(&e, model, BITS));
+        for (int i = 0; i < 4; i++) {
+            ric_augmented x = {.e = &e, .ask = {.kind = RIC_AUGMENTED_BREAK}, .redundant = -1};
+            lay_chain(&x.c, &e, 1 + i, 1 + i % 2 * 2);
+            x.c.start = RIC_CHAIN_BOTH;
+            x.c.face[0] = 0;
+            x.c.also = e.n_face - 1;
+            assert_true(e.wall[0].contact != e.wall[x.c.also].contact);
+            x.ask.broken[0] = true;
+            x.n_orbit = x.n_motion = (slong)x.c.m * x.c.size;
+            x.n = 2 * x.n_orbit;
+            x.l = _arb_vec_init(x.n);
+            arb_mat_init(x.gauge, 2, 2 * e.n);
+            check_rows(&x);
+            arb_mat_clear(x.gauge);
+            _arb_vec_clear(x.l, x.n);
+            ric_chain_free(&x.c);
+        }
+        ric_enclosure_free(&e);
+        ric_model_free(model);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(bends_are_differences)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(bends_are_differences),
+                                       cmocka_unit_test(partings_are_differences)};
     return cmocka_run_group_tests_name("prove_bends", tests, NULL, NULL);
 }
 #else

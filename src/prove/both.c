@@ -1,0 +1,146 @@
+#include "both.h"
+
+#include <math.h>
+
+#include "base/room.h"
+
+/* What is left of velocities, or displacements, at a mirror point, of those of the motion: only
+ * where to begin is decided by it. */
+#define AT_MIRROR 1e-6
+
+static double middle(arb_srcptr x)
+{
+    return ric_arb_middle(x);
+}
+
+/* Whether the motion goes back from a state, before the impact if there is one, the way it came. */
+static bool turns(const ric_enclosure *e, ric_chain_end kind, int face, arb_srcptr w)
+{
+    const int n = e->n;
+    double off = 0;
+    arb_ptr image = _arb_vec_init(2 * n);
+    arb_t E;
+    arb_init(E);
+    _arb_vec_set(image, w, 2 * n);
+    if (kind == RIC_CHAIN_CENTRE) _arb_vec_neg(image, image, n);
+    else if (kind == RIC_CHAIN_IMPACT) ric_chain_reflect(e, face, image + n);
+    for (int i = 0; i < n; i++) {
+        const double q = middle(w + i) - middle(image + i),
+                     p = kind == RIC_CHAIN_CENTRE ? 0 : middle(w + n + i) + middle(image + n + i);
+        off += q * q * fmax(1, middle(e->square + i)) + p * p;
+    }
+    ric_chain_energy(e, NULL, w, E);
+    const bool found = sqrt(off) < AT_MIRROR * sqrt(2 * fabs(middle(E)));
+    _arb_vec_clear(image, 2 * n);
+    arb_clear(E);
+    return found;
+}
+
+/* The kind of mirror point behind the last flight, or RIC_CHAIN_GENERAL. */
+static ric_chain_end kind_at(const ric_chain *c, const ric_enclosure *e)
+{
+    static const ric_chain_end in_flight[] = {RIC_CHAIN_REST, RIC_CHAIN_CENTRE};
+    const int face = c->face[c->m], last = c->m - 1;
+    ric_chain_end found = RIC_CHAIN_GENERAL;
+    arb_srcptr w = ric_chain_block(c, last);
+    arb_ptr flown = _arb_vec_init(2 * c->n);
+    ric_chain_fly(e, c->phase[last], w, w + 2 * c->n, flown);
+    if (face >= 0 && !e->wall[face].closes && turns(e, RIC_CHAIN_IMPACT, face, flown))
+        found = RIC_CHAIN_IMPACT;
+    for (int k = 0; face < 0 && !c->phase[last] && k < 2; k++)
+        if (turns(e, in_flight[k], -1, flown)) found = in_flight[k];
+    _arb_vec_clear(flown, 2 * c->n);
+    return found;
+}
+
+bool ric_both_create(ric_chain *c, const ric_chain *general, const ric_enclosure *e, int flight,
+                     int share)
+{
+    const int m = general->m, first = (flight + 1) % m;
+    const ric_wall *f = &e->wall[general->face[first]], *g = &e->wall[general->face[flight]];
+    double left = 0;
+    int count = 0;
+    *c = (ric_chain){.sign = 1, .number = -1, .start = RIC_CHAIN_BOTH};
+    if (f->closes || g->closes || !ric_enclosure_orthogonal(e->model, f->contact, g->contact))
+        return false;
+    for (int k = 0; k < m; k++) left += middle(ric_chain_block(general, k) + 2 * general->n);
+    const double near = AT_MIRROR * left;
+    left /= share;
+    while (count < m && left > near)
+        left -= middle(ric_chain_block(general, (first + count++) % m) + 2 * general->n);
+    if (!count) return false;
+    ric_chain_allocate(c, e, count);
+    c->also = general->face[flight];
+    for (int k = 0; k < count; k++) {
+        const int from = (first + k) % m;
+        _arb_vec_set(ric_chain_block(c, k), ric_chain_block(general, from), c->size);
+        c->face[k] = general->face[from];
+        c->phase[k] = general->phase[from];
+    }
+    c->face[count] = left < -near ? -1 : general->face[(first + count) % m];
+    arb_ptr tau = ric_chain_block(c, count - 1) + 2 * c->n;
+    arb_t over;
+    arb_init(over);
+    arb_set_d(over, left);
+    if (c->face[count] < 0) arb_add(tau, tau, over, e->prec);
+    arb_get_mid_arb(tau, tau);
+    arb_clear(over);
+    c->end = kind_at(c, e);
+    return c->end != RIC_CHAIN_GENERAL;
+}
+
+/* ---------------------------------------------------------------------- rows */
+
+/* out = x_i y_j - x_j y_i */
+static void minor(arb_srcptr x, arb_srcptr y, slong i, slong j, slong prec, arb_t out)
+{
+    arb_mul(out, x + i, y + j, prec);
+    arb_submul(out, x + j, y + i, prec);
+}
+
+/* The two components by which the normals are told apart best. */
+static void pivots(int n, arb_srcptr x, arb_srcptr y, slong out[2])
+{
+    double most = -1;
+    for (slong i = 0; i < n; i++)
+        for (slong j = i + 1; j < n; j++) {
+            const double size = fabs(middle(x + i) * middle(y + j) - middle(x + j) * middle(y + i));
+            if (!(size > most)) continue;
+            most = size;
+            out[0] = i;
+            out[1] = j;
+        }
+}
+
+void ric_both_across(const ric_enclosure *e, const ric_chain *c, bool speed, slong row, arb_mat_t B)
+{
+    const slong n = e->n, part = speed ? n : 0;
+    arb_srcptr x = ric_enclosure_c(e, e->wall[c->face[0]].contact),
+               y = ric_enclosure_c(e, e->wall[c->also].contact);
+    slong at[2] = {0, 1};
+    pivots(e->n, x, y, at);
+    for (slong i = 0; i < n; i++) {
+        if (i == at[0] || i == at[1]) continue;
+        minor(x, y, at[0], at[1], e->prec, arb_mat_entry(B, row, part + i));
+        minor(x, y, at[1], i, e->prec, arb_mat_entry(B, row, part + at[0]));
+        minor(x, y, i, at[0], e->prec, arb_mat_entry(B, row, part + at[1]));
+        row++;
+    }
+}
+
+void ric_both_mirror(const ric_enclosure *e, const ric_chain *c, arb_mat_t B, arb_t gap)
+{
+    const ric_wall *f = &e->wall[c->face[0]], *g = &e->wall[c->also];
+    const slong n = e->n;
+    arb_t turned;
+    arb_init(turned);
+    arb_set(gap, f->gap);
+    _arb_vec_set(arb_mat_entry(B, 0, 0), ric_enclosure_c(e, f->contact), n);
+    /* c_f q = d_f has d_g c_f q = d_f c_g q */
+    arb_ptr row = arb_mat_entry(B, 1, 0);
+    _arb_vec_scalar_mul(row, ric_enclosure_c(e, f->contact), n, g->gap, e->prec);
+    arb_neg(turned, f->gap);
+    _arb_vec_scalar_addmul(row, ric_enclosure_c(e, g->contact), n, turned, e->prec);
+    ric_both_across(e, c, true, 2, B);
+    arb_clear(turned);
+}
