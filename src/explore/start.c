@@ -62,12 +62,12 @@ static ric_status take_line(const ric_model *m, const char **text, ric_periodic 
 {
     int N, half, pure, flip;
     *out = NULL;
-    if (!take_integer(text, 1, LONGEST, &N) || !take_integer(text, 0, m->symmetric, &half) ||
-        !take_integer(text, -1, N - 1, &pure) ||
-        !take_integer(text, -1, m->symmetric ? N - 1 : -1, &flip))
+    if (!take_integer(text, 1, LONGEST, &N) || !take_integer(text, 0, 1, &half) ||
+        !take_integer(text, -1, N - 1, &pure) || !take_integer(text, -1, N - 1, &flip))
         return ric_fail(RIC_E_FORMAT, "a given start is not readable");
     if (!(*out = ric_periodic_create(m->n, N))) return ric_no_memory("a start");
-    if (!take_cycle(m, text, half, *out)) {
+    if (!take_cycle(m, text, half, *out) ||
+        ((half || flip >= 0) && !ric_periodic_mirrors(m, *out))) {
         ric_periodic_free(*out);
         *out = NULL;
         return ric_fail(RIC_E_FORMAT, "a given start of %d impacts is not readable", N);

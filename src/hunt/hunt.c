@@ -180,10 +180,13 @@ static bool repeats(const ric_impact_map *s, int N, const ric_hit *hits)
     return false;
 }
 
+/* Those of the orbit, which may have x -> -x where the structure has a stop on one side only that
+ * it does not meet. */
 static void find_symmetries(const ric_impact_map *s, ric_prey *prey)
 {
     int N = prey->N;
-    bool mirrors = ric_model_symmetric(s->model);
+    bool mirrors = true;
+    for (int i = 0; i < N; i++) mirrors = mirrors && s->face[prey->hits[i].face].mirror >= 0;
     prey->pure = prey->flip = -1;
     prey->symmetric = mirrors && N % 2 == 0 &&
                       matches(s, N, prey->hits, prey->hits, (operation){N / 2, false, true}, SAME);

@@ -482,6 +482,45 @@ static void test_other_structures(void **state)
     }
 }
 
+/* A stop on one side that nothing reaches takes no symmetry from an orbit, and its family is
+ * followed with it: with the symmetries of the structure alone none of those that are missed is
+ * explained. */
+static void test_far_stop(void **state)
+{
+    static const char near_stop[] = TWO_MASSES
+        "explore: {energy: [0, 12], frequency: [0.25, 10], impacts: 4, multiply: 1, depth: 1}\n";
+    static const char far_stop[] =
+        "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
+        "  contacts:\n    - {normal: [-1, 1], clearance: 1}\n"
+        "    - {normal: [1, 0], clearance: 1000, sides: upper}\n"
+        "explore: {energy: [0, 12], frequency: [0.25, 10], impacts: 4, multiply: 1, depth: 1}\n";
+    ric_atlas *atlas[2] = {explore_text(near_stop), explore_text(far_stop)};
+    ric_hunt *h[2];
+    int symmetric = 0, mirrored = 0;
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        h[i] = hunt(ric_atlas_model(atlas[i]), 5, 4, 2 * PI / 0.25, 12, 20000);
+    for (int i = 0; i < h[1]->n; i++) {
+        const ric_prey *p = &h[1]->prey[i];
+        int twin = ric_hunt_find(h[0], p->N, p->hits, 1e-6);
+        assert_true(twin >= 0);
+        assert_int_equal(p->symmetric, h[0]->prey[twin].symmetric);
+        assert_int_equal(p->reversible, h[0]->prey[twin].reversible);
+        symmetric += p->symmetric;
+        mirrored += p->flip >= 0;
+    }
+    print_message("far stop: %d found, %d symmetric, %d mirrored\n", h[1]->n, symmetric, mirrored);
+    assert_true(symmetric > 0 && mirrored > 0);
+    for (int i = 0; i < 2; i++) {
+        ric_comparison *c = compare(h[i], atlas[i]);
+        assert_true(count(h[i], c, RIC_FOUND_BUDGET) > 0);
+        assert_int_equal(c->n_again, c->n_atlas);
+        ric_comparison_free(c);
+        ric_hunt_free(h[i]);
+        ric_atlas_free(atlas[i]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -490,7 +529,7 @@ int main(void)
         cmocka_unit_test(test_two_ways),     cmocka_unit_test(test_article),
         cmocka_unit_test(test_fault),        cmocka_unit_test(test_other_structures),
         cmocka_unit_test(test_steep),        cmocka_unit_test(test_words),
-        cmocka_unit_test(test_stopped),
+        cmocka_unit_test(test_stopped),      cmocka_unit_test(test_far_stop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
