@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/model.h"
 #include "model/truncate.h"
 #include "study/study.h"
 #include "common/shaking.h"
@@ -303,13 +304,6 @@ static void print_growth(const facts *f)
     if (*growth) printf("\nwarning: %s\n", growth);
 }
 
-static bool two_sided(const facts *f)
-{
-    ric_contact first;
-    return !is_smooth(f) && !ric_model_contact(f->model, 0, &first) &&
-           first.sides == RIC_SIDES_BOTH;
-}
-
 static bool has_side(const ric_contact *c, bool upper)
 {
     return c->sides != (upper ? RIC_SIDES_LOWER : RIC_SIDES_UPPER);
@@ -370,11 +364,12 @@ static void print_remarks(const facts *f)
     if (seen_rigid)
         printf("%d rigid motion%s a stop sees: it has no linear touch; %s\n", seen_rigid,
                cli_plural(seen_rigid),
-               f->m == 1 && two_sided(f)
-                   ? "its family starts at the lower edge of the energy window"
-                   : "no family starts from it, which takes a single contact, rigid and with both "
-                     "sides");
-    if (seen_rigid && !(f->m == 1 && two_sided(f))) puts(CLI_LOOSE);
+               ric_model_rattles(f->model)
+                   ? "its families go to and fro between two faces and are looked for over the "
+                     "window of frequencies"
+                   : "no family starts from it, which takes two faces that push it in opposite "
+                     "directions");
+    if (seen_rigid && !ric_model_rattles(f->model)) puts(CLI_LOOSE);
 }
 
 static ric_status print_text(const facts *f, const ric_study *study)

@@ -252,10 +252,11 @@ ric_status cli_windows_rows(const ric_study *study, json_t *rows);
 ric_status cli_windows_tell(const ric_atlas *atlas);
 /* What is said of a loose mass from which no family starts. */
 #define CLI_LOOSE                                                                                  \
-    "a loose mass between stops of two contacts is one between the stops of one: measure its "     \
-    "displacement from\n"                                                                          \
-    "the middle, and give `sides: both` and half the play as clearance; before a stop on one "     \
-    "side alone it flies off"
+    "before a stop on one side alone a loose mass flies off, and masses that are loose in "        \
+    "several "                                                                                     \
+    "ways strike\n"                                                                                \
+    "more than two faces a period: give both sides of a gap, or hold what is loose by a soft "     \
+    "spring"
 /* Junctions whose label, C_ab, a stopped run has not measured yet. */
 int cli_unmeasured(const ric_atlas *atlas);
 /* verify_response.c; returns an exit code. */

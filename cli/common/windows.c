@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "model/model.h"
 #include "study/study.h"
 #include "study/windows.h"
 #include "cli.h"
@@ -65,14 +66,6 @@ static bool any_loose(const facts *f)
     for (int i = 0; i < f->n; i++)
         if (f->seen[i] && f->frequency[i] == 0) return true;
     return false;
-}
-
-/* Whether a loose mass has families to start from: before one contact with both sides. */
-static bool is_loose(const facts *f)
-{
-    ric_contact contact;
-    return any_loose(f) && !f->smooth && ric_model_n_contact(f->model) == 1 &&
-           !ric_model_contact(f->model, 0, &contact) && contact.sides == RIC_SIDES_BOTH;
 }
 
 /* --------------------------------------------------------------- remarks */
@@ -222,7 +215,7 @@ static bool any_begins(const facts *f)
 {
     for (int i = 0; i < f->n; i++)
         if (is_started(f, i) && begins(f, i)) return true;
-    return is_loose(f);
+    return ric_model_rattles(f->model);
 }
 
 /* Contacts of a part cannot be met at the energy of that part alone: a run departs from nothing
@@ -371,7 +364,7 @@ static void say_why(const facts *f, const ric_atlas *atlas)
                 "the windows%s%s; "
                 "`ricochet report` says which departures were refused or not tried\n",
                 *why ? ": " : "", why);
-        if (any_loose(f) && !is_loose(f)) cli_say("%s\n", CLI_LOOSE);
+        if (any_loose(f) && !ric_model_rattles(f->model)) cli_say("%s\n", CLI_LOOSE);
         return;
     }
     cli_say("ricochet: no orbit that meets a contact was found");

@@ -79,10 +79,22 @@ static bool is_shallow(const replay *r, int k, const face_t *face, real speed)
            speed * speed <= 2 * fabs(ric_replay_pull(r, k, face, r->w)) * r->digits->gap[k];
 }
 
+/* Where a loose mass rests on a stop nothing draws the gap apart again. What it moves by in a
+ * period is rounding then, whose sign would decide whether the simulator meets the stop: it is
+ * taken away. Whether it was. */
+static bool came_to_rest(replay *r, const face_t *face, real speed, real fall)
+{
+    const real step = fabs(speed) + fabs(fall) * r->period;
+    if (step * r->period > CLOSED * face->limit) return false;
+    for (int i = 0; i < r->n; i++) r->w[r->n + i] -= face->side * speed / face->cc * face->c[i];
+    return true;
+}
+
 /* Whether every face that closes at r->w, of those that are open, is only touched; how long until
  * all are open again. `far`: so far open that the simulator can tell them apart. */
-static bool only_touched(const replay *r, int k, bool far, real *wait)
+static bool only_touched(replay *r, int k, bool far, real *wait)
 {
+    bool rests = false;
     *wait = 0;
     for (int f = 0; f < r->n_face; f++) {
         const face_t *face = &r->face[f];
@@ -92,11 +104,15 @@ static bool only_touched(const replay *r, int k, bool far, real *wait)
         bool slow = is_shallow(r, k, face, speed);
         if (speed < 0 && !slow) continue;
         real fall = ric_replay_pull(r, k, face, r->w);
+        if (slow && came_to_rest(r, face, speed, fall)) {
+            rests = true;
+            continue;
+        }
         if (!slow || fall <= 0) return false;
         *wait = fmax(*wait,
                      fmax(3 * fabs(speed) / fall, far ? sqrt(2 * CLOSED * face->limit / fall) : 0));
     }
-    return *wait > 0;
+    return rests || *wait > 0;
 }
 
 /* Flies on from a touch in closed form until the gap is open again. The simulator cannot do so

@@ -72,8 +72,6 @@ struct ric_graph {
                          which expect the same atlas */
 };
 
-/* RIC_E_INPUT for a model that an exploration cannot begin with. */
-ric_status ric_graph_check_start(const ric_model *model);
 ric_status ric_graph_create(const ric_study *study, ric_store *store, ric_graph **out);
 void ric_graph_free(ric_graph *graph);
 

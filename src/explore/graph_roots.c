@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "graph_parts.h"
+#include "loose.h"
 #include "model/room.h"
 #include "base/room.h"
 
@@ -234,29 +235,10 @@ static ric_status start_modes(ric_graph *g)
     return RIC_OK;
 }
 
-/* A loose mass in a gap (a seen mode of zero frequency) has no linear grazing. Its S2 orbits have a
- * closed form (docs/theory.md section 11): q_i = A c_i sin(omega_i t) / (omega_i cos(omega_i h /
- * 2)) from the centre, h half a period, A from s(h/2) = d. It is scanned over the frequency window;
- * every stretch of admissible orbits gives a start, from which its branch is followed both ways. */
-static void closed_form(const ric_model *m, const ric_face *f, double omega, double *u)
+/* An orbit of a loose mass, from which its branch is followed both ways (loose.h). */
+static ric_status start_stretch(void *graph, ric_shooting *chain, const double *u)
 {
-    int n = m->n;
-    double sum = 0, quarter = RIC_TWO_PI / (4 * omega);
-    for (int k = 0; k < n; k++) {
-        double x = m->omega[k] * quarter;
-        sum += f->c[k] * f->c[k] * (m->omega[k] > 0 ? tan(x) / m->omega[k] : quarter);
-        u[k] = f->c[k] / cos(x);
-    }
-    for (int k = 0; k < n; k++) u[k] *= f->gap / sum;
-    u[n] = quarter;
-}
-
-/* SLOWEST: scaled frequency at which the scan begins where the window has no lower end */
-#define SLOWEST 1e-3
-#define SCAN 1.01 /* ratio of neighbouring frequencies of the scan */
-
-static ric_status start_stretch(ric_graph *g, ric_shooting *chain, const double *u)
-{
+    ric_graph *g = graph;
     ric_shooting_fly(chain, u);
     ric_periodic *cycle = ric_periodic_from_chain(chain, u);
     ric_node *node = NULL;
@@ -265,53 +247,6 @@ static ric_status start_stretch(ric_graph *g, ric_shooting *chain, const double 
     ric_periodic_free(cycle);
     if (status == RIC_E_NUMERIC) return RIC_OK;
     if (!status && ric_graph_add(g, node, 0) < 0) status = ric_no_memory("a start");
-    return status;
-}
-
-/* The face that a loose mass goes to and fro before; -1 if there is no such mass, or more than one
- * contact. */
-static int loose_face(const ric_model *m)
-{
-    bool loose = false;
-    for (int i = 0; i < m->n; i++) loose |= m->omega[i] == 0;
-    for (int f = 0; loose && m->n_contact == 1 && f < m->n_face; f++)
-        if (m->face[f].mirror >= 0 && m->face[f].side > 0) return f;
-    return -1;
-}
-
-ric_status ric_graph_check_start(const ric_model *m)
-{
-    if (!ric_flight_law_of(m)->closes || m->n_part > 1 || loose_face(m) < 0) return RIC_OK;
-    return ric_fail(RIC_E_INPUT, "the structure can move as a rigid body against a contact of law "
-                                 "bilinear: such families have no "
-                                 "closed form to start from in this version; hold the structure by "
-                                 "a soft spring, or make the "
-                                 "contact rigid");
-}
-
-static ric_status start_loose(ric_graph *g)
-{
-    const ric_model *m = g->model;
-    int n = m->n, upper = loose_face(m), face[2] = {-1, upper};
-    bool inside = false;
-    if (upper < 0) return RIC_OK;
-    ric_shooting *chain = NULL;
-    ric_status status = ric_graph_check_start(m);
-    if (status) return status;
-    status = ric_shooting_create(m, RIC_MIRROR_CENTRE, RIC_MIRROR_IMPACT, 1, 1, face, &chain);
-    double u[n + 1],
-        low = isfinite(g->limits.period[1]) ? RIC_TWO_PI / g->limits.period[1] : SLOWEST;
-    for (double omega = low; !status && omega < RIC_TWO_PI / g->limits.period[0]; omega *= SCAN) {
-        closed_form(m, &m->face[upper], omega, u);
-        ric_shooting_fly(chain, u);
-        double energy = ric_shooting_energy(chain);
-        bool good = energy > g->limits.energy[0] && energy < g->limits.energy[1] &&
-                    chain->residual < RIC_SAME_SOLVED && chain->approach[1] > 0 &&
-                    ric_reach(chain, u, NULL) < 1;
-        if (good && !inside) status = start_stretch(g, chain, u);
-        inside = good;
-    }
-    ric_shooting_free(chain);
     return status;
 }
 
@@ -340,6 +275,6 @@ ric_status ric_graph_start(ric_graph *g)
     ric_status status = g->only_given ? RIC_OK : start_modes(g);
     if (!status && !g->only_given) status = start_mixtures(g);
     if (status || g->model->n_part > 1) return status;
-    if (!g->only_given && (status = start_loose(g))) return status;
-    return start_given(g);
+    if (!g->only_given) status = ric_loose_scan(g->model, &g->limits, start_stretch, g);
+    return status ? status : start_given(g);
 }

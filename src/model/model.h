@@ -88,6 +88,12 @@ static inline bool ric_model_detached(const ric_model *model)
 /* Contacts whose reflections commute: c_f . c_g = 0 (docs/theory.md section 8, corners). */
 bool ric_model_orthogonal(const ric_model *model, int contact_f, int contact_g);
 
+/* Whether faces f and g push all loose masses, the seen modes of frequency zero, in opposite
+ * directions, so that two impacts a period may leave their momentum as it is. */
+bool ric_model_opposite(const ric_model *model, int face_f, int face_g);
+/* Whether any two faces do: families of a loose mass begin there (explore/loose.h). */
+bool ric_model_rattles(const ric_model *model);
+
 /* Orthonormal rows E [(n-1) * n] perpendicular to h [n], with det [h; E] > 0: the basis turns
  * continuously with h as far as its orientation goes, so determinants taken in it do not jump.
  * Rows 1.. of the Householder reflection that takes h to a multiple of e_0. */

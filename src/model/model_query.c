@@ -13,6 +13,8 @@
 #include "base/room.h"
 
 /* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
+/* OPPOSITE: directions in which two faces push are opposite up to this part */
+#define OPPOSITE 1e-9
 #define ORTHOGONAL 1e-12
 /* LOCKED: eigenvalues of n modes below this many last digits of the largest, for each, are zero */
 #define LOCKED 16.0
@@ -285,6 +287,28 @@ bool ric_model_orthogonal(const ric_model *m, int f, int g)
     const double *c = m->c + f * m->n, *d = m->c + g * m->n;
     return fabs(ric_dot(m->n, c, d)) <=
            ORTHOGONAL * sqrt(ric_dot(m->n, c, c) * ric_dot(m->n, d, d));
+}
+
+bool ric_model_opposite(const ric_model *m, int face_f, int face_g)
+{
+    const ric_face *f = &m->face[face_f], *g = &m->face[face_g];
+    double ff = 0, gg = 0, fg = 0;
+    for (int i = 0; i < m->n; i++) {
+        if (m->omega[i] > 0) continue;
+        const double a = f->side * f->c[i], b = g->side * g->c[i];
+        ff += a * a;
+        gg += b * b;
+        fg += a * b;
+    }
+    return ff > 0 && gg > 0 && fg < -(1 - OPPOSITE) * sqrt(ff * gg);
+}
+
+bool ric_model_rattles(const ric_model *m)
+{
+    for (int f = 0; f < m->n_face && m->n_part == 1; f++)
+        for (int g = f + 1; g < m->n_face; g++)
+            if (ric_model_opposite(m, f, g)) return true;
+    return false;
 }
 
 void ric_model_to_state(const ric_model *m, const double *w, double *x, double *v)

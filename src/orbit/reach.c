@@ -117,10 +117,11 @@ static void offer(search *q, double t, double s, int side, bool kink)
 }
 
 /* A stationary point, which is a maximum on one side only: a closed face that is farthest beyond
- * the clearance does not come near to opening. */
+ * the clearance does not come near to opening. Where the gap stands still it is one on both. */
 static void offer_stationary(search *q, sample at)
 {
-    offer(q, at.t, at.s, at.bend < 0 ? 1 : -1, false);
+    if (at.bend <= 0) offer(q, at.t, at.s, 1, false);
+    if (at.bend >= 0) offer(q, at.t, at.s, -1, false);
 }
 
 /* An impact of another contact puts a kink into this gap, but not if the normals are orthogonal,
@@ -308,6 +309,11 @@ static void search_contact(search *q)
     int f0 = c->face[k], f1 = c->face[k + 1];
     q->own_start = f0 >= 0 && m->face[f0].contact == q->contact;
     q->own_end = f1 >= 0 && m->face[f1].contact == q->contact;
+    /* the gap of a loose mass at rest stands still, and no interval shows a maximum */
+    if (D2 == 0 && l.ds == 0) {
+        if (!q->own_start && !q->own_end) offer_stationary(q, l);
+        return;
+    }
     /* between two events of one face the gap leaves it by no more than D2 tau^2 / 8; what rounding
      * hides is no arc */
     if (q->own_start && f0 == f1 && D2 * q->tau * q->tau < 8 * q->blur) return;

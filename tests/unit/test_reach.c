@@ -342,12 +342,34 @@ static void no_numbers(void **state)
     ric_model_free(m);
 }
 
+/* The gap of a loose mass that stands still, of which no interval shows a maximum. */
+static void still(void **state)
+{
+    (void)state;
+    const double M[] = {1, 0, 0, 2}, K[] = {0, 0, 0, 50}, b[] = {1, 0, 1, -1};
+    const ric_contact contacts[] = {{.clearance = 1, .normal = b, .sides = RIC_SIDES_UPPER},
+                                    {.clearance = 2, .normal = b + 2, .sides = RIC_SIDES_LOWER}};
+    const int face[] = {-1, -1};
+    ric_model *m = NULL;
+    ric_shooting *chain = NULL;
+    assert_int_equal(ric_model_create(2, M, K, 2, contacts, 1, &m), RIC_OK);
+    assert_int_equal(ric_shooting_create(m, RIC_MIRROR_NONE, RIC_MIRROR_NONE, 1, 1, face, &chain),
+                     RIC_OK);
+    const double u[] = {0.75 / m->face[0].g[0], 0.1, 0, 0, 3};
+    ric_touch touch;
+    ric_shooting_fly(chain, u);
+    assert_true(fabs(ric_reach(chain, u, &touch) - 0.75) < 1e-15);
+    assert_int_equal(touch.face, 0);
+    ric_shooting_free(chain);
+    ric_model_free(m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(against_sampling), cmocka_unit_test(touches_at_one),
         cmocka_unit_test(linear_grazing),   cmocka_unit_test(long_flight),
-        cmocka_unit_test(no_numbers),
+        cmocka_unit_test(no_numbers),       cmocka_unit_test(still),
     };
     return cmocka_run_group_tests_name("reach", tests, NULL, NULL);
 }

@@ -1,0 +1,247 @@
+#include "loose.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/room.h"
+
+/* SLOWEST: scaled frequency at which the scan begins where the window has no lower end */
+#define SLOWEST 1e-3
+#define SCAN 1.01 /* ratio of neighbouring frequencies of the scan */
+/* How long springs are closed is not known: it is tried from SHORT of the time in which the fastest
+ * mode of the closed structure turns by 1 rad up to LONG of the time that there is, in ratios of
+ * ONE_SPRING, or of TWO_SPRINGS where two of them are closed in turn. */
+#define SHORT 0.25
+#define LONG 0.95
+#define ONE_SPRING 1.5
+#define TWO_SPRINGS 2.25
+#define NO_PIVOT 1e-300    /* of equations without a solution */
+enum { TRIED_EVERY = 8 };  /* frequencies of the scan: orbits in between come from neighbours */
+enum { MOST_FLIGHTS = 3 }; /* closed, open, closed */
+
+/* The orbits between two faces at one frequency, which the scan carries upwards. */
+typedef struct {
+    ric_shooting *chain, *plain; /* plain: equations that are linear in the state */
+    int n_spring;                /* of both ends */
+    int closed[2];               /* their flights */
+    int n, size;
+    double *u; /* [size * n_unknown] */
+    bool *inside;
+    double *J, *r, *A, *first; /* work */
+} family;
+
+/* ------------------------------------------------------------------- pairs */
+
+/* The chain from the mirror point of face f to that of face g; of its image f = -1 only from the
+ * centre on. */
+static ric_status make_chain(const ric_model *m, int f, int g, family *a, ric_shooting **out)
+{
+    const bool soft[2] = {f >= 0 && m->face[f].spring > 0, m->face[g].spring > 0};
+    int face[MOST_FLIGHTS + 1], n = 0;
+    if (soft[0] || f < 0) face[n++] = -1;
+    if (f >= 0) face[n++] = f;
+    face[n++] = g;
+    if (soft[1]) face[n++] = -1;
+    a->n_spring = 0;
+    if (soft[0]) a->closed[a->n_spring++] = 0;
+    if (soft[1]) a->closed[a->n_spring++] = n - 2;
+    const ric_mirror start = f < 0     ? RIC_MIRROR_CENTRE
+                             : soft[0] ? RIC_MIRROR_REST
+                                       : RIC_MIRROR_IMPACT;
+    ric_status status = ric_shooting_create(m, start, soft[1] ? RIC_MIRROR_REST : RIC_MIRROR_IMPACT,
+                                            1, n - 1, face, out);
+    if (!status && soft[0]) ric_shooting_close(*out, (uint64_t)1 << f);
+    return status;
+}
+
+static void release(family *a)
+{
+    ric_shooting_free(a->chain);
+    ric_shooting_free(a->plain);
+    free(a->u);
+    free(a->inside);
+    free(a->J);
+    *a = (family){0};
+}
+
+static ric_status create(const ric_model *m, int f, int g, family *a)
+{
+    *a = (family){0};
+    ric_status status = make_chain(m, f, g, a, &a->chain);
+    if (!status) status = make_chain(m, f, g, a, &a->plain);
+    if (status) return status;
+    a->plain->plain = true;
+    const size_t rows = (size_t)ric_shooting_rows(a->plain), wide = (size_t)a->plain->n_unknown;
+    a->J = ric_malloc((rows * wide + rows + wide * wide + 3 * wide) * sizeof *a->J);
+    if (!a->J) return ric_no_memory("orbits of a loose mass");
+    a->r = a->J + rows * wide;
+    a->A = a->r + rows;
+    a->first = a->A + wide * wide;
+    return RIC_OK;
+}
+
+/* ------------------------------------------------------------------ orbits */
+
+/* The state, before the times of u, that solves the equations best: they are linear in it, as many
+ * more as springs are closed. */
+static bool solve_state(family *a, double *u)
+{
+    const int n = a->plain->n_start, wide = a->plain->n_unknown;
+    memset(u, 0, (size_t)n * sizeof *u);
+    const int rows = ric_shooting_jacobian(a->plain, u, a->J);
+    if (rows == 0) return false;
+    ric_shooting_residuals(a->plain, u, a->r);
+    memset(a->A, 0, (size_t)(n * n) * sizeof *a->A);
+    for (int k = 0; k < rows; k++)
+        for (int i = 0; i < n; i++) {
+            const double x = a->J[k * wide + i];
+            u[i] -= x * a->r[k];
+            for (int j = 0; j < n; j++) a->A[i * n + j] += x * a->J[k * wide + j];
+        }
+    return ric_dense_solve(n, 1, a->A, u, NO_PIVOT);
+}
+
+static double time_of(const family *a, const double *u)
+{
+    double sum = 0;
+    for (int k = 0; k < a->chain->n_flight; k++) sum += u[a->chain->n_start + k];
+    return sum;
+}
+
+/* Newton's method from u to the orbit whose flights last `time` together. */
+static bool correct(family *a, double *u, double time)
+{
+    const int n = a->chain->n_start, wide = a->chain->n_unknown;
+    double *normal = a->first + wide, *du = normal + wide;
+    int iterations;
+    memset(normal, 0, (size_t)wide * sizeof *normal);
+    for (int k = n; k < wide; k++) normal[k] = 1;
+    memcpy(a->first, u, (size_t)wide * sizeof *u);
+    if (!ric_continuation_correct(a->chain, u, a->first, normal, time - time_of(a, u), du,
+                                  &iterations))
+        return false;
+    for (int k = n; k < wide; k++)
+        if (!(u[k] > 0)) return false;
+    return true;
+}
+
+static bool is_known(const family *a, int count, const double *u)
+{
+    const int wide = a->chain->n_unknown;
+    for (int i = 0; i < count; i++) {
+        double off = 0, size = 1;
+        for (int j = 0; j < wide; j++) {
+            off = fmax(off, fabs(u[j] - a->u[i * wide + j]));
+            size = fmax(size, fabs(u[j]));
+        }
+        if (off < RIC_SAME_LOCATED * size) return true;
+    }
+    return false;
+}
+
+static ric_status keep(family *a, const double *u)
+{
+    const size_t wide = (size_t)a->chain->n_unknown;
+    if (a->n == a->size) {
+        const size_t size = 2 * (size_t)a->size + 4;
+        double *more = ric_realloc(a->u, size * wide * sizeof *more);
+        if (more) a->u = more;
+        bool *inside = more ? ric_realloc(a->inside, size * sizeof *inside) : NULL;
+        if (!inside) return ric_no_memory("orbits of a loose mass");
+        a->inside = inside;
+        a->size = (int)size;
+    }
+    memcpy(a->u + (size_t)a->n * wide, u, wide * sizeof *u);
+    a->inside[a->n++] = false;
+    return RIC_OK;
+}
+
+/* The orbits of the frequency before, at this one; those that are lost, or come together, go. */
+static void go_on(family *a, double time)
+{
+    const int wide = a->chain->n_unknown;
+    int count = 0;
+    for (int i = 0; i < a->n; i++) {
+        double *u = a->u + count * wide;
+        memmove(u, a->u + i * wide, (size_t)wide * sizeof *u);
+        a->inside[count] = a->inside[i];
+        count += correct(a, u, time) && !is_known(a, count, u);
+    }
+    a->n = count;
+}
+
+static ric_status attempt(family *a, double time, const double *closed, double *u)
+{
+    const int n = a->chain->n_start;
+    double left = time;
+    for (int i = 0; i < a->n_spring; i++) left -= closed[i];
+    if (left < (1 - LONG) * time) return RIC_OK;
+    for (int k = 0; k < a->chain->n_flight; k++) u[n + k] = left;
+    for (int i = 0; i < a->n_spring; i++) u[n + a->closed[i]] = closed[i];
+    if (!solve_state(a, u) || !correct(a, u, time) || is_known(a, a->n, u)) return RIC_OK;
+    return keep(a, u);
+}
+
+/* Orbits whose flights last `time` together, from all guesses of how long springs are closed. */
+static ric_status try_all(family *a, double time, double *u)
+{
+    const double ratio = a->n_spring > 1 ? TWO_SPRINGS : ONE_SPRING;
+    double closed[2] = {0};
+    if (a->n_spring == 0) return attempt(a, time, closed, u);
+    const double least = SHORT / a->chain->fastest;
+    ric_status status = RIC_OK;
+    for (closed[0] = LONG * time; !status && closed[0] > least; closed[0] /= ratio) {
+        if (a->n_spring == 1) status = attempt(a, time, closed, u);
+        else
+            for (closed[1] = LONG * time; !status && closed[1] > least; closed[1] /= ratio)
+                status = attempt(a, time, closed, u);
+    }
+    return status;
+}
+
+/* -------------------------------------------------------------------- scan */
+
+static bool is_admissible(family *a, const ric_limits *limits, const double *u)
+{
+    ric_shooting_fly(a->chain, u);
+    const ric_margins margins = ric_continuation_margins(a->chain, u);
+    return margins.energy > limits->energy[0] && margins.energy < limits->energy[1] &&
+           a->chain->residual < RIC_SAME_SOLVED && margins.approach > 0 && margins.closing > 0 &&
+           margins.reach < 1;
+}
+
+static ric_status scan_family(family *a, const ric_limits *limits, ric_loose_take take, void *data)
+{
+    const double low = isfinite(limits->period[1]) ? RIC_TWO_PI / limits->period[1] : SLOWEST;
+    const int wide = a->chain->n_unknown, every = a->n_spring > 0 ? TRIED_EVERY : 1;
+    double *u = ric_malloc((size_t)wide * sizeof *u), omega = low;
+    ric_status status = u ? RIC_OK : ric_no_memory("an orbit of a loose mass");
+    for (int i = 0; !status && omega < RIC_TWO_PI / limits->period[0]; i++, omega *= SCAN) {
+        const double time = RIC_TWO_PI / omega / a->chain->multiple;
+        go_on(a, time);
+        if (i % every == 0) status = try_all(a, time, u);
+        for (int k = 0; !status && k < a->n; k++) {
+            const bool good = is_admissible(a, limits, a->u + k * wide);
+            if (good && !a->inside[k]) status = take(data, a->chain, a->u + k * wide);
+            a->inside[k] = good;
+        }
+    }
+    free(u);
+    return status;
+}
+
+ric_status ric_loose_scan(const ric_model *m, const ric_limits *limits, ric_loose_take take,
+                          void *data)
+{
+    ric_status status = RIC_OK;
+    for (int f = 0; f < m->n_face; f++)
+        for (int g = f + 1; g < m->n_face && !status; g++) {
+            family a;
+            if (!ric_model_opposite(m, f, g)) continue;
+            status = create(m, m->face[f].mirror == g ? -1 : f, m->face[f].mirror == g ? f : g, &a);
+            if (!status) status = scan_family(&a, limits, take, data);
+            release(&a);
+        }
+    return status;
+}

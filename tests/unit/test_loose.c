@@ -1,0 +1,123 @@
+/* Where families of loose masses begin: against closed forms, against a count by hand, and whatever
+ * the order of the coordinates. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "explore/loose.h"
+#include "sample.h"
+
+enum { MOST = 4000 };
+
+typedef struct {
+    int n;
+    double frequency[MOST], energy[MOST];
+} found;
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static ric_status take(void *data, ric_shooting *chain, const double *u)
+{
+    found *f = data;
+    ric_shooting_fly(chain, u);
+    assert_true(chain->residual < 1e-11);
+    assert_true(ric_reach(chain, u, NULL) < 1);
+    assert_true(f->n < MOST);
+    f->energy[f->n] = ric_shooting_energy(chain);
+    f->frequency[f->n++] = 2 * RIC_PI / ric_shooting_time(chain, u);
+    return RIC_OK;
+}
+
+static void scan(int n, const double *M, const double *K, int n_contact,
+                 const ric_contact *contacts, const double frequency[2], found *out)
+{
+    ric_model *m = NULL;
+    assert_int_equal(ric_model_create(n, M, K, n_contact, contacts, 1, &m), RIC_OK);
+    const ric_limits limits = {.energy = {1e-6, 1e6},
+                               .period = {2 * RIC_PI / frequency[1], 2 * RIC_PI / frequency[0]}};
+    out->n = 0;
+    assert_int_equal(ric_loose_scan(m, &limits, take, out), RIC_OK);
+    ric_model_free(m);
+}
+
+/* A body alone between two stops crosses the gap 2 d four times a period at one speed: E = 8 d^2 m
+ * / T^2 in the units of the frame. Between springs k it is carried back in half a period of m and
+ * k. */
+static void one_body(void **state)
+{
+    (void)state;
+    const double M[] = {1}, K[] = {0}, b[] = {1}, window[] = {0.5, 0.6};
+    ric_contact contact = {.clearance = 1, .normal = b, .sides = RIC_SIDES_BOTH};
+    found f;
+    scan(1, M, K, 1, &contact, window, &f);
+    assert_int_equal(f.n, 1);
+    const double speed = 4 * f.frequency[0] / (2 * RIC_PI);
+    assert_true(fabs(f.energy[0] / (speed * speed / 2) - 1) < 1e-12);
+    contact.law = RIC_LAW_BILINEAR;
+    contact.stiffness = 100;
+    scan(1, M, K, 1, &contact, window, &f);
+    assert_int_equal(f.n, 1);
+    const double free = (2 * RIC_PI / f.frequency[0] - 2 * RIC_PI / 10) / 4;
+    assert_true(fabs(f.energy[0] / (1 / (free * free) / 2) - 1) < 1e-12);
+}
+
+/* A wall on one side, a body that a spring holds on the other: coordinates in another order, and
+ * the mirror image, have the same starts. */
+static void orders(void **state)
+{
+    (void)state;
+    const double window[] = {0.7, 20};
+    const double M[] = {1, 0, 0, 2}, K[] = {0, 0, 0, 50}, b[] = {1, 0, 1, -1};
+    const double N[] = {2, 0, 0, 1}, L[] = {50, 0, 0, 0}, e[] = {0, -1, 1, -1};
+    for (int springs = 0; springs < 3; springs++) {
+        ric_contact one[] = {{.clearance = 0.1, .normal = b, .sides = RIC_SIDES_UPPER},
+                             {.clearance = 0.2, .normal = b + 2, .sides = RIC_SIDES_LOWER}};
+        ric_contact two[] = {{.clearance = 0.1, .normal = e, .sides = RIC_SIDES_LOWER},
+                             {.clearance = 0.2, .normal = e + 2, .sides = RIC_SIDES_UPPER}};
+        for (int i = 0; i < springs; i++) {
+            one[i].law = two[i].law = RIC_LAW_BILINEAR;
+            one[i].stiffness = two[i].stiffness = 300;
+        }
+        found f, g;
+        scan(2, M, K, 2, one, window, &f);
+        scan(2, N, L, 2, two, window, &g);
+        print_message("%d springs: %d and %d starts\n", springs, f.n, g.n);
+        assert_true(f.n > springs);
+        assert_int_equal(f.n, g.n);
+        qsort(f.energy, (size_t)f.n, sizeof *f.energy, ascending);
+        qsort(g.energy, (size_t)g.n, sizeof *g.energy, ascending);
+        for (int i = 0; i < f.n; i++) assert_true(fabs(f.energy[i] / g.energy[i] - 1) < 1e-9);
+    }
+}
+
+/* What is pushed to one side only, and masses that are loose in two ways, have none. */
+static void none(void **state)
+{
+    (void)state;
+    const double window[] = {0.1, 20}, M[] = {1, 0, 0, 1}, K[] = {0, 0, 0, 0}, b[] = {1, 0, -1, 1};
+    ric_contact contacts[] = {{.clearance = 1, .normal = b, .sides = RIC_SIDES_UPPER},
+                              {.clearance = 1, .normal = b + 2, .sides = RIC_SIDES_UPPER}};
+    found f;
+    scan(2, M, K, 2, contacts, window, &f);
+    assert_int_equal(f.n, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_body),
+        cmocka_unit_test(orders),
+        cmocka_unit_test(none),
+    };
+    return cmocka_run_group_tests_name("loose", tests, NULL, NULL);
+}
