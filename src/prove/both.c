@@ -53,19 +53,13 @@ static ric_chain_end kind_at(const ric_chain *c, const ric_enclosure *e)
     return found;
 }
 
-bool ric_both_create(ric_chain *c, const ric_chain *general, const ric_enclosure *e, int flight,
-                     int share)
+/* From behind the flight of no length, over `left` as far as that goes, to an impact or in flight.
+ */
+static bool fill(ric_chain *c, const ric_chain *general, const ric_enclosure *e, int flight,
+                 double left, double near)
 {
     const int m = general->m, first = (flight + 1) % m;
-    const ric_wall *f = &e->wall[general->face[first]], *g = &e->wall[general->face[flight]];
-    double left = 0;
     int count = 0;
-    *c = (ric_chain){.sign = 1, .number = -1, .start = RIC_CHAIN_BOTH};
-    if (f->closes || g->closes || !ric_enclosure_orthogonal(e->model, f->contact, g->contact))
-        return false;
-    for (int k = 0; k < m; k++) left += middle(ric_chain_block(general, k) + 2 * general->n);
-    const double near = AT_MIRROR * left;
-    left /= share;
     while (count < m && left > near)
         left -= middle(ric_chain_block(general, (first + count++) % m) + 2 * general->n);
     if (!count) return false;
@@ -85,8 +79,32 @@ bool ric_both_create(ric_chain *c, const ric_chain *general, const ric_enclosure
     if (c->face[count] < 0) arb_add(tau, tau, over, e->prec);
     arb_get_mid_arb(tau, tau);
     arb_clear(over);
+    return true;
+}
+
+bool ric_both_create(ric_chain *c, const ric_chain *general, const ric_enclosure *e, int flight,
+                     int way, bool broken[2])
+{
+    static const struct {
+        int share; /* of the period of the branch */
+        bool last, halved;
+    } ways[RIC_BOTH_WAYS] = {{2, true, false},
+                             {4, false, false},
+                             {4, false, true},
+                             {4, true, true}};
+    const int m = general->m;
+    const ric_wall *f = &e->wall[general->face[(flight + 1) % m]],
+                   *g = &e->wall[general->face[flight]];
+    double period = 0;
+    *c = (ric_chain){.sign = 1, .number = -1, .start = RIC_CHAIN_BOTH};
+    broken[0] = true;
+    broken[1] = ways[way].last;
+    if (f->closes || g->closes || !ric_enclosure_orthogonal(e->model, f->contact, g->contact))
+        return false;
+    for (int k = 0; k < m; k++) period += middle(ric_chain_block(general, k) + 2 * general->n);
+    if (!fill(c, general, e, flight, period / ways[way].share, AT_MIRROR * period)) return false;
     c->end = kind_at(c, e);
-    return c->end != RIC_CHAIN_GENERAL;
+    return c->end != RIC_CHAIN_GENERAL && ric_chain_halved(c) == ways[way].halved;
 }
 
 /* ---------------------------------------------------------------------- rows */

@@ -8,11 +8,15 @@
 
 #include "chain.h"
 
-/* The chain from behind the flight of no length `flight` of a general one to the mirror point a
- * part 1 / share of the period later; to be freed in any case. False: the contacts are springs, or
- * not orthogonal, or there is no such mirror point. */
+enum { RIC_BOTH_WAYS = 4 };
+
+/* The chain from behind the flight of no length `flight` of a general one, closed, to the next
+ * mirror point, and which mirrors the branch lacks; to be freed in any case. There are several
+ * ways: it has the period of the motions that keep both together, or twice that with the other
+ * mirror point, or half of it with x -> -x. False: the contacts are springs, or not orthogonal, or
+ * there is no such mirror point. */
 bool ric_both_create(ric_chain *c, const ric_chain *general, const ric_enclosure *e, int flight,
-                     int share);
+                     int way, bool broken[2]);
 /* Rows of B [.. * 2n] from `row` on: n - 2 that are zero on what is along both normals, of q, or of
  * p. */
 void ric_both_across(const ric_enclosure *e, const ric_chain *c, bool speed, slong row,

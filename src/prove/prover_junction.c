@@ -441,7 +441,8 @@ static bool prove_at(const ric_junction *row, const ric_chain *c, const ric_encl
     bool done = ric_augmented_prove(x, c, e, ask);
     if (!done) snprintf(out->why, sizeof out->why, "%s", x->why);
     if (done) find_together(x);
-    if (c->start == RIC_CHAIN_BOTH && !ask->broken[1]) x->times = 2;
+    /* what keeps both together, and its other mirror, is gone through twice by the branch */
+    if (c->start == RIC_CHAIN_BOTH && !ask->broken[1] && !ric_chain_halved(c)) x->times = 2;
     if (done) measure(x, out);
     done = done && stands(x, out) && agrees(x, row, out);
     if (done) describe(x, out);
@@ -471,7 +472,7 @@ ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, doub
 }
 
 /* Where the equations of the branch are singular, as the two impacts at one instant turn the motion
- * round: the branch leaves those that keep them together, of its own period, or of half of it. */
+ * round: the branch leaves those that keep them together. */
 static void part(const ric_walk *w, const ric_junction *row, ric_augmented *x,
                  ric_junction_proof *out)
 {
@@ -482,12 +483,10 @@ static void part(const ric_walk *w, const ric_junction *row, ric_augmented *x,
     bool made = !ric_chain_create(&general, w->e, &plain, w->state, w->state + 2 * w->e->n_dof) &&
                 ask_corner(&general, w->e, &ask) && ask.kind == RIC_AUGMENTED_MEET;
     const int flight = made ? ask.place : 0;
-    for (int share = 2; share <= 4 && made && out->state != RIC_PROOF_DONE; share += 2) {
+    for (int way = 0; way < RIC_BOTH_WAYS && made && out->state != RIC_PROOF_DONE; way++) {
         ric_chain c;
-        ask = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK,
-                                       .broken = {true, share == 2},
-                                       .slow = w->slow};
-        if (ric_both_create(&c, &general, w->e, flight, share)) {
+        ask = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK, .slow = w->slow};
+        if (ric_both_create(&c, &general, w->e, flight, way, ask.broken)) {
             ric_augmented_free(x);
             if (prove_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
         }

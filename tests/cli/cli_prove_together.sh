@@ -152,6 +152,25 @@ for id, state in db.execute("SELECT id, state FROM junction WHERE kind = ?", ("c
     x = floats(state)
     db.execute("UPDATE junction SET state = ? WHERE id = ?", (blob([x[0] - 1e-6] + x[1:]), id))'
 ok 'nor with another energy' unparted 'db.execute("UPDATE junction SET energy = energy * (1 + 2e-8) WHERE kind = ?", ("corner",))'
+# What both turn round in the middle of half a period, with x -> -x: from there to the centre, which the branch keeps.
+cat >"$folder/centres.yaml" <<'STUDY'
+model:
+  mass: [[1.712, 0, 0, 0, 0], [0, 1.417, 0, 0, 0], [0, 0, 1.433, 0, 0], [0, 0, 0, 1.741, 0], [0, 0, 0, 0, 1.965]]
+  stiffness:
+    - [2.474, -0.346, 0, 0, -1.697]
+    - [-0.346, 3.45, 0, 0, -1.788]
+    - [0, 0, 0.969, 0, -0.648]
+    - [0, 0, 0, 0.37, 0]
+    - [-1.697, -1.788, -0.648, 0, 5.866]
+  contacts:
+    - {normal: [0, 0, 1, 0, 0], clearance: 0.809, sides: both, law: rigid}
+    - {normal: [0, 0, 0, 1, -1], clearance: 1.377, sides: both, law: rigid}
+explore: {energy: [0, 12], impacts: 4, multiply: 2, depth: 3}
+STUDY
+"$ricochet" run "$folder/centres.yaml" -o "$folder/centres.ricochet" --quiet
+junctions centres
+ok 'nor does it matter that the motion is its own image' rows "$folder/rows.json" "$parted"'
+assert len(some) == 1 and some[0]["distance"] < 1e-12 and abs(some[0]["energy"][0] - 5.788196613314899) < 1e-12, some'
 # A mode that touches 18 times in nine periods touches once in its own class; so do branch points whose other branch
 # the atlas does not have.
 junctions loose-mass
