@@ -627,6 +627,8 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
     ric_status status = RIC_OK;
     double h = tr->step, size = tr->chain->scale;
     *done = false;
+    tr->too_long = HUGE_VAL;
+
     if (tr->n_point >= tr->limits->max_points)
         return stop_with(tr, RIC_STOP_BUDGET, RIC_WHY_POINTS, done);
     bool over;
@@ -667,6 +669,7 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
                 }
             }
         }
+        tr->too_long = h;
         h *= solved ? 0.5 : 0.25;
         if (h < SMALLEST_STEP * size) return stop_with(tr, RIC_STOP_FAILED, RIC_WHY_NO_STEP, done);
     }

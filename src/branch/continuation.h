@@ -185,6 +185,7 @@ typedef struct {
     ric_solved_orbits solved;
     bool may_gain; /* orbits of this word may have more symmetry than the form (symmetric_end.h) */
     double *du, *guess, *start_u, *start_t;
+    double too_long; /* length of the shortest step from `now` that was refused */
     /* what was found */
     int n_point, point_capacity;
     size_t stride; /* doubles: ric_point, then u */
