@@ -25,6 +25,12 @@
 /* LONGER: times the last step: one that is longer goes straight on, as the cubic through its ends
  * is known to nothing so far beyond them */
 #define LONGER 2.5
+/* OLDER: points of the branch before those two that a prediction goes through; SPACED: of the last
+ * step, the least distance between two of them, as differences of rounding grow with its inverse;
+ * STRAIGHT: cosine between the last two tangents below which nothing is told by what was */
+enum { OLDER = 2, CUBIC = 4, KNOTS = CUBIC + OLDER };
+#define SPACED 0.1
+#define STRAIGHT 0.5
 
 static bool positive_flights(const ric_shooting *c, const double *u)
 {
@@ -48,20 +54,96 @@ static void across_flow(const ric_continuation *tr, double *u)
     for (int i = 0; i < size; i++) u[i] -= along * rate[i];
 }
 
-/* Cubic through the last two points and tangents, read off at distance h beyond; a straight line at
- * the start. */
-static void predict(const ric_continuation *tr, double h, double *u)
+/* Where an orbit lies in the direction of the tangent at the present one. */
+static double place(const ric_continuation *tr, const double *u)
+{
+    double sum = 0;
+    for (int i = 0; i < tr->chain->n_unknown; i++) sum += tr->now.t[i] * (u[i] - tr->now.u[i]);
+    return sum;
+}
+
+/* The stored points before `past`, the nearest first, that a prediction goes through as well; their
+ * number. Those before a tongue that was stepped over are of another piece of the branch. */
+static int older_points(const ric_continuation *tr, const double *out[OLDER])
+{
+    const int first = tr->n_gap > 0 ? tr->gaps[tr->n_gap - 1].point + 1 : 0;
+    int count = 0;
+    for (int i = tr->n_point - 1; i >= first && count < OLDER; i--) {
+        const ric_point *row = ric_continuation_row(tr, i);
+        if (row->arclength < tr->past.s) out[count++] = (const double *)(row + 1);
+    }
+    return count;
+}
+
+/* The points that a prediction goes through by their places x [KNOTS], twice those whose tangents
+ * count, and differences [KNOTS - 1][size] of one to the next over that of their places; how many,
+ * 0 where the branch turns too much. */
+static int knots(const ric_continuation *tr, double *x, double *differences)
+{
+    const int size = tr->chain->n_unknown;
+    const double *u0 = tr->now.u, *u1 = tr->past.u, *older[OLDER];
+    const double back = place(tr, u1), slope = ric_dot(size, tr->past.t, tr->now.t);
+    if (!(back < 0 && slope > STRAIGHT)) return 0;
+    x[0] = x[1] = 0;
+    x[2] = x[3] = back;
+    double *d = differences;
+    for (int i = 0; i < size; i++) {
+        d[i] = tr->now.t[i];
+        d[size + i] = (u1[i] - u0[i]) / back;
+        d[2 * size + i] = tr->past.t[i] / slope;
+    }
+    int count = CUBIC;
+    for (const int all = CUBIC + older_points(tr, older); count < all; count++) {
+        const double *last = count > CUBIC ? older[count - CUBIC - 1] : u1,
+                     *next = older[count - CUBIC];
+        x[count] = place(tr, next);
+        const double step = x[count] - x[count - 1];
+        if (!(step < SPACED * back)) break;
+        for (int i = 0; i < size; i++) d[(count - 1) * size + i] = (next[i] - last[i]) / step;
+    }
+    return count;
+}
+
+/* Newton's polynomial through the last points and the tangents of two of them, in the distance
+ * along the present tangent, which the plane at distance h keeps: the cubic, and as many terms more
+ * as each is less than the one before. */
+static void through_all(const ric_continuation *tr, double h, double *u)
+{
+    const int size = tr->chain->n_unknown;
+    double d[(KNOTS - 1) * size], x[KNOTS], weight = h * h, before = 0;
+    const int count = knots(tr, x, d);
+    for (int order = 2; order < count; order++) {
+        for (int k = 0; k + order < count; k++) {
+            const double over = 1 / (x[k + order] - x[k]);
+            for (int i = k * size; i < (k + 1) * size; i++) d[i] = (d[size + i] - d[i]) * over;
+        }
+        const double term = weight * weight * ric_dot(size, d, d);
+        if (order >= CUBIC && term > before) break;
+        before = order >= CUBIC ? term : fmax(before, term);
+        for (int i = 0; i < size; i++) u[i] += weight * d[i];
+        weight *= h - x[order];
+    }
+}
+
+/* Cubic through the last two points and tangents, read off at distance h beyond. */
+static void through_two(const ric_continuation *tr, double h, double *u)
 {
     int size = tr->chain->n_unknown;
     const double *u0 = tr->now.u, *t0 = tr->now.t, *u1 = tr->past.u, *t1 = tr->past.t;
     double H = tr->now.s - tr->past.s, x = 1 + h / H;
-    if (!tr->has_past || h > LONGER * H) {
-        for (int i = 0; i < size; i++) u[i] = u0[i] + h * t0[i];
-        return;
-    }
     double a = 2 * x * x * x - 3 * x * x + 1, b = (x * x * x - 2 * x * x + x) * H, c = 1 - a,
            d = (x * x * x - x * x) * H;
     for (int i = 0; i < size; i++) u[i] = a * u1[i] + b * t1[i] + c * u0[i] + d * t0[i];
+}
+
+/* A straight line at the start. Where a flight is integrated, and is nearly all that a step costs,
+ * more is asked of a prediction than of one between stops, beside whose grazings branches bend. */
+static void predict(const ric_continuation *tr, double h, double *u)
+{
+    for (int i = 0; i < tr->chain->n_unknown; i++) u[i] = tr->now.u[i] + h * tr->now.t[i];
+    if (!tr->has_past || h > LONGER * (tr->now.s - tr->past.s)) return;
+    if (ric_flight_law_of(tr->chain->model)->integrated) through_all(tr, h, u);
+    else through_two(tr, h, u);
     across_flow(tr, u);
 }
 
