@@ -10,6 +10,9 @@
 #define NEWTON_STEPS 8
 #define HOPELESS 1e3 /* residual, of the size, from which no Newton step leads back */
 #define FLOOR 0.03   /* of the tolerance: where another Newton step changes nothing */
+/* ROUNDED: of the tolerance: under a power law a Newton step is made of rounding there, and leaves
+ * as much, while the flight that would tell is nearly all that a step costs */
+#define ROUNDED 0.125
 /* BENT: between stops a Newton step of this length, of the size, leaves its square times that, of
  * 1, at most (560 was seen of 30,000 orbits), or BENT_SAFETY times what the step before has left.
  * Springs that are stiff, and power laws, bend by more */
@@ -101,7 +104,8 @@ static bool correct(ric_shooting *c, double *u, const aim *to, double *du, int *
         /* with springs most displacements are met better than they may be */
         const double flights = of_flights(c) * c->share, floor = FLOOR * flights;
         if (i > 0 &&
-            (c->residual <= floor || (bounded && c->residual <= flights && left <= floor) ||
+            (c->residual <= floor || (law->integrated && c->residual <= ROUNDED * tolerance) ||
+             (bounded && c->residual <= flights && left <= floor) ||
              (c->residual <= tolerance && c->residual > RIC_FALLING * last)))
             return true;
         if (i > 0 && c->residual > tolerance)
