@@ -70,7 +70,7 @@ ric_periodic *ric_symmetry_cycle(const ric_periodic *c, const ric_symmetry *prob
 }
 
 int ric_symmetry_singular(const ric_model *m, const ric_periodic *cycle,
-                          const ric_symmetry problems[2])
+                          const ric_symmetry problems[2], bool *both)
 {
     double smallest[2] = {HUGE_VAL, HUGE_VAL};
     for (int i = 0; i < 2; i++) {
@@ -85,5 +85,6 @@ int ric_symmetry_singular(const ric_model *m, const ric_periodic *cycle,
         ric_periodic_free(repeated);
         free(u);
     }
+    if (both) *both = fmax(smallest[0], smallest[1]) <= RIC_SAME_SOLVED;
     return smallest[1] < smallest[0];
 }

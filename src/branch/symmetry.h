@@ -33,8 +33,9 @@ double ric_symmetry_rho(bool half, int p, int q);
 /* The orbit in a problem: repeated, with the symmetries kept. NULL: no memory. */
 ric_periodic *ric_symmetry_cycle(const ric_periodic *cycle, const ric_symmetry *problem);
 
-/* Of the two problems of a doubling only one has a kernel: which. */
+/* Of the two problems of a doubling mostly only one has a kernel: which. *both, unless NULL:
+ * whether the other has one, too; then one period takes every deviation to its negative. */
 int ric_symmetry_singular(const ric_model *model, const ric_periodic *cycle,
-                          const ric_symmetry problems[2]);
+                          const ric_symmetry problems[2], bool *both);
 
 #endif

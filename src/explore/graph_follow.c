@@ -27,10 +27,10 @@ static bool at_corner(const ric_continuation *tr)
     return touch.face >= 0 && touch.kink;
 }
 
-/* Whether a branch that ends here can be traced from here. */
-static bool departs(const ric_node *node)
+/* Whether a branch that ends here, by this way, can be traced from here. */
+static bool departs(const ric_node *node, unsigned choice)
 {
-    return !(ric_node_chooses(node) && node->refusal);
+    return !(ric_node_chooses(node) && node->refusal) && !ric_node_unmirrored(node, choice);
 }
 
 /* Which of the branches that leave a multiplication without mirror points this is: its last point
@@ -136,7 +136,7 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
         if (node->kind == RIC_KIND_CORNER && node->refusal) tr->stop = RIC_STOP_CORNER;
         *index = ric_graph_add(g, node, depth);
         if (*index < 0) status = ric_no_memory("a junction");
-        else if (ric_node_chooses(g->nodes[*index]) && departs(g->nodes[*index])) {
+        else if (ric_node_chooses(g->nodes[*index]) && departs(g->nodes[*index], RIC_THROUGH)) {
             int found = way_chosen(g, g->nodes[*index], cycle);
             if (found < 0) {
                 tr->stop = RIC_STOP_FAILED;
@@ -366,7 +366,7 @@ static ric_status from_smaller_end(ric_graph *g, ric_edge *e)
     unsigned choice = 0;
     ric_node *a = g->nodes[e->from], *b = g->nodes[e->to];
     int order = e->from == e->to ? (e->arrive < e->leave ? 1 : -1) : -ric_graph_node_order(b, a);
-    if (order <= 0 || !departs(b)) return RIC_OK;
+    if (order <= 0 || !departs(b, e->arrive)) return RIC_OK;
     ric_status status = ric_graph_trace(g, b, e->arrive, 1, &back);
     if (status == RIC_E_NUMERIC) return RIC_OK;
     if (!status && back) status = end_node(g, back, 1 << 20, &home, &choice);
@@ -514,7 +514,7 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
             tr[i] = NULL;
             goto out;
         }
-        if (to[i] >= 0 && departs(g->nodes[to[i]])) {
+        if (to[i] >= 0 && departs(g->nodes[to[i]], arrive)) {
             bool taken;
             ric_graph_mark(g, g->nodes[to[i]], arrive, RIC_DEPARTURE_TAKEN);
             status = ric_graph_follow(g, to[i], arrive, depth, &taken);

@@ -32,7 +32,7 @@ static ric_symmetry smaller_problem(ric_criterion_work *q, const ric_periodic *c
     int count = ric_symmetry_multiplying(cycle, q->rotation[0], q->rotation[1], problems);
     /* which is which depends on where the cycle starts: decided once, on the first one seen */
     if (q->choice == UNDECIDED)
-        q->choice = count == 2 && ric_symmetry_singular(q->chain->model, cycle, problems);
+        q->choice = count == 2 && ric_symmetry_singular(q->chain->model, cycle, problems, NULL);
     return problems[q->choice];
 }
 

@@ -348,12 +348,12 @@ ric_status ric_node_multiplication(const ric_model *m, const ric_periodic *cycle
     node->rotation[0] = p;
     node->rotation[1] = q;
     if (order == 2) { /* the canonical orbit may start elsewhere: mirror points are counted anew */
+        bool both = false;
+        int which = 0;
         ric_symmetry_multiplying(solved, p, q, problems);
-        node->departures[1].choice = RIC_SIDE +
-                                     (unsigned)(count == 2
-                                                    ? ric_symmetry_singular(m, solved, problems)
-                                                    : 0);
-        node->n_departure = 2;
+        if (count == 2) which = ric_symmetry_singular(m, solved, problems, &both);
+        if (!both) node->departures[1].choice = RIC_SIDE + (unsigned)which;
+        node->n_departure = both ? 4 : 2;
     } else
         node->n_departure = ric_symmetry_passes(solved, p, q) ? 2
                             : has_image(node) && q % 2 == 0   ? 4
@@ -467,16 +467,18 @@ unsigned ric_node_arrived(const ric_model *m, const ric_node *node, const ric_pe
     if (found) home = ric_periodic_transform(m, here, turn.shift, turn.reverse, turn.mirror);
     ric_periodic_free(here);
     ric_symmetry other = ric_node_problem(node, RIC_OTHER_SIDE);
+    if (home && home->pure < 0 && home->flip < 0 && ric_node_unmirrored(node, RIC_IMAGE_SIDE))
+        result = RIC_IMAGE_SIDE;
     /* on an S orbit the two differ by the reversal; else by the mirror points of it, of which those
      * a period (2N half positions) apart are the same, those half a period apart are not */
     int r = !home             ? -1
             : home->pure >= 0 ? home->pure
                               : home->flip,
         other_r = other.pure >= 0 ? other.pure : other.flip;
-    bool reversal = home && (home->flip >= 0) == (other.flip >= 0);
+    bool reversal = home && result == RIC_SIDE && (home->flip >= 0) == (other.flip >= 0);
     if (reversal && (node->cycle->half || (r - other_r) % (2 * node->cycle->N) == 0))
         result = RIC_OTHER_SIDE;
-    if (home && result == RIC_SIDE && node->n_departure > 3 &&
+    if (home && result == RIC_SIDE && has_image(node) && node->n_departure > 3 &&
         (r - node->cycle->pure) / node->cycle->N % 2)
         result = RIC_IMAGE_SIDE;
     ric_periodic_free(repeated);
@@ -534,13 +536,21 @@ bool ric_node_leaves(const ric_node *node, unsigned choice)
     return !ric_node_chooses(node) && choice != RIC_THROUGH;
 }
 
+bool ric_node_unmirrored(const ric_node *node, unsigned choice)
+{
+    return node->kind == RIC_KIND_MULTIPLICATION && choice == RIC_IMAGE_SIDE &&
+           ric_symmetry_order(node->cycle, node->rotation[0], node->rotation[1]) == 2;
+}
+
 ric_symmetry ric_node_problem(const ric_node *node, unsigned choice)
 {
     const ric_periodic *c = node->cycle;
     ric_symmetry problems[2] = {{.copies = 1, .half = c->half, .pure = c->pure, .flip = c->flip}};
     if (node->kind == RIC_KIND_MULTIPLICATION) {
         ric_symmetry_multiplying(c, node->rotation[0], node->rotation[1], problems);
-        if (choice == RIC_IMAGE_SIDE) problems[0].pure = (c->pure + c->N) % (c->N * node->multiple);
+        if (ric_node_unmirrored(node, choice)) problems[0].pure = problems[0].flip = -1;
+        else if (choice == RIC_IMAGE_SIDE)
+            problems[0].pure = (c->pure + c->N) % (c->N * node->multiple);
         return problems[choice == RIC_OTHER_SIDE];
     }
     return node->test == RIC_TEST_DET ? problems[0] : ric_symmetry_breaking(c, node->test);

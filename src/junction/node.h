@@ -23,7 +23,7 @@ typedef enum {
  * passes (THROUGH) or the one that leaves (SIDE; at a multiplication of even order there are two,
  * with other mirror points: SIDE and OTHER_SIDE; and the image in x -> -x of the first, IMAGE_SIDE,
  * where the structure lacks that symmetry of the orbit and nothing else takes the one to the
- * other). */
+ * other; at a doubling with both, what keeps no mirror point). */
 enum { RIC_THROUGH = 0, RIC_SIDE = 1, RIC_OTHER_SIDE = 2, RIC_IMAGE_SIDE = 3 };
 typedef struct {
     unsigned choice;
@@ -118,6 +118,9 @@ ric_status ric_node_multiplication(const ric_model *model, const ric_periodic *c
 /* Whether the way out leads away from the branch that passes; the problem it is solved in; and
  * whether it goes on on the other side. */
 bool ric_node_leaves(const ric_node *node, unsigned choice);
+/* Whether it is what keeps no mirror point of an orbit that has them, at a doubling where branches
+ * that keep one leave in two directions: it is not followed from there. */
+bool ric_node_unmirrored(const ric_node *node, unsigned choice);
 ric_symmetry ric_node_problem(const ric_node *node, unsigned choice);
 bool ric_node_passes(const ric_node *node, unsigned choice);
 

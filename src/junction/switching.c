@@ -461,6 +461,10 @@ static ric_status depart(const ric_model *m, const ric_node *node, unsigned choi
     const bool crosses = node->kind == RIC_KIND_BRANCH_POINT && node->test == RIC_TEST_DET,
                through = choice == RIC_THROUGH && !crosses;
     out->ignore = breaks | 1u << RIC_TEST_DET | (through ? 0 : slopes | RIC_SINGULAR_START);
+    if (ric_node_unmirrored(node, choice))
+        return ric_fail(RIC_E_NUMERIC,
+                        "a period takes every deviation to its negative there: a branch "
+                        "that keeps no mirror point is not looked for");
     if (!through && !crosses && ric_multiplication_applies(node, choice))
         return ric_multiplication_depart(m, node, choice, side, out);
     status = crosses   ? ric_branch_point_depart(m, node, choice, out)

@@ -521,6 +521,45 @@ static void test_far_stop(void **state)
     }
 }
 
+/* A frame whose two masses each have a stop outside: half a period of A2[01] takes a motion to its
+ * image, left for right, and where that map has the multiplier i a period takes every deviation to
+ * its negative. Two branches with mirror points leave there, images of each other, and one without,
+ * which is followed from elsewhere and known for another one. */
+static void test_frame(void **state)
+{
+    static const char frame[] =
+        "model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[2.73, -1.73], [-1.73, 2.73]]\n"
+        "  contacts:\n    - {normal: [1, 0], clearance: 1, sides: upper}\n"
+        "    - {normal: [0, -1], clearance: 1, sides: upper}\n"
+        "explore: {start: [2], energy: [0, 4.5], frequency: [0.7, 12], impacts: 4, multiply: 2, "
+        "depth: 2}\n";
+    ric_atlas *atlas = explore_text(frame);
+    ric_hunt *h = hunt(ric_atlas_model(atlas), 1.44337, 4, 8.3, 30, 20000);
+    ric_comparison *c = compare(h, atlas);
+    int with = 0, without = 0;
+    (void)state;
+    for (int i = 0; i < h->n; i++) {
+        const ric_prey *p = &h->prey[i];
+        if (p->N != 4) continue;
+        with += p->reversible && c->findings[i].state == RIC_FOUND_KNOWN;
+        without += !p->reversible && c->findings[i].state == RIC_FOUND_BUDGET;
+    }
+    assert_int_equal(with, 2);
+    assert_int_equal(without, 1);
+    int doublings = 0;
+    for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+        ric_junction j = junction_of(atlas, id);
+        if (j.kind != RIC_KIND_MULTIPLICATION || fabs(j.energy - 1.3529769) > 1e-6) continue;
+        doublings++;
+        assert_int_equal(j.departures.taken, 2);
+        assert_int_equal(j.departures.refused, 1);
+    }
+    assert_int_equal(doublings, 1);
+    ric_comparison_free(c);
+    ric_hunt_free(h);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -530,6 +569,7 @@ int main(void)
         cmocka_unit_test(test_fault),        cmocka_unit_test(test_other_structures),
         cmocka_unit_test(test_steep),        cmocka_unit_test(test_words),
         cmocka_unit_test(test_stopped),      cmocka_unit_test(test_far_stop),
+        cmocka_unit_test(test_frame),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
