@@ -20,7 +20,7 @@
 #define BRIDGED 6 /* pieces of a step over a branch point */
 
 /* Whether a branch comes to a corner of orbits that are their own image there: the family on which
- * both contacts stay together crosses. */
+ * both contacts stay together crosses. No slope vanishes: the branch has a kink there. */
 static bool meets_corner(const ric_continuation *tr, const ric_event_bridge *q, double h,
                          double *at)
 {
@@ -138,7 +138,7 @@ ric_status ric_event_cross(ric_continuation *tr, double h, int *end_test, double
         return RIC_OK;
     }
     bool image = !arrived && at_image(tr, &q, h, ric_symmetric_end_passes, &at);
-    bool flat = arrived || image || level || (repeated && is_level(tr, &q, at));
+    bool flat = *end_test == RIC_TEST_DET || image || level || (repeated && is_level(tr, &q, at));
     for (int i = 0; i < RIC_N_TEST; i++) {
         double before = tr->now.test[i] != 0 ? tr->now.test[i] : tr->definite[i],
                after = tr->next.test[i];
