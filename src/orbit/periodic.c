@@ -438,8 +438,10 @@ bool ric_periodic_match(const ric_model *m, const ric_periodic *a, const ric_per
     images q = {.m = m, .c = b};
     double nearest = HUGE_VAL;
     bool sure = false;
-    for (int op = 0; a->N == b->N && op < ric_periodic_operations(m); op++)
-        for (int s = 0; s < a->N && !sure; s++) {
+    /* by the fewest flights first: an orbit with mirror points comes to its other half by reversal
+     * as well, where flying through one would multiply what rounding leaves of its start */
+    for (int s = 0; a->N == b->N && s < a->N && !sure; s++)
+        for (int op = 0; op < ric_periodic_operations(m) && !sure; op++) {
             double distance = image_distance(&q, a, s, op & 1, op & 2, fmin(tolerance, APART));
             if (distance > tolerance || distance >= nearest) continue;
             nearest = distance;

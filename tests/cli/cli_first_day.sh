@@ -213,6 +213,17 @@ Y
 ok 'a loose mass between a wall and a body, which comes to rest on the wall' rattles 60 "$folder/wall.yaml"
 sed 's/0.1, sides/0.1, law: bilinear, stiffness: 400, sides/' "$folder/wall.yaml" >"$folder/buffer.yaml"
 ok 'and between a spring and a stop' rattles 10 "$folder/buffer.yaml"
+cat >"$folder/far.yaml" <<'Y'
+model:
+  mass: [[0.5, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0.3, 0], [0, 0, 0, 1]]
+  stiffness: [[0, 0, 0, 0], [0, 7.6, 0, 0], [0, 0, 51.5, -38.1], [0, 0, -38.1, 51.4]]
+  contacts:
+    - {normal: [1, 0, 0, 0], clearance: 0.23, sides: upper, law: bilinear, stiffness: 1270}
+    - {normal: [1, 0, -1, 0], clearance: 0.21, sides: lower}
+explore: {depth: 1}
+Y
+ok 'one that takes long from a spring to a stop and back' rattles 10 "$folder/far.yaml"
+ok 'whose orbits are stored with all their digits' "$ricochet" verify "$folder/far.ricochet" --all
 { cat "$folder/chain.yaml"; echo 'explore: {energy: {first_touch_of: 1, times: [0, 20]}, impacts: 4, depth: 1}'; } >"$folder/times.yaml"
 ok 'energies in first touches' says 'scaled energy 0 to 2369.8, ' check "$folder/times.yaml"
 python3 -S - >"$folder/long.yaml" <<'P'

@@ -121,7 +121,7 @@ static void power_law(void **state)
     stop_and_compare(PAIR
                      "    - {normal: [-1, 1], law: power, exponent: 9, length: 1, reference: 1}\n"
                      "explore: {energy: [0, 20], frequency: [0.2, 10], multiply: 2, depth: 1}\n",
-                     50);
+                     20);
 }
 
 /* A branch of which there is no more than its first points has room for all that follow when it
