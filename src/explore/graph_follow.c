@@ -499,12 +499,13 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
     ric_status status = RIC_OK;
     ric_continuation *tr[2] = {NULL, NULL}, *whole = NULL;
     int to[2] = {-1, -1}, first = 0, far;
-    unsigned arrive, choice;
+    unsigned arrive[2] = {0}, choice;
+    bool stuck = false; /* at the first end: it is not followed from there */
     const bool backbone = g->nodes[inside]->kind == RIC_KIND_START;
     for (int i = 0; i < 2 && !(whole && whole->stop == RIC_STOP_WINDOW); i++) {
         if ((status = ric_graph_trace(g, g->nodes[inside], through, i ? -1 : 1, &tr[i])) || !tr[i])
             goto out;
-        if ((status = end_node(g, tr[i], depth, &to[i], &arrive))) goto out;
+        if ((status = end_node(g, tr[i], depth, &to[i], &arrive[i]))) goto out;
         if (tr[i]->stop == RIC_STOP_CLOSED) {
             status = finish_edge(g, &(ric_edge){.trace = tr[i],
                                                 .from = -1,
@@ -514,14 +515,17 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
             tr[i] = NULL;
             goto out;
         }
-        if (to[i] >= 0 && departs(g->nodes[to[i]], arrive)) {
+        if (i == 0) stuck = to[0] >= 0 && ric_node_unmirrored(g->nodes[to[0]], arrive[0]);
+        if (to[i] >= 0 && departs(g->nodes[to[i]], arrive[i])) {
             bool taken;
-            ric_graph_mark(g, g->nodes[to[i]], arrive, RIC_DEPARTURE_TAKEN);
-            status = ric_graph_follow(g, to[i], arrive, depth, &taken);
-            reopen(status, g->nodes[to[i]], arrive);
-            goto out;
+            ric_graph_mark(g, g->nodes[to[i]], arrive[i], RIC_DEPARTURE_TAKEN);
+            status = ric_graph_follow(g, to[i], arrive[i], depth, &taken);
+            reopen(status, g->nodes[to[i]], arrive[i]);
+            if (status != RIC_E_NUMERIC) goto out;
+            status = RIC_OK;
+            stuck = stuck || i == 0;
         }
-        first = tr[0]->end.u ? 0 : 1;
+        first = tr[0]->end.u && !stuck ? 0 : 1;
         if (whole || (i == 0 && !backbone) || !tr[first] || !tr[first]->end.u) continue;
         if ((status = ric_graph_trace_back(g, g->nodes[inside], through, first ? -1 : 1, tr[first],
                                            &whole)))
@@ -531,6 +535,7 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
     if (far >= 0) ric_graph_mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
     status = finish_edge(g, &(ric_edge){.trace = whole,
                                         .from = to[first],
+                                        .leave = arrive[first],
                                         .to = far,
                                         .arrive = choice,
                                         .depth = depth,

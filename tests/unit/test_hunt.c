@@ -482,6 +482,24 @@ static void test_other_structures(void **state)
     }
 }
 
+/* Modes of 1 and 3 rad/s: A1[0] comes to a motion of both, beside which all touch, and cannot be
+ * followed from there. It is followed from its other end. */
+static void test_together(void **state)
+{
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[1, 0], [0, 9]]\n"
+        "  contacts:\n    - {normal: [0.6, 0.8], clearance: 1, sides: upper}\n"
+        "explore: {energy: [0, 9], frequency: [0.3, 10], impacts: 2, multiply: 1, depth: 1}\n");
+    ric_hunt *h = hunt(ric_atlas_model(atlas), 3, 1, 6, 12, 20000);
+    ric_comparison *c = compare(h, atlas);
+    (void)state;
+    assert_true(h->n > 0);
+    assert_int_equal(count(h, c, RIC_FOUND_ISOLATED), h->n);
+    ric_comparison_free(c);
+    ric_hunt_free(h);
+    ric_atlas_free(atlas);
+}
+
 /* A stop on one side that nothing reaches takes no symmetry from an orbit, and its family is
  * followed with it: with the symmetries of the structure alone none of those that are missed is
  * explained. */
@@ -569,7 +587,7 @@ int main(void)
         cmocka_unit_test(test_fault),        cmocka_unit_test(test_other_structures),
         cmocka_unit_test(test_steep),        cmocka_unit_test(test_words),
         cmocka_unit_test(test_stopped),      cmocka_unit_test(test_far_stop),
-        cmocka_unit_test(test_frame),
+        cmocka_unit_test(test_frame),        cmocka_unit_test(test_together),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
