@@ -65,14 +65,13 @@ static int ask_inside(const ric_junction *row, const ric_chain *c, ric_augmented
     return n;
 }
 
-static double speed_at(const ric_chain *c, const ric_enclosure *e, int face, arb_srcptr p)
+static double speed_at(const ric_enclosure *e, int face, arb_srcptr p)
 {
     arb_t x;
     arb_init(x);
     ric_chain_along(e, face, p, x);
     const double speed = fabs(ric_arb_middle(x));
     arb_clear(x);
-    (void)c;
     return speed;
 }
 
@@ -86,7 +85,7 @@ static bool ask_slowest(const ric_chain *c, const ric_enclosure *e, ric_augmente
             continue;
         arb_srcptr block = ric_chain_block(c, k < c->m ? k : c->m - 1);
         if (k == c->m) ric_chain_fly(e, c->phase[k - 1], block, block + 2 * e->n, flown);
-        const double speed = speed_at(c, e, c->face[k], (k < c->m ? block : flown) + e->n);
+        const double speed = speed_at(e, c->face[k], (k < c->m ? block : flown) + e->n);
         if (!(speed < least)) continue;
         least = speed;
         *ask = (ric_augmented_question){.kind = RIC_AUGMENTED_SPEED, .place = k};
@@ -260,7 +259,8 @@ static void describe(const ric_augmented *x, ric_junction_proof *out)
     static const char *const kinds[] = {"the energy turns", "the period turns"};
     const ric_augmented_question *a = &x->ask;
     if (x->c.start == RIC_CHAIN_BOTH) {
-        snprintf(out->how, sizeof out->how, "a motion parts two impacts at one instant");
+        snprintf(out->how, sizeof out->how, "%s two impacts at one instant",
+                 a->kind == RIC_AUGMENTED_BREAK ? "a motion parts" : "a gap touches beside");
         return;
     }
     switch (a->kind) {
@@ -413,14 +413,11 @@ static bool agrees(const ric_augmented *x, const ric_junction *row, ric_junction
     const double period[2] = {turn / out->period[1] / multiple, turn / out->period[0] / multiple};
     ric_story story;
     ric_prover_junction_tell(x, &story);
-    out->distance = ric_story_distance(&story, a->slow, row->letters, row->word, row->state,
-                                       row->flights);
-    if (row->kind == RIC_KIND_CORNER) { /* it is stored in one order of the two */
-        ric_story_exchange(&story, x->c.start == RIC_CHAIN_BOTH ? 1 : INT_MAX);
-        out->distance = fmin(out->distance,
-                             ric_story_distance(&story, a->slow, row->letters, row->word,
-                                                row->state, row->flights));
-    }
+    out->distance = row->kind == RIC_KIND_CORNER
+                        ? ric_story_corner(&story, x->c.start == RIC_CHAIN_BOTH ? 1 : INT_MAX,
+                                           a->slow, row)
+                        : ric_story_distance(&story, a->slow, row->letters, row->word, row->state,
+                                             row->flights);
     ric_story_free(&story);
     const bool near = ric_prover_near(out->energy, row->energy) &&
                       ric_prover_near(period, row->frequency);
@@ -472,7 +469,7 @@ ric_status ric_prover_junction_inside(ric_walk *w, const ric_junction *row, doub
 }
 
 /* Where the equations of the branch are singular, as the two impacts at one instant turn the motion
- * round: the branch leaves those that keep them together. */
+ * round: the branch leaves those that keep them together, or that one of these which touches. */
 static void part(const ric_walk *w, const ric_junction *row, ric_augmented *x,
                  ric_junction_proof *out)
 {
@@ -485,8 +482,12 @@ static void part(const ric_walk *w, const ric_junction *row, ric_augmented *x,
     const int flight = made ? ask.place : 0;
     for (int way = 0; way < RIC_BOTH_WAYS && made && out->state != RIC_PROOF_DONE; way++) {
         ric_chain c;
-        ask = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK, .slow = w->slow};
-        if (ric_both_create(&c, &general, w->e, flight, way, ask.broken)) {
+        bool broken[2];
+        if (ric_both_create(&c, &general, w->e, flight, way, broken)) {
+            if (!ask_slowest(&c, w->e, &ask) && !ask_nearest(&c, w->e, &ask))
+                ask = (ric_augmented_question){.kind = RIC_AUGMENTED_BREAK};
+            memcpy(ask.broken, broken, sizeof broken);
+            ask.slow = w->slow;
             ric_augmented_free(x);
             if (prove_at(row, &c, w->e, &ask, x, out)) out->state = RIC_PROOF_DONE;
         }

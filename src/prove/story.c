@@ -420,6 +420,25 @@ double ric_story_distance(ric_story *s, double slow, int letters, const int *wor
     return least;
 }
 
+double ric_story_corner(ric_story *s, int pairs, double slow, const ric_junction *row)
+{
+    enum { MOST = 6 };
+    int touch[MOST], n = 0;
+    double least = HUGE_VAL;
+    for (int i = 0; i < s->count && n < MOST; i++)
+        if (s->at[i].touch && s->at[i].face >= 0) touch[n++] = i;
+    for (int order = 0; order < 2; order++) {
+        for (unsigned choice = 0; choice < 1u << n; choice++) {
+            for (int k = 0; k < n; k++) s->at[touch[k]].touch = !(choice >> k & 1);
+            least = fmin(least, ric_story_distance(s, slow, row->letters, row->word, row->state,
+                                                   row->flights));
+        }
+        for (int k = 0; k < n; k++) s->at[touch[k]].touch = true;
+        ric_story_exchange(s, pairs);
+    }
+    return least;
+}
+
 /* ----------------------------------------------------------------- cutting */
 
 /* Whether a moment may stand at the end of a chain, or between its blocks, where that has the face:

@@ -58,6 +58,10 @@ void ric_story_free(ric_story *s);
 double ric_story_distance(ric_story *s, double slow, int letters, const int *word,
                           const double *state, const double *flights);
 
+/* The same of a corner, stored in either order of impacts at one instant, the first `pairs` of
+ * them, and with some of its touches as impacts, as a branch may have them. */
+double ric_story_corner(ric_story *s, int pairs, double slow, const ric_junction *row);
+
 /* The same motion in the class and with the word of another chain, near its centre: u [m * size +
  * 1] balls; impacts of exactly no speed that its word lacks are passed over, and no others. What is
  * exact of its class, mirror points and x -> -x, has to be so of what was told. false if it has no

@@ -143,9 +143,13 @@ ok 'a motion parts two impacts at one instant' rows "$folder/rows.json" "$parted
 known = 44631.9936085056, 174238.991094092, 193654.327055415
 assert len(some) == 8 and all(row["exists"] < 1e-30 and row["distance"] < 1e-12 for row in some), some
 assert all(any(abs(row["energy"][0] - E) < 1e-12 * E for row in some) for E in known), some'
+ok 'and one at which a gap touches, too, which one branch has as an impact of no speed' rows "$folder/rows.json" '
+some = [row for row in proved if row["how"] == "a gap touches beside two impacts at one instant"]
+assert len(some) == 4 and all(row["exists"] < 1e-30 and row["distance"] < 1e-12 for row in some), some
+assert len(proved) == len(rows) > 180, [row for row in rows if row not in proved]'
 unparted() {
     planted floors "$1" && prove "$folder/p.ricochet" "$folder/rows.json" --junctions
-    rows "$folder/rows.json" "$parted"'
+    rows "$folder/rows.json" 'some = [row for row in proved if "two impacts at one instant" in row["how"]]
 assert len(rows) > 10 and not some, some'
 }
 ok 'but not where a state is off by 1e-6' unparted '
