@@ -195,11 +195,11 @@ static ric_status trace_in_parts(const ric_model *m, const course *way, int *par
                                  ric_continuation **out)
 {
     for (;;) {
-        ric_node *divided = ric_node_copy(way->node);
-        if (!divided) return ric_no_memory("a departure");
-        if (*parts) divided->cycle->parts = *parts;
-        ric_status status = trace_once(m, way, divided, out);
-        ric_node_free(divided);
+        ric_periodic cycle = *way->node->cycle;
+        ric_node divided = *way->node; /* what it owns is only read */
+        divided.cycle = &cycle;
+        if (*parts) cycle.parts = *parts;
+        ric_status status = trace_once(m, way, &divided, out);
         bool lost = *out && ((*out)->stop == RIC_STOP_FAILED || (*out)->steep);
         int more = status == RIC_E_NUMERIC || (!status && lost) ? more_parts(m, way, *parts) : 0;
         if (!more) return status;
