@@ -37,6 +37,7 @@ KNOWN = {
     "fopencookie": "a stream that grows in memory and can fail (base/buffer.c); elsewhere funopen, there",
     "getauxval": "what the kernel began, where no /proc is mounted (cli/common/module.c); elsewhere _NSGetExecutablePath, there",
     "ioctl": "TIOCGWINSZ, the width of a terminal (cli/common/output.c), which every Unix has; elsewhere as if there were none",
+    "madvise": "large pages for the heap (base/memory.c); elsewhere left out, which only takes time",
     "mallopt": "keeps memory that threads free (cli/common/main.c); elsewhere left out, which only takes time",
     "sincos": "also made by the compiler out of sin and cos; elsewhere the two of them (base/elsewhere.h)",
     "sincosl": "made by the compiler out of sinl and cosl, as sincos",

@@ -1,5 +1,7 @@
 #include "memory.h"
 
+#include <sys/mman.h>
+
 #define WORK_MEMORY_ERROR (-1010) /* of LAPACKE; -1011 is that of its transposed copies */
 
 /* SMALL: bytes up to which a block that this thread has just freed is had again at once, but by
@@ -47,6 +49,21 @@ int ric_lapack(int info)
 {
     if (info <= WORK_MEMORY_ERROR) starved = true;
     return info;
+}
+
+/* Blocks behind one another, which are free again when all of them have been named. */
+void ric_memory_spread(int blocks)
+{
+#ifdef MADV_HUGEPAGE
+    enum { BLOCK = 1 << 24, PAGE = 1 << 12 };
+    char *block = blocks > 0 ? malloc(BLOCK) : NULL;
+    if (!block) return;
+    madvise(block - (uintptr_t)block % PAGE, BLOCK + PAGE, MADV_HUGEPAGE);
+    ric_memory_spread(blocks - 1);
+    free(block);
+#else
+    (void)blocks;
+#endif
 }
 
 bool ric_memory_failed(void)

@@ -9,6 +9,7 @@
 #include "base/room.h"
 #include "atlas/room.h"
 
+#define HEAP_BLOCKS 12 /* of 16 MB: a run of 100,000 points has 150 MB */
 #define STIFFEST 1e9
 /* PHASE: largest phase of a mode in one flight: touches are searched in steps of a part of a turn,
  * so that one orbit takes seconds, and the phase itself loses its digits */
@@ -134,6 +135,7 @@ static ric_status write_atlas(ric_store *store, const ric_atlas *atlas, ric_grap
 ric_status ric_explore_with(const ric_study *study, const char *path, const ric_run_options *run,
                             const ric_explore_more *more, ric_atlas **out)
 {
+    ric_memory_spread(HEAP_BLOCKS);
     ric_store *store = NULL;
     ric_graph *graph = NULL;
     ric_atlas *atlas = NULL;
