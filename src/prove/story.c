@@ -430,8 +430,8 @@ double ric_story_corner(ric_story *s, int pairs, double slow, const ric_junction
     for (int order = 0; order < 2; order++) {
         for (unsigned choice = 0; choice < 1u << n; choice++) {
             for (int k = 0; k < n; k++) s->at[touch[k]].touch = !(choice >> k & 1);
-            least = fmin(least, ric_story_distance(s, slow, row->letters, row->word, row->state,
-                                                   row->flights));
+            least = fmin(least, ric_story_distance(s, n ? 0 : slow, row->letters, row->word,
+                                                   row->state, row->flights));
         }
         for (int k = 0; k < n; k++) s->at[touch[k]].touch = true;
         ric_story_exchange(s, pairs);

@@ -147,6 +147,17 @@ ok 'and one at which a gap touches, too, which one branch has as an impact of no
 some = [row for row in proved if row["how"] == "a gap touches beside two impacts at one instant"]
 assert len(some) == 4 and all(row["exists"] < 1e-30 and row["distance"] < 1e-12 for row in some), some
 assert len(proved) == len(rows) > 180, [row for row in rows if row not in proved]'
+beside_ends() {
+    local ids
+    ids=$(python3 -c '
+import json, sys
+print(*[row["branch"] for row in json.load(open(sys.argv[1])) if row["how"].startswith("a gap touches beside")])' "$folder/rows.json")
+    [ "$(wc -w <<<"$ids")" = 4 ] || return 1
+    for id in $ids; do
+        "$ricochet" prove "$folder/floors.ricochet" --branch "$id" | grep -q '^2 of them as the junctions that they are' || return 1
+    done
+}
+ok 'at which the branches end that come there' beside_ends
 unparted() {
     planted floors "$1" && prove "$folder/p.ricochet" "$folder/rows.json" --junctions
     rows "$folder/rows.json" 'some = [row for row in proved if "two impacts at one instant" in row["how"]]
