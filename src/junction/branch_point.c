@@ -1,5 +1,6 @@
 #include "branch_point.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,10 @@
  * step, 1e-3 of the orbit */
 #define DISTINCT 1e-3
 #define NEIGHBOUR 0.1 /* an orbit farther away, relative, is no neighbour */
+#define BENT 1e-6 /* of the largest singular value, over the size: less is no second derivative */
+#define STEPS 8   /* to the place, quadratic ones from 1e-7 */
+#define ROUNDED 1e-14 /* of the size: a shorter step is rounding */
+#define LEFT 1e-12    /* the same: one that is longer at last has not come there */
 
 typedef struct {
     ric_shooting *chain;
@@ -102,6 +107,53 @@ static ric_status directions(crossing *q)
     memcpy(q->way[0], x[through], sizeof x[0]);
     memcpy(q->way[1], x[!through], sizeof x[0]);
     return RIC_OK;
+}
+
+/* One step towards the place, v [unknowns], and its length in the kernel. */
+static bool approach(crossing *q, double *v, double *step)
+{
+    int n = q->at.unknowns;
+    double r[ric_shooting_rows(q->chain)], Q[2][2], g[2] = {0, 0};
+    ric_shooting_fly(q->chain, v);
+    if (!ric_singular_factor(&q->at, v) || !ric_singular_opens(&q->at, 2)) return false;
+    const double *kernel = ric_singular_kernel(&q->at, 2);
+    double left[q->at.equations], both[2 * q->at.equations];
+    left_vector(q, left);
+    ric_shooting_residuals(q->chain, v, r);
+    for (int i = 0, count = ric_singular_cokernel(&q->at, 2, both); i < count; i++)
+        g[i] = q->at.values[n - 2 + i] * ric_dot(q->at.equations, left, both + i * q->at.equations);
+    for (int i = 0; i < 2; i++)
+        if (!ric_singular_bend(&q->at, v, kernel + i * n, 1, left, 2, kernel, Q[i])) return false;
+    double a = Q[0][0], b = (Q[0][1] + Q[1][0]) / 2, d = Q[1][1], det = a * d - b * b;
+    /* a saddle, or no two branches cross; and more than the rounding of differences */
+    double size = hypot(hypot(a, d), M_SQRT2 * b);
+    if (!(-det > RIC_RANK * size * size && size > BENT * q->at.values[0] / q->chain->scale))
+        return false;
+    double x = (b * g[1] - d * g[0]) / det, y = (b * g[0] - a * g[1]) / det;
+    ric_singular_step(&q->at, n - 2, r, v);
+    for (int i = 0; i < n; i++) v[i] += x * kernel[i] + y * kernel[n + i];
+    *step = hypot(x, y);
+    return true;
+}
+
+bool ric_branch_point_place(ric_shooting *c, double *u)
+{
+    crossing q = {.chain = c};
+    int n = c->n_unknown;
+    double v[n], step = HUGE_VAL, moved = 0;
+    if (ric_singular_create(c, true, &q.at)) return false;
+    memcpy(v, u, sizeof v);
+    bool good = true;
+    for (int i = 0; i < STEPS && good && step > ROUNDED * c->scale; i++)
+        good = approach(&q, v, &step);
+    good = good && step <= LEFT * c->scale;
+    for (int i = 0; i < n; i++) moved = fmax(moved, fabs(v[i] - u[i]));
+    if (good) ric_shooting_fly(c, v);
+    good = good && c->residual <= ric_continuation_tolerance(c) &&
+           moved <= RIC_SAME_LOCATED * c->scale;
+    if (good) memcpy(u, v, sizeof v);
+    ric_singular_free(&q.at);
+    return good;
 }
 
 static ric_status solve(const ric_model *m, const ric_node *node, crossing *q)

@@ -6,6 +6,12 @@
 #include "node.h"
 #include "outset.h"
 
+/* The place where two branches of one symmetry cross, from an orbit u [n_unknown] of the chain near
+ * it, which is moved: beside it orbits are known to the root of rounding only, but the equation
+ * that is left on the kernel has a stationary point there, which is regular. The chain is left
+ * where it was flown last. False: it does not come there. */
+bool ric_branch_point_place(ric_shooting *chain, double *u);
+
 /* At the node, in the unit direction of the branch that `choice` stands for: THROUGH is the one
  * along which the energy changes faster, SIDE the other. RIC_E_NUMERIC: refused, the reason in
  * ric_detail(). */

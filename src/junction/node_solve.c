@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "branch_point.h"
 #include "node_solve_twice.h"
 #include "branch/room.h"
 #include "base/room.h"
@@ -370,6 +371,32 @@ static bool settled(int n, double grain, double *u, int *n_grid, double **grid)
     return same;
 }
 
+/* A crossing of two branches of one symmetry, to all its digits, and from rounded unknowns once
+ * more, so that it does not remember where it came from. False: the orbit does not come there, and
+ * stays as it is. */
+static bool place_crossing(const ric_model *m, ric_periodic **orbit)
+{
+    ric_periodic *now = *orbit;
+    for (int pass = 0; pass < 2 && now; pass++) {
+        ric_shooting *chain = NULL;
+        double *u = NULL;
+        ric_periodic *canonical = ric_periodic_canonical(m, now), *placed = NULL;
+        if (canonical && !ric_periodic_to_chain(m, canonical, &chain, &u)) {
+            for (int i = 0; pass && i < chain->n_unknown; i++) u[i] = rint(u[i] / GRAIN) * GRAIN;
+            if (ric_branch_point_place(chain, u)) placed = ric_periodic_from_chain(chain, u);
+        }
+        ric_shooting_free(chain);
+        ric_periodic_free(canonical);
+        free(u);
+        if (now != *orbit) ric_periodic_free(now);
+        now = placed;
+    }
+    if (!now) return false;
+    ric_periodic_free(*orbit);
+    *orbit = now;
+    return true;
+}
+
 /* Where an unknown lies between two grains, one source of a junction rounds it up and another down,
  * and what is found differs in its last bits: it is rounded and solved again until it does not
  * change. */
@@ -379,8 +406,15 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
     ric_periodic *canonical = NULL, *out = NULL, *before = NULL;
     double *grid = NULL;
     int n_grid = 0;
+    const bool crosses = what.test == RIC_TEST_DET && !ric_flight_law_of(m)->integrated;
     bool done = false;
     double grain = what.test == RIC_TEST_ASKED ? COARSE_GRAIN : GRAIN;
+    const bool placed = crosses && (out = ric_periodic_copy(cycle)) && place_crossing(m, &out);
+    if (placed) done = true;
+    else {
+        ric_periodic_free(out);
+        out = NULL;
+    }
     for (int pass = 0; pass < PASSES && !done; pass++) {
         ric_criterion_work q = ric_criterion_begin(what, NULL);
         q.last = pass > 0;
@@ -408,6 +442,7 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
     }
     free(grid);
     if (!out) return NULL;
+    if (crosses && !placed) place_crossing(m, &out);
     /* a chain may start at another impact than the canonical one; and what was found must be what
      * was looked for */
     /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to

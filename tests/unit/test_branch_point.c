@@ -579,9 +579,39 @@ static void extrema_of_near_frequencies(void **state)
     }
 }
 
+/* Beside a crossing orbits are known to the root of rounding: its energy was 6e-7 off. That of 40
+ * digits is where lambda + 1/lambda of the orbit with two equal flights, flown by itself, is 2. */
+static void exact_crossing(void **state)
+{
+    static const double steps[] = {0, 0.009, 0.09}, energy = 92.169730685627584;
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        ric_atlas *atlas = explore_text_with(
+            "model:\n  mass: [[0.662, 0], [0, 0.662]]\n  stiffness: [[2.674, -0.484], [-0.484, "
+            "2.674]]\n  contacts:\n    - {normal: [1, 0], clearance: 1, sides: lower}\n"
+            "    - {normal: [0, 1], clearance: 1, sides: upper}\n"
+            "explore: {start: [1], energy: [0, 131.4], frequency: [0.45, 11], impacts: 4, "
+            "multiply: "
+            "1, depth: 2}\n",
+            NULL, steps[i]);
+        int found = 0;
+        for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+            const ric_junction j = junction_of(atlas, id);
+            if (j.kind != RIC_KIND_BRANCH_POINT) continue;
+            found++;
+            assert_true(fabs(j.energy - energy) <= 1e-13 * energy);
+            assert_true(fabs(j.flights[0] - j.flights[1]) <= 1e-13 * j.flights[0]);
+            assert_true(j.decided && j.a == 3 && j.b == 2);
+        }
+        assert_int_equal(found, 1);
+        ric_atlas_free(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right),
+                                       cmocka_unit_test(exact_crossing),
                                        cmocka_unit_test(gaps),
                                        cmocka_unit_test(nearly_left_and_right),
                                        cmocka_unit_test(faint_modes),
