@@ -17,6 +17,8 @@
 #define MATCH 1e-5
 /* JUNCTION: relative, of energies, frequencies and states of one junction in two atlases */
 #define JUNCTION 1e-6
+/* AT_ONCE: of the period: stops that are met within this are met together */
+#define AT_ONCE 1e-9
 
 void ric_comparison_free(ric_comparison *c)
 {
@@ -381,6 +383,18 @@ static void explain(const ric_atlas *a, const ric_atlas *s, const surroundings *
                  f->branches, f->junctions, f->over_budget, f->refused, f->window, f->failed);
 }
 
+/* Of one that the side atlas lacks, too. */
+static void explain_lost(const ric_prey *p, ric_finding *finding)
+{
+    bool together = false;
+    for (int i = 0; i < p->N; i++) together |= p->hits[i].tau <= AT_ONCE * p->period;
+    if (together) finding->state = RIC_FOUND_BUDGET;
+    snprintf(finding->why, sizeof finding->why, "%s",
+             together ? "it meets two stops at one instant, and so does its whole branch: such "
+                        "branches are not followed by this version"
+                      : "its branch could not be followed");
+}
+
 static ric_status explain_all(const ric_hunt *h, const ric_atlas *a, ric_comparison *c)
 {
     const ric_atlas *s = c->side;
@@ -393,7 +407,7 @@ static ric_status explain_all(const ric_hunt *h, const ric_atlas *a, ric_compari
         ric_finding *finding = &c->findings[i];
         if (finding->state == RIC_FOUND_KNOWN) continue;
         if (!finding->branch) {
-            snprintf(finding->why, sizeof finding->why, "its branch could not be followed");
+            explain_lost(&h->prey[i], finding);
             continue;
         }
         finding->family = family[finding->branch];

@@ -549,12 +549,12 @@ static void test_frame(void **state)
         "model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[2.73, -1.73], [-1.73, 2.73]]\n"
         "  contacts:\n    - {normal: [1, 0], clearance: 1, sides: upper}\n"
         "    - {normal: [0, -1], clearance: 1, sides: upper}\n"
-        "explore: {start: [2], energy: [0, 4.5], frequency: [0.7, 12], impacts: 4, multiply: 2, "
+        "explore: {start: [2], energy: [0, 9.5], frequency: [0.7, 12], impacts: 4, multiply: 2, "
         "depth: 2}\n";
     ric_atlas *atlas = explore_text(frame);
     ric_hunt *h = hunt(ric_atlas_model(atlas), 1.44337, 4, 8.3, 30, 20000);
     ric_comparison *c = compare(h, atlas);
-    int with = 0, without = 0;
+    int with = 0, without = 0, together = 0;
     (void)state;
     for (int i = 0; i < h->n; i++) {
         const ric_prey *p = &h->prey[i];
@@ -573,6 +573,14 @@ static void test_frame(void **state)
         assert_int_equal(j.departures.refused, 1);
     }
     assert_int_equal(doublings, 1);
+    ric_comparison_free(c);
+    ric_hunt_free(h);
+    /* both stops at one instant, whatever the energy: no branch of an atlas, and it is said */
+    h = hunt(ric_atlas_model(atlas), 9, 2, 4, 12, 20000);
+    c = compare(h, atlas);
+    for (int i = 0; i < h->n; i++)
+        together += strstr(c->findings[i].why, "two stops at one instant") != NULL;
+    assert_int_equal(together, 1);
     ric_comparison_free(c);
     ric_hunt_free(h);
     ric_atlas_free(atlas);
