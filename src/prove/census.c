@@ -2,6 +2,7 @@
  * and the account. */
 #include "census.h"
 
+#include <limits.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -25,10 +26,16 @@ enum {
 /* SMALLEST: of flights times the largest frequency: boxes are not divided further. Where solutions
  * lie on curves or surfaces, all boxes along them come to that: n times SOON boxes behind the first
  * one of a part of the search, the next ones need only be n^3 times as large, up to COARSE, so that
- * it ends. */
+ * it ends. Two impacts at once on one face are none, whatever the speed: where linear motions come
+ * back, boxes of 1e-4 all over such a surface are proved to hold no orbit, one after another, for
+ * the sign of that speed, and there is no first one. There a part of the search counts as if it had
+ * been box PATIENCE. */
 #define SMALLEST 1e-9
 #define COARSE 1e-2
 #define SOON 10.0
+enum { PATIENCE = 10000 };
+/* RETURNED: turns: phases that differ by less are one to boxes along a curve */
+#define RETURNED 1e-7
 /* STATE_BEHIND: a state that is known that many times worse than flights say is divided first, */
 #define STATE_BEHIND 20.0
 /* STATE_FIRST: and one that is known no better than that, of |w|: flights follow from it */
@@ -51,6 +58,7 @@ struct ric_census {
     ric_census_pair pair;
     ric_census_limits limits; /* in units of the enclosure */
     double flight;
+    long patience;
     int n_word, n_task;
     task *tasks;
     int n, ghosts, n_open;
@@ -140,9 +148,10 @@ static ric_range *widest(const ric_census *s, ric_census_box *b, int N, double *
     return size > STATE_FIRST || size > STATE_BEHIND * times ? state : flight;
 }
 
-static double smallest(const task *t)
+static double smallest(const ric_census *s, const task *t)
 {
-    const double n = t->first ? (double)(t->boxes - t->first) / SOON : 0;
+    const long first = t->first ? t->first : s->patience;
+    const double n = fmax(0, (double)(t->boxes - first) / SOON);
     return fmin(COARSE, SMALLEST * (1 + n * n * n));
 }
 
@@ -167,7 +176,7 @@ static void search(ric_census *s, task *t, ric_census_box *b, int tries, int dep
         if (is_known(s, t, b)) return;
     }
     ric_range *x = widest(s, b, N, &width);
-    if (width < smallest(t) || depth > DEEPEST) {
+    if (width < smallest(s, t) || depth > DEEPEST) {
         if (!t->first) t->first = t->boxes;
         leave(t, b);
         return;
@@ -495,6 +504,19 @@ static ric_status check_options(const ric_model *m, const ric_census_options *o)
     return RIC_OK;
 }
 
+/* Whether all linear motions come back within the periods looked through, and some of them reach no
+ * stop. */
+static bool motions_return(const ric_census *s)
+{
+    const double low = fmin(s->pair.omega[0].m, s->pair.omega[1].m),
+                 high = fmax(s->pair.omega[0].m, s->pair.omega[1].m),
+                 most = s->limits.period[1] * low / RIC_TWO_PI;
+    if (s->flight < HUGE_VAL) return false;
+    for (int k = 1; k <= most; k++)
+        if (fabs(k * high / low - round(k * high / low)) <= RETURNED) return true;
+    return false;
+}
+
 /* The structure in the numbers of the search. The longest flight is not known before: what flights
  * leave open is asked for a long time, and the longest period has to be below that. */
 static ric_status open_pair(ric_census *s)
@@ -504,6 +526,7 @@ static ric_status open_pair(ric_census *s)
     if (!ric_census_pair_create(&s->pair, &s->e, s->options.energy, LONGEST_TIME, why))
         return ric_fail(RIC_E_INPUT, "%s", why);
     ric_status status = set_limits(s);
+    s->patience = motions_return(s) ? PATIENCE : LONG_MAX;
     if (!status && !ric_census_turns(&s->pair, s->limits.flight))
         status = ric_no_memory("a census");
     if (status || s->limits.period[1] <= s->pair.longest_period) return status;
