@@ -26,7 +26,8 @@ typedef long double real;
 /* SETTLED: an orbit is corrected until it moves by less, relative; the next time it would move by a
  * ten-millionth of that, as it lies FIRST beside the orbit that the derivatives are those of */
 #define SETTLED 1e-13
-#define PLACED 1e-18 /* and the branch point until it does */
+#define PLACED 1e-18 /* and the branch point until it does, or will with the next secant */
+#define MARGIN 1e-3  /* of that, where it is told from the steps before */
 #define FIRST 1e-8   /* first step of the secant */
 #define REGULAR                                                                                    \
     1e-9          /* smaller singular values, relative, belong to the family and to the phase      \
@@ -295,6 +296,14 @@ static bool write_back(fine *q, double *u)
     return true;
 }
 
+/* Whether the next secant moves by less than `least`. Errors of secants are products, e2 = C e1 e0,
+ * so that e2 / e1 is at most e1 / e0: the next step is at most now^2 / before, with a margin.
+ * before: 0 where it was none of a secant. */
+static bool settles(double now, double before, double least)
+{
+    return fabs(now) <= least || now * now <= MARGIN * least * fabs(before);
+}
+
 bool ric_node_solve_twice(const ric_shooting *c, int kind, const double *t, double *u)
 {
     fine q;
@@ -305,7 +314,7 @@ bool ric_node_solve_twice(const ric_shooting *c, int kind, const double *t, doub
     for (int i = 0; good && !found && i < SECANTS && f1 != f0; i++) {
         real x2 = x1 - f1 * (x1 - x0) / (f1 - f0);
         if (!(fabs((double)x2) <= NEAR * c->scale)) break;
-        found = fabs((double)(x2 - x1)) <= PLACED * c->scale;
+        found = settles((double)(x2 - x1), i ? (double)(x1 - x0) : 0, PLACED * c->scale);
         x0 = x1;
         f0 = f1;
         x1 = x2;
