@@ -406,7 +406,7 @@ ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_
     ric_periodic *canonical = NULL, *out = NULL, *before = NULL;
     double *grid = NULL;
     int n_grid = 0;
-    const bool crosses = what.test == RIC_TEST_DET && !ric_flight_law_of(m)->integrated;
+    const bool crosses = what.test == RIC_TEST_DET;
     bool done = false;
     double grain = what.test == RIC_TEST_ASKED ? COARSE_GRAIN : GRAIN;
     const bool placed = crosses && (out = ric_periodic_copy(cycle)) && place_crossing(m, &out);

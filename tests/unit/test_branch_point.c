@@ -608,10 +608,45 @@ static void exact_crossing(void **state)
     }
 }
 
+/* Two equal oscillators x'' + 2 x + x^3 = 0, against each other: x = a cn, and the motion that
+ * makes one swing more than the other obeys the equation of Lame for n = 2, whose edge cn dn is met
+ * at k^2 = 1/8, a^2 = 2/3, E = 14/9, w = pi sqrt(8/3) / (2 K). */
+static void exact_localization(void **state)
+{
+    static const double steps[] = {0, 0.009, 0.09};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        ric_atlas *atlas = explore_text_with(
+            "model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[1.5, -0.5], [-0.5, 1.5]]\n"
+            "  contacts:\n    - {normal: [1, 0], law: power, exponent: 3, stiffness: 1}\n"
+            "    - {normal: [0, 1], law: power, exponent: 3, stiffness: 1}\n"
+            "explore: {start: [2], energy: [0, 10], frequency: [0.4, 12], multiply: 1, depth: "
+            "1}\n",
+            NULL, steps[i]);
+        double mean = 1, other = sqrt(7.0 / 8); /* K = pi / (2 agm(1, sqrt(1 - k^2))) */
+        for (int k = 0; k < 6; k++) {
+            const double next = (mean + other) / 2;
+            other = sqrt(mean * other);
+            mean = next;
+        }
+        int found = 0;
+        for (int id = 1; id <= ric_atlas_n_junction(atlas); id++) {
+            const ric_junction j = junction_of(atlas, id);
+            if (j.kind != RIC_KIND_BRANCH_POINT) continue;
+            found++;
+            assert_true(fabs(j.energy - 14.0 / 9) <= 1e-13);
+            assert_true(fabs(j.frequency - sqrt(8.0 / 3) * mean) <= 1e-13);
+        }
+        assert_int_equal(found, 1);
+        ric_atlas_free(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(left_and_right),
                                        cmocka_unit_test(exact_crossing),
+                                       cmocka_unit_test(exact_localization),
                                        cmocka_unit_test(gaps),
                                        cmocka_unit_test(nearly_left_and_right),
                                        cmocka_unit_test(faint_modes),
