@@ -57,6 +57,7 @@ static void work(ric_store_later *later)
 static void *serve(void *argument)
 {
     ric_store_later *later = argument;
+    ric_memory_spread(RIC_SPREAD_THREAD);
     pthread_mutex_lock(&later->lock);
     while (later->first || !later->stop)
         if (later->first) work(later);

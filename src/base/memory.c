@@ -55,7 +55,7 @@ int ric_lapack(int info)
 void ric_memory_spread(int blocks)
 {
 #ifdef MADV_HUGEPAGE
-    enum { BLOCK = 1 << 24, PAGE = 1 << 12 };
+    enum { BLOCK = RIC_SPREAD_BLOCK << 20, PAGE = 1 << 12 };
     char *block = blocks > 0 ? malloc(BLOCK) : NULL;
     if (!block) return;
     madvise(block - (uintptr_t)block % PAGE, BLOCK + PAGE, MADV_HUGEPAGE);

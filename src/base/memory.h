@@ -14,8 +14,12 @@ void *ric_calloc(size_t count, size_t size);
 void *ric_realloc(void *old, size_t size);
 char *ric_strdup(const char *text);
 /* Asks the system for its large pages where the heap of this thread is going to grow, by that many
- * blocks of 16 MB: memory then comes by 2 MB at a time instead of 4 kB. No memory is taken.
- * Nothing changes where malloc maps blocks of that size, or gives what is freed back. */
+ * blocks: memory then comes by 2 MB at a time instead of 4 kB. No memory is taken. Nothing changes
+ * where malloc maps blocks of that size, or gives what is freed back. Blocks are as large as the
+ * GNU library lets them be on a heap (cli/common/main.c): of the large page in which one ends
+ * something is touched already. */
+#define RIC_SPREAD_BLOCK 31 /* MB */
+#define RIC_SPREAD_THREAD 2 /* blocks on the heap of a thread, which has 64 MB there */
 void ric_memory_spread(int blocks);
 /* What a structure that others only read owns, for who fills or frees it. */
 static inline void *ric_own(const void *owned)

@@ -7,8 +7,6 @@
 
 #include "base/room.h"
 
-#define HEAP_BLOCKS 3 /* of 16 MB: the heap of a thread has 64 MB in the GNU library */
-
 typedef enum { WAITING, IN_HAND, DONE } job_state;
 
 struct ric_workers_node {
@@ -102,7 +100,7 @@ static void work(ric_workers *w, int i)
 static void *serve(void *argument)
 {
     ric_workers *w = argument;
-    ric_memory_spread(HEAP_BLOCKS);
+    ric_memory_spread(RIC_SPREAD_THREAD);
     pthread_mutex_lock(&w->lock);
     while (!w->stop) {
         int i = next_job(w);
