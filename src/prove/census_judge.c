@@ -167,13 +167,13 @@ bool ric_census_same(const ric_census_find *a, const ric_census_find *b, const r
     return false;
 }
 
-/* What a zero is to itself: whether it repeats, is symmetric, is reversible. */
+/* What a zero is to itself: whether it repeats, is symmetric, is reversible. A face without a
+ * mirror image has none that it could be met at, whatever the other faces of the structure have. */
 static void find_symmetries(ric_census_find *z, const ric_census_pair *p)
 {
     for (int shift = 0; shift < z->word.N; shift++) {
         if (shift) z->repeats = z->repeats || ric_census_is_image(z, z, p, shift, false, false);
         z->reversible = z->reversible || ric_census_is_image(z, z, p, shift, true, false);
-        if (!p->mirrored) continue;
         z->symmetric = z->symmetric || ric_census_is_image(z, z, p, shift, false, true);
         z->reversible = z->reversible || ric_census_is_image(z, z, p, shift, true, true);
     }
