@@ -37,6 +37,8 @@
 /* LEVEL: slope that counts as none, relative to the largest that D3 allows within the flight, or,
  * in one that lasts no time, to its terms added up */
 #define LEVEL 1e-8
+/* INSTANT: scaled: a flight that short lies between two events at one instant */
+#define INSTANT 1e-4
 /* BELOW: relative: what is less than the level by more is so whatever rounding did to either */
 #define BELOW 1e-12
 
@@ -276,25 +278,26 @@ static void enter_contact(search *q)
     q->rest = q->phase ? q->phase->rest[q->contact] : 0;
 }
 
-static void search_contact(search *q)
+/* The gap coordinate of the contact, with the samples of both ends of the flight and the bounds of
+ * its derivatives. Returns that of the second one. */
+static inline __attribute__((always_inline)) double bound_contact(search *q, sample *l, sample *r)
 {
-    const ric_shooting *c = q->chain;
-    const ric_model *m = c->model;
-    int n = q->n, k = q->flight, last = c->n_flight - 1;
+    const int n = q->n;
     enter_contact(q);
     const double *w = q->start, *e = q->end, *g = q->g;
-    sample l = {0, q->rest, 0, 0}, r = {q->tau, q->rest, 0, 0};
     double D2 = 0;
+    *l = (sample){0, q->rest, 0, 0};
+    *r = (sample){q->tau, q->rest, 0, 0};
     q->D3 = q->D4 = q->bend_start = q->bend_end = q->blur = 0;
     for (int i = 0; i < n; i++) {
         double omega = q->omega[i];
         q->blur += BLUR * fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]);
-        l.s += g[i] * w[i];
-        r.s += g[i] * e[i];
-        l.ds += g[i] * q->kappa[i] * w[n + i];
-        r.ds += g[i] * q->kappa[i] * e[n + i];
-        l.bend -= omega * omega * (g[i] * w[i]);
-        r.bend -= omega * omega * (g[i] * e[i]);
+        l->s += g[i] * w[i];
+        r->s += g[i] * e[i];
+        l->ds += g[i] * q->kappa[i] * w[n + i];
+        r->ds += g[i] * q->kappa[i] * e[n + i];
+        l->bend -= omega * omega * (g[i] * w[i]);
+        r->bend -= omega * omega * (g[i] * e[i]);
         double second = omega > 0
                             ? fabs(g[i]) * sqrt(w[i] * w[i] + w[n + i] * w[n + i]) * omega * omega
                             : 0;
@@ -302,6 +305,16 @@ static void search_contact(search *q)
         q->D3 += second * omega;
         q->D4 += second * omega * omega;
     }
+    return D2;
+}
+
+static void search_contact(search *q)
+{
+    const ric_shooting *c = q->chain;
+    const ric_model *m = c->model;
+    const int k = q->flight, last = c->n_flight - 1;
+    sample l, r;
+    const double D2 = bound_contact(q, &l, &r);
     if (!is_bounded(q, l, r)) {
         q->best = HUGE_VAL;
         return;
@@ -328,7 +341,10 @@ static void search_contact(search *q)
         q->bend_end = fabs(r.bend);
         r.ds = 0;
     }
-    search_flight(q, l, r);
+    /* between two events at one instant a gap moves by less than rounding, and no interval decides
+     * whether it has a maximum: the flights beside it tell */
+    const bool still = fabs(l.ds) * q->tau + D2 * q->tau * q->tau / 2 <= q->blur;
+    if (!still || q->tau > INSTANT) search_flight(q, l, r);
     if (rests) offer_stationary(q, r);
     /* the start of the chain counts for the end in the general form */
     if (k == 0 && c->start == RIC_MIRROR_IMPACT && f0 >= 0 && !q->own_start)
