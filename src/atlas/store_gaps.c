@@ -12,7 +12,8 @@
 #include "store_parts.h"
 
 enum { NUMBERS = 5 }; /* of a line: branch, point, mode, turns, others */
-/* Turns by which the frequency of a linear mode may be off where springs are closed for a while. */
+/* OFF: turns by which the frequency of a linear mode may be off, of rounding and, once more, of each
+ * contact during which a spring is closed for a while. */
 #define OFF 1
 
 ric_status ric_store_put_gaps(ric_database file, const ric_atlas *atlas)
@@ -63,8 +64,9 @@ static bool fits(const ric_atlas *atlas, int branch, const ric_atlas_gap *gap)
     for (int i = 0; i < 2; i++)
         turns[i] = m->frequency[gap->mode - 1] /
                    ric_atlas_point_row(atlas, branch, gap->point + i).point.frequency;
-    return fmin(turns[0], turns[1]) - OFF <= gap->turns &&
-           gap->turns <= fmax(turns[0], turns[1]) + OFF;
+    const double off = OFF * (1.0 + r->row.impacts);
+    return fmin(turns[0], turns[1]) - off <= gap->turns &&
+           gap->turns <= fmax(turns[0], turns[1]) + off;
 }
 
 ric_status ric_store_read_gaps(ric_database file, ric_atlas *atlas)

@@ -83,6 +83,20 @@ for line in '9 1 2 9 0' '2 99999 2 9 0' '2 3 7 9 0' '2 3 2 0 0' '2 3 2 400 0' '2
     ok "no gap: $line" planted "$line
 "
 done
+# While a spring is closed a mode turns otherwise: each contact of a branch may take or give a turn. Gears with ten contacts
+# a period had tongues of 49 turns in the time of 46, and their atlas was refused.
+shifted()
+{
+    plant "$folder/near.ricochet" "$folder/planted.ricochet" "
+(text,) = db.execute('SELECT value FROM meta WHERE key = ?', ('gaps',)).fetchone()
+branch, point, mode, turns, others = map(int, text.split()[:5])
+(impacts,) = db.execute('SELECT impacts FROM branch WHERE id = ?', (branch,)).fetchone()
+db.execute('UPDATE meta SET value = ? WHERE key = ?', (f'{branch} {point} {mode} {turns + $1 * impacts} {others}\\n', 'gaps'))"
+    "$ricochet" branches "$folder/planted.ricochet" >"$folder/said" 2>&1
+}
+ok 'a turn more for every contact' shifted 1
+three() { ! shifted 3; }
+ok 'but not three' three
 ok 'it is said what may stand there' bash -c '! "$0" check "$1" 2>"$1.log" && grep -q "neither follow nor cross" "$1.log"' "$ricochet" "$folder/wrong.yaml"
 sed 's/^explore: {/&tongues: cross, /' >"$folder/power.yaml" <<'E2'
 model: {mass: [[1]], stiffness: [[1]], contacts: [{normal: [1], law: power, exponent: 3, stiffness: 1}]}
