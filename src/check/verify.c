@@ -43,6 +43,9 @@
 #define REACH 1e-10  /* a touch shows as reach 1 -+ this */
 /* CLOSED: faces that close within this part of the clearance of each other make a corner */
 #define CLOSED 1e-9
+/* RESTS: of the clearance: what moves by less in a period rests on a stop: places at which speeds
+ * vanish are known to the root of rounding */
+#define RESTS 1e-8
 /* LATE: an impact later than this part of a mean flight behind its time is missing */
 #define LATE 1e-2
 
@@ -85,7 +88,7 @@ static bool is_shallow(const replay *r, int k, const face_t *face, real speed)
 static bool came_to_rest(replay *r, const face_t *face, real speed, real fall)
 {
     const real step = fabs(speed) + fabs(fall) * r->period;
-    if (step * r->period > CLOSED * face->limit) return false;
+    if (step * r->period > RESTS * face->limit) return false;
     for (int i = 0; i < r->n; i++) r->w[r->n + i] -= face->side * speed / face->cc * face->c[i];
     return true;
 }

@@ -15,6 +15,9 @@
 
 #define SAME 1e-12 /* relative: numbers that are stored twice */
 /* SOLVED: of clearance and norm: what a located orbit may leave open, and an image may be off */
+/* STILL: of the clearance: a gap goes with the square of its speed, and where that vanishes is
+ * known to the root of rounding */
+#define STILL 1e-7
 #define SOLVED 1e-9
 /* BETWEEN: relative: how far a junction between points may extend the frequencies of a branch */
 #define BETWEEN 1e-2
@@ -231,10 +234,26 @@ static real left_open(const replay *r)
     return open;
 }
 
-/* Whether two contacts are met at one instant, both without speed: to its digits a motion meets
- * them in any order, or passes them by. */
+/* Whether another face than that of event k is met there without speed. */
+static bool meets_another(const replay *r, int k)
+{
+    const real *w = r->chain + (size_t)(k + 1) * 2 * (size_t)r->n;
+    for (int f = 0; f < r->n_face; f++) {
+        const face_t *face = &r->face[f];
+        if (face == ric_replay_end_face(r, k) || ric_replay_closed(r, k, f)) continue;
+        if (fabs(ric_replay_gap(r, face, w)) <= STILL * face->limit &&
+            fabs(ric_replay_dot(r->n, face->c, w + r->n)) <= BLUNT * ric_replay_fastest(r, face))
+            return true;
+    }
+    return false;
+}
+
+/* Whether two contacts are met at one instant, both without speed, or one of them without: to its
+ * digits a motion meets them in any order, or passes them by. */
 static bool has_still_corner(const replay *r)
 {
+    for (int k = 0; k < r->n_event; k++)
+        if (meets_another(r, k)) return true;
     for (int k = 0; k < r->n_flight; k++)
         if (fabs(r->tau[k]) <= NO_LENGTH * r->period && ric_replay_is_touch(r, k) &&
             ric_replay_is_touch(r, (k > 0 ? k : r->n_flight) - 1))
