@@ -8,16 +8,19 @@
 
 /* SLOWEST: scaled frequency at which the scan begins where the window has no lower end */
 #define SLOWEST 1e-3
-#define SCAN 1.01 /* ratio of neighbouring frequencies of the scan */
-/* How long springs are closed is not known: it is tried from SHORT of the time in which the fastest
- * mode of the closed structure turns by 1 rad up to LONG of the time that there is, in ratios of
+#define INSIDE 1e-6 /* part by which it begins above that end: a start on it may be outside */
+#define SCAN 1.01   /* ratio of neighbouring frequencies of the scan */
+/* How long springs are closed is not known: it is tried from LONG of the time that there is down to
+ * SHORT of that in which the fastest mode of the closed structure turns by 1 rad, in ratios of
  * ONE_SPRING, or of TWO_SPRINGS where two of them are closed in turn. */
 #define SHORT 0.25
 #define LONG 0.95
-#define ONE_SPRING 1.5
-#define TWO_SPRINGS 2.25
-#define NO_PIVOT 1e-300    /* of equations without a solution */
-enum { TRIED_EVERY = 8 };  /* frequencies of the scan: orbits in between come from neighbours */
+#define ONE_SPRING 1.2
+#define TWO_SPRINGS 1.5
+#define NO_PIVOT 1e-300 /* of equations without a solution */
+/* frequencies of the scan: orbits in between come from neighbours */
+enum { ONE_EVERY = 2, TWO_EVERY = 6 };
+enum { MOST_GUESSES = 200 };
 enum { MOST_FLIGHTS = 3 }; /* closed, open, closed */
 
 /* The orbits between two faces at one frequency, which the scan carries upwards. */
@@ -183,20 +186,35 @@ static ric_status attempt(family *a, double time, const double *closed, double *
     return keep(a, u);
 }
 
-/* Orbits whose flights last `time` together, from all guesses of how long springs are closed. */
-static ric_status try_all(family *a, double time, double *u)
+/* How long spring i may be closed, of flights that last `time` together: quarter turns of the modes
+ * that it makes, what a loose mass that strikes it alone takes, and lengths in equal ratios. */
+static int guess(const family *a, int i, double time, double *out)
 {
+    const ric_model *m = a->chain->model;
     const double ratio = a->n_spring > 1 ? TWO_SPRINGS : ONE_SPRING;
-    double closed[2] = {0};
-    if (a->n_spring == 0) return attempt(a, time, closed, u);
-    const double least = SHORT / a->chain->fastest;
+    const ric_regime *phase;
+    int count = 0;
+    for (double t = LONG * time; count < MOST_GUESSES && t > SHORT / a->chain->fastest; t /= ratio)
+        out[count++] = t;
+    if (ric_regime_get(m, a->chain->closed[a->closed[i]], &phase)) return count;
+    for (int k = 0; k < m->n && count < MOST_GUESSES; k++)
+        if (phase->omega[k] * LONG * time > RIC_PI / 2) out[count++] = RIC_PI / 2 / phase->omega[k];
+    return count;
+}
+
+/* Orbits whose flights last `time` together, from all guesses of how long springs are closed. */
+static ric_status attempt_all(family *a, double time, double *u)
+{
+    double times[2][MOST_GUESSES] = {{0}}, closed[2] = {0};
+    int count[2] = {1, 1};
     ric_status status = RIC_OK;
-    for (closed[0] = LONG * time; !status && closed[0] > least; closed[0] /= ratio) {
-        if (a->n_spring == 1) status = attempt(a, time, closed, u);
-        else
-            for (closed[1] = LONG * time; !status && closed[1] > least; closed[1] /= ratio)
-                status = attempt(a, time, closed, u);
-    }
+    for (int i = 0; i < a->n_spring; i++) count[i] = guess(a, i, time, times[i]);
+    for (int i = 0; i < count[0]; i++)
+        for (int j = 0; j < count[1] && !status; j++) {
+            closed[0] = times[0][i];
+            closed[1] = times[1][j];
+            status = attempt(a, time, closed, u);
+        }
     return status;
 }
 
@@ -214,13 +232,16 @@ static bool is_admissible(family *a, const ric_limits *limits, const double *u)
 static ric_status scan_family(family *a, const ric_limits *limits, ric_loose_take take, void *data)
 {
     const double low = isfinite(limits->period[1]) ? RIC_TWO_PI / limits->period[1] : SLOWEST;
-    const int wide = a->chain->n_unknown, every = a->n_spring > 0 ? TRIED_EVERY : 1;
-    double *u = ric_malloc((size_t)wide * sizeof *u), omega = low;
+    double omega = low * (1 + INSIDE);
+    const int wide = a->chain->n_unknown, every = a->n_spring > 1   ? TWO_EVERY
+                                                  : a->n_spring > 0 ? ONE_EVERY
+                                                                    : 1;
+    double *u = ric_malloc((size_t)wide * sizeof *u);
     ric_status status = u ? RIC_OK : ric_no_memory("an orbit of a loose mass");
     for (int i = 0; !status && omega < RIC_TWO_PI / limits->period[0]; i++, omega *= SCAN) {
         const double time = RIC_TWO_PI / omega / a->chain->multiple;
         go_on(a, time);
-        if (i % every == 0) status = try_all(a, time, u);
+        if (i % every == 0) status = attempt_all(a, time, u);
         for (int k = 0; !status && k < a->n; k++) {
             const bool good = is_admissible(a, limits, a->u + k * wide);
             if (good && !a->inside[k]) status = take(data, a->chain, a->u + k * wide);

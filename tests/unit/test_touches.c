@@ -109,7 +109,7 @@ static void the_place_along_two_free_modes(void **state)
         const ric_junction j = junction_of(atlas, id);
         found += j.kind == RIC_KIND_GRAZING && j.impacts == 2;
     }
-    assert_int_equal(found, 12);
+    assert_int_equal(found, 13);
     ric_atlas_free(atlas);
 }
 
