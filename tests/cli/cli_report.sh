@@ -143,7 +143,8 @@ for r in rows:
 }
 ok 'programs get them as numbers' ranges
 
-# The third mass swings at a frequency that the second has, too: beside two periods of an orbit of the other two masses that take as long.
+# The third mass swings at a frequency that the second has, too: beside two periods of an orbit of the other two masses that
+# take as long. Both branches with mirror points leave where a period takes every deviation to its negative.
 along() {
     cat >"$folder/along.yaml" <<'END'
 model:
@@ -156,7 +157,7 @@ explore: {energy: [0, 1000], frequency: [1, 4], impacts: 2, depth: 2, multiply: 
 END
     rm -f "$folder/b.ricochet"
     "$ricochet" run "$folder/along.yaml" -o "$folder/b.ricochet" >"$folder/run" 2>&1 || { cat "$folder/run"; return 1; }
-    said '^a mode goes along on branch ' 'A2\[00\]: all its orbits have omega 1.41421356, in each of which mode 1 turns 1 time: '
+    said '^a mode goes along on branch  *6 ' 'A2\[00\]: all its orbits have omega 1.41421356, in each of which mode 1 turns 1 time: '
 }
 ok 'a branch is one of many where a mode goes along that it does not feel' along
 along_spring() { # whose word has letters for its openings, too
