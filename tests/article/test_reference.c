@@ -471,7 +471,7 @@ static void any_step_length_elsewhere(void **state)
 {
     (void)state;
     static const char *const others[] = {"symmetric-path", "three-masses", "loose-mass",
-                                         "two-walls"};
+                                         "two-walls", "gears"};
     static const double steps[] = {0.01, 0.01274, 0.026, 0.0336, 0.07, 0.0886, 0.3, 1};
     for (int i = 0; i < (int)(sizeof others / sizeof *others); i++) {
         char path[512], what[64];

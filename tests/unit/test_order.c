@@ -80,7 +80,7 @@ static void examples(void **state)
                                         "corner",       "loose-mass",     "fractal-base",
                                         "two-walls",    "free-pair",      "symmetric-chain",
                                         "beam-midspan", "bilinear",       "two-springs",
-                                        "power-3"};
+                                        "power-3",      "gears"};
     (void)state;
     for (size_t i = 0; i < sizeof names / sizeof *names; i += (size_t)every_of(2))
         check_example(names[i]);
