@@ -12,8 +12,8 @@
 #include "store_parts.h"
 
 enum { NUMBERS = 5 }; /* of a line: branch, point, mode, turns, others */
-/* OFF: turns by which the frequency of a linear mode may be off, of rounding and, once more, of each
- * contact during which a spring is closed for a while. */
+/* OFF: turns by which the frequency of a linear mode may be off, of rounding and, once more, of
+ * each contact during which a spring is closed for a while. */
 #define OFF 1
 
 ric_status ric_store_put_gaps(ric_database file, const ric_atlas *atlas)
