@@ -266,10 +266,27 @@ const char *cli_find_picture(const cli_command *command, int argc, char **argv)
     return NULL;
 }
 
+/* What other programs call it: the option of this command, or the word itself. */
+static const char *translated(const cli_command *command, const char *picture, const char *word)
+{
+    static const char *const words[][2] = {{"--output", "-o"},  {"--out", "-o"},
+                                           {"--workers", "-j"}, {"--threads", "-j"},
+                                           {"--jobs", "-j"},    {"--format", "--csv"}};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (!strcmp(word, words[i][0]) && find_option(command, picture, words[i][1]))
+            return words[i][1];
+    return word;
+}
+
 static void say_unknown(const cli_command *command, const char *picture, const char *word)
 {
     char typed[40];
     snprintf(typed, sizeof typed, "%.*s", (int)strcspn(word, "="), word);
+    const char *own = translated(command, picture, typed);
+    if (own != typed) {
+        cli_wrong("%s: option '%s' is unknown; it is '%s' here", command->name, word, own);
+        return;
+    }
     cli_guess guess = {.word = typed};
     for (const cli_item *item = NULL; (item = cli_next_option(command, picture, item));)
         cli_nearest(&guess, item->name);

@@ -132,6 +132,25 @@ static void say_several(const char *what, const char *text, int found, const cha
               what, text, found, ids, found > SHOWN ? " and more" : "");
 }
 
+/* No branch has the label, or meets these junctions as well; the first that begins so is named. */
+static void say_none(const ric_atlas *atlas, const char *what, const char *text, const char *label,
+                     bool ends)
+{
+    ric_branch b;
+    const int total = ric_atlas_n_branch(atlas);
+    int id = 1;
+    while (id <= total && (ric_atlas_branch(atlas, id, &b) != RIC_OK || !*label ||
+                           strncmp(b.label, label, strlen(label)) != 0))
+        id++;
+    if (!ends && id <= total)
+        cli_wrong("%s %s: no branch has this label or key; '%s' begins so, and `ricochet branches` "
+                  "lists all",
+                  what, text, b.label);
+    else
+        cli_wrong("%s %s: no branch has this label or key%s; `ricochet branches` lists them", what,
+                  text, ends ? " and meets these junctions" : "");
+}
+
 bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *what,
                        plot_segment *out)
 {
@@ -172,9 +191,7 @@ bool plot_find_segment(const ric_atlas *atlas, const char *text, const char *wha
     if (which && found > 0)
         cli_wrong("%s %s: only %d branch%s fit%s", what, text, found, found == 1 ? "" : "es",
                   found == 1 ? "s" : "");
-    else if (found == 0)
-        cli_wrong("%s %s: no branch has this label or key%s; `ricochet branches` lists them", what,
-                  text, n_end ? " and meets these junctions" : "");
+    else if (found == 0) say_none(atlas, what, text, label, n_end > 0);
     else say_several(what, text, found, ids);
     return false;
 }

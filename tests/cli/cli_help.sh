@@ -26,6 +26,8 @@ ok 'help of nothing known' said 2 "did you mean 'junctions'" help juntcions
 ok '-V' said 0 '^ricochet [0-9]' -V
 ok 'a command' said 2 "did you mean 'check'" chekc
 ok 'an option' said 2 "did you mean '--branch'" points x --brnch 3
+ok 'an option as other programs have it' said 2 "option '--output' is unknown; it is '-o' here" run x --output y
+ok 'and a form of a table' said 2 "it is '--csv' here" branches x --format csv
 ok 'the beginning of an option' said 2 "did you mean '--physical'" branches x --phys
 ok 'an option like none' said 2 "see ricochet run --help" run --zzzzzzzz
 ok 'a study that is missing' said 2 'No such file' check "$folder/none.yaml"

@@ -81,6 +81,7 @@ refused() { # WORDS ARGUMENT...: exit code 2 with these words
 one=$(cut -c 1-2 "$folder/branches" | sort | uniq -d | head -n 1)
 ok 'an ambiguous beginning lists what fits' refused "keys begin like this: $one" points "$atlas" --branch "$one"
 ok 'a key that is none' refused 'no branch has this label or key' points "$atlas" --branch bzzzzzzzz
+ok 'the beginning of a label' refused "'A3\[[01]*\]' begins so" points "$atlas" --branch A3
 ok 'branches that meet at a junction are equally near' refused 'equally near' points "$atlas" --at 0.601588369489,0.928731065046
 ok 'a place is two numbers' refused 'write a scaled energy and a frequency' points "$atlas" --at 5
 ok 'a place is above 0' refused 'above 0' points "$atlas" --branch 5,-1
