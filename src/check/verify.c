@@ -601,8 +601,10 @@ static ric_status check_return(replay *r)
         accept_order(r, r->n_flight - 1, &e); /* else the last two were met, in the other order */
     /* a touch at the end: the state of that time */
     if (!e.hit) ric_replay_fly(r, r->n_flight - 1, r->period - e.time, r->w, r->w);
-    /* so too at a spring: met slowly, its time is uncertain */
-    else if (last && last->spring > 0) ric_replay_fly(r, r->n_flight, due - e.time, r->w, r->w);
+    /* so too at a spring, and where a loose mass comes to rest: met slowly, its time is uncertain
+     */
+    else if (last && (last->spring > 0 || ric_replay_is_touch(r, r->n_flight - 1)))
+        ric_replay_fly(r, r->n_flight, due - e.time, r->w, r->w);
     r->check->return_error = e.refused && r->corner
                                  ? NAN
                                  : ric_replay_part(ric_replay_distance(r, r->w, r->chain), r->norm);

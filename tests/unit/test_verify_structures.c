@@ -548,6 +548,18 @@ static void verify_a_corner_without_speed(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A loose mass that comes to rest on its stop: struck with 4e-11 of the largest speed, the stop is
+ * met earlier or later by 3e-9 of the period, in which the rest of the structure goes on. */
+static void verify_loose_mass_that_comes_to_rest(void **state)
+{
+    (void)state;
+    all_of_it_passes("model:\n  mass: [[1, 0, 0], [0, 2, 0], [0, 0, 1]]\n"
+                     "  stiffness: [[0, 0, 0], [0, 60, -20], [0, -20, 40]]\n  contacts:\n"
+                     "    - {normal: [1, 0, 0], clearance: 0.1, sides: upper, law: rigid}\n"
+                     "    - {normal: [1, -1, 0], clearance: 0.2, sides: lower, law: bilinear, "
+                     "stiffness: 500}\n");
+}
+
 /* An orbit whose long flight ends 67 roundings off its face, as the solver leaves it. */
 static void verify_long_flight_to_a_stiff_spring(void **state)
 {
@@ -651,6 +663,7 @@ int main(void)
         cmocka_unit_test(no_grazing_without_a_word),
         cmocka_unit_test(verify_touch_with_an_impact),
         cmocka_unit_test(verify_a_corner_without_speed),
+        cmocka_unit_test(verify_loose_mass_that_comes_to_rest),
         cmocka_unit_test(verify_long_flight_to_a_stiff_spring),
         cmocka_unit_test(verify_trace_as_it_is_known),
         cmocka_unit_test(verify_trace_that_is_lost_at_an_end),
