@@ -1,5 +1,6 @@
 /* Where within a step something happens: solved for, or read off cubics where nothing can be solved
  * (event.c). */
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -200,6 +201,14 @@ static bool off_resonance(const ric_continuation *tr, double rho, const double *
     return true;
 }
 
+/* What rounding makes of the energy of an orbit: where the equations are all but singular, as
+ * beside modes of nearly one frequency, more than a part of its values at the ends. */
+static double blur(const ric_shooting *c, int test)
+{
+    const bool energy = test == RIC_TEST_E_MAX || test == RIC_TEST_E_MIN;
+    return energy ? DBL_EPSILON / c->smallest * ric_shooting_energy(c) : 0;
+}
+
 ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa, double xb,
                             double fb, double h, double *where, bool *zero)
 {
@@ -230,7 +239,7 @@ ric_status ric_event_locate(ric_continuation *tr, int test, double xa, double fa
     *where = r.x;
     double least = ric_event_value(tr, test, &tr->mid),
            part = test < RIC_N_TEST ? TRUE_ZERO : TRUE_RESONANCE;
-    *zero = good && (fabs(least) <= part * size ||
+    *zero = good && (fabs(least) <= fmax(part * size, blur(tr->chain, test)) ||
                      (test < RIC_N_TEST && height(test, &tr->mid, least) <= part * top));
     return RIC_OK;
 }

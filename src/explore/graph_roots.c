@@ -8,7 +8,9 @@
 #include "model/room.h"
 #include "base/room.h"
 
-#define ABOVE 1e-6   /* part by which a start lies above the lower edge of the window */
+/* ABOVE: part by which a start lies above the lower edge of the window, at least: where two modes
+ * of nearly one frequency mix, energies of orbits are known to 1e-5 of themselves */
+#define ABOVE 1e-3
 #define UNMOVED 1e-9 /* share of a force that counts as none */
 #define STILL 1e-9   /* scaled amplitude at which no power law with an exponent from 3 on is felt */
 #define MIXED 0.01   /* of the amplitude of a mode: its orbit with more of others is a mixture */
@@ -117,34 +119,35 @@ static bool alone(const ric_model *m, ric_shooting *chain, int mode, double *u, 
     return false;
 }
 
-/* Follows the branch of an orbit below the window up to there. *out = NULL: it does not come so
- * far, or, *lost, it is lost on the way. The chain is taken. */
+/* Follows the branch of an orbit below the window up to there; *lost: it does not come so far. At
+ * small energies the equations are all but singular, and what tells kernels has no sign at the
+ * start. The chain is taken. */
 static ric_status follow_up(const ric_graph *g, ric_shooting *chain, int mode, const double *u,
                             bool *lost, ric_periodic **out)
 {
+    const unsigned kernels = 1u << RIC_TEST_DET | 1u << RIC_TEST_A | 1u << RIC_TEST_B |
+                             1u << RIC_TEST_D;
+    const double *window = g->limits.energy;
     int n = g->model->n;
     double t[n + 1];
     ric_continuation *way = NULL;
-    ric_limits limits = {.energy = {0, g->limits.energy[0] * (1 + ABOVE)},
+    ric_limits limits = {.energy = {0, fmin(window[0] * (1 + ABOVE), (window[0] + window[1]) / 2)},
                          .period = {0, HUGE_VAL},
                          .max_step = g->limits.max_step,
                          .max_points = g->limits.max_points};
     memset(t, 0, sizeof t);
     t[mode] = 1;
-    ric_status status = ric_continuation_create(chain, u, t, 0, &limits, &way);
+    ric_status status = ric_continuation_create(chain, u, t, kernels, &limits, &way);
     if (!status) status = ric_continuation_run(way);
-    *lost = status == RIC_E_NUMERIC ||
-            (!status && (way->stop == RIC_STOP_FAILED || way->stop == RIC_STOP_BUDGET));
-    if (!status && way->end.test == RIC_TEST_E_MAX &&
-        !(*out = ric_continuation_cycle(way, way->end.u)))
+    *lost = status == RIC_E_NUMERIC || (!status && way->end.test != RIC_TEST_E_MAX);
+    if (!status && !*lost && !(*out = ric_continuation_cycle(way, way->end.u)))
         status = ric_no_memory("a start");
     ric_continuation_free(way);
     return *lost ? RIC_OK : status;
 }
 
 /* Under a power law the orbits of a mode at vanishing energy are those of the linear structure.
- * Where the window starts higher, the branch is followed up to there. *out = NULL: it does not come
- * so far. */
+ * Where the window starts higher, the branch is followed up to there. *out = NULL: no vibration. */
 static ric_status smooth_start(ric_graph *g, int mode, ric_node **out)
 {
     static const int face[] = {-1, -1};
