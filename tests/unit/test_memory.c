@@ -7,6 +7,7 @@
 #include <malloc.h>
 #include <pthread.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -61,6 +62,7 @@ static void heaps_have_large_pages(void **state)
         print_message("this system has no large pages\n");
         skip();
     }
+    unsetenv("MALLOC_PERTURB_"); /* under which nothing is asked for */
 #ifdef M_MMAP_THRESHOLD
     mallopt(M_MMAP_THRESHOLD, 1 << 25); /* as the program does (cli/common/main.c) */
     mallopt(M_TRIM_THRESHOLD, 1 << 28);
