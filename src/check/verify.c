@@ -46,6 +46,7 @@
 /* RESTS: of the clearance: what moves by less in a period rests on a stop: places at which speeds
  * vanish are known to the root of rounding */
 #define RESTS 1e-8
+enum { MOST_TOUCHES = 10000 }; /* on the way to one impact */
 /* LATE: an impact later than this part of a mean flight behind its time is missing */
 #define LATE 1e-2
 
@@ -167,6 +168,9 @@ static ric_status run_to_impact(replay *r, int k, real due, real end, event *e)
         r->touched = true;
         e->refused = e->hit = false;
         e->touches++;
+        /* where a spring is touched at rest time does not go on */
+        e->refused = e->touches > MOST_TOUCHES;
+        if (e->refused) break;
         /* What digits make of the touch of a spring that is open is no contact, as a stiff one
          * would turn its speed round. Any other the simulator passes by itself. */
         if (contact && (e->opens || !passes)) continue;
