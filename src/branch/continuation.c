@@ -19,7 +19,6 @@
 #define SOFT_STEP 0.1   /* first step from the grazing of a spring, of its compliance */
 #define FIRST_STEP 3e-5 /* of the size of the unknowns */
 #define SHORTEST 1e-8   /* of the size: a first step that is shorter shows rounding */
-#define NO_SPEED 1e-13  /* of the size of the orbit: an impact so slow is rounding */
 #define SMALLEST_STEP                                                                              \
     1e-11              /* of the size of the unknowns: below it the branch counts as failed        \
                         */
@@ -561,7 +560,6 @@ const char *ric_continuation_why_text(ric_why why)
         [RIC_WHY_CLOSED] = "back at its start",
         [RIC_WHY_POINTS] = "largest number of points of a branch",
         [RIC_WHY_NO_STEP] = "no step, however small, stays on the branch",
-        [RIC_WHY_AT_REST] = "a mass comes to rest on a stop",
         [RIC_WHY_NO_JUNCTION] = "the junction at the end does not converge",
         [RIC_WHY_NO_FIT] = "the branch does not fit the junction at its end",
         [RIC_WHY_TONGUE] = "border of a tongue that is stepped over",
@@ -599,15 +597,6 @@ static ric_status stop_with(ric_continuation *tr, ric_stop stop, ric_why why, bo
     return RIC_OK;
 }
 
-/* Whether impacts have lost their speed to rounding, for two points: a mass comes to rest on a
- * stop, and what goes on from there are steps within rounding. */
-static bool comes_to_rest(const ric_continuation *tr)
-{
-    const double least = NO_SPEED * tr->chain->scale;
-    return !tr->limits->ghost && fabs(tr->now.test[RIC_TEST_APPROACH]) < least &&
-           fabs(tr->next.test[RIC_TEST_APPROACH]) < least && tr->n_point > 1;
-}
-
 /* The step from `now` to `next` has been taken: what it leaves for the one after it. */
 static ric_status move_on(ric_continuation *tr, bool *done)
 {
@@ -619,7 +608,6 @@ static ric_status move_on(ric_continuation *tr, bool *done)
                         "%.3g in speed, %.3g in time",
                         tr->next.test[RIC_TEST_REACH], tr->next.test[RIC_TEST_APPROACH],
                         tr->next.test[RIC_TEST_FLIGHT]);
-    if (comes_to_rest(tr)) return stop_with(tr, RIC_STOP_FAILED, RIC_WHY_AT_REST, done);
     ric_status status = ric_leap_leave(tr, done);
     if (status || *done) return status;
     /* what is broken off here is done again: nothing that a stop may reach comes behind the first
