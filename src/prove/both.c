@@ -4,35 +4,15 @@
 
 #include "base/room.h"
 
-/* What is left of velocities, or displacements, at a mirror point, of those of the motion: only
- * where to begin is decided by it. */
-#define AT_MIRROR 1e-6
-
-static double middle(arb_srcptr x)
-{
-    return ric_arb_middle(x);
-}
-
 /* Whether the motion goes back from a state, before the impact if there is one, the way it came. */
 static bool turns(const ric_enclosure *e, ric_chain_end kind, int face, arb_srcptr w)
 {
-    const int n = e->n;
-    double off = 0;
-    arb_ptr image = _arb_vec_init(2 * n);
-    arb_t E;
-    arb_init(E);
-    _arb_vec_set(image, w, 2 * n);
-    if (kind == RIC_CHAIN_CENTRE) _arb_vec_neg(image, image, n);
-    else if (kind == RIC_CHAIN_IMPACT) ric_chain_reflect(e, face, image + n);
-    for (int i = 0; i < n; i++) {
-        const double q = middle(w + i) - middle(image + i),
-                     p = kind == RIC_CHAIN_CENTRE ? 0 : middle(w + n + i) + middle(image + n + i);
-        off += q * q * fmax(1, middle(e->square + i)) + p * p;
-    }
-    ric_chain_energy(e, NULL, w, E);
-    const bool found = sqrt(off) < AT_MIRROR * sqrt(2 * fabs(middle(E)));
-    _arb_vec_clear(image, 2 * n);
-    arb_clear(E);
+    arb_ptr image = _arb_vec_init(2 * e->n);
+    _arb_vec_set(image, w, 2 * e->n);
+    if (kind == RIC_CHAIN_CENTRE) _arb_vec_neg(image, image, 2 * e->n);
+    else if (kind == RIC_CHAIN_IMPACT) ric_chain_reflect(e, face, image + e->n);
+    const bool found = ric_chain_goes_back(e, w, image);
+    _arb_vec_clear(image, 2 * e->n);
     return found;
 }
 
@@ -61,7 +41,7 @@ static bool fill(ric_chain *c, const ric_chain *general, const ric_enclosure *e,
     const int m = general->m, first = (flight + 1) % m;
     int count = 0;
     while (count < m && left > near)
-        left -= middle(ric_chain_block(general, (first + count++) % m) + 2 * general->n);
+        left -= ric_arb_middle(ric_chain_block(general, (first + count++) % m) + 2 * general->n);
     if (!count) return false;
     ric_chain_allocate(c, e, count);
     c->also = general->face[flight];
@@ -101,8 +81,10 @@ bool ric_both_create(ric_chain *c, const ric_chain *general, const ric_enclosure
     broken[1] = ways[way].last;
     if (f->closes || g->closes || !ric_enclosure_orthogonal(e->model, f->contact, g->contact))
         return false;
-    for (int k = 0; k < m; k++) period += middle(ric_chain_block(general, k) + 2 * general->n);
-    if (!fill(c, general, e, flight, period / ways[way].share, AT_MIRROR * period)) return false;
+    for (int k = 0; k < m; k++)
+        period += ric_arb_middle(ric_chain_block(general, k) + 2 * general->n);
+    if (!fill(c, general, e, flight, period / ways[way].share, RIC_AT_MIRROR * period))
+        return false;
     c->end = kind_at(c, e);
     return c->end != RIC_CHAIN_GENERAL && ric_chain_halved(c) == ways[way].halved;
 }
@@ -122,7 +104,8 @@ static void pivots(int n, arb_srcptr x, arb_srcptr y, slong out[2])
     double most = -1;
     for (slong i = 0; i < n; i++)
         for (slong j = i + 1; j < n; j++) {
-            const double size = fabs(middle(x + i) * middle(y + j) - middle(x + j) * middle(y + i));
+            const double size = fabs(ric_arb_middle(x + i) * ric_arb_middle(y + j) -
+                                     ric_arb_middle(x + j) * ric_arb_middle(y + i));
             if (!(size > most)) continue;
             most = size;
             out[0] = i;

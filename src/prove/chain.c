@@ -5,9 +5,6 @@
 
 #include "base/room.h"
 
-/* What is left of velocities, or displacements, at a mirror point, of those of the motion: only
- * where to begin is decided by it. */
-#define AT_MIRROR 1e-6
 /* NO_LENGTH: of a period: a contact that is looked at as a touch; the equations decide */
 #define NO_LENGTH 1e-6
 enum { MIRRORS = 4 }; /* at most in a period */
@@ -270,6 +267,23 @@ static double fastest(const ric_enclosure *e, const ric_phase *phase, arb_srcptr
     return speed;
 }
 
+bool ric_chain_goes_back(const ric_enclosure *e, arb_srcptr w, arb_srcptr image)
+{
+    const int n = e->n;
+    double off = 0;
+    arb_t E;
+    arb_init(E);
+    for (int i = 0; i < n; i++) {
+        const double q = ric_arb_middle(w + i) - ric_arb_middle(image + i),
+                     p = ric_arb_middle(w + n + i) + ric_arb_middle(image + n + i);
+        off += q * q * fmax(1, ric_arb_middle(e->square + i)) + p * p;
+    }
+    ric_chain_energy(e, NULL, w, E);
+    const bool found = sqrt(off) < RIC_AT_MIRROR * sqrt(2 * fabs(ric_arb_middle(E)));
+    arb_clear(E);
+    return found;
+}
+
 /* Whether the impact with the state w after it turns the motion round: p is along the normal. */
 static bool turns(const ric_enclosure *e, const ric_phase *phase, int face, arb_srcptr w)
 {
@@ -281,7 +295,7 @@ static bool turns(const ric_enclosure *e, const ric_phase *phase, int face, arb_
     along /= ric_arb_middle(e->cc + contact);
     for (slong i = 0; i < e->n; i++)
         rest += pow(ric_arb_middle(w + e->n + i) - along * ric_arb_middle(c + i), 2);
-    return sqrt(rest) < AT_MIRROR * fastest(e, phase, w);
+    return sqrt(rest) < RIC_AT_MIRROR * fastest(e, phase, w);
 }
 
 static ric_chain_end kind_in_flight(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w)
@@ -289,8 +303,8 @@ static ric_chain_end kind_in_flight(const ric_enclosure *e, const ric_phase *pha
     double q = 0, v = fastest(e, phase, w);
     for (slong i = 0; i < e->n; i++)
         q += pow(ric_arb_middle(w + i), 2) * fmax(1, ric_arb_middle(e->square + i));
-    if (size_of(e->n, w + e->n) < AT_MIRROR * v) return RIC_CHAIN_REST;
-    return !phase && sqrt(q) < AT_MIRROR * v ? RIC_CHAIN_CENTRE : RIC_CHAIN_GENERAL;
+    if (size_of(e->n, w + e->n) < RIC_AT_MIRROR * v) return RIC_CHAIN_REST;
+    return !phase && sqrt(q) < RIC_AT_MIRROR * v ? RIC_CHAIN_CENTRE : RIC_CHAIN_GENERAL;
 }
 
 typedef struct {
@@ -342,7 +356,7 @@ static bool reflects(const ric_enclosure *e, const motion *z, int place, ric_cha
         const double behind = ric_arb_middle(z->tau + k),
                      before = ric_arb_middle(z->tau + (image + letters - 1) % letters);
         if (z->word[image] != image_of(e, z->word[k], true, kind == RIC_CHAIN_CENTRE) ||
-            fabs(behind - before) > AT_MIRROR * period)
+            fabs(behind - before) > RIC_AT_MIRROR * period)
             return false;
     }
     return true;

@@ -135,6 +135,12 @@ void ric_chain_fly(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w,
 void ric_chain_reflect(const ric_enclosure *e, int face, arb_ptr p);
 /* c . x [n] of the contact of `face`. */
 void ric_chain_along(const ric_enclosure *e, int face, arb_srcptr x, arb_t out);
+/* RIC_AT_MIRROR: what is left of velocities, or displacements, at a mirror point, of those of the
+ * motion: only where to begin is decided by it. */
+#define RIC_AT_MIRROR 1e-6
+/* Whether the motion goes back from the state w, [2n] each, as what came by `image`: it has its
+ * places, and its velocities the other way round, by middles. */
+bool ric_chain_goes_back(const ric_enclosure *e, arb_srcptr w, arb_srcptr image);
 /* 1/2 p.p + 1/2 q.(L + R) q + 1/2 sum k (s - d)^2. */
 void ric_chain_energy(const ric_enclosure *e, const ric_phase *phase, arb_srcptr w, arb_t out);
 /* (L + R + sum k c c') q [n] in a phase; and q'' = sum k d c less that. */

@@ -4,10 +4,6 @@
 
 #include "base/room.h"
 
-/* What is left of velocities, or displacements, at a mirror point, of those of the motion: only
- * where to begin is decided by it. */
-#define AT_MIRROR 1e-6
-
 void ric_twin_chain_image(const ric_enclosure *e, const ric_twin *twin, arb_ptr w)
 {
     const int n = e->n, n_dof = e->n_dof;
@@ -40,22 +36,11 @@ static void reflect(const ric_enclosure *e, const ric_twin *twin, ric_chain_end 
 static bool turns(const ric_enclosure *e, const ric_twin *twin, ric_chain_end kind, int face,
                   arb_srcptr w)
 {
-    const int n = e->n;
-    double off = 0;
-    arb_ptr image = _arb_vec_init(2 * n);
-    arb_t E;
-    arb_init(E);
-    _arb_vec_set(image, w, 2 * n);
+    arb_ptr image = _arb_vec_init(2 * e->n);
+    _arb_vec_set(image, w, 2 * e->n);
     reflect(e, twin, kind, face, image);
-    for (int i = 0; i < n; i++) {
-        const double q = ric_arb_middle(w + i) - ric_arb_middle(image + i),
-                     p = ric_arb_middle(w + n + i) + ric_arb_middle(image + n + i);
-        off += q * q * fmax(1, ric_arb_middle(e->square + i)) + p * p;
-    }
-    ric_chain_energy(e, NULL, w, E);
-    const bool turns = sqrt(off) < AT_MIRROR * sqrt(2 * fabs(ric_arb_middle(E)));
-    _arb_vec_clear(image, 2 * n);
-    arb_clear(E);
+    const bool turns = ric_chain_goes_back(e, w, image);
+    _arb_vec_clear(image, 2 * e->n);
     return turns;
 }
 
