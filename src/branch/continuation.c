@@ -628,7 +628,6 @@ ric_status ric_continuation_advance(ric_continuation *tr, bool *done)
     double h = tr->step, size = tr->chain->scale;
     *done = false;
     tr->too_long = HUGE_VAL;
-
     if (tr->n_point >= tr->limits->max_points)
         return stop_with(tr, RIC_STOP_BUDGET, RIC_WHY_POINTS, done);
     bool over;

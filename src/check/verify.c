@@ -166,10 +166,9 @@ static ric_status run_to_impact(replay *r, int k, real due, real end, event *e)
         e->refused = !passes && !contact;
         if (e->refused) break;
         r->touched = true;
-        e->refused = e->hit = false;
-        e->touches++;
+        e->hit = false;
         /* where a spring is touched at rest time does not go on */
-        e->refused = e->touches > MOST_TOUCHES;
+        e->refused = ++e->touches > MOST_TOUCHES;
         if (e->refused) break;
         /* What digits make of the touch of a spring that is open is no contact, as a stiff one
          * would turn its speed round. Any other the simulator passes by itself. */

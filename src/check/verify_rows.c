@@ -14,10 +14,10 @@
 #include "verify_smooth.h"
 
 #define SAME 1e-12 /* relative: numbers that are stored twice */
-/* SOLVED: of clearance and norm: what a located orbit may leave open, and an image may be off */
 /* STILL: of the clearance: a gap goes with the square of its speed, and where that vanishes is
  * known to the root of rounding */
 #define STILL 1e-7
+/* SOLVED: of clearance and norm: what a located orbit may leave open, and an image may be off */
 #define SOLVED 1e-9
 /* BETWEEN: relative: how far a junction between points may extend the frequencies of a branch */
 #define BETWEEN 1e-2

@@ -38,7 +38,7 @@ typedef struct {
 
 /* The chain from the mirror point of face f to that of face g; of its image f = -1 only from the
  * centre on. */
-static ric_status make_chain(const ric_model *m, int f, int g, family *a, ric_shooting **out)
+static ric_status make_chain(const ric_model *m, int f, int g, family *a)
 {
     const bool soft[2] = {f >= 0 && m->face[f].spring > 0, m->face[g].spring > 0};
     int face[MOST_FLIGHTS + 1], n = 0;
@@ -53,8 +53,8 @@ static ric_status make_chain(const ric_model *m, int f, int g, family *a, ric_sh
                              : soft[0] ? RIC_MIRROR_REST
                                        : RIC_MIRROR_IMPACT;
     ric_status status = ric_shooting_create(m, start, soft[1] ? RIC_MIRROR_REST : RIC_MIRROR_IMPACT,
-                                            1, n - 1, face, out);
-    if (!status && soft[0]) ric_shooting_close(*out, (uint64_t)1 << f);
+                                            1, n - 1, face, &a->chain);
+    if (!status && soft[0]) ric_shooting_close(a->chain, (uint64_t)1 << f);
     return status;
 }
 
@@ -71,9 +71,10 @@ static void release(family *a)
 static ric_status create(const ric_model *m, int f, int g, family *a)
 {
     *a = (family){0};
-    ric_status status = make_chain(m, f, g, a, &a->chain);
-    if (!status) status = make_chain(m, f, g, a, &a->plain);
+    ric_status status = make_chain(m, f, g, a);
     if (status) return status;
+    a->plain = ric_shooting_copy(a->chain);
+    if (!a->plain) return ric_no_memory("orbits of a loose mass");
     a->plain->plain = true;
     const size_t rows = (size_t)ric_shooting_rows(a->plain), wide = (size_t)a->plain->n_unknown;
     a->J = ric_malloc((rows * wide + rows + wide * wide + 3 * wide) * sizeof *a->J);

@@ -12,9 +12,9 @@
 #include "regime.h"
 #include "base/room.h"
 
-/* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
 /* OPPOSITE: directions in which two faces push are opposite up to this part */
 #define OPPOSITE 1e-9
+/* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
 #define ORTHOGONAL 1e-12
 /* LOCKED: eigenvalues of n modes below this many last digits of the largest, for each, are zero */
 #define LOCKED 16.0
