@@ -393,7 +393,7 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
                   "where multipliers are lost in rounding");
     add_count(rows, "departures taken", sum.taken, "");
     add_count(rows, "departures known", sum.known, "the branch was found another way");
-    add_count(rows, "departures inadmissible", sum.inadmissible, "ghosts only");
+    add_count(rows, "departures inadmissible", sum.inadmissible, "no motions leave");
     add_regions(rows, atlas);
     if (*cli_forcing_remark(ric_atlas_study(atlas)))
         add(rows, "losses and force", json_null(), cli_forcing_remark(ric_atlas_study(atlas)));

@@ -230,6 +230,10 @@ static ric_status depart_subset(const ric_model *m, const ric_node *node, unsign
     ric_periodic *cycle = ric_grazing_words_cycle(m, node, choice);
     int found = 0;
     if (!cycle) return ric_no_memory("a departure");
+    if (!ric_model_balances(m, cycle->N, cycle->face)) { /* no motion strikes these faces alone */
+        ric_periodic_free(cycle);
+        return RIC_OK;
+    }
     const char *refused = node->kind == RIC_KIND_GRAZING ? together(m, cycle) : NULL;
     ric_status status = refused ? ric_fail(RIC_E_NUMERIC, "%s", refused)
                                 : ric_outset_open(m, cycle, out);

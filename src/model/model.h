@@ -91,7 +91,10 @@ bool ric_model_orthogonal(const ric_model *model, int contact_f, int contact_g);
 /* Whether faces f and g push all loose masses, the seen modes of frequency zero, in opposite
  * directions, so that two impacts a period may leave their momentum as it is. */
 bool ric_model_opposite(const ric_model *model, int face_f, int face_g);
-/* Whether any two faces do: families of a loose mass begin there (explore/loose.h). */
+/* False where impulses of these n faces, each of which strikes, cannot leave the momentum of the
+ * loose masses as it is: one of them pushes, and none against it. */
+bool ric_model_balances(const ric_model *model, int n, const int *faces);
+/* Whether any two faces are opposite: families of a loose mass begin there (explore/loose.h). */
 bool ric_model_rattles(const ric_model *model);
 
 /* Orthonormal rows E [(n-1) * n] perpendicular to h [n], with det [h; E] > 0: the basis turns

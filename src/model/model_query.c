@@ -12,7 +12,8 @@
 #include "regime.h"
 #include "base/room.h"
 
-/* OPPOSITE: directions in which two faces push are opposite up to this part */
+/* OPPOSITE: directions in which two faces push are opposite up to this part; and of the square of a
+ * normal: what belongs to loose masses, if the face pushes them */
 #define OPPOSITE 1e-9
 /* Cosine between two normals (metric M^-1) below which reflections are taken to commute. */
 #define ORTHOGONAL 1e-12
@@ -289,18 +290,32 @@ bool ric_model_orthogonal(const ric_model *m, int f, int g)
            ORTHOGONAL * sqrt(ric_dot(m->n, c, c) * ric_dot(m->n, d, d));
 }
 
-bool ric_model_opposite(const ric_model *m, int face_f, int face_g)
+/* p . q of the parts of faces f and g that belong to loose masses, in the direction in which they
+ * push. */
+static double pushes(const ric_model *m, int face_f, int face_g)
 {
     const ric_face *f = &m->face[face_f], *g = &m->face[face_g];
-    double ff = 0, gg = 0, fg = 0;
-    for (int i = 0; i < m->n; i++) {
-        if (m->omega[i] > 0) continue;
-        const double a = f->side * f->c[i], b = g->side * g->c[i];
-        ff += a * a;
-        gg += b * b;
-        fg += a * b;
+    double sum = 0;
+    for (int i = 0; i < m->n; i++)
+        if (!(m->omega[i] > 0)) sum += f->side * f->c[i] * (g->side * g->c[i]);
+    return sum;
+}
+
+bool ric_model_opposite(const ric_model *m, int f, int g)
+{
+    const double ff = pushes(m, f, f), gg = pushes(m, g, g);
+    return ff > 0 && gg > 0 && pushes(m, f, g) < -(1 - OPPOSITE) * sqrt(ff * gg);
+}
+
+bool ric_model_balances(const ric_model *m, int n, const int *faces)
+{
+    for (int i = 0; i < n; i++) {
+        const double *c = m->face[faces[i]].c;
+        bool alone = pushes(m, faces[i], faces[i]) > OPPOSITE * ric_dot(m->n, c, c);
+        for (int j = 0; j < n && alone; j++) alone = !(pushes(m, faces[i], faces[j]) < 0);
+        if (alone) return false;
     }
-    return ff > 0 && gg > 0 && fg < -(1 - OPPOSITE) * sqrt(ff * gg);
+    return true;
 }
 
 bool ric_model_rattles(const ric_model *m)

@@ -213,6 +213,10 @@ Y
 ok 'a loose mass between a wall and a body, which comes to rest on the wall' rattles 60 "$folder/wall.yaml"
 sed 's/0.1, sides/0.1, law: bilinear, stiffness: 400, sides/' "$folder/wall.yaml" >"$folder/buffer.yaml"
 ok 'and between a spring and a stop' rattles 10 "$folder/buffer.yaml"
+all_told() { # no departure of either atlas is refused: those whose faces push the mass one way alone are none
+    for name in wall buffer; do "$ricochet" report "$folder/$name.ricochet" >"$folder/said" && ! grep 'departures refused' "$folder/said" || return 1; done
+}
+ok 'whose momentum says what departures have no motions' all_told
 cat >"$folder/far.yaml" <<'Y'
 model:
   mass: [[0.5, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0.3, 0], [0, 0, 0, 1]]
