@@ -10,6 +10,7 @@
 
 /* UNSEEN: part of the largest modal normal of a contact below which a mode is not seen by it */
 #define UNSEEN 1e-12
+#define ONE_STOP 1e-12 /* normals and distances of faces that are one, relative */
 /* PANEL: search step over 1 / omega of the faster mode: the gap has at most one maximum in it but
  * for tiny motions */
 #define PANEL 0.5
@@ -103,6 +104,25 @@ static ric_status make_faces(ric_impact_map *s, const ric_model *m, const ric_re
     return RIC_OK;
 }
 
+/* Which of two faces at one place is met is rounding alone: neighbours never stay together, and
+ * what is found on one of them touches the other. */
+static ric_status check_faces(const ric_impact_map *s)
+{
+    for (int f = 1; f < s->n_face; f++)
+        for (int g = 0; g < f; g++) {
+            const ric_impact_map_face *a = &s->face[g], *b = &s->face[f];
+            double off = fabs(fabs(a->at) - fabs(b->at)) / fabs(a->at);
+            for (int i = 0; i < 2; i++)
+                off = fmax(off, fabs(a->side * a->normal[i] - b->side * b->normal[i]));
+            if (off < ONE_STOP)
+                return ric_fail(RIC_E_INPUT,
+                                "contacts %d and %d are one stop: their normals and clearances are "
+                                "in the same proportion; leave one of them out",
+                                a->contact + 1, b->contact + 1);
+        }
+    return RIC_OK;
+}
+
 static ric_status check_laws(const ric_model *m)
 {
     for (int i = 0; i < ric_model_n_contact(m); i++) {
@@ -131,7 +151,9 @@ ric_status ric_impact_map_create(const ric_model *m, double energy, ric_impact_m
     s->energy = energy;
     if ((status = check_laws(m)) || (status = ric_simulator_create(m, &s->sim))) goto out;
     ric_simulator_frame(s->sim, &omega, &c);
-    if ((status = find_modes(s, m, omega, c)) || (status = make_faces(s, m, c))) goto out;
+    if ((status = find_modes(s, m, omega, c)) || (status = make_faces(s, m, c)) ||
+        (status = check_faces(s)))
+        goto out;
     s->panel = PANEL / fmax(s->omega[0], s->omega[1]);
     for (int i = 0; i < 2; i++)
         sincos(s->omega[i] * s->panel, &s->turn[2 * i + 1], &s->turn[2 * i]);

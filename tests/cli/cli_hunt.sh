@@ -26,6 +26,9 @@ ok "three modes" refused 2 "see 3 modes" examples/three-masses/study.yaml --ener
 printf '%s\n' 'model:' '  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]' '  stiffness: [[3, -1, -1], [-1, 3, -1], [-1, -1, 3]]' \
     '  contacts: [{normal: [1, 0, 0], clearance: 1}]' >"$folder/equal.yaml"
 ok "two modes of one frequency" refused 2 "modes have one frequency, and the stops see a mixture" "$folder/equal.yaml" --energy 2
+printf '%s\n' 'model:' '  mass: [[2, 0], [0, 1]]' '  stiffness: [[9, -1], [-1, 1]]' '  contacts:' \
+    '    - {normal: [-1, 1], clearance: 1}' '    - {normal: [2, -2], clearance: 2, sides: lower}' >"$folder/twice.yaml"
+ok "a stop that is given twice" refused 2 "contacts 1 and 2 are one stop" "$folder/twice.yaml" --energy 5
 ok "no such atlas" refused 2 "no such file" "$folder/study.yaml" --energy 1 --atlas "$folder/none.ricochet"
 
 ok "an atlas" "$ricochet" run "$folder/study.yaml" -o "$atlas"
