@@ -77,6 +77,7 @@ static inline ric_ball ric_ball_dot(int n, const double *y, const double *m, con
 /* The ball of doubles that holds one of Arb. */
 static inline ric_ball ric_ball_of(const arb_t x)
 {
+    if (arb_is_zero(x)) return ric_ball_exact(0);
     const double m = ric_arb_nearest(arb_midref(x));
     mag_t r;
     mag_init(r);

@@ -3,7 +3,7 @@
  *
  * Block k of the m blocks is (q_k, p_k, tau_k) [2n + 1]; the last one of a general chain has lambda
  * behind it. With Q_k the impact on face k and F the flight:
- *   w_k+1 = Q_k+1 F(tau_k) w_k,  s_k+1 c.q_k+1 = d_k+1                          (k = 0..m-2)
+ *   Q_k+1 w_k+1 = F(tau_k) w_k,  s_k+1 c.q_k+1 = d_k+1                          (k = 0..m-2)
  *   general: s_0 c.q_0 = d_0,  w_0 = sigma (1 + lambda) Q_0 F(tau_m-1) w_m-1    (sigma = -1: half a
  *                              period)
  *   reversible: n conditions of a mirror point on w_0, n on F(tau_m-1) w_m-1    (docs/theory.md

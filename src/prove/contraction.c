@@ -254,6 +254,20 @@ void ric_contraction_add(ric_contraction *k, slong j, const ric_contraction_colu
     _arb_vec_clear(column, x->count);
 }
 
+void ric_contraction_loosen(ric_contraction *k, slong row, slong rows, const double *weight)
+{
+    const slong n = k->n;
+    double *sum = flint_calloc((size_t)n, sizeof *sum);
+    for (slong l = row; l < row + rows; l++)
+        for (slong i = 0; i < n; i++)
+            sum[i] += k->wide ? ric_ball_most(ric_ball_of(arb_mat_entry(k->own, i, l)))
+                              : fabs(k->C[l * n + i]);
+    for (slong j = 0; j < n; j++)
+        for (slong i = 0; i < n && weight[j] != 0; i++)
+            k->Z[j * n + i] = round_up(k->Z[j * n + i] + round_up(sum[i]) * weight[j]);
+    flint_free(sum);
+}
+
 /* Numbers of J that are not zero, column by column: those of column j from[j] .. from[j + 1] - 1,
  * at rows `at`. Row by row, as they lie in memory. */
 typedef struct {

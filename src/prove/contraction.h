@@ -58,6 +58,8 @@ double ric_contraction_least(const ric_contraction *k);
 void ric_contraction_defect(ric_contraction *k, const arb_mat_t J);
 /* Column j of Z += by |C x|: of what J has more in it at some distance. */
 void ric_contraction_add(ric_contraction *k, slong j, const ric_contraction_column *x, double by);
+/* Z += |C| times `rows` rows from `row` on whose numbers in column j are at most weight[j]. */
+void ric_contraction_loosen(ric_contraction *k, slong row, slong rows, const double *weight);
 /* The largest sum of a row of Z. */
 double ric_contraction_left(const ric_contraction *k);
 /* The largest eigenvalue of W [n * n], which has no negative number, about: that of Z is less than

@@ -140,21 +140,35 @@ static void put_gap(const ric_enclosure *e, const ric_chain *c, int k, slong row
     for (slong i = 0; i < c->n; i++) arb_set(arb_mat_entry(J, row, i), normal + i);
 }
 
+/* Adds Q - 1 of velocities. */
+static void put_impact(const ric_enclosure *e, int face, arb_mat_t K)
+{
+    const slong n = e->n;
+    if (e->wall[face].closes) return;
+    arb_srcptr c = ric_enclosure_c(e, e->wall[face].contact),
+               turn = arb_mat_entry(e->turn, e->wall[face].contact, 0);
+    for (slong i = 0; i < n; i++)
+        for (slong j = 0; j < n; j++)
+            arb_submul(arb_mat_entry(K, n + i, n + j), turn + i, c + j, e->prec);
+}
+
 static void put_unit(arb_mat_t J, slong n)
 {
     for (slong i = 0; i < n; i++)
         arb_add_ui(arb_mat_entry(J, i, i), arb_mat_entry(J, i, i), 1, ARF_PREC_EXACT);
 }
 
-/* Of w_k+1 - Q F(tau_k) w_k and the gap: F. */
-static void value_link(const ric_enclosure *e, const ric_chain *c, int k, arb_ptr flown,
+/* Q w_k+1 - F(tau_k) w_k and the gap: F. */
+static void value_link(const ric_enclosure *e, const ric_chain *c, int k, arb_srcptr flown,
                        ric_equation_group *g)
 {
-    arb_srcptr next = ric_chain_block(c, k + 1);
-    ric_chain_reflect(e, c->face[k + 1], flown + c->n);
+    arb_ptr before = _arb_vec_init(2 * c->n);
+    _arb_vec_set(before, ric_chain_block(c, k + 1), 2 * c->n);
+    ric_chain_reflect(e, c->face[k + 1], before + c->n);
     for (slong i = 0; i < 2 * c->n; i++)
-        arb_sub(arb_mat_entry(g->F, i, 0), next + i, flown + i, e->prec);
+        arb_sub(arb_mat_entry(g->F, i, 0), before + i, flown + i, e->prec);
     value_gap(e, c, k + 1, arb_mat_entry(g->F, 2 * c->n, 0));
+    _arb_vec_clear(before, 2 * c->n);
 }
 
 /* F and its derivatives. */
@@ -165,9 +179,9 @@ static void put_link(const ric_enclosure *e, const ric_chain *c, int k, ric_equa
     arb_mat_t D;
     arb_mat_init(D, 2 * n, 2 * n + 1);
     ric_equation_flight(e, c->phase[k], block, block + 2 * n, D, flown);
-    reflect_columns(e, c->face[k + 1], D);
     arb_mat_zero(g->K);
     put_unit(g->K, 2 * n);
+    put_impact(e, c->face[k + 1], g->K);
     put_gap(e, c, k + 1, 2 * n, g->K);
     for (slong i = 0; i < 2 * n; i++)
         for (slong j = 0; j <= 2 * n; j++)
@@ -437,27 +451,33 @@ static void loosen_rows(ric_equation_group *g, slong rows, const arb_t error)
 
 /* slack (1 + |w|) bounds what is left of F(tau) w and its derivatives by w, tau and the factor
  * behind it; times 1 + the size of a direction that of second derivatives in it. */
-void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosure *e,
-                         arb_srcptr along)
+void ric_equation_slack(const ric_chain *c, const ric_enclosure *e, arb_srcptr along, arb_ptr out)
 {
-    arb_t slack, x, size;
-    arb_init(slack);
+    arb_t x, size;
     arb_init(x);
     arb_init(size);
     if (along) ric_chain_norm((slong)c->m * c->size + 1, along, e->prec, size);
     arb_add_ui(size, size, 1, e->prec);
     for (int k = 0; k < c->m; k++) {
         arb_srcptr w = ric_chain_block(c, k);
-        ric_chain_slack(e, c->phase[k], w, w + 2 * c->n, slack);
-        ric_equation_group *g = k < c->m - 1 ? &q->group[k] : ric_equation_end(q);
+        ric_chain_slack(e, c->phase[k], w, w + 2 * c->n, out + k);
         bound_turned(c, e, k < c->m - 1, x);
-        arb_mul(slack, slack, x, e->prec);
-        arb_mul(slack, slack, size, e->prec);
-        loosen_rows(g, k < c->m - 1 || ric_chain_general(c) ? 2 * c->n : c->n, slack);
+        arb_mul(out + k, out + k, x, e->prec);
+        arb_mul(out + k, out + k, size, e->prec);
     }
-    arb_clear(slack);
     arb_clear(x);
     arb_clear(size);
+}
+
+void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosure *e,
+                         arb_srcptr along)
+{
+    arb_ptr slack = _arb_vec_init(c->m);
+    ric_equation_slack(c, e, along, slack);
+    for (int k = 0; k < c->m; k++)
+        loosen_rows(k < c->m - 1 ? &q->group[k] : ric_equation_end(q),
+                    k < c->m - 1 || ric_chain_general(c) ? 2 * c->n : c->n, slack + k);
+    _arb_vec_clear(slack, c->m);
 }
 
 /* -------------------------------------------------------- second derivatives */
@@ -590,7 +610,6 @@ static void second_of_block(ric_equations *q, const ric_chain *c, const ric_encl
         ric_equation_mirror(e, c, true, B, gap);
         arb_mat_mul(g->J, B, second, e->prec);
     } else {
-        reflect_columns(e, c->face[k + 1], second);
         for (slong i = 0; i < 2 * n; i++)
             for (slong j = 0; j <= 2 * n; j++)
                 arb_neg(arb_mat_entry(g->J, i, j), arb_mat_entry(second, i, j));
@@ -631,5 +650,21 @@ void ric_equation_gather(const ric_equations *q, const ric_chain *c, arb_mat_str
         if (J) put_block(J, row, (slong)g->first * c->size, g->J);
         if (J && g->second >= 0) put_block(J, row, (slong)g->second * c->size, g->K);
         for (slong l = 0; l < g->rows && F; l++) arb_set(F + row + l, arb_mat_entry(g->F, l, 0));
+    }
+}
+
+void ric_equation_apply(const ric_equations *q, const ric_chain *c, arb_srcptr x, slong prec,
+                        arb_ptr out)
+{
+    slong row = 0;
+    for (int i = 0; i < q->n - 1; i++) {
+        const ric_equation_group *g = &q->group[i];
+        for (slong l = 0; l < g->rows; l++, row++) {
+            arb_dot(out + row, NULL, 0, arb_mat_entry(g->J, l, 0), 1, x + (slong)g->first * c->size,
+                    1, arb_mat_ncols(g->J), prec);
+            if (g->second < 0) continue;
+            arb_dot(out + row, out + row, 0, arb_mat_entry(g->K, l, 0), 1,
+                    x + (slong)g->second * c->size, 1, arb_mat_ncols(g->K), prec);
+        }
     }
 }

@@ -30,6 +30,8 @@ void ric_equation_move_plane(ric_equations *q, const ric_chain *c, const ric_enc
  * of the structure: of `evaluate`, with NULL, or of `second`, with its direction. */
 void ric_equation_loosen(ric_equations *q, const ric_chain *c, const ric_enclosure *e,
                          arb_srcptr along);
+/* That of each flight, out [m]: an upper bound for every number of these rows, and of J and K. */
+void ric_equation_slack(const ric_chain *c, const ric_enclosure *e, arb_srcptr along, arb_ptr out);
 /* The first derivatives of all flights [m], for `second` in several directions. */
 arb_mat_t *ric_equation_flights(const ric_chain *c, const ric_enclosure *e);
 void ric_equation_flights_free(const ric_chain *c, arb_mat_t *flights);
@@ -41,6 +43,10 @@ void ric_equation_second(ric_equations *q, const ric_chain *c, const ric_enclosu
 /* All but the plane in the first rows of J, whose columns are the unknowns, and in F; either may be
  * NULL. */
 void ric_equation_gather(const ric_equations *q, const ric_chain *c, arb_mat_struct *J, arb_ptr F);
+
+/* out = G' x [n] of all but the plane; x [m * size + 1]. */
+void ric_equation_apply(const ric_equations *q, const ric_chain *c, arb_srcptr x, slong prec,
+                        arb_ptr out);
 
 static inline ric_equation_group *ric_equation_start(const ric_equations *q)
 {

@@ -25,17 +25,27 @@ static slong count_unknowns(const ric_chain *c)
 
 /* ---------------------------------------------------------------- equations */
 
-/* With the plane as the last row. */
-static void evaluate(const ric_tube *t, const ric_chain *c, const ric_enclosure *e,
-                     arb_mat_struct *J, arb_ptr F)
+/* J, the plane last, but for the slack of flights. */
+static void evaluate(const ric_tube *t, const ric_chain *c, const ric_enclosure *e, arb_mat_t J)
 {
     ric_equations q;
     ric_equation_create(&q, c);
     ric_equation_evaluate(&q, c, e);
-    ric_equation_loosen(&q, c, e, NULL);
-    ric_equation_gather(&q, c, J, F);
+    ric_equation_gather(&q, c, J, NULL);
     ric_equation_free(&q);
-    if (J) _arb_vec_set(arb_mat_entry(J, t->k.n - 1, 0), t->row, t->k.n);
+    _arb_vec_set(arb_mat_entry(J, t->k.n - 1, 0), t->row, t->k.n);
+}
+
+/* out [n] = D x on all of the hull. */
+static void apply(const ric_tube *t, const ric_enclosure *e, arb_srcptr x, arb_ptr out)
+{
+    ric_equations q;
+    ric_equation_create(&q, &t->hull);
+    ric_equation_evaluate(&q, &t->hull, e);
+    ric_equation_loosen(&q, &t->hull, e, NULL);
+    ric_equation_apply(&q, &t->hull, x, e->prec, out);
+    ric_equation_free(&q);
+    arb_dot(out + t->k.n - 1, NULL, 0, t->row, 1, x, 1, t->k.n, e->prec);
 }
 
 /* --------------------------------------------------------------------- line */
@@ -276,6 +286,7 @@ static bool box_holds(ric_tube *t, const ric_enclosure *e)
     const ric_enclosure coarse = ric_enclosure_coarse(e);
     const size_t size = (size_t)t->k.n * (size_t)t->k.n * sizeof(double);
     double *least = flint_malloc(size);
+    ric_bends_loosen(&t->hull, e, &t->basis, &t->k);
     memcpy(least, t->k.Z, size);
     bound_ends(t);
     floor_box(t);
@@ -305,7 +316,7 @@ static bool contracts(ric_tube *t, const ric_enclosure *e)
     arb_set_d(half, 0.5);
     place(t, half, t->hull.u);
     for (slong i = 0; i < n; i++) arb_get_mid_arb(t->hull.u + i, t->hull.u + i);
-    evaluate(t, &t->hull, e, J, NULL);
+    evaluate(t, &t->hull, e, J);
     bool holds = false;
     if (!ric_halt(pow((double)n, 3))) {
         bool fine = invert(t, J);
@@ -371,12 +382,10 @@ static void bound_sag(ric_tube *t, const ric_enclosure *e, ric_bends *bends)
 {
     const slong n = t->k.n, count = (slong)t->hull.m * t->hull.size + 1;
     arb_ptr way = _arb_vec_init(count), F = _arb_vec_init(2 * n), G = F + n;
-    arb_mat_t J;
     mag_t size;
     arb_t all;
     mag_init(size);
     arb_init(all);
-    arb_mat_init(J, n, n);
     arb_set_d(all, 1 + 2 * RIC_TUBE_MORE);
     for (slong i = 0; i < n; i++) {
         arb_mul(way + i, t->sag + i, all, t->k.prec);
@@ -387,16 +396,14 @@ static void bound_sag(ric_tube *t, const ric_enclosure *e, ric_bends *bends)
     bound_ends(t);
     ric_bends_take(bends, way);
     ric_bends_apply(bends, way, F);
-    evaluate(t, &t->hull, e, J, NULL);
+    apply(t, e, t->sag, G);
     for (slong i = 0; i < n; i++) {
-        arb_dot(G + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->sag, 1, n, t->k.prec);
         arb_mul_2exp_si(G + i, G + i, 1);
         arb_sub(F + i, F + i, G + i, t->k.prec);
     }
     add_defect(t, F, -3);
     mag_clear(size);
     arb_clear(all);
-    arb_mat_clear(J);
     _arb_vec_clear(way, count);
     _arb_vec_clear(F, 2 * n);
 }
@@ -503,17 +510,14 @@ bool ric_tube_holds(const ric_tube *t)
 void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out)
 {
     const slong n = t->k.n;
-    arb_mat_t J;
     arb_ptr F = _arb_vec_init(n), x = _arb_vec_init(n);
     mag_ptr zb = _mag_vec_init(n);
     mag_t theta, mu, y;
     mag_init(theta);
     mag_init(mu);
     mag_init(y);
-    arb_mat_init(J, n, n);
-    evaluate(t, &t->hull, e, J, NULL);
-    for (slong i = 0; i < n - 1; i++)
-        arb_dot(F + i, NULL, 0, arb_mat_entry(J, i, 0), 1, t->chord, 1, n, e->prec);
+    apply(t, e, t->chord, F);
+    arb_zero(F + n - 1);
     ric_contraction_apply(&t->k, F, x);
     ric_contraction_map(&t->k, t->k.b, zb);
     for (slong i = 0; i < n; i++) {
@@ -534,7 +538,6 @@ void ric_tube_slope(const ric_tube *t, const ric_enclosure *e, arb_ptr out)
     }
     ric_skew_spread(&t->basis, zb, zb);
     for (slong i = 0; i < n; i++) arb_add_error_mag(out + i, zb + i);
-    arb_mat_clear(J);
     mag_clear(theta);
     mag_clear(mu);
     mag_clear(y);
