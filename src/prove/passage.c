@@ -4,6 +4,7 @@
 
 #include "base/room.h"
 #include "equations.h"
+#include "glide.h"
 
 enum {
     DEEPEST = 32, /* bisections of a flight: a gap that is not told from closed then touches */
@@ -12,11 +13,10 @@ enum {
         16, /* times of a flight whose states are kept: faces are asked about the same ones */
 };
 
-/* What a flight has at a time, whatever the face: q, p and L q of the middle of the family, and of
- * its line. */
+/* What a flight has at a time, whatever the face: q, p and L q. */
 typedef struct {
     arb_t time;
-    arb_ptr at; /* [2 * 3n] */
+    arb_ptr at; /* [3n] */
 } reading;
 
 /* A gap along a flight: h = d - side c.q, in the modes of its phase; of a closed spring how far it
@@ -28,6 +28,7 @@ typedef struct {
     arb_ptr own;             /* [4 * 2n] what follows, in the modes of the phase */
     arb_srcptr w;            /* [2n] at the beginning */
     arb_srcptr middle, half; /* of an arc, from there on; or w, NULL */
+    ric_glide glide;         /* of an arc, in doubles */
     int contact, facing;     /* of the face, and its side */
     arb_srcptr c;            /* normal */
     int side;
@@ -50,11 +51,12 @@ static void gap_init(gap *g, const ric_enclosure *e)
 {
     *g = (gap){.e = e, .own = _arb_vec_init(8 * e->n), .flown = _arb_vec_init(2 * e->n)};
     g->swing = _arb_vec_init(e->n);
+    ric_glide_create(&g->glide, e->n);
     g->readings = flint_calloc(READINGS + 1, sizeof *g->readings);
     g->n_reading = flint_calloc(1, sizeof *g->n_reading);
     for (int i = 0; i <= READINGS; i++) {
         arb_init(g->readings[i].time);
-        g->readings[i].at = _arb_vec_init(6 * e->n);
+        g->readings[i].at = _arb_vec_init(3 * e->n);
     }
     arb_init(g->d);
     arb_init(g->open);
@@ -68,9 +70,10 @@ static void gap_clear(gap *g)
     _arb_vec_clear(g->own, 8 * g->e->n);
     _arb_vec_clear(g->flown, 2 * g->e->n);
     _arb_vec_clear(g->swing, g->e->n);
+    ric_glide_free(&g->glide);
     for (int i = 0; i <= READINGS; i++) {
         arb_clear(g->readings[i].time);
-        _arb_vec_clear(g->readings[i].at, 6 * g->e->n);
+        _arb_vec_clear(g->readings[i].at, 3 * g->e->n);
     }
     flint_free(g->readings);
     flint_free(g->n_reading);
@@ -161,6 +164,7 @@ static void gap_board(gap *g, const ric_chain *c, int k, const ric_family *u)
     g->half = u->half ? u->half + at : NULL;
     g->slope = u->arrival ? u->arrival->slope + at : NULL;
     if (g->phase) gap_enter(g);
+    if (g->half) ric_glide_board(&g->glide, g->modes, g->w, g->middle, g->half);
     find_swing(g);
     *g->n_reading = 0;
     g->slow = u->half || u->touch;
@@ -184,6 +188,7 @@ static void gap_place(gap *g, int face, bool image)
     if (wall->side < 0) arb_neg(g->d, g->d);
     if (g->phase) gap_shift(g, ric_phase_closed(g->phase, image ? wall->mirror : face));
     gap_bend(g);
+    if (g->half) ric_glide_place(&g->glide, g->c, g->side, g->d, g->slack);
 }
 
 /* side c.x [n]. */
@@ -212,47 +217,24 @@ static arb_srcptr read_at(const gap *g, const arb_t time)
     reading *fresh = &g->readings[*g->n_reading];
     *g->n_reading += *g->n_reading < READINGS;
     arb_set(fresh->time, time);
-    for (int line = 0; line < (g->half ? 2 : 1); line++) {
-        arb_ptr at = fresh->at + 3 * n * line;
-        ric_chain_fly(e, NULL, line ? g->half : g->middle, time, at);
-        for (slong i = 0; i < n; i++) arb_mul(at + 2 * n + i, at + i, e->square + i, e->prec);
-    }
+    ric_chain_fly(e, NULL, g->w, time, fresh->at);
+    for (slong i = 0; i < n; i++)
+        arb_mul(fresh->at + 2 * n + i, fresh->at + i, e->square + i, e->prec);
     return fresh->at;
 }
 
-/* h, h' and h'' at time `mid`, over all of the family; the parts that a normal takes of q, p and -L
- * q. */
-static void gap_at(const gap *g, const arb_t mid, arb_ptr h)
+/* On a part of length 2 r, of one orbit: no more than h, h' and h''; the parts that a normal takes
+ * of q, p and -L q in its middle, and what they change by. */
+static void look(const gap *g, const arb_t mid, const arb_t r, arb_ptr h)
 {
-    const slong n = g->e->n;
+    const slong n = g->e->n, prec = g->e->prec;
     arb_srcptr at = read_at(g, mid);
     arb_t x;
     arb_init(x);
-    for (int line = 0; line < (g->half ? 2 : 1); line++)
-        for (int k = 0; k < 3; k++) {
-            gap_along(g, at + (3 * line + k) * n, x);
-            if (line) arb_add_error(h + k, x);
-            else arb_set(h + k, x);
-        }
+    for (int k = 0; k < 3; k++) gap_along(g, at + k * n, h + k);
     arb_sub(h, g->d, h, g->modes->prec);
     arb_neg(h + 1, h + 1);
     for (int k = 0; k < 3; k++) arb_add_error(h + k, g->slack);
-    arb_clear(x);
-}
-
-/* h > 0 on a part of length 2 r as h(mid) - |h'(mid)| r - bend r^2 / 2 > 0. Behind an impact, where
- * h is zero and h' is not negative whatever else is open of the states, also as h' > 0, and before
- * one as h' < 0; along an arc, or where an impact is a touch, as h'' > 0, too: of any other orbit
- * whose impacts are that slow rounding would decide. Around a touch in flight h'' > 0 closes it
- * there alone. All of a contact, or what is left of it from a place at rest on, where h' = 0, has h
- * > 0 as h'' < 0, however short it is. */
-static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb_t r)
-{
-    const slong prec = g->e->prec;
-    arb_ptr h = _arb_vec_init(3);
-    arb_t x;
-    arb_init(x);
-    gap_at(g, mid, h);
     arb_abs(x, h + 1);
     arb_submul(h, x, r, prec);
     arb_mul(x, g->bend, r, prec);
@@ -262,6 +244,35 @@ static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb
     arb_sub(h, h, x, prec);
     arb_mul(x, g->jerk, r, prec);
     arb_add_error(h + 2, x);
+    arb_clear(x);
+}
+
+static void set_ball(arb_t to, ric_ball x)
+{
+    arb_set_d(to, x.m);
+    mag_set_d(arb_radref(to), x.r);
+}
+
+/* The same of an arc. */
+static void look_along(gap *g, const arb_t mid, const arb_t r, arb_ptr h)
+{
+    const ric_glide_part here = ric_glide_look(&g->glide, mid, r);
+    arb_set_d(h, here.least);
+    set_ball(h + 1, here.rate);
+    set_ball(h + 2, here.bend);
+}
+
+/* h > 0 on a part of length 2 r as it is no less than h(mid) - |h'(mid)| r - bend r^2 / 2. Behind
+ * an impact, where h is zero and h' is not negative whatever else is open of the states, also as h'
+ * > 0, and before one as h' < 0; along an arc, or where an impact is a touch, as h'' > 0, too: of
+ * any other orbit whose impacts are that slow rounding would decide. Around a touch in flight h'' >
+ * 0 closes it there alone. All of a contact, or what is left of it from a place at rest on, where
+ * h' = 0, has h > 0 as h'' < 0, however short it is. */
+static bool part_is_open(gap *g, const part *p, const arb_t mid, const arb_t r)
+{
+    arb_ptr h = _arb_vec_init(3);
+    if (g->half) look_along(g, mid, r, h);
+    else look(g, mid, r, h);
     const bool one = p->opens != p->closes;
     const bool touches = g->touch && arb_le(p->from, g->touch) && arb_le(g->touch, p->to);
     const bool whole = (p->opens && p->closes) || (p->rests[0] && p->closes) ||
@@ -272,7 +283,6 @@ static bool part_is_open(const gap *g, const part *p, const arb_t mid, const arb
                       (one && p->opens && arb_is_positive(h + 1)) ||
                       (one && p->closes && arb_is_negative(h + 1));
     _arb_vec_clear(h, 3);
-    arb_clear(x);
     return open;
 }
 
@@ -308,7 +318,7 @@ static bool part_falls(const gap *g, const part *p, const arb_t mid, const arb_t
     return falls;
 }
 
-static bool is_open(const gap *g, part p, int depth)
+static bool is_open(gap *g, part p, int depth)
 {
     const slong prec = g->e->prec;
     arb_t mid, r, x;
@@ -354,8 +364,7 @@ static const ric_closure *at_corner(const gap *g, const ric_corner *corner, int 
 
 /* The gap over flight k. Where it touches at a mirror point the flight is longer by what is not
  * known of that time. */
-static bool stays_open(const gap *g, const ric_chain *c, int k, const arb_t tau,
-                       const ric_corner *corner)
+static bool stays_open(gap *g, const ric_chain *c, int k, const arb_t tau, const ric_corner *corner)
 {
     const int from = c->face[k], to = c->face[k + 1];
     const bool rests[2] = {k == 0 && c->start == RIC_CHAIN_REST,

@@ -1,5 +1,6 @@
 /* Second derivatives of the equations of a chain, against differences of first ones, and what a
- * contraction takes of them in a basis. */
+ * contraction takes of them in a basis; and what is said of a gap on parts of a flight, against the
+ * flight. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,6 +14,7 @@
 #if __has_include(<arb.h>) || __has_include(<flint/arb.h>)
 #include "prove/augmented_rows.h"
 #include "prove/bends.h"
+#include "prove/glide.h"
 #include "random_chains.h"
 
 enum { BITS = 512, STEP = -80 };
@@ -205,10 +207,127 @@ static void partings_are_differences(void **state)
     }
 }
 
+/* Flights of a line of states, of which one starts at `state`. */
+typedef struct {
+    const ric_enclosure *e;
+    ric_glide g;
+    arb_ptr line; /* [3 * 2n] hull, middle, half */
+    arb_ptr state, flown;
+    arb_t slack, d;
+} glide_test;
+
+static bool holds(ric_ball x, double y)
+{
+    return fabs(y - x.m) <= x.r + 1e-12 * fabs(x.m);
+}
+
+/* That flight at a time of the part: h, h' and h'' lie where they are said to. Returns h. */
+static double check_instant(glide_test *x, int contact, int side, const arb_t t,
+                            ric_glide_part part)
+{
+    const ric_enclosure *e = x->e;
+    const slong n = e->n;
+    arb_ptr bent = _arb_vec_init(n);
+    arb_t y;
+    double h[3];
+    arb_init(y);
+    ric_chain_fly(e, NULL, x->state, t, x->flown);
+    for (slong i = 0; i < n; i++) arb_mul(bent + i, x->flown + i, e->square + i, BITS);
+    arb_srcptr rows[] = {x->flown, x->flown + n, bent};
+    for (int k = 0; k < 3; k++) {
+        arb_dot(y, NULL, 0, ric_enclosure_c(e, contact), 1, rows[k], 1, n, BITS);
+        h[k] = side * ric_arb_middle(y);
+    }
+    h[0] = ric_arb_middle(x->d) - h[0];
+    assert_true(part.least <= h[0]);
+    assert_true(holds(part.rate, -h[1]) && holds(part.bend, h[2]));
+    _arb_vec_clear(bent, n);
+    arb_clear(y);
+    return h[0];
+}
+
+/* A part of half length r, at states all along the line. A short one is known well, and the longest
+ * one no worse than modes can swing: three times their sizes. */
+static void check_part(glide_test *x, int contact, int side, double r)
+{
+    const slong n = x->e->n;
+    arb_t mid, half, t;
+    double most = -HUGE_VAL;
+    arb_init(mid);
+    arb_init(half);
+    arb_init(t);
+    arb_set_d(mid, uniform(0, 3));
+    arb_set_d(half, r);
+    arb_zero(x->slack);
+    ric_glide_place(&x->g, ric_enclosure_c(x->e, contact), side, x->d, x->slack);
+    const ric_glide_part part = ric_glide_look(&x->g, mid, half);
+    arb_set_d(x->slack, 0.125);
+    ric_glide_place(&x->g, ric_enclosure_c(x->e, contact), side, x->d, x->slack);
+    const ric_glide_part loose = ric_glide_look(&x->g, mid, half);
+    assert_true(loose.least <= part.least - 0.124 && loose.rate.r >= part.rate.r + 0.124 &&
+                loose.bend.r >= part.bend.r + 0.124);
+    for (int i = 0; i < 8; i++) {
+        const double s = i < 2 ? 2 * i - 1 : draw();
+        for (slong l = 0; l < 2 * n; l++) {
+            arb_set_d(x->state + l, s);
+            arb_mul(x->state + l, x->state + l, x->line + 4 * n + l, BITS);
+            arb_add(x->state + l, x->state + l, x->line + 2 * n + l, BITS);
+        }
+        arb_set_d(t, i < 4 ? (i % 2 ? r : -r) : draw() * r);
+        arb_add(t, t, mid, BITS);
+        most = fmax(most, check_instant(x, contact, side, t, part));
+    }
+    double swing = 0;
+    for (slong i = 0; i < n; i++)
+        swing += fabs(ric_arb_middle(ric_enclosure_c(x->e, contact) + i)) * x->g.size[i];
+    assert_true(part.least >= ric_arb_middle(x->d) - 3 * swing);
+    if (r < 1e-6) assert_true(part.least > most - 1e-3 && part.rate.r < 1e-3 && part.bend.r < 1e-2);
+    arb_clear(mid);
+    arb_clear(half);
+    arb_clear(t);
+}
+
+static void parts_hold_their_gaps(void **state)
+{
+    (void)state;
+    for (unsigned seed = 1; seed <= 12; seed++) {
+        seed_now = seed;
+        ric_model *model = structure(2 + (int)seed % 3, 0);
+        ric_enclosure e;
+        assert_true(ric_enclosure_create(&e, model, BITS));
+        const slong n = e.n;
+        glide_test x = {.e = &e, .line = _arb_vec_init(10 * n)};
+        x.state = x.line + 6 * n;
+        x.flown = x.line + 8 * n;
+        arb_init(x.slack);
+        arb_init(x.d);
+        arb_set_d(x.d, uniform(0.5, 2));
+        ric_glide_create(&x.g, (int)n);
+        for (slong i = 0; i < 2 * n; i++) {
+            arb_set_d(x.line + 2 * n + i, 2 * draw());
+            arb_set_d(x.line + 4 * n + i, 1e-5 * draw());
+            arb_set(x.line + i, x.line + 4 * n + i);
+            arb_zero(x.state);
+            arb_add_error(x.state, x.line + i);
+            arb_add(x.line + i, x.line + 2 * n + i, x.state, BITS);
+        }
+        ric_glide_board(&x.g, &e, x.line, x.line + 2 * n, x.line + 4 * n);
+        for (int i = 0; i < 3 * RIC_GLIDE_READINGS; i++)
+            check_part(&x, i % 2, i % 4 < 2 ? 1 : -1, pow(2, -(double)(i % 24)));
+        ric_glide_free(&x.g);
+        arb_clear(x.slack);
+        arb_clear(x.d);
+        _arb_vec_clear(x.line, 10 * n);
+        ric_enclosure_free(&e);
+        ric_model_free(model);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(bends_are_differences),
-                                       cmocka_unit_test(partings_are_differences)};
+                                       cmocka_unit_test(partings_are_differences),
+                                       cmocka_unit_test(parts_hold_their_gaps)};
     return cmocka_run_group_tests_name("prove_bends", tests, NULL, NULL);
 }
 #else
