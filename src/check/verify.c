@@ -342,11 +342,11 @@ static void compare_end(replay *r, int k, real time)
                            ric_replay_part(error, r->norm)));
 }
 
-/* Whether r->w lies on a face of a spring. While it is closed nothing is said of how near it came
- * to opening. */
+/* Whether r->w lies on a face. While a spring is closed, and where a loose mass rests on a stop,
+ * nothing is said of how near it came. */
 static bool is_at(const replay *r, const face_t *face)
 {
-    return face->spring > 0 && fabs(ric_replay_gap(r, face, r->w)) <= REACH * face->limit;
+    return fabs(ric_replay_gap(r, face, r->w)) <= REACH * face->limit;
 }
 
 /* Whether two gaps touch at the one instant at which flight k ends: there is nothing to compare.
