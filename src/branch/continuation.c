@@ -40,6 +40,9 @@
 /* MERGED: scaled time: two impacts of a ghost nearer than this are one, or none; beside it the
  * orbit is known to rounding / time */
 #define MERGED 1e-5
+/* SHORT: scaled time: a flight that vanishes with a speed is less where that is rounding already,
+ * if it is its fifth power or a lower one */
+#define SHORT 0.01
 
 ric_limits ric_continuation_limits(const ric_model *m, const double energy[2],
                                    const double frequency[2], double max_step, int max_points)
@@ -253,6 +256,15 @@ static double definite_slope(ric_shooting *c, int test, const ric_station *p, bo
     return definite(slope, ric_continuation_slope_error(c, p->u, p->t, test, slope));
 }
 
+/* Where a speed vanishes by powers of the distance it is rounding for a long way, and what vanishes
+ * with it tells where: a flight, or a touch of a spring. As long as that lasts it counts as some.
+ */
+static double definite_speed(const ric_shooting *c, double speed, double flight)
+{
+    const double least = ric_continuation_rounding(c) * c->scale;
+    return fabs(speed) < least && flight > least && flight < SHORT ? least : speed;
+}
+
 /* The tests that need no map; p->row has no stability. */
 static void examine_orbit(ric_continuation *tr, ric_station *p, double orientation,
                           const ric_margins *now, unsigned at)
@@ -261,8 +273,9 @@ static void examine_orbit(ric_continuation *tr, ric_station *p, double orientati
     const ric_limits *lim = tr->limits;
     double *F = p->test;
     F[RIC_TEST_REACH] = 1 - now->reach;
-    F[RIC_TEST_APPROACH] = fmin(now->approach, smallest_touch(c, p->u));
-    F[RIC_TEST_FLIGHT] = smallest_flight(c, p->u, lim->ghost) - (lim->ghost ? MERGED : 0);
+    const double touch = smallest_touch(c, p->u), flight = smallest_flight(c, p->u, lim->ghost);
+    F[RIC_TEST_APPROACH] = fmin(definite_speed(c, now->approach, fmin(touch, flight)), touch);
+    F[RIC_TEST_FLIGHT] = flight - (lim->ghost ? MERGED : 0);
     F[RIC_TEST_DET] = orientation * c->end_det;
     F[RIC_TEST_SLOPE] = definite_slope(c, RIC_TEST_SLOPE, p, at & RIC_LOOK_ENERGY);
     F[RIC_TEST_PERIOD] = definite_slope(c, RIC_TEST_PERIOD, p, at & RIC_LOOK_PERIOD);
@@ -289,7 +302,7 @@ ric_status ric_continuation_look(ric_continuation *tr, ric_station *p, double or
     p->solved = ric_continuation_solved(c);
     p->doubtful = of != &none && ric_continuation_doubtful(c, of);
     p->row = ric_continuation_point(c, of, &now, p->s);
-    if (of == &none)
+    if (of == &none || ric_continuation_still(c))
         for (int i = 0; i < 2 * tr->floquet.n_pair; i++) p->own[i] = NAN;
     else sort_pairs(of, p->own, p->error);
     for (int i = 0; i < 3; i++) p->test[RIC_TEST_A + i] = p->factor[i] = p->hidden[i] = NAN;

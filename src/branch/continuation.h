@@ -303,6 +303,10 @@ ric_point ric_continuation_point(const ric_shooting *chain, const ric_floquet *f
 ric_status ric_continuation_judge(ric_shooting *chain, const double *u, ric_floquet *floquet);
 /* Whether that error may count, so that there is something to judge. */
 bool ric_continuation_doubtful(const ric_shooting *chain, const ric_floquet *floquet);
+/* A stop is met without speed. What it adds to the map is 0/0: where that has a limit, it depends
+ * on how speeds vanish beside it, and orbits that are the same but for rounding, which have any
+ * speed, or pass the stop by, may agree on any trace. */
+bool ric_continuation_still(const ric_shooting *chain);
 /* How far unknowns may be moved to say anything of an orbit: no bound but under a power law, where
  * what is farther may take seconds to fly. */
 double ric_continuation_beside(const ric_shooting *chain);

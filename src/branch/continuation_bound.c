@@ -285,10 +285,7 @@ static ric_stability side_of(const ric_floquet *f, double error)
     return margin > 0 ? RIC_STABLE_YES : RIC_STABLE_NO;
 }
 
-/* A stop is met without speed. What it adds to the map is 0/0: where that has a limit, it depends
- * on how speeds vanish beside it, and orbits that are the same but for rounding, which have any
- * speed, or pass the stop by, may agree on any trace. */
-static bool is_still(const ric_shooting *c)
+bool ric_continuation_still(const ric_shooting *c)
 {
     const double none = ric_continuation_rounding(c) * c->scale;
     for (int k = c->start == RIC_MIRROR_IMPACT ? 0 : 1; k <= c->n_flight; k++)
@@ -302,7 +299,7 @@ static bool is_still(const ric_shooting *c)
  * side of the border, too, unless rho runs through infinity (stable_margin). */
 static void widen(const ric_shooting *c, ric_floquet *f, double *seen)
 {
-    if (f->n_pair == 1 && is_still(c)) {
+    if (f->n_pair == 1 && ric_continuation_still(c)) {
         if (f->each[0] + seen[0] <= KNOWN * (1 + fabs(f->rho[0]))) f->stable = RIC_STABLE_UNDECIDED;
         seen[0] = HUGE_VAL;
     }
@@ -317,7 +314,7 @@ static void widen(const ric_shooting *c, ric_floquet *f, double *seen)
  * nearest depends on what is measured: at a closing, not a mirror point, it was another by
  * 90 epsilon of the size at most, and RIC_MEASURED times PLACED is told. False: f is as before;
  * also where the polished orbit is farther from u than its equations are met, beside a branch
- * point: then the trace is not that of what is stored; and where nothing is known (is_still).
+ * point: then the trace is not that of what is stored; and where a stop is met without speed.
  * *short_of: whether that is so only because what is `known` is no more; NULL: f's error is asked
  * for, too. */
 static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double known, bool *short_of)
@@ -326,7 +323,7 @@ static bool refine(ric_shooting *c, const double *u, ric_floquet *f, double know
     double v[size], moved = 0, off = 0, own_off = 0;
     if (short_of) *short_of = false;
     if (f->n_pair != 1 || known <= REFINED * (1 + fabs(f->rho[0])) || !ric_floquet_fine_fits(c) ||
-        is_still(c))
+        ric_continuation_still(c))
         return false;
     const ric_floquet before = *f;
     const double rho = f->rho[0], own = f->own[0], bound = f->each[0];

@@ -202,9 +202,11 @@ static bool off_resonance(const ric_continuation *tr, double rho, const double *
 }
 
 /* What rounding makes of the energy of an orbit: where the equations are all but singular, as
- * beside modes of nearly one frequency, more than a part of its values at the ends. */
+ * beside modes of nearly one frequency, more than a part of its values at the ends. And of the
+ * speed of an impact, which is less for a long way where it vanishes by powers of the distance. */
 static double blur(const ric_shooting *c, int test)
 {
+    if (test == RIC_TEST_APPROACH) return ric_continuation_rounding(c) * c->scale;
     const bool energy = test == RIC_TEST_E_MAX || test == RIC_TEST_E_MIN;
     return energy ? DBL_EPSILON / c->smallest * ric_shooting_energy(c) : 0;
 }

@@ -217,6 +217,30 @@ all_told() { # no departure of either atlas is refused: those whose faces push t
     for name in wall buffer; do "$ricochet" report "$folder/$name.ricochet" >"$folder/said" && ! grep 'departures refused' "$folder/said" || return 1; done
 }
 ok 'whose momentum says what departures have no motions' all_told
+cat >"$folder/rest.yaml" <<'Y'
+model:
+  mass: [[3.3, 0], [0, 3.3]]
+  stiffness: [[0, 0], [0, 20.912728837075985]]
+  contacts:
+    - {normal: [1, -1], clearance: 0.76, sides: upper, law: bilinear, stiffness: 15.2}
+    - {normal: [1, -1], clearance: 0.28, sides: lower}
+explore: {depth: 2, points: 600}
+Y
+# The speeds of its branch A2[01] fall by the cube of the touch of the spring: it ends where the loose mass rests and both faces are just
+# reached, by no steps within rounding, of which there were 1,800, with the energy of half the way between them.
+rests() {
+    rattles 8 "$folder/rest.yaml" || return
+    "$ricochet" branches "$folder/rest.ricochet" --json >"$folder/rest.json" && "$ricochet" junctions "$folder/rest.ricochet" --json >"$folder/ends.json" &&
+        python3 -S - "$folder/rest.json" "$folder/ends.json" <<'P'
+import json, sys
+branches, junctions = (json.load(open(path)) for path in sys.argv[1:])
+energy = 20.912728837075985 / 2 * (0.52 / 0.76) ** 2
+ends = [j for j in junctions if abs(j["energy"] / energy - 1) < 1e-14]
+assert [(j["impacts"], j["grazings"]) for j in ends] == [(0, 2)], ends
+assert max(b["points"] for b in branches) < 300, branches
+P
+}
+ok 'a mass that comes to rest on a stop ends its branch there' rests
 cat >"$folder/far.yaml" <<'Y'
 model:
   mass: [[0.5, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0.3, 0], [0, 0, 0, 1]]

@@ -105,7 +105,8 @@ static void no_trace_at_a_corner_without_speed(void **state)
 
 /* S4[03-012-1] comes to such a corner with speeds that fall by powers of the distance: on its last
  * 7e-5 the impact has none that could be told from rounding. The trace of the points before is
- * 2,569; read off maps there it is anything, down to 2.00001. */
+ * 2,569; read off maps there it is anything, down to 2.00001. A step leads over all of that: steps
+ * within rounding, of which there were 30,000, are none. */
 static void no_trace_along_touches(void **state)
 {
     (void)state;
@@ -116,18 +117,28 @@ static void no_trace_along_touches(void **state)
         "explore: {energy: [0.50023875173, 2.475], frequency: [0.2828, 4.243], impacts: 4, "
         "multiply: 2, depth: 2}\n");
     int touches = 0;
-    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++)
-        for (int i = 1; i + 1 < branch_of(atlas, id).n_point; i++) {
-            ric_point p;
-            assert_int_equal(ric_atlas_point(atlas, id, i, &p, NULL, NULL), RIC_OK);
-            if (strcmp(branch_of(atlas, id).label, "S4[03-012-1]") || p.approach > 1e-14) continue;
-            touches++;
-            if (!isnan(p.trace) || p.stable != RIC_STABLE_UNDECIDED)
-                fail_msg("branch %d, point %d: trace %.12g, flag %d", id, i, 2 * sinh(p.trace),
-                         (int)p.stable);
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        if (strcmp(branch_of(atlas, id).label, "S4[03-012-1]")) continue;
+        assert_in_range(branch_of(atlas, id).n_point, 10, 100);
+        for (int k = 1; k < 20; k++) {
+            ric_orbit **orbits;
+            int n;
+            assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_ENERGY, 0.50023875173 + k * 1e-12, &n,
+                                            &orbits),
+                             RIC_OK);
+            for (int i = 0; i < n; i++, touches++) {
+                ric_point p;
+                ric_orbit_data(orbits[i], &p, NULL, NULL, NULL);
+                assert_true(fabs(p.approach) < 1e-14);
+                if (!isnan(p.trace) || p.stable != RIC_STABLE_UNDECIDED)
+                    fail_msg("branch %d, E - %d: trace %.12g, flag %d", id, k, 2 * sinh(p.trace),
+                             (int)p.stable);
+            }
+            ric_orbits_free(n, orbits);
         }
+    }
     print_message("# %d touches\n", touches);
-    assert_true(touches > 100);
+    assert_true(touches >= 19);
     ric_atlas_free(atlas);
 }
 
