@@ -14,31 +14,61 @@ offers_bash() {
 }
 offers_fish() { fish --no-config -c 'source $argv[1]; complete -C "$argv[2]"' "$folder/fish" "$*" | cut -f1 | sed 's/=$//'; }
 # zsh completes in a terminal only: its own functions are asked what they are told
+zsh_stubs='compdef() { :; }
+    _arguments() { for spec; do print -r -- ${${${spec#\*}%%[=+\[:]*}}; print -r -- "words $spec"; done }
+    _describe() { for pair in ${(P)2}; do print -r -- ${pair%%:*}; done }
+    compadd() { print -rl -- "$@"; }'
 offers_zsh() {
     local words
     words=$(printf '%q ' "$@")
-    zsh -f -c "
-        compdef() { :; }
-        _arguments() { for spec; do print -r -- \${\${\${spec#\\*}%%[=+\\[:]*}}; print -r -- \"words \$spec\"; done }
-        _describe() { for pair in \${(P)2}; do print -r -- \${pair%%:*}; done }
-        compadd() { print -rl -- \"\$@\"; }
+    zsh -f -c "$zsh_stubs
         source '$folder/zsh'
         words=($words) CURRENT=$#
         _ricochet"
 }
+# each_SHELL COMMAND...: lines `COMMAND OPTION` of all that is offered behind - and --, by one shell
+each_bash() {
+    bash --norc --noprofile -c '. "$1"; shift
+        for one; do
+            for word in - --; do
+                COMP_WORDS=(ricochet "$one" "$word") COMP_CWORD=2 COMPREPLY=()
+                _ricochet
+                printf "$one %s\n" "${COMPREPLY[@]}"
+            done
+        done' bash "$folder/bash" "$@" | sed 's/ *$//'
+}
+each_fish() {
+    fish --no-config -c 'source $argv[1]
+        for one in $argv[2..-1]
+            for word in - --
+                for line in (complete -C "ricochet $one $word")
+                    echo $one (string replace -r "\t.*" "" -- $line | string replace -r "=\$" "")
+                end
+            end
+        end' "$folder/fish" "$@"
+}
+each_zsh() {
+    zsh -f -c "$zsh_stubs
+        source '$folder/zsh'
+        for one; do
+            for word in - --; do
+                words=(ricochet \$one \$word) CURRENT=3
+                _ricochet | sed \"s/^/\$one /\"
+            done
+        done" zsh "$@"
+}
+# What is to be offered.
+sorted() { LC_ALL=C sort -u; }
+for command in $commands; do
+    [ "$command" = plot ] || "$ricochet" "$command" --help | sed -nE "s/^  (-[-a-z]+).*/$command \1/p"
+done | sorted >"$folder/options"
+ok 'there are options' test "$(wc -l <"$folder/options")" -gt 150
 all() { # SHELL: every command, and of each every option of its help
-    local command option
-    offers_"$1" ricochet '' >"$folder/offered"
-    for command in $commands; do
-        grep -qx -e "$command" "$folder/offered" || { echo "$command is not offered"; return 1; }
-    done
-    for command in $commands; do
-        [ "$command" != plot ] || continue
-        { offers_"$1" ricochet "$command" -; offers_"$1" ricochet "$command" --; } >"$folder/offered"
-        for option in $("$ricochet" "$command" --help | grep -oE '^  -[-a-z]+' | tr -d ' '); do
-            grep -qx -e "$option" "$folder/offered" || { echo "$command $option is not offered"; return 1; }
-        done
-    done
+    offers_"$1" ricochet '' | sorted >"$folder/offered"
+    printf '%s\n' $commands | sorted | LC_ALL=C comm -23 - "$folder/offered" >"$folder/lacking"
+    each_"$1" $commands | sorted | LC_ALL=C comm -23 "$folder/options" - >>"$folder/lacking"
+    sed 's/$/ is not offered/' "$folder/lacking"
+    [ ! -s "$folder/lacking" ]
 }
 offered() { local shell=$1 word=$2; shift 2; offers_"$shell" "$@" >"$folder/offered"; cat "$folder/offered"; grep -qx -e "$word" "$folder/offered"; }
 not_offered() { ! offered "$@"; }
@@ -76,7 +106,7 @@ appears() { # SHELL TEXT: waits for it, for two minutes
         ! grep -qF -e "$2" "$folder/screen" || return 0
         sleep 0.1
     done
-    sed 's/^/screen: /' "$folder/screen"
+    sed -n '/./s/^/screen: /p' "$folder/screen"
     return 1
 }
 typed() { # SHELL KEYS TEXT: the keys, and the tabulator; the line is then taken away
