@@ -490,6 +490,24 @@ out:
     return status;
 }
 
+/* The way back from an end of a branch passes the junction that the branch was followed from; if it
+ * does not, one of the two ways has gone over to another branch. One that leaves a multiplication
+ * and passes it has more periods than the junction, and is not asked. */
+static ric_status comes_home(const ric_graph *g, ric_continuation *back, const ric_node *home,
+                             unsigned through)
+{
+    double at;
+    ric_edge way = {.trace = back};
+    if (through != RIC_THROUGH) return RIC_OK;
+    ric_status status = note_orbits(&way);
+    if (!status && !ric_graph_edge_contains(g->model, &way, home, &at))
+        status = ric_trust(ric_fail(RIC_E_NUMERIC,
+                                    "the branch is followed to an end of it, and from there back "
+                                    "it does not pass the junction"));
+    ric_periodic_free(way.first);
+    return status;
+}
+
 /* The branch is stored as it is followed from one of its ends: from a junction that it departs
  * from, otherwise from the first end that is found. Where a backbone, found in its midst, is
  * followed back from there to a window, its other side has no junction, and is not followed for
@@ -531,7 +549,9 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
                                            &whole)))
             goto out;
     }
-    if (!whole || (status = end_node(g, whole, depth, &far, &choice))) goto out;
+    if (!whole || (status = comes_home(g, whole, g->nodes[inside], through)) ||
+        (status = end_node(g, whole, depth, &far, &choice)))
+        goto out;
     if (far >= 0) ric_graph_mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
     status = finish_edge(g, &(ric_edge){.trace = whole,
                                         .from = to[first],

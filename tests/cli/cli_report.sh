@@ -198,4 +198,17 @@ assert len(own) > 10 and all(named[n]["label"] == n for n in own), own
 assert all(named[r["label"]]["id"] == r["id"] for r in rows if r["label"] in named)'
 }
 ok 'no label is the name of another junction' one_numbering
+
+# A mass that a cubic spring alone holds: the way from two branch points to the least frequency steps over resonances that
+# the way back follows, to another branch.
+printf '%s\n' 'model:' '  mass: [[1, 0], [0, 0.05]]' '  stiffness: [[1, 0], [0, 0]]' \
+    '  contacts: [{normal: [1, -1], law: power, exponent: 3, stiffness: 1}]' \
+    'explore: {energy: [0, 0.1], frequency: [0.12, 5], multiply: 2, depth: 3}' >"$folder/sink.yaml"
+astray() {
+    "$ricochet" run "$folder/sink.yaml" -o "$folder/sink.ricochet" --quiet && "$ricochet" report "$folder/sink.ricochet" >"$folder/rows" || return 1
+    cat "$folder/rows"
+    [ "$(grep -c '^branches may be missing at junction .*and from there back it does not pass the junction' "$folder/rows")" = 2 ]
+}
+ok 'a branch that is not the one its junction lies on is refused there' astray
+ok 'and none is stored twice' bash -c '! "$0" branches "$1" --csv | grep "~"' "$ricochet" "$folder/sink.ricochet"
 finish
