@@ -68,6 +68,13 @@ ok() {
     [ -z "${RICOCHET_TEST_COST:-}" ] || cost
 }
 
+# claims FILE: a test for each line `NAME<tab>WHY` that a program has written there; WHY is empty if it holds
+claims()
+{
+    local what why
+    while IFS=$'\t' read -r what why; do ok "$what" eval 'echo "$why"; [ -z "$why" ]'; done <"$1"
+}
+
 # refusal COMMAND CODE PATTERN ARGUMENTS...: the program ends with the code and a message that fits, and answers nothing
 refusal() {
     local command=$1 code=$2 pattern=$3 got=0
