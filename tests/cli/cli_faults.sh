@@ -98,20 +98,20 @@ faults()
 
 "$ricochet" run "$folder/study.yaml" -o "$folder/whole.ricochet" 2>/dev/null
 rows "$folder/whole.ricochet" >"$folder/whole"
-faults "a first run" "$(some_of 30 120)" "$(every_of 8)"
+faults "a first run" "$(some_of 20 120)" "$(some_of 13 1)"
 
 "$ricochet" run "$folder/small.yaml" -o "$folder/small.ricochet" 2>/dev/null
 rows "$folder/small.ricochet" >"$folder/small"
 work "$folder/small.ricochet" >"$folder/old-work"
 ok "the small atlas has less in it" eval '! cmp -s "$folder/small" "$folder/whole" && test -s "$folder/old-work"'
 old=$folder/small.ricochet
-faults "a run that extends an atlas" "$(some_of 15 60)" "$(every_of 10)"
+faults "a run that extends an atlas" "$(some_of 10 60)" "$(some_of 17 1)"
 
 workers=2
-faults "the same with two workers" "$(some_of 10 30)" "$(some_of 17 7)"
+faults "the same with two workers" "$(some_of 6 30)" "$(some_of 29 7)"
 echo "# ${#resumed[@]} kinds of remains were taken up"
 
-last=$(every_of 13) number_of=0
+last=$(every_of 29) number_of=0
 # What only reads an atlas either shows all of it or says that memory ran out.
 reads() # COMMAND...
 {
@@ -119,9 +119,9 @@ reads() # COMMAND...
     (export FAULT_COUNT="$folder/count" LD_PRELOAD="$folder/faults.so" && exec "$ricochet" "$@" >/dev/null 2>&1)
     local allocations step code
     read -r allocations _ <"$folder/count"
-    step=$((allocations / $(some_of 10 20) + 1))
+    step=$((allocations / $(some_of 6 20) + 1))
     [ "${FAULTS_ALL:-0}" = 0 ] || step=1
-    # the last ones make the rows, and are each of another kind: one in thirteen of them, others for each command
+    # the last ones make the rows, and are each of another kind: one in 29 of them, others for each command
     number_of=$((number_of + 1))
     for k in $(seq 1 $step "$allocations") $(seq $((allocations > 250 ? allocations - 250 + number_of % last : 1)) $last "$allocations"); do
         (export FAULT_ALLOC=$k LD_PRELOAD="$folder/faults.so" && exec "$ricochet" "$@" >"$folder/shown" 2>"$folder/message") 2>/dev/null

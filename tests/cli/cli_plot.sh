@@ -56,10 +56,13 @@ exits() {
     shift
     "$RICOCHET" "$@" >stdout 2>stderr
     got=$?
-    note "'$*' exits $got instead of $want" "$([ $got -eq "$want" ]; echo $?)"
-    note "'$*' printed on stdout" "$([ ! -s stdout ]; echo $?)"
+    [ $got -eq "$want" ]
+    note "'$*' exits $got instead of $want" $?
+    [ ! -s stdout ]
+    note "'$*' printed on stdout" $?
     if [ "$want" -ne 0 ]; then
-        note "'$*' gave no message" "$([ -s stderr ]; echo $?)"
+        [ -s stderr ]
+        note "'$*' gave no message" $?
     fi
 }
 
@@ -74,11 +77,17 @@ assert root.tag.endswith("}svg") and any(path.get("d") for path in root.iter("{h
     esac
 }
 
-# draws NAME ARGUMENTS...: in all formats
+# draws NAME ARGUMENTS...: as SVG, and the first picture of each kind in all formats, of which one line of the script for
+# gnuplot decides; in the long form every picture
+kinds=
 draws() {
     name=$1
     shift
-    for format in svg pdf png; do
+    formats=svg
+    case $kinds in *" $2 "*) ;; *) formats='svg pdf png' ;; esac
+    kinds="$kinds $2 "
+    [ "${RICOCHET_TEST_LONG:-0}" = 0 ] || formats='svg pdf png'
+    for format in $formats; do
         exits 0 "$@" -o "$name.$format"
         note "$name.$format is not a whole $format" "$(is_a $format "$name.$format" 2>/dev/null; echo $?)"
         note "$name.$format is suspiciously small" "$([ "$(wc -c <"$name.$format" 2>/dev/null || echo 0)" -gt 2000 ]; echo $?)"
@@ -87,9 +96,11 @@ draws() {
 
 # leaves_nothing CODE ARGUMENTS...: fails without a file, not even a temporary one
 leaves_nothing() {
-    mkdir -p empty
+    mkdir empty
     exits "$@"
-    note "'$*' left files: $(ls -A empty)" "$([ -z "$(ls -A empty)" ]; echo $?)"
+    rmdir empty 2>rest # of an empty folder only
+    note "'$*' left files: $(cat rest)" $?
+    rm -rf empty
 }
 
 draws fep plot fep "$ATLAS"
@@ -254,6 +265,7 @@ printf '#!/bin/sh\necho boom >&2\nexit 3\n' >failing/gnuplot
 printf '#!/bin/sh\necho half\n' >half/gnuplot
 chmod +x failing/gnuplot half/gnuplot
 with_only() { # with_only FOLDER: as leaves_nothing 1, seeing no programs but those of the folder
+    mkdir -p empty
     (PATH=$work/$1 && "$RICOCHET" plot fep "$ATLAS" -o empty/a.png) >stdout 2>stderr
     [ $? -eq 1 ] && [ -s stderr ] && [ -z "$(ls -A empty)" ]
 }
