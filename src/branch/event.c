@@ -450,6 +450,12 @@ static double lost_length(const ric_continuation *tr)
     return length;
 }
 
+/* Whether the signs change as often as they did `before`, among n points. */
+static bool as_before(const ric_continuation *tr, unsigned which, int n, int before)
+{
+    return tr->samples.n == n || ric_event_samples_changes(tr, which, true) == before;
+}
+
 /* Zeros of all that is looked at inside. Where one function vanishes the others are looked at, too:
  * they tell each other's ways. */
 static ric_status find_inside(ric_continuation *tr, unsigned which, double h, root_list *list,
@@ -460,14 +466,14 @@ static ric_status find_inside(ric_continuation *tr, unsigned which, double h, ro
         ric_status status = find_roots(tr, which, h, list, retry);
         for (int k = 0; k < tr->n_resonance && !status && !*retry; k++)
             status = find_zeros(tr, RIC_N_TEST + k, HUGE_VAL, h, list, retry);
-        int before = ric_event_samples_changes(tr, which, true);
+        const int before = ric_event_samples_changes(tr, which, true), n = tr->samples.n;
         for (int i = 0; i < list->n && !status && !*retry; i++)
             status = ric_event_samples_add(tr, list->root[i].x, h);
         if (!status && !*retry && list->n)
             status = ric_event_samples_refine(tr, which, tr->n_resonance > 0, NAN, NAN, h);
-        if (!status && !*retry && ric_event_samples_changes(tr, which, true) == before)
+        if (!status && !*retry && as_before(tr, which, n, before))
             status = ric_event_samples_probe(tr, which, tr->n_resonance > 0, NULL, h);
-        if (status || *retry || ric_event_samples_changes(tr, which, true) == before) return status;
+        if (status || *retry || as_before(tr, which, n, before)) return status;
     }
     ric_event_samples_unresolved(tr);
     return RIC_OK;

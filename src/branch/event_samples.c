@@ -29,10 +29,11 @@
 /* LEAPS: of the slopes on both sides: what changes by more between two points leaps there, as the
  * largest gap in flight does where that maximum vanishes */
 #define LEAPS 16
-#define ASIDE 0.125 /* of an interval: how far from its ends a point between is looked at */
-#define FINEST 1e-8 /* of the size of the orbit: two zeros nearer than this are not looked for */
-#define FALLS 3     /* between two points: a factor that changes by more is not read */
-#define SEEN 8      /* points at which curves are looked at */
+#define ASIDE 0.125  /* of an interval: how far from its ends a point between is looked at */
+#define FINEST 1e-8  /* of the size of the orbit: two zeros nearer than this are not looked for */
+#define ROUNDED 1e-6 /* of a reach that is told by products: more than it is off by */
+#define FALLS 3      /* between two points: a factor that changes by more is not read */
+#define SEEN 8       /* points at which curves are looked at */
 /* RATIO: of distances from an end at which functions may have poles: what happens there does so on
  * every scale */
 #define RATIO 16
@@ -319,6 +320,12 @@ static bool is_clear(double a, double b, double far)
     return a * b > 0 && ric_smaller(fabs(a), fabs(b)) > far;
 }
 
+/* The same of what find_far tells, whatever that is rounded by. */
+static bool is_surely_clear(double a, double b, double far)
+{
+    return is_clear(a, b, SURELY * (1 + ROUNDED) * far);
+}
+
 /* Whether a function leaps in an interval, and is flat on both sides. */
 static bool leaps(const ric_continuation *tr, int i, const reading *of, double slope)
 {
@@ -360,14 +367,25 @@ static bool is_resolved(const ric_continuation *tr, const stencil *all, const re
     return isnan(*at) || leaps(tr, st.i, of, (f[1] - f[0]) / st.x[1]);
 }
 
-/* The reach of n columns side by side, HUGE_VAL where four points are not known: nearly all of them
- * are clear of it, and is_resolved has nothing more to tell. */
+/* The reach of n columns side by side, by products, HUGE_VAL where four points are not known:
+ * nearly all columns are clear of it, and is_resolved has nothing more to tell. */
 static void find_far(const ric_continuation *tr, const stencil *st, int n, double *restrict far)
 {
-    const double *restrict v[4];
+    const double *restrict v[4], *x = st->x;
     for (int j = 0; j < st->n; j++) v[j] = ric_event_samples_values(tr, st->at[j]);
-    for (int k = 0; k < n; k++)
-        far[k] = st->n < 4 ? HUGE_VAL : bend_of(4, st->x, v[0][k], v[1][k], v[2][k], v[3][k]).far;
+    if (st->n < 4) {
+        for (int k = 0; k < n; k++) far[k] = HUGE_VAL;
+        return;
+    }
+    const double one = 1 / x[1], two = 1 / x[2], three = 1 / x[3], to2 = 1 / (x[2] - x[1]),
+                 to3 = 1 / (x[3] - x[1]), last = 1 / (x[3] - x[2]), part = x[1] * x[1] / 4,
+                 cubic = SAFETY * ric_larger(fabs(x[2]), fabs(x[2] - x[1]));
+    for (int k = 0; k < n; k++) {
+        const double slope = (v[1][k] - v[0][k]) * one,
+                     second = ((v[2][k] - v[1][k]) * to2 - slope) * two,
+                     other = ((v[3][k] - v[1][k]) * to3 - slope) * three;
+        far[k] = part * (fabs(second) + cubic * fabs((other - second) * last));
+    }
 }
 
 static bool resolved(const ric_continuation *tr, const stencil *st, int test, double *at)
@@ -429,14 +447,15 @@ static bool half_lost(const ric_continuation *tr, int i, double from, double to)
 
 /* The same of the factor of a test, which is smooth where the test jumps; beside a grazing it falls
  * by powers of ten, and tells nothing. */
-static bool smoothly(const ric_continuation *tr, const stencil *st, int test, double *at)
+static bool smoothly(const ric_continuation *tr, const stencil *st, int test, const double *far,
+                     double *at)
 {
-    const int i = st->i;
-    int column = smooth(tr, test);
+    const int column = smooth(tr, test);
     if (column < 0) return true;
-    double a = fabs(ric_event_samples_values(tr, i)[column]),
-           b = fabs(ric_event_samples_values(tr, i + 1)[column]);
-    return fmax(a, b) > FALLS * fmin(a, b) || resolved(tr, st, column, at);
+    const double a = ric_event_samples_values(tr, st->i)[column],
+                 b = ric_event_samples_values(tr, st->i + 1)[column];
+    if (is_surely_clear(a, b, far[column])) return true;
+    return fmax(fabs(a), fabs(b)) > FALLS * fmin(fabs(a), fabs(b)) || resolved(tr, st, column, at);
 }
 
 /* As is_resolved. Of the factors of the map only their smooth form is surely known. */
@@ -446,16 +465,16 @@ static bool all_resolved(const ric_continuation *tr, int i, unsigned which, bool
     stencil st = stencil_of(tr, i, NULL, NULL);
     const double *a = ric_event_samples_values(tr, i), *b = ric_event_samples_values(tr, i + 1);
     const int n = RIC_N_TEST + (pairs ? tr->n_resonance : 0);
-    double far[n];
-    find_far(tr, &st, n, far);
+    double far[RIC_N_TEST + tr->n_resonance + 3]; /* smooth factors are the last three */
+    find_far(tr, &st, RIC_N_TEST + tr->n_resonance + 3, far);
     st.open = open;
     for (int test = 0; test < n; test++) {
         const bool own = test < RIC_N_TEST;
         if (own && !(which >> test & 1)) continue;
-        if (!is_clear(a[test], b[test], SURELY * far[test]) && !(at && smooth(tr, test) >= 0) &&
+        if (!is_surely_clear(a[test], b[test], far[test]) && !(at && smooth(tr, test) >= 0) &&
             !resolved(tr, &st, test, at))
             return false;
-        if (own ? !smoothly(tr, &st, test, at)
+        if (own ? !smoothly(tr, &st, test, far, at)
                 : tr->floquet.n_pair > 1 &&
                       !(a[test] * b[test] == 0 && is_blurred(tr, test - RIC_N_TEST)) &&
                       !pairs_stay(tr, &st, tr->resonances[test - RIC_N_TEST].rho, at))
