@@ -48,9 +48,12 @@ static ric_status between(const ric_line *l, const ric_strand *a, const ric_stra
     int most = a->n > b->n ? a->n : b->n, joint = 0;
     ric_status status = RIC_OK;
     while (joint < most && ric_hunt_line_together(l, a, b, joint)) joint++;
-    if (joint < most && b->s - a->s > l->shortest * (l->high - l->low)) {
+    const double half = (a->s + b->s) / 2;
+    const bool divides = half > a->s && half < b->s && /* a short line may have no number between */
+                         b->s - a->s > l->shortest * (l->high - l->low);
+    if (joint < most && divides) {
         RIC_STRAND(mid, l->K);
-        ric_hunt_line_fly(l, (a->s + b->s) / 2, &mid);
+        ric_hunt_line_fly(l, half, &mid);
         if (l->visit) status = l->visit(l, &mid);
         if (!status) status = between(l, a, &mid);
         return status ? status : between(l, &mid, b);

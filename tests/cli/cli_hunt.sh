@@ -152,4 +152,16 @@ for p, q in zip(a, b):
 PY
 }
 ok 'in the units of the study' units
+small() { "$ricochet" hunt "$@" --impacts 2 --lines 1000 --rows 5 --row 50 --random 1000 --starts 5; }
+printf '%s\n' 'model:' '  mass: [[2, 0], [0, 0.5]]' '  stiffness: [[0, 0], [0, 32]]' '  contacts:' \
+    '    - {normal: [1, 0], clearance: 0.23, sides: upper}' '    - {normal: [1, -1], clearance: 0.49, sides: lower}' >"$folder/loose.yaml"
+ok 'a line so short that no number halves it' small "$folder/loose.yaml" --energy 0.3
+printf '%s\n' 'model:' '  mass: [[1, 0], [0, 2]]' '  stiffness: [[0, 0], [0, 32]]' '  contacts:' \
+    '    - {normal: [1, 0], clearance: 0.23, sides: upper}' '    - {normal: [1, -1], clearance: 0.49, sides: lower}' \
+    'explore: {depth: 2, impacts: 2, frequency: [1, 20]}' >"$folder/loose.yaml"
+loose() { # the orbits of a loose mass that are found without a branch are those of its branches
+    "$ricochet" run "$folder/loose.yaml" --quiet && small "$folder/loose.ricochet" --energy 3 --atlas "$folder/loose.ricochet" >"$folder/said" 2>&1 &&
+        grep '4 orbits there, 4 were found again; it lacks 0' "$folder/said"
+}
+ok 'a loose mass' loose
 finish
