@@ -9,15 +9,27 @@
 #include "prover.h"
 
 enum {
-    DEEPEST = 22, /* halvings of a step: 2^-22 of one is where two branches meet, or a gap closes */
-    MOST =
-        1500, /* tubes of a step that are tried: some tens are taken where they get shorter towards
-                 an end, and as many as there are halvings allow where nothing is gained by that */
+    LEAST = -22,    /* 2^-22 of a step: where two branches meet, or a gap closes */
+    MOST = 1500,    /* tubes of a step that are not proved: some tens are where they get shorter
+                       towards    an end, and any number where nothing is gained by that */
     TUBE = 1000000, /* multiplications of one, about */
+    NEARER = 4,     /* a quarter of its share of what is left: what an orbit between is nearer by */
     FINEST = 128,   /* parts of a tube for its certificate */
     MANY_PARTS = 7, /* halvings of a tube for its stability: of two modes */
     FEW_PARTS = 5   /* of more, where it is dear */
 };
+
+/* The root of the contraction that a tube is to have. It grows with the length, and with its square
+ * or cube where the bend of the arc asks for a wide box; one that failed has boxes that were made
+ * larger, too. SHORTER: than that at most. */
+#define GOAL 0.45
+#define SHORTER 0.0625
+/* Where gaps, and no roots, say how long a tube may be: the share that the next one has, and what
+ * each behind it may be longer. */
+#define BACK 0.6
+#define ON 1.1
+/* Roots that grow from tube to tube go on to do so, but for the next one to no more than that. */
+#define TREND 0.25
 
 /* Of lines between orbits of a certificate: a checker halves them some four times, which takes it
  * as long as as many orbits would. */
@@ -265,32 +277,106 @@ static void record(ric_curve *x, const ric_tube *t, const ric_node *a, const ric
     if (b->c.number >= 0) ric_certificate_arcs_add(x->arcs, &b->c, x->e, b->exists);
 }
 
-static bool join_by_one(ric_curve *x, const ric_node *a, const ric_node *b)
+/* What came of a tube; one that does not stand is an arc, but not all of it is told to be motions.
+ */
+typedef struct {
+    enum { JOINED, NO_ARC, NO_MOTIONS } end;
+    double length, root; /* of the contraction, which is about as the length */
+} outcome;
+
+static outcome join_by_one(ric_curve *x, const ric_node *a, const ric_node *b)
 {
     ric_tube t;
     snprintf(x->why, sizeof x->why, "the arc between two orbits is not proved to be one");
     bool done = ric_tube_create(&t, (ric_tube_end){&a->c, a->exists},
                                 (ric_tube_end){&b->c, b->exists}, x->e);
+    outcome out = {NO_ARC, size_of(&t), ric_contraction_root(t.k.n, t.k.Z)};
     if (done) {
         snprintf(x->why, sizeof x->why, "tubes are not proved to meet");
-        done = ric_tube_holds(&t) && tube_stands(x, &t, b->last);
+        done = ric_tube_holds(&t);
     }
-    if (done) record(x, &t, a, b);
+    if (done) out.end = tube_stands(x, &t, b->last) ? JOINED : NO_MOTIONS;
+    if (out.end == JOINED) record(x, &t, a, b);
     ric_tube_free(&t);
-    return done;
+    return out;
 }
 
-static bool join(ric_curve *x, const ric_node *a, const ric_node *b, int depth)
+/* How long tubes are taken to be: what the root of one says of the next one, and no more than
+ * `most` while gaps ask for shorter ones. */
+typedef struct {
+    double length, most;
+    int failed; /* in a row */
+} stride;
+
+static void step_on(stride *s, outcome tube)
 {
-    if (join_by_one(x, a, b)) return true;
-    if (depth == DEEPEST || ++x->tried > MOST || ric_halt(TUBE)) return false;
-    ric_node m;
-    ric_curve_node_init(&m);
-    node_between(&m, a, b, 0.5, x->e);
-    bool done = !m.why;
-    if (m.why) snprintf(x->why, sizeof x->why, "between two orbits: %s", m.why);
-    done = done && join(x, a, &m, depth + 1) && join(x, &m, b, depth + 1);
-    ric_curve_node_clear(&m);
+    const double before = s->failed ? HUGE_VAL : s->length,
+                 next = tube.root > 0 ? tube.length * cbrt(GOAL / tube.root) : HUGE_VAL;
+    s->length = next < before && isfinite(before) ? next * fmax(TREND, next / before) : next;
+    s->most *= ON;
+    s->failed = 0;
+}
+
+/* Near an orbit where D is singular roots hardly fall with the length until it is much shorter. */
+static void step_back(stride *s, outcome tube)
+{
+    s->failed++;
+    if (tube.end == NO_MOTIONS) {
+        s->most = tube.length * BACK;
+        return;
+    }
+    const double share = fmin(ldexp(1, -s->failed), sqrt(GOAL / tube.root));
+    s->length = tube.length * (share > SHORTER ? share : SHORTER);
+}
+
+/* The share of what is left that the next tube takes: one of a number that are alike. */
+static double share_of(const stride *s, double left)
+{
+    const double length = fmin(s->length, s->most);
+    return length < left ? 1 / ceil(left / length) : 1;
+}
+
+static double distance(const ric_node *a, const ric_node *b)
+{
+    double sum = 0;
+    for (slong i = 0; i < (slong)a->c.m * a->c.size; i++)
+        sum += pow(ric_arb_middle(b->c.u + i) - ric_arb_middle(a->c.u + i), 2);
+    return sqrt(sum);
+}
+
+/* From orbit to orbit, tube by tube. */
+static bool join(ric_curve *x, const ric_node *a, const ric_node *b)
+{
+    ric_node between[2];
+    const ric_node *from = a;
+    const double least = ldexp(distance(a, b), LEAST);
+    stride s = {HUGE_VAL, HUGE_VAL, 0};
+    bool done = false, lost = false;
+    for (int i = 0; i < 2; i++) ric_curve_node_init(&between[i]);
+    while (!done && !lost && !ric_halt(TUBE)) {
+        const double left = distance(from, b), share = share_of(&s, left);
+        ric_node *m = from == &between[0] ? &between[1] : &between[0];
+        if (share < 1) {
+            ric_curve_node_clear(m);
+            ric_curve_node_init(m);
+            node_between(m, from, b, share, x->e);
+            if (!m->why && !(distance(m, b) < left * (1 - share / NEARER)))
+                m->why = "the one that is found is no nearer";
+            if (m->why) snprintf(x->why, sizeof x->why, "between two orbits: %s", m->why);
+        }
+        const ric_node *to = share < 1 ? m : b;
+        const outcome tube = to->why ? (outcome){NO_MOTIONS, share * left, 0}
+                                     : join_by_one(x, from, to);
+        if (tube.end == JOINED) {
+            step_on(&s, tube);
+            done = to == b;
+            from = to;
+        } else {
+            step_back(&s, tube);
+            lost = ++x->tried > MOST || !(fmin(s.length, s.most) > least);
+        }
+    }
+    for (int i = 0; i < 2; i++) ric_curve_node_clear(&between[i]);
     return done;
 }
 
@@ -322,5 +408,5 @@ bool ric_curve_join(ric_curve *x, const ric_node *a, const ric_node *b)
     x->tried = 0;
     if (!ric_chain_same_class(&a->c, &b->c)) return false;
     if (is_one_orbit(x, a, b)) return true;
-    return a->last ? !b->last && join(x, b, a, 0) : join(x, a, b, 0);
+    return a->last ? !b->last && join(x, b, a) : join(x, a, b);
 }

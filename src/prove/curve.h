@@ -1,6 +1,6 @@
 /* A branch as one curve: tubes (tube.h) from stored point to stored point, glued at orbits that lie
- * in both, gaps open along all of them. Where a step is too long for one tube it is halved at an
- * orbit that is solved in between. */
+ * in both, gaps open along all of them. Where a step is too long for one tube it takes several, to
+ * orbits that are solved in between, each as long as the one before says. */
 #ifndef RIC_PROVE_CURVE_H
 #define RIC_PROVE_CURVE_H
 
@@ -22,7 +22,7 @@ typedef struct {
 
 typedef struct {
     const ric_enclosure *e;
-    int tubes, tried; /* in all; halvings of the step that is being proved */
+    int tubes, tried; /* in all; that failed, of the step that is being proved */
     double
         length[3];   /* along the curve, by ric_stability: what is unstable, stable and undecided */
     ric_arcs *arcs;  /* its certificate, or NULL */
