@@ -370,6 +370,7 @@ static void print_remarks(const facts *f)
                    : "no family starts from it, which takes two faces that push it in opposite "
                      "directions");
     if (seen_rigid && !ric_model_rattles(f->model)) puts(CLI_LOOSE);
+    if (seen_rigid > 1) puts("masses are loose in several ways: " CLI_SEVERAL);
 }
 
 static ric_status print_text(const facts *f, const ric_study *study)

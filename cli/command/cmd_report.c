@@ -394,6 +394,9 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
     add_count(rows, "departures taken", sum.taken, "");
     add_count(rows, "departures known", sum.known, "the branch was found another way");
     add_count(rows, "departures inadmissible", sum.inadmissible, "no motions leave");
+    int ways;
+    if ((status = cli_windows_loose(ric_atlas_study(atlas), &ways))) return status;
+    if (ways > 1) add_count(rows, "ways in which masses are loose", ways, CLI_SEVERAL);
     add_regions(rows, atlas);
     if (*cli_forcing_remark(ric_atlas_study(atlas)))
         add(rows, "losses and force", json_null(), cli_forcing_remark(ric_atlas_study(atlas)));

@@ -250,6 +250,11 @@ ric_status cli_windows_warn(const ric_study *study);
 ric_status cli_windows_print(const ric_study *study);
 ric_status cli_windows_rows(const ric_study *study, json_t *rows);
 ric_status cli_windows_tell(const ric_atlas *atlas);
+/* In how many ways masses are loose, and what is said where there are several. */
+ric_status cli_windows_loose(const ric_study *study, int *ways);
+#define CLI_SEVERAL                                                                                \
+    "families that begin between three faces or more are not looked for, and motions of these "    \
+    "masses may be missing"
 /* What is said of a loose mass from which no family starts. */
 #define CLI_LOOSE                                                                                  \
     "before a stop on one side alone a loose mass flies off, and masses that are loose in "        \

@@ -61,11 +61,21 @@ static bool begins(const facts *f, int i)
            f->frequency[i] >= frequency[0] && f->frequency[i] <= frequency[1];
 }
 
-static bool any_loose(const facts *f)
+/* In how many ways masses are loose. */
+static int loose_ways(const facts *f)
 {
-    for (int i = 0; i < f->n; i++)
-        if (f->seen[i] && f->frequency[i] == 0) return true;
-    return false;
+    int count = 0;
+    for (int i = 0; i < f->n; i++) count += f->seen[i] && f->frequency[i] == 0;
+    return count;
+}
+
+ric_status cli_windows_loose(const ric_study *study, int *ways)
+{
+    facts f;
+    ric_status status = facts_ask(study, &f);
+    *ways = status ? 0 : loose_ways(&f);
+    facts_free(&f);
+    return status;
 }
 
 /* --------------------------------------------------------------- remarks */
@@ -364,12 +374,13 @@ static void say_why(const facts *f, const ric_atlas *atlas)
                 "the windows%s%s; "
                 "`ricochet report` says which departures were refused or not tried\n",
                 *why ? ": " : "", why);
-        if (any_loose(f) && !ric_model_rattles(f->model)) cli_say("%s\n", CLI_LOOSE);
+        if (loose_ways(f) && !ric_model_rattles(f->model)) cli_say("%s\n", CLI_LOOSE);
         return;
     }
     cli_say("ricochet: no orbit that meets a contact was found");
     if (lowest < 0) {
         cli_say(": none of the modes that are started from meets one\n");
+        if (loose_ways(f) && !ric_model_rattles(f->model)) cli_say("%s\n", CLI_LOOSE);
         return;
     }
     if (f->onset[lowest] > energy[1])

@@ -315,6 +315,14 @@ Y
 ok 'a loose mass before one side' says 'no family starts from it, which takes two faces that push it in opposite directions' check "$folder/side.yaml"
 ok 'and how to say it' says 'before a stop on one side alone a loose mass flies off' check "$folder/side.yaml"
 ok 'a run says it, too' says 'before a stop on one side alone a loose mass flies off' run "$folder/side.yaml"
+printf '%s\n' 'model:' '  mass: [[1, 0], [0, 2]]' '  stiffness: [[0, 0], [0, 0]]' '  contacts:' \
+    '    - {normal: [1, -1], clearance: 0.2}' '    - {normal: [0, 1], clearance: 0.5, sides: upper}' 'explore: {depth: 1}' >"$folder/train.yaml"
+ok 'masses that are loose in several ways: check' says 'masses are loose in several ways: families .* three faces or more are not looked for' check "$folder/train.yaml"
+ok 'and run, of an atlas that has some of their motions' \
+    says 'ways in which masses are loose: 2 (families that begin between three faces or more are not looked for' run "$folder/train.yaml"
+ok 'a mass that is loose in one way has none of these' bash -c '! "$0" report "$1" | grep "ways in which"' "$ricochet" "$folder/wall.ricochet"
+sed 's/clearance: 0.2/clearance: 0.2, sides: upper/' "$folder/train.yaml" >"$folder/apart.yaml"
+ok 'and of one that has none' says 'masses that are loose in several ways strike' run "$folder/apart.yaml"
 sed 's/^model:/units: {length: mm, force: N}\n&/' "$folder/chain.yaml" >"$folder/named.yaml"
 named() { # units on the axes of a force curve
     sed 's/clearance: 0.25/&, law: bilinear, stiffness: 900/' "$folder/named.yaml" >"$folder/spring.yaml"
