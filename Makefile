@@ -9,7 +9,7 @@ DEMO = $(BUILD)/demo
 FOLDERS = include/. $(wildcard src/*/.) $(wildcard cli/*/.) tests/. $(wildcard tests/*/.) bench/. fuzz/. web/. web/src/.
 MESON_FILES = meson.build $(wildcard */meson.build)
 
-.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench bench-short sanitize race memcheck memcheck-python sanitize-units sanitize-python clang-units package-check container-check faults fuzz attack clean
+.PHONY: help setup setup-tests build install python site demo paper test check long ten time picture bench bench-short bench-doc sanitize race memcheck memcheck-python sanitize-units sanitize-python clang-units package-check container-check faults fuzz attack clean
 
 help:
 	@echo "make demo      build, compute the atlas of examples/elementary and draw it"
@@ -151,6 +151,10 @@ bench: build
 	@tools/atlas-bytes $(BUILD)/bench-elementary.ricochet $(BUILD)/bench-cascade.ricochet \
 		$(BUILD)/bench-beam-midspan.ricochet $(BUILD)/bench-two-springs.ricochet | tee $(BUILD)/bench-bytes.txt
 	@if [ -x $(BUILD)/ricochet-bench-forced ]; then $(BUILD)/ricochet-bench-forced -o $(BUILD)/bench-forced.txt; fi
+
+# What was measured last, into docs/performance.md.
+bench-doc:
+	@sed -i -e '/^```text bench/,/^```$$/{//!d}' -e '/^```text bench/r $(BUILD)/bench.txt' docs/performance.md
 
 sanitize: setup-tests $(ASAN)/build.ninja
 	@ninja -C $(ASAN) --quiet
