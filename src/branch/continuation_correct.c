@@ -96,7 +96,9 @@ static bool correct(ric_shooting *c, double *u, const aim *to, double *du, int *
     double last = HUGE_VAL, bent = BENT, left = HUGE_VAL;
     for (int i = 0; i <= NEWTON_STEPS; i++) {
         *iterations = i;
+        c->rough = i == 0; /* it is never the last */
         ric_shooting_evaluate(c, u);
+        c->rough = false;
         if (c->singular || !(c->residual < HOPELESS)) return false;
         /* at rounding level, and not merely passing through it: an unstable orbit needs every digit
          */

@@ -54,6 +54,9 @@ void ric_flight_map(const ric_model *m, uint64_t closed, int event, double tau, 
  * may be NULL; without a matrix in place. */
 void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix,
                        double *lost, double *after);
+/* The same in the digits of a double, whatever it loses; not in place. */
+void ric_flight_roughly(const ric_model *m, double tau, const double *w, double *matrix,
+                        double *lost, double *after);
 /* Under a power law: the states w [count * 2n] behind the times tau [count], ascending, of one
  * flight (power_flow.h). */
 void ric_flight_visit(const ric_model *m, int count, const double *tau, const double *from,

@@ -10,24 +10,39 @@
 /* The workspace is kept on the stack unless the structure is large. */
 enum { SMALL = 1 << 15 };
 
-/* Where the flow cannot be followed the state is infinite, and no orbit is found there. `matrix`
- * and `lost` may be NULL. */
-void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix,
-                       double *lost, double *after)
+typedef bool mapping(const ric_model *m, double tau, double *w, double *M, double *lost,
+                     double *work);
+
+/* The state `after`, in place. Where the flow cannot be followed it is infinite, and no orbit is
+ * found there. `matrix` and `lost` may be NULL. */
+static void fly(mapping *way, const ric_model *m, double tau, double *matrix, double *lost,
+                double *after)
 {
     size_t states = 2 * (size_t)m->n, size = ric_power_flow_work(m, matrix ? 2 * m->n : 0),
            small = size <= SMALL ? size : 1;
     _Alignas(16) double stack[small];
     double *work = size <= SMALL ? stack : ric_malloc(size * sizeof *work), unwanted;
-    if (after != w) memcpy(after, w, states * sizeof *w);
-    if (!work ||
-        !(matrix ? ric_power_flow_map_surely(m, tau, after, matrix, lost ? lost : &unwanted, work)
-                 : ric_power_flow_fly(m, tau, after, 0, NULL, work))) {
+    if (!work || !(matrix ? way(m, tau, after, matrix, lost ? lost : &unwanted, work)
+                          : ric_power_flow_fly(m, tau, after, 0, NULL, work))) {
         for (size_t i = 0; i < states; i++) after[i] = HUGE_VAL;
         for (size_t i = 0; matrix && i < states * states; i++) matrix[i] = 0;
         if (lost) *lost = 0;
     }
     if (work != stack) free(work);
+}
+
+void ric_flight_smooth(const ric_model *m, double tau, const double *w, double *matrix,
+                       double *lost, double *after)
+{
+    if (after != w) memcpy(after, w, 2 * (size_t)m->n * sizeof *w);
+    fly(ric_power_flow_map_surely, m, tau, matrix, lost, after);
+}
+
+void ric_flight_roughly(const ric_model *m, double tau, const double *w, double *matrix,
+                        double *lost, double *after)
+{
+    memcpy(after, w, 2 * (size_t)m->n * sizeof *w);
+    fly(ric_power_flow_map, m, tau, matrix, lost, after);
 }
 
 void ric_flight_visit(const ric_model *m, int count, const double *tau, const double *from,

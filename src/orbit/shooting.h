@@ -76,6 +76,7 @@ typedef struct {
     double *kept;  /* law power: the last flights of a chain of one part, NULL or room for
                       most_kept of them (shooting_nodes.c) */
     int n_kept, next_kept, most_kept;
+    bool rough;   /* law power: what is evaluated is left by a Newton step, and may lose digits */
     double lost;  /* law power: rounding along the flight, of the part that loses most, over epsilon
                      (power_flow.h) */
     double *part; /* with inner nodes [parts * (4n^2 + 4n)]: of each part its map, its end, and

@@ -100,10 +100,17 @@ static bool again(ric_shooting *c, const double *from, const double *u)
     return false;
 }
 
-/* A flight that was broken off is none that is known. */
-static void forget(ric_shooting *c)
+/* Whether flight k may have lost digits that it would not lose if they were wanted. */
+static bool is_rough(const ric_shooting *c, int k)
 {
-    if (ric_halted())
+    const double *start = c->w + 2 * c->n * k;
+    return c->rough && c->lost > RIC_SMOOTH_LOSES * (1 + sqrt(ric_dot(2 * c->n, start, start)));
+}
+
+/* A flight that was broken off, or is rough, is none that is known. */
+static void forget(ric_shooting *c, int k)
+{
+    if (ric_halted() || is_rough(c, k))
         memset(c->flown, 0, (1 + 2 * (size_t)c->n * (size_t)c->parts) * sizeof *c->flown);
 }
 
@@ -112,7 +119,9 @@ static void fly_once(ric_shooting *c, int k, double tau)
 {
     int n2 = 2 * c->n;
     double *start = c->w + n2 * k, *end = start + n2;
-    ric_flight_smooth(c->model, tau, start, c->map + c->stride * (size_t)k, &c->lost, end);
+    (c->rough ? ric_flight_roughly : ric_flight_smooth)(c->model, tau, start,
+                                                        c->map + c->stride * (size_t)k, &c->lost,
+                                                        end);
     ric_flight_rate(c->model, 0, end, c->rate + n2 * k);
 }
 
@@ -166,9 +175,9 @@ bool ric_shooting_nodes_fly(ric_shooting *c, int k, const double *u)
     if (c->parts == 1) {
         if (!recall(c, k, *u)) {
             fly_once(c, k, *u);
-            keep(c, k, *u);
+            if (!is_rough(c, k)) keep(c, k, *u);
         }
-        forget(c);
+        forget(c, k);
         return true;
     }
     c->lost = 0;
@@ -183,7 +192,7 @@ bool ric_shooting_nodes_fly(ric_shooting *c, int k, const double *u)
     }
     memcpy(end, end_of(c, c->parts - 1), (size_t)n2 * sizeof *end);
     memcpy(c->rate, rate_of(c, c->parts - 1), (size_t)n2 * sizeof *end);
-    forget(c);
+    forget(c, k);
     return true;
 }
 
