@@ -107,11 +107,14 @@ static ric_status create_solved(const ric_model *m, ric_kind kind, ric_periodic 
 bool ric_node_coincident(const ric_model *m, const ric_periodic *cycle)
 {
     if (m->n_contact < 2) return false;
-    ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL);
-    bool found = false;
-    for (int i = 0; full && i < full->N; i++)
-        found |= full->tau[i] < RIC_COINCIDENT &&
-                 m->face[full->face[i]].contact != m->face[full->face[(i + 1) % full->N]].contact;
+    bool found = false, *kept = NULL;
+    ric_periodic *full = ric_grazing_words_touches(m, cycle, &kept);
+    for (int i = 0; full && kept && i < full->N; i++) {
+        const int next = (i + 1) % full->N;
+        found |= full->tau[i] < RIC_COINCIDENT && (kept[i] || kept[next]) &&
+                 m->face[full->face[i]].contact != m->face[full->face[next]].contact;
+    }
+    free(kept);
     ric_periodic_free(full);
     return found;
 }

@@ -93,7 +93,8 @@ ric_status ric_node_grazing(const ric_model *model, const ric_periodic *cycle, r
 /* The linear mode that a branch comes to, all its impacts slower and slower; *out = NULL: none. */
 ric_status ric_node_mode_together(const ric_model *model, const ric_periodic *cycle,
                                   ric_node **out);
-/* Whether gaps of different contacts touch at one instant of a grazing orbit. */
+/* Whether a gap of another contact touches at the instant of an impact of a grazing orbit; gaps
+ * that touch together in flight are touches like others. */
 bool ric_node_coincident(const ric_model *model, const ric_periodic *cycle);
 ric_status ric_node_corner(const ric_model *model, const ric_periodic *cycle, ric_node **out);
 /* A point of a branch where `test` vanishes; `cycle` with the symmetries of the branch. */

@@ -211,4 +211,25 @@ astray() {
 }
 ok 'a branch that is not the one its junction lies on is refused there' astray
 ok 'and none is stored twice' bash -c '! "$0" branches "$1" --csv | grep "~"' "$ricochet" "$folder/sink.ricochet"
+# Two stops that a symmetry exchanges touch at one instant between the contacts with a spring: beyond that only one of
+# them is met, on a branch for each, which begins where its mode touches stop and spring together. That both are met for
+# good is refused.
+printf '%s\n' 'model:' '  mass: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]' '  stiffness: [[7, -1, -1], [-1, 7, -1], [-1, -1, 7]]' '  contacts:' \
+    '    - {normal: [1, 0, 0], clearance: 1, sides: upper, law: bilinear, stiffness: 0.5}' \
+    '    - {normal: [0, 1, 0], clearance: 1, sides: upper}' '    - {normal: [0, 0, 1], clearance: 1, sides: upper}' \
+    'explore: {start: [3], energy: [0, 30], frequency: [1, 6], impacts: 3, multiply: 1, depth: 2}' >"$folder/ring.yaml"
+twins() {
+    "$ricochet" run "$folder/ring.yaml" -o "$folder/ring.ricochet" --quiet && "$ricochet" verify "$folder/ring.ricochet" --all &&
+        "$ricochet" junctions "$folder/ring.ricochet" --json >"$folder/junctions" && "$ricochet" branches "$folder/ring.ricochet" --json >"$folder/branches" &&
+        python3 -S -c '
+import json, sys
+junctions, branches = (json.load(open(name)) for name in sys.argv[1:])
+[end] = [j for j in junctions if j["word"] == "0" and abs(j["energy"] - 25.4191596809) < 1e-8]
+assert end["kind"] == "grazing" and end["grazings"] == 2 and "close together for a whole branch" in end["refusal"], end
+leave = {b["word"]: b for b in branches if end["id"] in (b["from"], b["to"])}
+assert set(leave) == {"0", "01", "02"}, leave
+for word in ("01", "02"):
+    assert abs(leave[word]["energy_min"] - 8) < 1e-9 and leave[word]["stop"] == "junction", leave[word]' "$folder/junctions" "$folder/branches"
+}
+ok 'of two stops that are touched at one instant one is met alone' twins
 finish
