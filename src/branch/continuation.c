@@ -575,6 +575,7 @@ const char *ric_continuation_why_text(ric_why why)
         [RIC_WHY_NO_STEP] = "no step, however small, stays on the branch",
         [RIC_WHY_NO_JUNCTION] = "the junction at the end does not converge",
         [RIC_WHY_NO_FIT] = "the branch does not fit the junction at its end",
+        [RIC_WHY_TOUCHES] = "its end touches more often than is looked at, or rests on a contact",
         [RIC_WHY_TONGUE] = "border of a tongue that is stepped over",
         [RIC_WHY_NO_WAY_BACK] = "the way back does not lead home",
     };

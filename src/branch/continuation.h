@@ -28,6 +28,7 @@ typedef enum {
     RIC_WHY_NO_FIT,
     RIC_WHY_NO_WAY_BACK,
     RIC_WHY_TONGUE,
+    RIC_WHY_TOUCHES,
     RIC_N_WHY
 } ric_why;
 /* The reason as a sentence, "" for RIC_WHY_NONE. */

@@ -111,6 +111,15 @@ static int way_chosen(const ric_graph *g, const ric_node *node, const ric_period
     return found;
 }
 
+/* Why the junction at the end of a trace is not found. */
+static ric_why why_lost(const ric_model *m, const ric_periodic *cycle)
+{
+    ric_periodic *full = ric_grazing_words_touches(m, cycle, NULL);
+    const bool counted = full;
+    ric_periodic_free(full);
+    return counted ? RIC_WHY_NO_JUNCTION : RIC_WHY_TOUCHES;
+}
+
 /* The node at the far end of a trace (-1: none) and the departure there that the branch is. */
 static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *index,
                            unsigned *choice)
@@ -129,7 +138,7 @@ static ric_status end_node(ric_graph *g, ric_continuation *tr, int depth, int *i
     status = ric_node_cache_solve(g->model, g->recall, solve, cycle, &node);
     if (status == RIC_E_NUMERIC) {
         tr->stop = RIC_STOP_FAILED;
-        tr->why = RIC_WHY_NO_JUNCTION;
+        tr->why = why_lost(g->model, cycle);
         status = RIC_OK;
     }
     if (node) {

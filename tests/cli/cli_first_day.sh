@@ -241,6 +241,17 @@ assert max(b["points"] for b in branches) < 300, branches
 P
 }
 ok 'a mass that comes to rest on a stop ends its branch there' rests
+cat >"$folder/rests.yaml" <<'Y'
+model:
+  mass: [[1, 0, 0], [0, 0.5, 0], [0, 0, 3.3]]
+  stiffness: [[0, 0, 0], [0, 68.07626394885557, -29.64973852196805], [0, -29.64973852196805, 29.64973852196805]]
+  contacts:
+    - {normal: [1, 0, 0], clearance: 0.51, sides: upper, law: bilinear, stiffness: 17.8}
+    - {normal: [1, -1, 0], clearance: 0.74, sides: lower, law: bilinear, stiffness: 97.6}
+explore: {depth: 0, points: 600}
+Y
+ok 'a loose mass between two springs' rattles 10 "$folder/rests.yaml"
+ok 'a branch of which ends where it rests on one' says 'rest missing of .* rests on a contact' report "$folder/rests.ricochet"
 cat >"$folder/far.yaml" <<'Y'
 model:
   mass: [[0.5, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0.3, 0], [0, 0, 0, 1]]
