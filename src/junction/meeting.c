@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "canonical.h"
 #include "criterion.h"
 #include "branch/room.h"
 #include "base/room.h"
@@ -19,8 +20,7 @@ enum { SIDES = 6, PASSES = 2 };
 #define FARTHEST 0x1p-6
 #define NEAREST 0x1p-20
 #define FINER 0.25
-#define WORSE 16      /* times the least error: a smaller h is worse from here on */
-#define GRAIN 0x1p-32 /* as in node_solve.c */
+#define WORSE 16 /* times the least error: a smaller h is worse from here on */
 
 static const double places[SIDES] = {-3, -2, -1, 1, 2, 3};
 
@@ -61,8 +61,9 @@ static double cross(ric_shooting *c, const double *from, int k, double h, double
     return apart;
 }
 
-static bool solve(ric_shooting *c, double *u)
+static bool solve(const void *of, ric_shooting *c, double *u, bool rounded)
 {
+    (void)of, (void)rounded;
     const int size = c->n_unknown;
     double from[size], v[size], least = HUGE_VAL;
     ric_shooting_evaluate(c, u);
@@ -81,22 +82,10 @@ static bool solve(ric_shooting *c, double *u)
 
 ric_periodic *ric_meeting_solve(const ric_model *m, const ric_periodic *cycle)
 {
-    ric_periodic *out = ric_periodic_copy(cycle);
-    for (int pass = 0; pass < PASSES && out; pass++) {
-        ric_shooting *chain = NULL;
-        ric_periodic *found = NULL, *canonical = NULL;
-        double *u = NULL;
-        bool good = !ric_periodic_to_chain(m, out, &chain, &u);
-        for (int i = 0; good && pass && i < chain->n_unknown; i++)
-            u[i] = rint(u[i] / GRAIN) * GRAIN; /* it does not remember where it came from */
-        if (good && solve(chain, u)) found = ric_periodic_from_chain(chain, u);
-        if (found && ric_periodic_same(m, cycle, found, RIC_SAME_READ_OFF))
-            canonical = ric_periodic_canonical(m, found);
-        ric_periodic_free(out);
-        ric_periodic_free(found);
-        ric_shooting_free(chain);
-        free(u);
-        out = canonical;
-    }
+    const ric_canonical_way way = {.solve = solve, .grain = RIC_CANONICAL_GRAIN, .passes = PASSES};
+    ric_periodic *found = ric_canonical_solve(m, cycle, &way), *out = NULL;
+    if (found && ric_periodic_same(m, cycle, found, RIC_SAME_READ_OFF))
+        out = ric_periodic_canonical(m, found);
+    ric_periodic_free(found);
     return out;
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "branch_point.h"
+#include "canonical.h"
 #include "node_solve_twice.h"
 #include "branch/room.h"
 #include "base/room.h"
@@ -44,9 +45,6 @@
 /* MET: relative distance at which it is: beside a branch point orbits are known to rounding /
  * distance */
 #define MET 1e-8
-/* GRAIN: canonical orbits are re-solved from unknowns rounded to this, so that they do not remember
- * where they came from */
-#define GRAIN 0x1p-32
 /* NO_TIME: of the period: what rounding leaves of a flight between two impacts at one instant */
 #define NO_TIME 1e-12
 #define TOUCHES 1e-13 /* of the clearance: a motion that ends so near to a stop touches it */
@@ -357,100 +355,63 @@ static int slowest(const ric_shooting *c, const double *u, bool *soft)
     return best;
 }
 
-/* Rounds the unknowns u [n] to the grain. *grid: those of the pass before, NULL for none; replaced.
- * True if they are the same: another pass would find the same bits. */
-static bool settled(int n, double grain, double *u, int *n_grid, double **grid)
+static bool place_crossing(const void *of, ric_shooting *chain, double *u, bool rounded)
 {
-    bool same = *grid && *n_grid == n;
-    for (int i = 0; i < n; i++) u[i] = rint(u[i] / grain) * grain;
-    for (int i = 0; same && i < n; i++) same = u[i] == (*grid)[i];
-    free(*grid);
-    *n_grid = n;
-    if ((*grid = ric_malloc((size_t)n * sizeof **grid)))
-        memcpy(*grid, u, (size_t)n * sizeof **grid);
-    return same;
+    (void)of, (void)rounded;
+    return ric_branch_point_place(chain, u);
 }
 
-/* A crossing of two branches of one symmetry, to all its digits, and from rounded unknowns once
- * more, so that it does not remember where it came from. False: the orbit does not come there, and
- * stays as it is. */
-static bool place_crossing(const ric_model *m, ric_periodic **orbit)
+static bool solve_for(const void *of, ric_shooting *chain, double *u, bool rounded)
 {
-    ric_periodic *now = *orbit;
-    for (int pass = 0; pass < 2 && now; pass++) {
-        ric_shooting *chain = NULL;
-        double *u = NULL;
-        ric_periodic *canonical = ric_periodic_canonical(m, now), *placed = NULL;
-        if (canonical && !ric_periodic_to_chain(m, canonical, &chain, &u)) {
-            for (int i = 0; pass && i < chain->n_unknown; i++) u[i] = rint(u[i] / GRAIN) * GRAIN;
-            if (ric_branch_point_place(chain, u)) placed = ric_periodic_from_chain(chain, u);
-        }
-        ric_shooting_free(chain);
-        ric_periodic_free(canonical);
-        free(u);
-        if (now != *orbit) ric_periodic_free(now);
-        now = placed;
-    }
-    if (!now) return false;
-    ric_periodic_free(*orbit);
-    *orbit = now;
-    return true;
+    ric_criterion_work q = ric_criterion_begin(*(const ric_criterion *)of, chain);
+    q.last = rounded;
+    bool good = !ric_floquet_create(chain->n, &q.floquet);
+    /* of several touches the slowest is noise unless it is that of the rounded unknowns */
+    ric_shooting_evaluate(chain, u);
+    if (q.test == RIC_TEST_APPROACH) good &= (q.place = slowest(chain, u, &q.soft)) >= 0;
+    if (q.test == RIC_TEST_FLIGHT) q.place = ric_criterion_shortest(chain, u);
+    good = good && solve_criterion(&q, u);
+    ric_criterion_release(&q);
+    return good;
 }
 
-/* Where an unknown lies between two grains, one source of a junction rounds it up and another down,
- * and what is found differs in its last bits: it is rounded and solved again until it does not
- * change. */
+/* A crossing of two branches of one symmetry is placed to all its digits where an orbit beside it
+ * comes there. */
+static ric_periodic *solve_near(const ric_model *m, const ric_periodic *cycle,
+                                const ric_criterion *what)
+{
+    const bool crosses = what->test == RIC_TEST_DET;
+    const ric_canonical_way place = {.solve = place_crossing,
+                                     .grain = RIC_CANONICAL_GRAIN,
+                                     .passes = 2},
+                            find = {.solve = solve_for,
+                                    .of = what,
+                                    .grain = what->test == RIC_TEST_ASKED ? COARSE_GRAIN
+                                                                          : RIC_CANONICAL_GRAIN,
+                                    .passes = PASSES};
+    ric_periodic *placed = crosses ? ric_canonical_solve(m, cycle, &place) : NULL;
+    if (placed) return placed;
+    ric_periodic *out = ric_canonical_solve(m, cycle, &find);
+    if (out && crosses) placed = ric_canonical_solve(m, out, &place);
+    if (!placed) return out;
+    ric_periodic_free(out);
+    return placed;
+}
+
 ric_periodic *ric_node_solve(const ric_model *m, const ric_periodic *cycle, ric_criterion what,
                              bool *moved)
 {
-    ric_periodic *canonical = NULL, *out = NULL, *before = NULL;
-    double *grid = NULL;
-    int n_grid = 0;
-    const bool crosses = what.test == RIC_TEST_DET;
-    bool done = false;
-    double grain = what.test == RIC_TEST_ASKED ? COARSE_GRAIN : GRAIN;
-    const bool placed = crosses && (out = ric_periodic_copy(cycle)) && place_crossing(m, &out);
-    if (placed) done = true;
-    else {
-        ric_periodic_free(out);
-        out = NULL;
-    }
-    for (int pass = 0; pass < PASSES && !done; pass++) {
-        ric_criterion_work q = ric_criterion_begin(what, NULL);
-        q.last = pass > 0;
-        double *u = NULL;
-        ric_periodic *source = pass ? canonical : ric_periodic_copy(cycle);
-        bool good = source && !ric_periodic_to_chain(m, source, &q.chain, &u);
-        done = good && pass && settled(q.chain->n_unknown, grain, u, &n_grid, &grid);
-        if (good && !done && !ric_floquet_create(m->n, &q.floquet)) {
-            ric_shooting_evaluate(q.chain, u); /* of several touches the slowest is noise unless it
-                                                  is that of the rounded unknowns */
-            if (q.test == RIC_TEST_APPROACH && (q.place = slowest(q.chain, u, &q.soft)) < 0)
-                good = false;
-            if (q.test == RIC_TEST_FLIGHT) q.place = ric_criterion_shortest(q.chain, u);
-            good = good && solve_criterion(&q, u);
-            out = good ? ric_periodic_from_chain(q.chain, u) : NULL;
-        } else out = done ? before : NULL;
-        if (!done) ric_periodic_free(before);
-        ric_periodic_free(source);
-        ric_shooting_free(q.chain);
-        ric_criterion_release(&q);
-        free(u);
-        before = out;
-        canonical = out && !done && pass + 1 < PASSES ? ric_periodic_canonical(m, out) : NULL;
-        if (!out || (!canonical && !done && pass + 1 < PASSES)) break;
-    }
-    free(grid);
+    ric_periodic *out = solve_near(m, cycle, &what);
     if (!out) return NULL;
-    if (crosses && !placed) place_crossing(m, &out);
     /* a chain may start at another impact than the canonical one; and what was found must be what
      * was looked for */
     /* an extremum whose place is known to PLACED does not move: what does was rounding, and led to
      * another branch */
-    double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD ? 10 * PLACED
-                                                                             : RIC_SAME_READ_OFF;
-    bool near = ric_periodic_same(m, cycle, out, far);
-    canonical = near ? ric_periodic_canonical(m, out) : NULL;
+    const double far = what.test == RIC_TEST_SLOPE || what.test == RIC_TEST_PERIOD
+                           ? 10 * PLACED
+                           : RIC_SAME_READ_OFF;
+    const bool near = ric_periodic_same(m, cycle, out, far);
+    ric_periodic *canonical = near ? ric_periodic_canonical(m, out) : NULL;
     if (moved) *moved = !near;
     ric_periodic_free(out);
     return canonical;
