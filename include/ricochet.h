@@ -367,7 +367,8 @@ typedef struct {
     const int *word; /* [letters] */
     bool symmetric, reversible;
     const char *mirror;     /* mirror points, e.g. "centre-impact", "" if not reversible */
-    double stable_fraction; /* 0 and 1 below and above rounding, 1e-12 */
+    double stable_fraction; /* of the length on which it is decided, NaN if it is nowhere; 0 and 1
+                               below and above rounding, 1e-12 */
     int n_point;
     double energy_min, energy_max, frequency_min, frequency_max;
     int from, to;    /* junction ids, 0 = none */

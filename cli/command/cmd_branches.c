@@ -297,7 +297,10 @@ static const cli_item items[] = {
      .text = "energies as multiples of the onset of the lowest mode, where contacts begin to "
              "matter to it; numbers "
              "without a unit (min and max, in --csv and --json)"},
-    {.name = "stable_fraction", .text = "share of the arclength on which the orbits are stable"},
+    {.name = "stable_fraction",
+     .text =
+         "share of the arclength on which the orbits are stable, of that on which it is decided; "
+         "null if it is nowhere"},
     {.name = "--physical",
      .text = "energies in the units of the study, not scaled by the clearance"},
     {.name = "--elementary",

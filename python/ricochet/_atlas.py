@@ -153,6 +153,7 @@ class Branch:
     mirror : str
         Mirror points, "" if not reversible.
     stable_fraction : float
+        Share of its length, as far as it is decided; nan if it is nowhere.
     energy_min, energy_max : float, scaled; frequency_min, frequency_max : float, rad/s
     stop : str
         Why its far end is where it is: junction, corner, window, budget, closed or failed; `why` a sentence.

@@ -40,7 +40,8 @@ static const ric_column branch[] = {
             "kinds of the two mirror points, for example `centre-impact`; empty if not "
             "reversible")},
     {COLUMN("stable_fraction", MAYBE, stable_fraction, NONE, RIC_IN_TABLE,
-            "share of the arclength on which the orbits are stable"), BELOW(1 + RIC_SLACK)},
+            "share of the arclength on which the orbits are stable, of that on which it is "
+            "decided; NULL if it is nowhere"), BELOW(1 + RIC_SLACK)},
     {COLUMN("points", INTEGER, n_point, NONE, RIC_IN_TABLE, "number of stored points"), COUNT},
     {COLUMN("energy_min", MAYBE, energy_min, ENERGY, RIC_IN_TABLE, "least energy"), POSITIVE},
     {COLUMN("energy_max", MAYBE, energy_max, ENERGY, RIC_IN_TABLE, "largest energy"), POSITIVE},

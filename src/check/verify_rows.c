@@ -21,6 +21,7 @@
 #define SOLVED 1e-9
 /* BETWEEN: relative: how far a junction between points may extend the frequencies of a branch */
 #define BETWEEN 1e-2
+#define SHARE 1e-11  /* of a branch: rounding of a sum of lengths over its points */
 #define ENERGY 1e-10 /* relative, of a located orbit whose numbers are stored together */
 /* TOLD: of a clearance: a touch is told from none to this, or it is said that it is not */
 #define TOLD 1e-6
@@ -72,6 +73,29 @@ static ric_status check_ranges(const ric_atlas *atlas, const ric_branch *b, ric_
     compare(out, "frequency_max", b->frequency_max, frequency[1],
             b->frequency_max > frequency[1] ? between : SAME);
     return status;
+}
+
+/* Of the arclength between two orbits one of which is decided all is stable where both are, none
+ * where both are unstable on one side, and elsewhere what the border says. */
+static ric_status check_share(const ric_atlas *atlas, const ric_branch *b, ric_claims *out)
+{
+    double all = 0, least = 0, open = 0;
+    ric_point p, q = {0};
+    for (int i = 0; i < b->n_point; i++, q = p) {
+        const ric_status status = ric_atlas_point(atlas, b->id, i, &p, NULL, NULL);
+        if (status) return status;
+        if (!i || (p.stable == RIC_STABLE_UNDECIDED && q.stable == RIC_STABLE_UNDECIDED)) continue;
+        const double piece = p.arclength - q.arclength;
+        const bool alike = p.stable == q.stable && !(p.trace * q.trace < 0);
+        all += piece;
+        if (p.stable == RIC_STABLE_YES && q.stable == RIC_STABLE_YES) least += piece;
+        else if (!alike) open += piece;
+    }
+    const double share = b->stable_fraction;
+    if (all > 0 ? !(share * all >= least - SHARE * all && share * all <= least + open + SHARE * all)
+                : !isnan(share))
+        ric_verify_disagree(out, "stable_fraction", share, least / all);
+    return RIC_OK;
 }
 
 /* A contact of a spring closes and opens, and counts once. */
@@ -186,7 +210,9 @@ ric_status ric_verify_branch(const ric_atlas *atlas, int branch, ric_claims *out
                         .stable = RIC_AGREES_UNCHECKED,
                         .numbers = RIC_AGREES_YES};
     ric_status status = ric_atlas_branch(atlas, branch, &b);
-    if (status || b.n_point == 0 || (status = check_ranges(atlas, &b, out))) return status;
+    if (status || b.n_point == 0 || (status = check_ranges(atlas, &b, out)) ||
+        (status = check_share(atlas, &b, out)))
+        return status;
     check_impacts(&b, ric_model_n_face(ric_atlas_model(atlas)), out);
     return ric_branch_linear(ric_atlas_model(atlas), &b)
                ? RIC_OK

@@ -91,7 +91,8 @@ static double stable_between(const ric_branch *b, const ric_point *q, const ric_
            (p->stable == RIC_STABLE_YES) * (p->arclength - change);
 }
 
-/* Ranges over the stored points, and the share of the arclength that is stable. */
+/* Ranges over the stored points, and the share of the arclength that is stable, of what is decided:
+ * where a trace is +-2 all along, or lost, rounding would say something. */
 static void summarise(ric_branch_record *r)
 {
     ric_branch *b = &r->row;
@@ -106,10 +107,11 @@ static void summarise(ric_branch_record *r)
         b->frequency_max = fmax(b->frequency_max, p->frequency);
         if (!i) continue;
         const ric_point *q = (const ric_point *)(r->points + (size_t)(i - 1) * r->stride);
+        if (q->stable == RIC_STABLE_UNDECIDED && p->stable == RIC_STABLE_UNDECIDED) continue;
         length += p->arclength - q->arclength;
         stable += stable_between(b, q, p);
     }
-    b->stable_fraction = length > 0 ? stable / length : 0;
+    b->stable_fraction = length > 0 ? stable / length : NAN;
 }
 
 /* Extrema of energy and of period are junctions, or so close to a multiplication that they cannot

@@ -158,6 +158,13 @@ static void plant_branch(ric_atlas *atlas, int id)
             fail_msg("branch %d: number %d off is not seen", id, (int)k);
         *numbers[k] = kept;
     }
+    const double share = b->stable_fraction,
+                 others[] = {share > 0.5 ? share - 0.5 : share + 0.5, NAN};
+    for (int k = 0; k < 2; k++) {
+        b->stable_fraction = others[k];
+        if (row_agrees(atlas, false, id)) fail_msg("branch %d: another share is not seen", id);
+    }
+    b->stable_fraction = share;
     if (ric_branch_linear(ric_atlas_model(atlas), b)) return;
     bool *const flags[] = {&b->symmetric, &b->reversible};
     for (int k = 0; k < 2; k++) {

@@ -548,6 +548,34 @@ static void verify_a_corner_without_speed(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A rotor in an octagonal bearing: on the branches of four impacts both multipliers are 1 all
+ * along, so that rounding alone would say which share of them is stable. */
+static void no_share_of_what_is_undecided(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1, 0], [0, 1]]\n  stiffness: [[100, 0], [0, 100]]\n  contacts:\n"
+        "    - {normal: [1, 0], clearance: 0.001, sides: both}\n"
+        "    - {normal: [0, 1], clearance: 0.001, sides: both}\n"
+        "    - {normal: [0.70710678118654752, 0.70710678118654752], clearance: 0.001, sides: "
+        "both}\n"
+        "    - {normal: [0.70710678118654752, -0.70710678118654752], clearance: 0.001, sides: "
+        "both}\n");
+    int undecided = 0, decided = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        ric_claims claims;
+        assert_int_equal(ric_verify_branch(atlas, id, &claims), RIC_OK);
+        if (claims.numbers == RIC_AGREES_NO) fail_msg("%s: %s", b.label, claims.finding);
+        if (b.impacts == 4 && !isnan(b.stable_fraction))
+            fail_msg("%s: %g of it", b.label, b.stable_fraction);
+        undecided += isnan(b.stable_fraction);
+        decided += b.stable_fraction == 1;
+    }
+    assert_true(undecided > 4 && decided > 2);
+    ric_atlas_free(atlas);
+}
+
 /* A loose mass that comes to rest on its stop: struck with 4e-11 of the largest speed, the stop is
  * met earlier or later by 3e-9 of the period, in which the rest of the structure goes on. */
 static void verify_loose_mass_that_comes_to_rest(void **state)
@@ -663,6 +691,7 @@ int main(void)
         cmocka_unit_test(no_grazing_without_a_word),
         cmocka_unit_test(verify_touch_with_an_impact),
         cmocka_unit_test(verify_a_corner_without_speed),
+        cmocka_unit_test(no_share_of_what_is_undecided),
         cmocka_unit_test(verify_loose_mass_that_comes_to_rest),
         cmocka_unit_test(verify_long_flight_to_a_stiff_spring),
         cmocka_unit_test(verify_trace_as_it_is_known),
