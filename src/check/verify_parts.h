@@ -151,6 +151,10 @@ void ric_verify_digits_doubt(ric_claims *out, const char *name);
 /* A number is not what is found; the first one is told. */
 void ric_verify_disagree(ric_claims *out, const char *name, double stored, double found);
 
+/* Whether the replayed orbit has a pair of multipliers exp(+-2 pi i p / q), as one that others of q
+ * periods leave. */
+ric_status ric_verify_rotation(replay *r, int p, int q, ric_claims *out);
+
 /* What an error of the state behind event `from`, or later, becomes until the end of flight `to` -
  * 1 at most, with the times as they are stored: 1 but for springs, which multiply it as they close.
  */

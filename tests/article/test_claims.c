@@ -198,9 +198,26 @@ static void plant_junction(ric_atlas *atlas, int id)
     }
 }
 
+/* The rotation of a multiplication, that of another one, or of none. */
+static int plant_rotation(ric_atlas *atlas, int id)
+{
+    ric_junction *j = &atlas->junctions[id - 1].row;
+    const int p = j->rotation[0], q = j->rotation[1];
+    if (!ric_model_n_face(ric_atlas_model(atlas)) || j->kind != RIC_KIND_MULTIPLICATION ||
+        row_says(atlas, true, id) != RIC_AGREES_YES)
+        return 0;
+    j->rotation[0] = 1;
+    j->rotation[1] = q == 5 ? 7 : 5;
+    if (row_agrees(atlas, true, id)) fail_msg("junction %d: another rotation is not seen", id);
+    j->rotation[0] = p;
+    j->rotation[1] = q;
+    return 1;
+}
+
 static void rows(void **state)
 {
     (void)state;
+    int planted = 0;
     for (int k = 0; k < STUDIES; k++) {
         ric_atlas *atlas = explore_text(studies[k]);
         for (int b = 1; b <= ric_atlas_n_branch(atlas); b++) {
@@ -212,9 +229,12 @@ static void rows(void **state)
             if (!row_agrees(atlas, true, j))
                 fail_msg("study %d: the row of junction %d does not agree", k, j);
             plant_junction(atlas, j);
+            planted += plant_rotation(atlas, j);
         }
         ric_atlas_free(atlas);
     }
+    assert_true(planted > 5);
+    print_message("# %d rotations\n", planted);
 }
 
 /* Orbits of two modes, of which the stop hardly sees one: amplitudes of a hundred clearances,

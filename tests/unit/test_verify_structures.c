@@ -544,7 +544,7 @@ static void verify_a_corner_without_speed(void **state)
         "    - {normal: [1, 0, -1], law: rigid, clearance: 0.00133, sides: upper}\n"
         "explore: {energy: [0, 619900], frequency: [141.4, 2598], impacts: 8, multiply: 3, depth: "
         "2}\n");
-    assert_int_equal(junctions_pass(atlas), 0);
+    assert_int_equal(junctions_pass(atlas), 1); /* a doubling whose multipliers are lost */
     ric_atlas_free(atlas);
 }
 
