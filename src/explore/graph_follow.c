@@ -523,7 +523,7 @@ static ric_status comes_home(const ric_graph *g, ric_continuation *back, const r
  * itself. */
 ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, int depth)
 {
-    ric_status status = RIC_OK;
+    ric_status status = RIC_OK, missed = RIC_OK;
     ric_continuation *tr[2] = {NULL, NULL}, *whole = NULL;
     int to[2] = {-1, -1}, first = 0, far;
     unsigned arrive[2] = {0}, choice;
@@ -553,10 +553,15 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
             stuck = stuck || i == 0;
         }
         first = tr[0]->end.u && !stuck ? 0 : 1;
-        if (whole || (i == 0 && !backbone) || !tr[first] || !tr[first]->end.u) continue;
-        if ((status = ric_graph_trace_back(g, g->nodes[inside], through, first ? -1 : 1, tr[first],
-                                           &whole)))
-            goto out;
+        for (; first <= i && (i || backbone) && !whole && tr[first]->end.u; first += !whole) {
+            status = ric_graph_trace_back(g, g->nodes[inside], through, first ? -1 : 1, tr[first],
+                                          &whole);
+            /* speeds that vanish by powers of the distance show in no first step: from the other
+             * end */
+            if (status && (status != RIC_E_NUMERIC || first)) goto out;
+            missed = status;
+            stuck |= missed != RIC_OK;
+        }
     }
     if (!whole || (status = comes_home(g, whole, g->nodes[inside], through)) ||
         (status = end_node(g, whole, depth, &far, &choice)))
@@ -574,5 +579,5 @@ out:
     ric_continuation_free(tr[0]);
     ric_continuation_free(tr[1]);
     ric_continuation_free(whole);
-    return status;
+    return status ? status : missed;
 }

@@ -53,11 +53,20 @@ static ric_status linear_rows(const ric_graph *g, ric_branch_row *branches, int 
     return status;
 }
 
-/* The nodes that some branch meets, or that belong to a mode. */
+/* Whether a start has a branch that could not be followed, which its row says. */
+static bool is_refused(const ric_node *node)
+{
+    bool refused = false;
+    for (int i = 0; i < node->n_departure; i++)
+        refused |= node->departures[i].state == RIC_DEPARTURE_REFUSED;
+    return refused && node->kind == RIC_KIND_START;
+}
+
+/* The nodes that some branch meets, or that belong to a mode, and starts that were refused. */
 static void find_used(const ric_graph *g, bool *used)
 {
     for (int i = 0; i < g->n_node; i++)
-        used[i] = g->nodes[i]->mode >= 0 || g->nodes[i]->mixture >= 0;
+        used[i] = g->nodes[i]->mode >= 0 || g->nodes[i]->mixture >= 0 || is_refused(g->nodes[i]);
     for (int i = 0; i < g->n_edge; i++) {
         const ric_edge *e = &g->edges[i];
         if (e->from >= 0) used[e->from] = true;
