@@ -531,7 +531,7 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
     const bool backbone = g->nodes[inside]->kind == RIC_KIND_START;
     for (int i = 0; i < 2 && !(whole && whole->stop == RIC_STOP_WINDOW); i++) {
         if ((status = ric_graph_trace(g, g->nodes[inside], through, i ? -1 : 1, &tr[i])) || !tr[i])
-            goto out;
+            break;
         if ((status = end_node(g, tr[i], depth, &to[i], &arrive[i]))) goto out;
         if (tr[i]->stop == RIC_STOP_CLOSED) {
             status = finish_edge(g, &(ric_edge){.trace = tr[i],
@@ -556,14 +556,14 @@ ric_status ric_graph_follow_through(ric_graph *g, int inside, unsigned through, 
         for (; first <= i && (i || backbone) && !whole && tr[first]->end.u; first += !whole) {
             status = ric_graph_trace_back(g, g->nodes[inside], through, first ? -1 : 1, tr[first],
                                           &whole);
-            /* speeds that vanish by powers of the distance show in no first step: from the other
-             * end */
+            /* speeds that vanish by powers show in no first step: from the other end */
             if (status && (status != RIC_E_NUMERIC || first)) goto out;
             missed = status;
             stuck |= missed != RIC_OK;
         }
     }
-    if (!whole || (status = comes_home(g, whole, g->nodes[inside], through)) ||
+    if (!whole && !status) status = missed;
+    if (!whole || status || (status = comes_home(g, whole, g->nodes[inside], through)) ||
         (status = end_node(g, whole, depth, &far, &choice)))
         goto out;
     if (far >= 0) ric_graph_mark(g, g->nodes[far], choice, RIC_DEPARTURE_KNOWN);
@@ -579,5 +579,5 @@ out:
     ric_continuation_free(tr[0]);
     ric_continuation_free(tr[1]);
     ric_continuation_free(whole);
-    return status ? status : missed;
+    return status;
 }

@@ -250,25 +250,12 @@ model:
     - {normal: [1, -1], clearance: 0.19, sides: lower, law: bilinear, stiffness: 53.4}
 explore: {depth: 1, points: 600}
 Y
-cat >"$folder/lost.yaml" <<'Y'
-model:
-  mass: [[0.5, 0, 0], [0, 3.3, 0], [0, 0, 1]]
-  stiffness: [[0, 0, 0], [0, 36.24175095645312, -9.366395819780752], [0, -9.366395819780752, 37.37088291359814]]
-  contacts:
-    - {normal: [1, 0, 0], clearance: 0.71, sides: upper, law: bilinear, stiffness: 25.3}
-    - {normal: [1, 0, -1], clearance: 1.18, sides: lower, law: bilinear, stiffness: 151.1}
-explore: {depth: 1, points: 600}
-Y
-# From such an end no first step shows the speeds: a branch that was found in its midst is followed from its other one. A start from which
-# it cannot be followed at all is a row, and the report names it.
+# From such an end no first step shows the speeds: a branch that was found in its midst is followed from its other one.
 midst() {
     "$ricochet" run "$folder/midst.yaml" -o "$folder/midst.ricochet" && "$ricochet" branches "$folder/midst.ricochet" --csv >"$folder/rows" &&
-        grep -Eq '^[0-9]+,[^,]*,A2\[01\],.*,4\.149253[0-9]*,1(50|49\.9999)' "$folder/rows" && "$ricochet" run "$folder/lost.yaml" -o "$folder/lost.ricochet" || return
-    if "$ricochet" junctions "$folder/lost.ricochet" --csv | grep -q ',start,'; then
-        "$ricochet" report "$folder/lost.ricochet" >"$folder/said" && grep -q 'missing at junction .* O1, ' "$folder/said"
-    else "$ricochet" branches "$folder/lost.ricochet" --csv | awk -F, '$11 > 60 && $11 < 61' | grep -q .; fi
+        grep -Eq '^[0-9]+,[^,]*,A2\[01\],.*,4\.149253[0-9]*,1(50|49\.9999)' "$folder/rows" && ! "$ricochet" junctions "$folder/midst.ricochet" --csv | grep ',start,'
 }
-ok 'what was found in its midst is followed from either end, or named' midst
+ok 'what was found in its midst is followed from either end' midst
 cat >"$folder/rests.yaml" <<'Y'
 model:
   mass: [[1, 0, 0], [0, 0.5, 0], [0, 0, 3.3]]
