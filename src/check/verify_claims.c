@@ -349,26 +349,38 @@ static ric_status judge_nearest(motion *m, ric_pairs *p, const ric_atlas *atlas,
     return status;
 }
 
+/* Room for the modes that contacts see, and for what each run makes of their pairs; to be closed in
+ * any case. */
+static ric_status open_pairs(motion *m, ric_pairs *pairs)
+{
+    const size_t n = (size_t)m->r->n;
+    m->bits = 20011;
+    if (!(m->share = ric_malloc((n + 1) * n * sizeof *m->share)))
+        return ric_no_memory("the modes that contacts see");
+    m->n_seen = find_seen(m->r, m->seen, m->share);
+    pairs->n_pair = m->n_seen > 1 ? m->n_seen - 1 : 0;
+    pairs->own = ric_calloc((size_t)pairs->n_pair * RIC_PAIR_MOST + 1, sizeof *pairs->own);
+    return pairs->own ? RIC_OK
+                      : ric_fail(RIC_E_NOMEM, "no memory for %d multipliers", 2 * pairs->n_pair);
+}
+
+static void close_pairs(motion *m, ric_pairs *pairs)
+{
+    free(pairs->own);
+    free(m->share);
+}
+
 static ric_status check_multipliers(replay *r, const ric_atlas *atlas,
                                     const ric_verify_asked *asked, const ric_digits *d,
                                     ric_claims *out)
 {
     int seen[r->n];
-    real *share = ric_malloc((size_t)(r->n + 1) * (size_t)r->n * sizeof *share);
-    motion m = {.r = r, .seen = seen, .share = share, .bits = 20011};
+    motion m = {.r = r, .seen = seen};
     ric_verify_asked stated = {0};
-    if (!share) return ric_no_memory("the modes that contacts see");
-    m.n_seen = find_seen(r, seen, share);
-    ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0,
-                       .runs = RIC_PAIR_RUNS,
-                       .half = is_image(r),
-                       .asked = asked};
-    pairs.own = ric_calloc((size_t)pairs.n_pair * RIC_PAIR_MOST + 1, sizeof *pairs.own);
+    ric_pairs pairs = {.runs = RIC_PAIR_RUNS, .half = is_image(r), .asked = asked};
+    ric_status status = open_pairs(&m, &pairs);
     bool found = true;
-    ric_status status = pairs.own ? RIC_OK
-                                  : ric_fail(RIC_E_NOMEM, "no memory for %d multipliers",
-                                             2 * pairs.n_pair);
-    real level = fmax(NOISE * stiffness(r), left_open(r));
+    const real level = fmax(NOISE * stiffness(r), left_open(r));
     for (int run = 0; run < pairs.runs && found && pairs.n_pair && !status; run++) {
         const bool along = run == pairs.runs - 1; /* the last thing that is asked of the replay */
         if (along) status = move_along(r, atlas, out->point, d);
@@ -382,21 +394,17 @@ static ric_status check_multipliers(replay *r, const ric_atlas *atlas,
         status = judge_stated(&pairs, atlas, &r->point, &stated, out);
     if (right && !status && is_found(out)) status = judge_nearest(&m, &pairs, atlas, out);
     ric_verify_asked_close(&stated);
-    free(pairs.own);
-    free(share);
+    close_pairs(&m, &pairs);
     return status;
 }
 
 ric_status ric_verify_rotation(replay *r, int p, int q, ric_claims *out)
 {
     int seen[r->n];
-    real *share = ric_malloc((size_t)(r->n + 1) * (size_t)r->n * sizeof *share);
-    motion m = {.r = r, .seen = seen, .share = share, .bits = 20011};
-    if (!share) return ric_no_memory("the modes that contacts see");
-    m.n_seen = find_seen(r, seen, share);
-    ric_pairs pairs = {.n_pair = m.n_seen > 1 ? m.n_seen - 1 : 0, .runs = RIC_PAIR_RUNS - 1};
-    pairs.own = ric_calloc((size_t)pairs.n_pair * RIC_PAIR_MOST + 1, sizeof *pairs.own);
-    bool found = pairs.own;
+    motion m = {.r = r, .seen = seen};
+    ric_pairs pairs = {.runs = RIC_PAIR_RUNS - 1};
+    const ric_status status = open_pairs(&m, &pairs);
+    bool found = !status;
     const real level = fmax(NOISE * stiffness(r), left_open(r)),
                rho = 2 * cos(RIC_TWO_PI_LONG * p / q);
     for (int run = 0; run < pairs.runs && found; run++) {
@@ -420,9 +428,8 @@ ric_status ric_verify_rotation(replay *r, int p, int q, ric_claims *out)
             "no multipliers exp(+-2 pi i %d/%d): lambda + 1/lambda is off by %.2Lg, bound %.2Lg", p,
             q, off, known);
     }
-    free(pairs.own);
-    free(share);
-    return RIC_OK;
+    close_pairs(&m, &pairs);
+    return status;
 }
 
 /* A linear mode: its multipliers are exp(+-i omega_j T) of the other modes, and gamma = omega_j T /
