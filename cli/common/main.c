@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -168,9 +169,11 @@ static void hold_streams(void)
 
 /* Memory that is freed stays with the program: the GNU library gives that of threads back to the
  * system, and asks for it again page by page, thousands of times in a run with workers. Blocks of
- * more than 32 MB (MAPPED) are still given back at once. */
+ * more than 32 MB (MAPPED) are still given back at once. SQLite counts what it has in use under one
+ * lock, for which threads with connections of their own wait; nobody asks for that number. */
 static void keep_memory(void)
 {
+    sqlite3_config(SQLITE_CONFIG_MEMSTATUS, 0);
 #ifdef __GLIBC__
     enum { KEPT = 1 << 28, MORE = 1 << 20, MAPPED = 1 << 25 }; /* bytes */
     mallopt(M_TRIM_THRESHOLD, KEPT);

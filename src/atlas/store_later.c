@@ -10,6 +10,9 @@
 
 /* Bytes that may wait: a disk that is slower than the run holds it up, and does not fill memory. */
 #define WAITING_MOST ((size_t)64 << 20)
+/* Bytes at which the thread is called: waking it for each piece of work costs as much as writing
+ * that. Nothing is safe against a kill before a commit, for which it is called at once. */
+#define WORTH_A_CALL ((size_t)256 << 10)
 
 typedef struct waiting {
     struct waiting *next;
@@ -25,7 +28,7 @@ struct ric_store_later {
     void *user;
     waiting *first, **last;
     size_t size; /* of all that waits or is in hand */
-    bool stop;
+    bool called, stop; /* called: works until nothing waits */
     ric_status status; /* the first failure, with its reason; nothing is done any more */
     char why[1024];
 };
@@ -60,8 +63,11 @@ static void *serve(void *argument)
     ric_memory_spread(RIC_SPREAD_THREAD);
     pthread_mutex_lock(&later->lock);
     while (later->first || !later->stop)
-        if (later->first) work(later);
-        else pthread_cond_wait(&later->changed, &later->lock);
+        if (later->first && later->called) work(later);
+        else {
+            later->called = false;
+            pthread_cond_wait(&later->changed, &later->lock);
+        }
     pthread_mutex_unlock(&later->lock);
     return NULL;
 }
@@ -83,9 +89,18 @@ ric_store_later *ric_store_later_begin(ric_status (*apply)(void *user, const ric
     return NULL;
 }
 
+/* With the lock held. */
+static void call(ric_store_later *later)
+{
+    if (later->called) return;
+    later->called = true;
+    pthread_cond_broadcast(&later->changed);
+}
+
 /* With the lock held: waits until no more than `most` bytes wait. */
 static ric_status wait_for(ric_store_later *later, size_t most)
 {
+    if (later->size > most) call(later);
     while (later->size > most && !later->status) pthread_cond_wait(&later->changed, &later->lock);
     return later->status ? ric_fail(later->status, "%s", later->why) : RIC_OK;
 }
@@ -103,11 +118,10 @@ ric_status ric_store_later_add(ric_store_later *later, const ric_store_task *tas
     const ric_status status = wait_for(later, WAITING_MOST);
     if (status) free(one);
     else {
-        const bool idle = !later->first;
         later->size += size_of(one);
         *later->last = one;
         later->last = &one->next;
-        if (idle) pthread_cond_broadcast(&later->changed);
+        if (later->size >= WORTH_A_CALL || task->act == RIC_STORE_COMMIT) call(later);
     }
     pthread_mutex_unlock(&later->lock);
     return status;
@@ -126,7 +140,7 @@ ric_status ric_store_later_end(ric_store_later *later)
     if (!later) return RIC_OK;
     pthread_mutex_lock(&later->lock);
     later->stop = true;
-    pthread_cond_broadcast(&later->changed);
+    call(later);
     pthread_mutex_unlock(&later->lock);
     pthread_join(later->thread, NULL);
     const ric_status status = wait_for(later, 0);

@@ -84,6 +84,14 @@ static ric_workers_node *claim(ric_workers *w, int i)
     return shared;
 }
 
+/* Job i is done. The owner is woken for the one that it waits for alone: what it is woken for in
+ * vain keeps the lock from those who work. With the lock held. */
+static void finish(ric_workers *w, int i)
+{
+    w->jobs[i].state = DONE;
+    if (w->urgent == i + 1) pthread_cond_signal(&w->finished);
+}
+
 /* Does job i, with the lock held before and after but not meanwhile. */
 static void work(ric_workers *w, int i)
 {
@@ -93,8 +101,7 @@ static void work(ric_workers *w, int i)
     ric_node *node = take_share(shared);
     if (node) w->prepare(w->user, node, choice);
     pthread_mutex_lock(&w->lock);
-    w->jobs[i].state = DONE;
-    pthread_cond_broadcast(&w->finished);
+    finish(w, i);
 }
 
 static void *serve(void *argument)
@@ -195,7 +202,7 @@ void ric_workers_withdraw(ric_workers *w, int number)
     pthread_mutex_unlock(&w->lock);
 }
 
-/* Waits for the end of some job, a tenth of a second at most. */
+/* Waits for the end of the job that is needed next, a tenth of a second at most. */
 static void doze(ric_workers *w)
 {
     struct timespec until;
@@ -251,8 +258,7 @@ int ric_workers_claim(ric_workers *w, ric_node **node, unsigned *choice)
 void ric_workers_finish(ric_workers *w, int number)
 {
     pthread_mutex_lock(&w->lock);
-    w->jobs[number - 1].state = DONE;
-    pthread_cond_broadcast(&w->finished);
+    finish(w, number - 1);
     pthread_mutex_unlock(&w->lock);
 }
 
