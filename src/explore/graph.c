@@ -138,7 +138,9 @@ int ric_graph_add(ric_graph *g, ric_node *node, int depth)
         if (depth < g->nodes[found]->depth) g->nodes[found]->depth = depth;
         return found;
     }
+    /* the ways out of a grazing that a worker comes to are the owner's to list */
     bool listed = !ric_node_chooses(node) || (node->kind == RIC_KIND_CORNER && node->refusal) ||
+                  (node->kind == RIC_KIND_GRAZING && g->owner) ||
                   ric_grazing_words_list(g->model, node);
     if (!listed) {
         ric_node_free(node);
