@@ -36,10 +36,6 @@
 /* FAULT: relative, and LEAST: a reach or an approach that is off by this is found, or it is said */
 #define FAULT 1e-6
 #define LEAST 1e-8
-/* PLACED: lambda + 1/lambda at a multiplication is what it should be to this (of 5,000 junctions
- * the worst was off by 1.6e-7); VAGUE: what is known to less tells nothing */
-#define PLACED 1e-6
-#define VAGUE 1e-3
 #define NO_SPEED 1e-60 /* relative: no impact is slower */
 
 /* ------------------------------------------------------------- multipliers */
@@ -84,11 +80,7 @@ static int add_share(const replay *r, int i, int f, int first, int count, real *
     return count + 1;
 }
 
-/* Directions in the space of the modes that some contact sees, orthonormal, of modes of one
- * frequency each: of several with equal ones, which are any basis of theirs, as many as there are
- * independent shares. What is not seen has multipliers of its own, which no impact changes. share
- * [(n + 1) * n], seen [n]. */
-static int find_seen(const replay *r, int *seen, real *share)
+int ric_verify_seen(const replay *r, int *seen, real *share)
 {
     int count = 0;
     for (int i = 0; i < r->n; i++) {
@@ -357,7 +349,7 @@ static ric_status open_pairs(motion *m, ric_pairs *pairs)
     m->bits = 20011;
     if (!(m->share = ric_malloc((n + 1) * n * sizeof *m->share)))
         return ric_no_memory("the modes that contacts see");
-    m->n_seen = find_seen(m->r, m->seen, m->share);
+    m->n_seen = ric_verify_seen(m->r, m->seen, m->share);
     pairs->n_pair = m->n_seen > 1 ? m->n_seen - 1 : 0;
     pairs->own = ric_calloc((size_t)pairs->n_pair * RIC_PAIR_MOST + 1, sizeof *pairs->own);
     return pairs->own ? RIC_OK
@@ -398,40 +390,6 @@ static ric_status check_multipliers(replay *r, const ric_atlas *atlas,
     return status;
 }
 
-ric_status ric_verify_rotation(replay *r, int p, int q, ric_claims *out)
-{
-    int seen[r->n];
-    motion m = {.r = r, .seen = seen};
-    ric_pairs pairs = {.runs = RIC_PAIR_RUNS - 1};
-    const ric_status status = open_pairs(&m, &pairs);
-    bool found = !status;
-    const real level = fmax(NOISE * stiffness(r), left_open(r)),
-               rho = 2 * cos(RIC_TWO_PI_LONG * p / q);
-    for (int run = 0; run < pairs.runs && found; run++) {
-        m.level = run ? level : 0;
-        m.growth = 1;
-        found = run_once(&m, false, pairs.own + run * pairs.n_pair, &pairs.way[run]);
-    }
-    real off = INFINITY, known = INFINITY;
-    for (int i = 0; i < pairs.n_pair && found; i++) {
-        const real own = cabsl(pairs.own[i] - rho);
-        if (!(own < off)) continue;
-        off = own;
-        known = ric_verify_pairs_spread(&pairs, i);
-    }
-    known += PLACED * stiffness(r);
-    if (pairs.n_pair && !(known <= VAGUE)) ric_verify_digits_doubt(out, "multipliers");
-    else if (pairs.n_pair && off > known && !*out->finding) {
-        out->numbers = RIC_AGREES_NO;
-        snprintf(
-            out->finding, sizeof out->finding,
-            "no multipliers exp(+-2 pi i %d/%d): lambda + 1/lambda is off by %.2Lg, bound %.2Lg", p,
-            q, off, known);
-    }
-    close_pairs(&m, &pairs);
-    return status;
-}
-
 /* A linear mode: its multipliers are exp(+-i omega_j T) of the other modes, and gamma = omega_j T /
  * 2 pi, modulo 1. */
 static void check_linear(replay *r, ric_claims *out)
@@ -439,7 +397,7 @@ static void check_linear(replay *r, ric_claims *out)
     int seen[r->n], other = -1;
     real part = 0, share[(r->n + 1) * r->n];
     motion m = {.r = r, .seen = seen, .share = share};
-    int count = m.n_seen = find_seen(r, seen, share);
+    int count = m.n_seen = ric_verify_seen(r, seen, share);
     for (int k = 0; k < count; k++)
         part += pow(r->kappa[seen[k]] * along(&m, k, r->chain), 2) +
                 pow(along(&m, k, r->chain + r->n), 2);

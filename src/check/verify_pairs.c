@@ -237,7 +237,8 @@ static real off_run(const ric_pairs *p, int run, int i)
     return off;
 }
 
-real ric_verify_pairs_spread(const ric_pairs *p, int i)
+/* How far the runs are apart in pair i. */
+static real spread(const ric_pairs *p, int i)
 {
     real most = 0;
     for (int run = 1; run < p->runs; run++) {
@@ -267,7 +268,7 @@ static void weigh(const ric_pairs *p, real *outside, real *inside)
     real errors[p->n_pair + 1];
     *outside = -INFINITY;
     *inside = INFINITY;
-    for (int i = 0; i < p->n_pair; i++) errors[i] = ric_verify_pairs_spread(p, i);
+    for (int i = 0; i < p->n_pair; i++) errors[i] = spread(p, i);
     for (int i = 0; i < p->n_pair; i++) {
         real error = errors[i], re = fabs(creall(own(p, 0, i))), im = fabs(cimagl(own(p, 0, i)));
         if (isnan(error)) error = INFINITY;
@@ -319,8 +320,7 @@ static ric_agreement judge_undecided(const ric_pairs *p, real outside, real insi
     if (asked && (asked->end || (asked->joint && fmin(fabs(inside), fabs(outside)) <= LOCATED) ||
                   (asked->given && asked->stable == RIC_STABLE_UNDECIDED)))
         return RIC_AGREES_UNCHECKED;
-    for (int i = 0; i < p->n_pair; i++)
-        border = fmax(border, UNSAID * ric_verify_pairs_spread(p, i));
+    for (int i = 0; i < p->n_pair; i++) border = fmax(border, UNSAID * spread(p, i));
     if (asked && asked->given) border = fmax(border, UNSAID * asked->error);
     bool clear = inside > border || outside > border;
     return clear && all_given(asked) ? RIC_AGREES_NO : RIC_AGREES_UNCHECKED;
@@ -380,7 +380,7 @@ static real turns_known(const ric_pairs *p)
 {
     const real rho = creall(own(p, 0, 0)), found = upper_turns(rho),
                stated = p->asked && p->asked->given ? p->asked->error : 0,
-               off = ric_verify_pairs_spread(p, 0) + stated + 8 * LDBL_EPSILON * (2 + fabs(rho));
+               off = spread(p, 0) + stated + 8 * LDBL_EPSILON * (2 + fabs(rho));
     if (isnan(off) || isnan(rho)) return NAN;
     return RESOLUTION +
            (p->half ? 2 : 1) * fmax(found - upper_turns(rho + off), upper_turns(rho - off) - found);
@@ -465,7 +465,7 @@ static ric_agreement judge_pair(const ric_pairs *p, const double *z, bool *used,
     }
     if (best < 0) return RIC_AGREES_UNCHECKED;
     used[best] = true;
-    real error = ric_verify_pairs_spread(p, best) + between(p, best), at = cabsl(own(p, 0, best)),
+    real error = spread(p, best) + between(p, best), at = cabsl(own(p, 0, best)),
          size = hypot(2, cabsl(rho)),
          bound = error * (p->half ? 2 * at + error : 1) + RESOLUTION * (1 + cabsl(rho)) +
                  p->asked->error;

@@ -53,9 +53,6 @@ bool ric_verify_pairs_find(int m, ric_real *A, ric_real *J, ric_real *flow, ric_
 /* +-1 by a generator of fixed seed (Knuth, The Art of Computer Programming 2, table 3.3.4.1). */
 ric_real ric_verify_pairs_noise(unsigned *bits);
 
-/* How far what is left open may take pair i of the first run. */
-ric_real ric_verify_pairs_spread(const ric_pairs *pairs, int i);
-
 /* Compares with what is stored: fills in the multipliers and the stable flag of `out`. */
 void ric_verify_pairs_judge(const ric_pairs *pairs, int n_mode, const ric_point *stored,
                             ric_claims *out);

@@ -151,9 +151,14 @@ void ric_verify_digits_doubt(ric_claims *out, const char *name);
 /* A number is not what is found; the first one is told. */
 void ric_verify_disagree(ric_claims *out, const char *name, double stored, double found);
 
-/* Whether the replayed orbit has a pair of multipliers exp(+-2 pi i p / q), as one that others of q
- * periods leave. */
-ric_status ric_verify_rotation(replay *r, int p, int q, ric_claims *out);
+/* Directions in the space of the modes that some contact sees, orthonormal, of modes of one
+ * frequency each: of several with equal ones, which are any basis of theirs, as many as there are
+ * independent shares. What is not seen has multipliers of its own, which no impact changes. share
+ * [(n + 1) * n], seen [n]. */
+int ric_verify_seen(const replay *r, int *seen, real *share);
+/* Whether the replayed orbit is what makes its junction one: an extremum of energy or period, a
+ * branch point, or a multiplication. */
+ric_status ric_verify_kind(const replay *r, const ric_junction *j, ric_claims *out);
 
 /* What an error of the state behind event `from`, or later, becomes until the end of flight `to` -
  * 1 at most, with the times as they are stored: 1 but for springs, which multiply it as they close.

@@ -357,8 +357,7 @@ static ric_status check_replayed(const ric_model *m, const ric_junction *j, ric_
         const real open = left_open(&r);
         if (!(open <= SOLVED)) ric_verify_disagree(out, "orbit is left open by 0", 0, (double)open);
         else status = check_motion(&r, j->kind == RIC_KIND_GRAZING, out);
-        if (!status && j->kind == RIC_KIND_MULTIPLICATION)
-            status = ric_verify_rotation(&r, j->rotation[0], j->rotation[1], out);
+        if (!status) status = ric_verify_kind(&r, j, out);
     }
     ric_verify_replay_close(&r);
     return status;
