@@ -226,20 +226,36 @@ static bool may_be_minus(const char *option, const char *text)
     return !strcmp(option, "--sort") && text[0] == '-' && text[1] && text[1] != '-' && text[2];
 }
 
+/* The value in one word with the option: --columns=energy, or -j2 as make has it; NULL: none. A
+ * letter that is followed by letters, -out, is more likely another option. */
+static const char *value_within(const char *word)
+{
+    const char *equals = strchr(word, '=');
+    if (equals) return equals + 1;
+    return word[0] == '-' && isalpha((unsigned char)word[1]) && isdigit((unsigned char)word[2])
+               ? word + 2
+               : NULL;
+}
+
+static bool names(const char *word, const char *option)
+{
+    const char *value = value_within(word);
+    const size_t length = value ? (size_t)(value - word) - (value[-1] == '=') : strlen(word);
+    return strlen(option) == length && !strncmp(word, option, length);
+}
+
 bool cli_take_value(int *argc, char **argv, const char *name, const char **value)
 {
-    size_t length = strlen(name);
     *value = NULL;
     for (int i = 1; i < *argc; i++) {
-        if (!strncmp(argv[i], name, length) && argv[i][length] == '=') {
-            *value = argv[i] + length + 1;
+        if (!names(argv[i], name)) continue;
+        if (value_within(argv[i])) {
+            *value = value_within(argv[i]);
             take_out(argc, argv, i, 1);
-        } else if (!strcmp(argv[i], name)) {
-            if (i + 1 < *argc && (!is_option(argv[i + 1]) || may_be_minus(name, argv[i + 1]))) {
-                *value = argv[i + 1];
-                take_out(argc, argv, i, 2);
-            }
-        } else continue;
+        } else if (i + 1 < *argc && (!is_option(argv[i + 1]) || may_be_minus(name, argv[i + 1]))) {
+            *value = argv[i + 1];
+            take_out(argc, argv, i, 2);
+        }
         if (!*value || !**value) {
             cli_wrong("%s needs a value; see ricochet %s --help", name, argv[0]);
             return false;
@@ -252,9 +268,8 @@ bool cli_take_value(int *argc, char **argv, const char *name, const char **value
 static const cli_item *find_option(const cli_command *command, const char *picture,
                                    const char *word)
 {
-    const size_t length = strcspn(word, "=");
     for (const cli_item *item = NULL; (item = cli_next_option(command, picture, item));)
-        if (strlen(item->name) == length && !strncmp(word, item->name, length)) return item;
+        if (names(word, item->name)) return item;
     return NULL;
 }
 
@@ -310,13 +325,13 @@ bool cli_know_options(const cli_command *command, int argc, char **argv)
     for (int i = 1; i < argc; i++) {
         if (!is_option(argv[i])) continue;
         const cli_item *item = find_option(command, picture, argv[i]);
-        if (!item || (!item->value && strchr(argv[i], '='))) {
+        if (!item || (!item->value && value_within(argv[i]))) {
             if (item) cli_wrong("%s: option '%s' takes no value", command->name, argv[i]);
             else say_unknown(command, picture, argv[i]);
             cli_say_usage(command);
             return false;
         }
-        i += item->value && !strchr(argv[i], '=') && i + 1 < argc &&
+        i += item->value && !value_within(argv[i]) && i + 1 < argc &&
              (!is_option(argv[i + 1]) || may_be_minus(item->name, argv[i + 1]));
     }
     return true;

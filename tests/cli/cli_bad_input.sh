@@ -112,6 +112,7 @@ expect 2 "'extra' is one argument too many" --help extra
 expect 2 'argument 1 is empty' check ''
 expect 2 "option '--jsno' is unknown" check s.yaml --jsno
 expect 2 'choose one' check s.yaml --json --csv
+expect 2 "option '-jx' is unknown" run s.yaml -jx
 expect 2 'absent.yaml: No such file.*ricochet new' check absent.yaml
 expect 2 'absent/x: No such file.*make the folder' new absent/x
 expect 2 "'x' after --state is not a number" simulate s.yaml --state 0 0 0 x --time 1

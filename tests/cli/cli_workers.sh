@@ -71,5 +71,6 @@ ok "traces nothing again" diff -q "$folder/stored" "$folder/stored-again"
 rows "$folder/twice.ricochet" >"$folder/twice.txt"
 ok "the same rows" same "$folder/whole.txt" "$folder/twice.txt"
 
+ok "in one word, as make has it" sh -c "'$ricochet' run '$folder/two.yaml' -j99999 2>&1 | grep -q -- \"-j '99999' is not a whole number\""
 ok "a number of workers below none is refused" sh -c "'$ricochet' run '$folder/two.yaml' -j -1 2>&1 | grep -q -- '-j'"
 finish
