@@ -562,6 +562,20 @@ static ric_status right_side(ric_continuation *tr, double x, double h)
     return RIC_OK;
 }
 
+/* The tests that end a branch whose places are solved for: a corner, or a touch, next to a branch
+ * point is read off cubics with it, as close by nothing can be solved. */
+static ric_status solved_ends(ric_continuation *tr, bool crossed, double h, unsigned *which)
+{
+    const double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
+    bool touches = false;
+    *which = EVENT_TERMINAL;
+    if (!crossed || tr->limits->ghost) return RIC_OK;
+    if (flight[0] * flight[1] < 0) *which &= ~(1u << RIC_TEST_FLIGHT);
+    const ric_status status = ric_event_cross_touches(tr, h, &touches);
+    if (touches) *which &= ~(1u << RIC_TEST_REACH);
+    return status;
+}
+
 ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retry)
 {
     int test;
@@ -572,13 +586,10 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
     if ((*retry = approach_crossing(tr, h))) return RIC_OK;
     double home[tr->chain->n_unknown], s;
     bool closed = closes(tr, h, home, &s);
-    /* a corner next to a branch point is read off cubics with it: close by nothing can be solved */
-    double flight[2] = {tr->now.test[RIC_TEST_FLIGHT], tr->next.test[RIC_TEST_FLIGHT]};
-    unsigned which = crossed && !tr->limits->ghost && flight[0] * flight[1] < 0
-                         ? EVENT_TERMINAL & ~(1u << RIC_TEST_FLIGHT)
-                         : EVENT_TERMINAL;
     ric_event_samples_begin(tr, h);
-    ric_status status = find_end(tr, which, h, &test, &end, retry);
+    unsigned which;
+    ric_status status = solved_ends(tr, crossed, h, &which);
+    if (!status) status = find_end(tr, which, h, &test, &end, retry);
     if (status || *retry) return status;
     if (test >= 0 && crossed) {
         if ((status = ric_event_solve(tr, end, h, RIC_LOOK_ALL, &tr->mid, &good))) return status;

@@ -18,6 +18,9 @@
  */
 #define ON_SLOPE 0.02
 #define BRIDGED 6 /* pieces of a step over a branch point */
+/* AT_ONCE: of the size: distance below which a touch falls on a branch point: at that of the points
+ * beside it an orbit is known to less */
+#define AT_ONCE 1e-6
 
 /* Whether a branch comes to a corner of orbits that are their own image there: the family on which
  * both contacts stay together crosses. No slope vanishes: the branch has a kink there. */
@@ -32,6 +35,36 @@ static bool meets_corner(const ric_continuation *tr, const ric_event_bridge *q, 
     if (x > *at + 0.05 * h) return false;
     *at = x;
     return true;
+}
+
+/* Whether a gap closes where the determinant vanishes: that of a mass which is met by no force
+ * while another one strikes, on a branch whose orbits have a symmetry there that its equations
+ * lack. Then orbits without it cross, which meet the stop the other way round. */
+static bool meets_touch(const ric_continuation *tr, const ric_event_bridge *q, double at)
+{
+    const double before = q->test[0][RIC_TEST_REACH], after = q->test[3][RIC_TEST_REACH];
+    if (tr->limits->ghost || !ric_event_watched(tr, RIC_TEST_REACH) || !(before > 0 && after < 0))
+        return false;
+    const double x = ric_event_bridge_root(tr, q, RIC_TEST_REACH, q->x[0], q->x[3], before, NAN);
+    return fabs(x - at) <= AT_ONCE * tr->chain->scale;
+}
+
+static double crossing(const ric_continuation *tr, const ric_event_bridge *q)
+{
+    return ric_event_bridge_root(tr, q, RIC_TEST_DET, q->x[0], q->x[3], q->test[0][RIC_TEST_DET],
+                                 NAN);
+}
+
+ric_status ric_event_cross_touches(ric_continuation *tr, double h, bool *touches)
+{
+    ric_event_bridge q;
+    *touches = false;
+    if (!(tr->now.test[RIC_TEST_REACH] > 0 && tr->next.test[RIC_TEST_REACH] < 0)) return RIC_OK;
+    const ric_status status = ric_event_bridge_build(tr, h, &q);
+    if (status) return status == RIC_E_NUMERIC ? RIC_OK : status;
+    *touches = meets_touch(tr, &q, crossing(tr, &q));
+    free(q.u);
+    return RIC_OK;
 }
 
 /* Where resonance k is passed up to distance `to` in a step over a branch point at `at`, looked at
@@ -115,9 +148,9 @@ ric_status ric_event_cross(ric_continuation *tr, double h, int *end_test, double
     *end_test = -1;
     if ((*retry = status == RIC_E_NUMERIC && tr->avoided)) return RIC_OK;
     if (status) return status;
-    double at = ric_event_bridge_root(tr, &q, RIC_TEST_DET, q.x[0], q.x[3], q.test[0][RIC_TEST_DET],
-                                      NAN);
+    double at = crossing(tr, &q);
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
+    else if (meets_touch(tr, &q, at)) *end_test = RIC_TEST_REACH;
     ric_event_bridge_station(tr, &q, at, h, &tr->mid);
     if (*end_test < 0 && at_image(tr, &q, h, ric_symmetric_end_meets, &at))
         *end_test = RIC_TEST_DET;

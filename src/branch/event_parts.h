@@ -97,9 +97,11 @@ ric_status ric_event_asked_cross(ric_continuation *trace, int first, double to, 
  * rounding / x, so nothing is solved close by; every inner event is read off cubics through four
  * points at good distance, and the junctions are solved on their own equations later (node_solve.c
  * of junction). *end_test: why the branch ends there, at *end: DET where it meets its own image,
- * FLIGHT at a corner; -1 if it goes on. */
+ * FLIGHT at a corner, REACH where a gap closes there; -1 if it goes on. */
 ric_status ric_event_cross(ric_continuation *trace, double h, int *end_test, double *end,
                            bool *retry);
+/* Whether a gap closes at the branch point of such a step. */
+ric_status ric_event_cross_touches(ric_continuation *trace, double h, bool *touches);
 /* A step over a branch point: four points of it, and the cubics through them. free(u). */
 typedef struct {
     double x[4], test[4][RIC_N_TEST];

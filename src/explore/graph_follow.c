@@ -14,7 +14,8 @@
 /* FLAT: relative: to what the period is known where it has an extremum, whose place is known to
  * 1e-6 */
 #define FLAT 1e-8
-#define END_NEAR 1e-4 /* of the size: how far off an end read off cubics may be */
+#define END_NEAR 1e-4  /* of the size: how far off an end read off cubics may be */
+#define END_SAME 1e-14 /* the same: what is no farther off is the orbit of the junction */
 
 /* Whether the branch stopped because gaps of two contacts closed at one instant. */
 static bool at_corner(const ric_continuation *tr)
@@ -70,7 +71,7 @@ static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ri
     ric_shooting *c = tr->chain;
     int size = c->n_unknown;
     double nearest = END_NEAR * c->scale, best[size];
-    const bool meets = node->kind == RIC_KIND_CORNER && node->refusal && node->n_touch > 0;
+    const bool meets = node->kind == RIC_KIND_CORNER && node->refusal == RIC_REFUSAL_TOGETHER;
     if (!meets && !ric_node_leaves(node, choice)) return RIC_OK;
     ric_symmetry problem = ric_node_problem(node, choice);
     ric_periodic *whole = meets ? ric_periodic_copy(node->cycle)
@@ -95,7 +96,8 @@ static ric_status end_on_node(const ric_graph *g, ric_continuation *tr, const ri
         free(u);
     }
     ric_periodic_free(whole);
-    return nearest == END_NEAR * c->scale ? RIC_OK : ric_continuation_end_at(tr, best);
+    if (nearest == END_NEAR * c->scale || (meets && nearest <= END_SAME * c->scale)) return RIC_OK;
+    return ric_continuation_end_at(tr, best);
 }
 
 /* Which of the ways out of a grazing or a corner a branch is whose end orbit is `cycle`; -1: none.

@@ -27,8 +27,9 @@ static void sort_touches(ric_touch *touches, int count)
     }
 }
 
-/* Of a contact that touches at the very instant of an impact both flights tell: the one before no
- * more. Returns how many are left. */
+/* Of a contact that touches at the very instant of an impact both flights tell, and where it does
+ * so with no acceleration the same flight more than once: the first of the latter, in the flight
+ * behind the impact. Returns how many are left. */
 static int drop_repeated(const ric_periodic *c, int first, ric_touch *touches, int count)
 {
     int left = 0;
@@ -38,6 +39,9 @@ static int drop_repeated(const ric_periodic *c, int first, ric_touch *touches, i
         for (int i = 0; i < count && touches[j].time > tau - RIC_COINCIDENT; i++)
             again |= touches[i].face == touches[j].face && touches[i].time < RIC_COINCIDENT &&
                      touches[i].flight == (touches[j].flight + 1) % c->N;
+        for (int i = 0; i < left; i++)
+            again |= touches[i].face == touches[j].face && touches[i].flight == touches[j].flight &&
+                     fabs(touches[j].time - touches[i].time) < RIC_COINCIDENT;
         if (!again) touches[left++] = touches[j];
     }
     return left;

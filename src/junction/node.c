@@ -175,6 +175,20 @@ static ric_status meet(const ric_model *m, const ric_periodic *cycle, ric_node *
     return status;
 }
 
+/* The orbit at the end of a branch where a gap touches at the instant of an impact: where branches
+ * cross there, the crossing, of which the end is off by the root of rounding. NULL: no orbit. */
+static ric_periodic *touching_end(const ric_model *m, const ric_periodic *cycle)
+{
+    ric_periodic *crossing = ric_node_solve(m, cycle, (ric_criterion){.test = RIC_TEST_DET}, NULL);
+    if (crossing && ric_periodic_same(m, cycle, crossing, RIC_SAME_LOCATED) &&
+        ric_node_solve_touches(m, crossing))
+        return crossing;
+    ric_periodic_free(crossing);
+    return ric_node_solve_admissible(m, cycle) && ric_node_solve_solved(m, cycle)
+               ? ric_periodic_canonical(m, cycle)
+               : NULL;
+}
+
 ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_node **out)
 {
     int pairs[RIC_MAX_TOUCHES], n_pair = RIC_CORNER_UNDEFINED;
@@ -190,11 +204,11 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
     if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
     ric_status status = ric_node_mode_together(m, cycle, out);
     if (status || *out) return status;
-    /* no equation of the corner is solved here: the orbit at the end of the branch is stored */
-    if (!ric_node_solve_admissible(m, cycle) || !ric_node_solve_solved(m, cycle))
+    ric_periodic *end = touching_end(m, cycle);
+    if (!end && !ric_memory_failed())
         return ric_fail(RIC_E_NUMERIC, "where two contacts meet, an orbit of %d impacts is none",
                         cycle->N);
-    return refuse(m, ric_periodic_canonical(m, cycle),
+    return refuse(m, end,
                   n_pair == RIC_CORNER_TOGETHER ? RIC_REFUSAL_TOGETHER : RIC_REFUSAL_OBLIQUE, out);
 }
 

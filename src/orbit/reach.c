@@ -135,9 +135,12 @@ static void offer_impact(search *q, const ric_face *other, sample at)
     bool kink = other->spring == 0 &&
                 !ric_model_orthogonal(q->chain->model, q->contact, other->contact);
     const int side = q->closed ? -q->chain->model->face[q->upper].side : at.s > 0 ? 1 : -1;
+    const double bend = q->D3 * q->tau, slope = q->tau <= NO_TIME ? q->D1 : bend * q->tau;
     if (kink) offer(q, at.t, at.s, side, true);
-    else if (fabs(at.ds) < LEVEL * (q->tau <= NO_TIME ? q->D1 : q->D3 * q->tau * q->tau))
+    else if (fabs(at.ds) < LEVEL * slope) {
+        if (fabs(at.bend) < LEVEL * bend) at.bend = 0;
         offer_stationary(q, at);
+    }
 }
 
 static double largest(double a, double b, double c, double d)
@@ -238,6 +241,15 @@ static bool undecided(const search *q, sample l, sample r, bool *single)
     return true;
 }
 
+/* Whether a gap stands still on [l, r], to rounding: where it touches with its velocity and its
+ * acceleration, as that of a mass which is met by no force while another one strikes, the sign of
+ * its slope is rounding for a while, and each half would show stationary points. */
+static bool is_still(const search *q, sample l, sample r)
+{
+    const double h = r.t - l.t, slope = ric_larger(fabs(l.ds), fabs(r.ds));
+    return (slope + q->D3 * h * h / 8) * h <= q->blur;
+}
+
 /* Interval after interval in order of time: one that is halved goes on with its left half, and the
  * ends of what waits are those of the intervals behind it. */
 static inline __attribute__((always_inline)) void search_flight(search *q, sample l, sample r)
@@ -248,7 +260,8 @@ static inline __attribute__((always_inline)) void search_flight(search *q, sampl
         bool single = false, open = r.t > l.t && undecided(q, l, r, &single);
         const bool close = r.t - l.t < CLOSE * q->tau;
         if (close && ((q->own_start && l.t == 0) || (q->own_end && r.t == q->tau))) open = false;
-        if (open && !single && waiting < LEVELS && !(r.t - l.t < NARROWEST * q->tau)) {
+        if (open && !single && waiting < LEVELS && !(r.t - l.t < NARROWEST * q->tau) &&
+            !is_still(q, l, r)) {
             ends[waiting++] = r;
             r = sample_at(q, (l.t + r.t) / 2);
             if (r.ds == 0) offer_stationary(q, r);

@@ -467,6 +467,48 @@ static void two_floors_that_pound_at_once(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A free pair between walls: while one mass strikes the other may touch its wall with no force from
+ * the spring, and its gap closes as the third power of the time. On branches of two impacts that is
+ * where the spring has turned n half times between them, and all energy is in the mass that
+ * strikes. Such branches end there: those that go on close both contacts together. For odd n
+ * another branch crosses. */
+static void a_touch_without_force(void **state)
+{
+    (void)state;
+    const double pi = 3.14159265358979323846;
+    ric_atlas *atlas = explore_text(
+        "model:\n"
+        "  mass: [[1, 0], [0, 1]]\n"
+        "  stiffness: [[125000, -125000], [-125000, 125000]]\n"
+        "  contacts:\n"
+        "    - {normal: [0, 1], clearance: 1.68, law: rigid}\n"
+        "    - {normal: [1, 0], clearance: 1.68, law: rigid}\n"
+        "explore: {energy: [0, 1062000], frequency: [100, 1500], impacts: 4, multiply: 2, depth: "
+        "2}\n");
+    int found[5] = {0};
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        ric_point end;
+        assert_int_not_equal(b.stop, RIC_STOP_FAILED);
+        if (b.stop != RIC_STOP_CORNER) continue;
+        const ric_junction j = junction_of(atlas, b.to);
+        assert_int_equal(j.kind, RIC_KIND_CORNER);
+        assert_int_equal(ric_atlas_point(atlas, id, b.n_point - 1, &end, NULL, NULL), RIC_OK);
+        assert_true(agrees(end.energy, j.energy, 1e-12));
+        point_passes(atlas, id, b.n_point - 1);
+        for (int n = 1; n <= 4; n++) {
+            const double energy = 8 * 250000 / (n * n * pi * pi);
+            if (b.letters != 2 || !agrees(j.energy, energy, 1e-6)) continue;
+            assert_true(agrees(j.energy, energy, 1e-12));
+            assert_true(agrees(j.frequency, 500. / n, 1e-12));
+            assert_true(agrees(end.frequency, 500. / n, 1e-12));
+            found[n]++;
+        }
+    }
+    for (int n = 1; n <= 4; n++) assert_int_equal(found[n], n % 2 ? 1 : 2);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -484,6 +526,7 @@ int main(void)
         cmocka_unit_test(a_slow_impact_of_a_known_orbit),
         cmocka_unit_test(a_touch_beside_one_that_is_none),
         cmocka_unit_test(two_floors_that_pound_at_once),
+        cmocka_unit_test(a_touch_without_force),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
