@@ -387,6 +387,7 @@ static ric_status check_smooth(const ric_model *m, const ric_junction *j, ric_cl
     }
     if (!status && !(open <= SOLVED + RIC_VERIFY_DIGIT * growth))
         ric_verify_disagree(out, "orbit is left open by 0", 0, (double)open);
+    else if (!status) status = ric_verify_kind_smooth(m, j, out);
     ric_simulator_power_free(springs);
     free(Y);
     return status;

@@ -284,9 +284,7 @@ static void find_trivial(const replay *r, const ric_model *m, real *flow, real *
     }
 }
 
-/* Shapes [d * k] of the modes that contacts see, and their transpose times the mass, [k * d], which
- * undoes them. */
-static ric_status find_modes(const ric_model *m, int d, int k, real *from, real *to)
+ric_status ric_verify_smooth_modes(const ric_model *m, int d, int k, real *from, real *to)
 {
     bool seen[d];
     const double *mass = ric_model_mass(m);
@@ -314,7 +312,7 @@ static ric_status see_modes(const replay *r, const ric_model *m, real *whole, re
 {
     int n = r->n, d = n / 2, k = ric_model_n_mode(m);
     real *to = J + n * n, *from = to + k * d, *product = from + d * k, f[2 * k], g[2 * k];
-    ric_status status = find_modes(m, d, k, from, to);
+    ric_status status = ric_verify_smooth_modes(m, d, k, from, to);
     if (status) return status;
     for (int i = 0; i < 2 * k; i++) {
         f[i] = g[i] = 0;

@@ -12,4 +12,10 @@ ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_
 ric_status ric_verify_smooth_images(const ric_atlas *atlas, int branch, int point, ric_real fit[2],
                                     ric_real *start);
 
+/* Shapes [d * k] of the modes that contacts see, and their transpose times the mass, [k * d], which
+ * undoes them. */
+ric_status ric_verify_smooth_modes(const ric_model *m, int d, int k, ric_real *from, ric_real *to);
+/* As ric_verify_kind, of an orbit under power-law springs. */
+ric_status ric_verify_kind_smooth(const ric_model *m, const ric_junction *j, ric_claims *out);
+
 #endif

@@ -203,9 +203,7 @@ static int plant_rotation(ric_atlas *atlas, int id)
 {
     ric_junction *j = &atlas->junctions[id - 1].row;
     const int p = j->rotation[0], q = j->rotation[1];
-    if (!ric_model_n_face(ric_atlas_model(atlas)) || j->kind != RIC_KIND_MULTIPLICATION ||
-        row_says(atlas, true, id) != RIC_AGREES_YES)
-        return 0;
+    if (j->kind != RIC_KIND_MULTIPLICATION || row_says(atlas, true, id) != RIC_AGREES_YES) return 0;
     j->rotation[0] = 1;
     j->rotation[1] = q == 5 ? 7 : 5;
     if (row_agrees(atlas, true, id)) fail_msg("junction %d: another rotation is not seen", id);
@@ -232,7 +230,7 @@ static int plant_kind(ric_atlas *atlas, int id)
     ric_junction *j = &atlas->junctions[id - 1].row;
     const ric_junction kept = *j;
     int planted = 0;
-    if (!ric_model_n_face(ric_atlas_model(atlas)) || !j->letters) return 0;
+    if (ric_model_n_face(ric_atlas_model(atlas)) && !j->letters) return 0;
     for (size_t k = 0; k < sizeof lies / sizeof *lies; k++) {
         if (kept.kind != lies[k].kind) continue;
         if (row_says(atlas, true, id) != RIC_AGREES_YES)
