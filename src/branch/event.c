@@ -598,6 +598,8 @@ ric_status ric_event_find(ric_continuation *tr, double h, bool *done, bool *retr
     int read = -1; /* the end, read off cubics */
     if (crossed) status = ric_event_cross(tr, h, &read, &end, retry);
     else status = inner_events(tr, h, test, end, retry);
+    if (!status && !*retry && !crossed && test == RIC_TEST_FLIGHT && !tr->limits->ghost)
+        status = ric_event_cross_corner(tr, h, &read, &end);
     if (status || *retry) return status;
     if (test < 0 && !closed && read < 0) return RIC_OK;
     *done = true;

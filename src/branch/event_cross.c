@@ -21,6 +21,8 @@
 /* AT_ONCE: of the size: distance below which a touch falls on a branch point: at that of the points
  * beside it an orbit is known to less */
 #define AT_ONCE 1e-6
+/* TOUCHES_ZERO: part of what the determinant is at both ends of a step: below it it vanishes */
+#define TOUCHES_ZERO 1e-2
 
 /* Whether a branch comes to a corner of orbits that are their own image there: the family on which
  * both contacts stay together crosses. No slope vanishes: the branch has a kink there. */
@@ -63,6 +65,25 @@ ric_status ric_event_cross_touches(ric_continuation *tr, double h, bool *touches
     const ric_status status = ric_event_bridge_build(tr, h, &q);
     if (status) return status == RIC_E_NUMERIC ? RIC_OK : status;
     *touches = meets_touch(tr, &q, crossing(tr, &q));
+    free(q.u);
+    return RIC_OK;
+}
+
+ric_status ric_event_cross_corner(ric_continuation *tr, double h, int *end_test, double *end)
+{
+    ric_event_bridge q;
+    bool good;
+    ric_status status = ric_event_solve(tr, *end, h, RIC_LOOK_ALL, &tr->mid, &good);
+    const double beside = fmin(fabs(tr->now.test[RIC_TEST_DET]), fabs(tr->next.test[RIC_TEST_DET]));
+    if (status || !(fabs(tr->mid.test[RIC_TEST_DET]) < TOUCHES_ZERO * beside)) return status;
+    status = ric_event_bridge_build_at(tr, *end / h, h, &q);
+    if (status) return status == RIC_E_NUMERIC ? RIC_OK : status;
+    const double before = q.test[0][RIC_TEST_FLIGHT];
+    if (before > 0 && q.test[3][RIC_TEST_FLIGHT] < 0) {
+        *end = ric_event_bridge_root(tr, &q, RIC_TEST_FLIGHT, q.x[0], q.x[3], before, NAN);
+        *end_test = RIC_TEST_FLIGHT;
+        ric_event_bridge_station(tr, &q, *end, h, &tr->mid);
+    }
     free(q.u);
     return RIC_OK;
 }

@@ -318,11 +318,11 @@ static ric_status build_at(ric_continuation *tr, double h, ric_event_bridge *q, 
 
 /* The points lie at fixed distances on both sides, wherever in the step the root is: a point close
  * to it would be noise. Where the branch bends too much for that, they lie within the step. */
-ric_status ric_event_bridge_build(ric_continuation *tr, double h, ric_event_bridge *q)
+ric_status ric_event_bridge_build_at(ric_continuation *tr, double root, double h,
+                                     ric_event_bridge *q)
 {
     static const double place[4] = {-1, -0.5, 0.5, 1};
     size_t size = (size_t)tr->chain->n_unknown, pairs = 2 * (size_t)tr->floquet.n_pair;
-    double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET], root = fa / (fa - fb);
     double within[4] = {0, root / 2 * h, (1 + root) / 2 * h, h};
     bool good = false;
     if (!(q->u = ric_malloc(4 * (size + pairs) * sizeof *q->u))) return ric_no_memory("a crossing");
@@ -339,6 +339,12 @@ ric_status ric_event_bridge_build(ric_continuation *tr, double h, ric_event_brid
         q->u = NULL;
     }
     return status;
+}
+
+ric_status ric_event_bridge_build(ric_continuation *tr, double h, ric_event_bridge *q)
+{
+    const double fa = tr->now.test[RIC_TEST_DET], fb = tr->next.test[RIC_TEST_DET];
+    return ric_event_bridge_build_at(tr, fa / (fa - fb), h, q);
 }
 
 /* The same without its zero at `known`, NAN for none: the cubic, less what it misses zero by there,

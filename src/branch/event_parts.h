@@ -100,6 +100,9 @@ ric_status ric_event_asked_cross(ric_continuation *trace, int first, double to, 
  * FLIGHT at a corner, REACH where a gap closes there; -1 if it goes on. */
 ric_status ric_event_cross(ric_continuation *trace, double h, int *end_test, double *end,
                            bool *retry);
+/* A corner at *end at which the determinant vanishes without changing its sign, as where two other
+ * curves cross, is read off in the same manner: *end_test is FLIGHT then. */
+ric_status ric_event_cross_corner(ric_continuation *trace, double h, int *end_test, double *end);
 /* Whether a gap closes at the branch point of such a step. */
 ric_status ric_event_cross_touches(ric_continuation *trace, double h, bool *touches);
 /* A step over a branch point: four points of it, and the cubics through them. free(u). */
@@ -110,6 +113,9 @@ typedef struct {
 } ric_event_bridge;
 
 ric_status ric_event_bridge_build(ric_continuation *trace, double h, ric_event_bridge *out);
+/* The same over a place that is known, at this part of the step. */
+ric_status ric_event_bridge_build_at(ric_continuation *trace, double part, double h,
+                                     ric_event_bridge *out);
 /* A test function or a resonance at x. */
 double ric_event_bridge_test(const ric_continuation *trace, const ric_event_bridge *bridge,
                              int test, double x);

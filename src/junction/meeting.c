@@ -15,6 +15,7 @@
 #include "base/room.h"
 
 enum { SIDES = 6, PASSES = 2 };
+#define SINGULAR 1e-5 /* of the largest: a singular value that is zero where curves cross */
 
 /* FARTHEST, NEAREST: h, scaled; by FINER from one to the next */
 #define FARTHEST 0x1p-6
@@ -38,9 +39,30 @@ static void read_off(int count, int size, const double *v, int k, double *u)
     u[k] = 0;
 }
 
-/* The same of orbits whose flight k lasts about places[i] * h, solved from `from` on. Returns how
- * far the two polynomials are apart. */
-static double cross(ric_shooting *c, const double *from, int k, double h, double *u)
+/* Where to look for orbits whose flight k lasts h: at u + h t, t the direction of the kernel in
+ * which that flight changes most. Beside u itself the equations are singular as at u. */
+static void direction(ric_shooting *c, const double *u, int k, double *t)
+{
+    const int size = c->n_unknown;
+    ric_singular q;
+    memset(t, 0, (size_t)size * sizeof *t);
+    if (size <= RIC_DENSE_MOST && !ric_singular_create(c, false, &q)) {
+        const bool good = ric_singular_factor(&q, u);
+        const int count = good ? size - ric_singular_rank(&q, SINGULAR) : 0;
+        const double *kernel = count > 0 ? ric_singular_kernel(&q, count) : NULL;
+        for (int i = 0; i < count; i++)
+            for (int j = 0; j < size; j++) t[j] += kernel[i * size + k] * kernel[i * size + j];
+        ric_singular_free(&q);
+    }
+    const double own = t[k];
+    for (int j = 0; j < size; j++) t[j] = own > SINGULAR ? t[j] / own : 0;
+    t[k] = 1;
+}
+
+/* The same of orbits whose flight k lasts about places[i] * h, looked for from `from` along `t`.
+ * Returns how far the two polynomials are apart. */
+static double cross(ric_shooting *c, const double *from, const double *t, int k, double h,
+                    double *u)
 {
     const int size = c->n_unknown;
     double along[size], v[SIDES * size], du[size], four[size], apart = 0;
@@ -49,7 +71,7 @@ static double cross(ric_shooting *c, const double *from, int k, double h, double
     along[k] = 1;
     for (int i = 0; i < SIDES; i++) {
         double *at = v + i * size;
-        memcpy(at, from, sizeof along);
+        for (int j = 0; j < size; j++) at[j] = from[j] + (places[i] * h - from[k]) * t[j];
         at[k] = places[i] * h;
         if (!ric_continuation_correct(c, at, from, along, at[k] - from[k], du, &iterations))
             return HUGE_VAL;
@@ -65,13 +87,14 @@ static bool solve(const void *of, ric_shooting *c, double *u, bool rounded)
 {
     (void)of, (void)rounded;
     const int size = c->n_unknown;
-    double from[size], v[size], least = HUGE_VAL;
+    double from[size], v[size], t[size], least = HUGE_VAL;
     ric_shooting_evaluate(c, u);
     const int shortest = ric_criterion_shortest(c, u), k = c->n_start + shortest;
     if (shortest < 0) return false;
     memcpy(from, u, sizeof from);
+    direction(c, from, k, t);
     for (double h = FARTHEST; h >= NEAREST; h *= FINER) {
-        const double apart = cross(c, from, k, h, v);
+        const double apart = cross(c, from, t, k, h, v);
         if (apart < least) memcpy(u, v, sizeof v);
         else if (least < HUGE_VAL && apart > WORSE * least) break;
         least = fmin(least, apart);

@@ -509,6 +509,37 @@ static void a_touch_without_force(void **state)
     ric_atlas_free(atlas);
 }
 
+/* A free pair that strikes both walls at once as a rigid body does so at any frequency; where its
+ * spring turns it n times from wall to wall it may vibrate, too. Branches on which the masses
+ * strike one after the other end there, where two curves of solutions cross theirs. */
+static void a_rigid_pair_between_walls(void **state)
+{
+    const double pi = 3.14159265358979323846;
+    (void)state;
+    ric_atlas *atlas = explore_text("model:\n"
+                                    "  mass: [[1, 0], [0, 2]]\n"
+                                    "  stiffness: [[1, -1], [-1, 1]]\n"
+                                    "  contacts:\n"
+                                    "    - {normal: [1, 0], clearance: 1, law: rigid}\n"
+                                    "    - {normal: [0, 1], clearance: 1, law: rigid}\n"
+                                    "explore: {energy: [0, 6], frequency: [0.1, 3], impacts: 4, "
+                                    "multiply: 2, depth: 2}\n");
+    int found = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        assert_int_not_equal(b.stop, RIC_STOP_FAILED);
+        if (strcmp(b.label, "S4[0213]") || b.stop != RIC_STOP_CORNER) continue;
+        const ric_junction j = junction_of(atlas, b.to);
+        const double n = sqrt(1.5) / j.frequency, speed = 2 * j.frequency / pi;
+        if (!agrees(j.energy, 1.5 * speed * speed, 1e-6)) continue;
+        assert_true(agrees(n, 2 * rint(n / 2), 1e-12));
+        assert_true(agrees(j.energy, 1.5 * speed * speed, 1e-12));
+        found++;
+    }
+    assert_int_equal(found, 5);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -527,6 +558,7 @@ int main(void)
         cmocka_unit_test(a_touch_beside_one_that_is_none),
         cmocka_unit_test(two_floors_that_pound_at_once),
         cmocka_unit_test(a_touch_without_force),
+        cmocka_unit_test(a_rigid_pair_between_walls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
