@@ -27,7 +27,7 @@ struct ric_store_later {
     ric_status (*apply)(void *user, const ric_store_task *task);
     void *user;
     waiting *first, **last;
-    size_t size; /* of all that waits or is in hand */
+    size_t size;       /* of all that waits or is in hand */
     bool called, stop; /* called: works until nothing waits */
     ric_status status; /* the first failure, with its reason; nothing is done any more */
     char why[1024];
