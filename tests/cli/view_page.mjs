@@ -495,7 +495,7 @@ async function two(browser, atlas) {
   writeFileSync(`${folder}/small.yaml`, readFileSync("examples/elementary/study.yaml", "utf8").replace(/depth: \d+/, "depth: 2"));
   run("run", `${folder}/small.yaml`, "-o", small);
   const server = await serve(small, atlas);
-  const { context, page, errors, shot } = await open(browser, server.url, "two");
+  const { context, page, errors, shot } = await open(browser, server.url, "two", calm);
   await page.waitForFunction(() => window.ricochet().other > 0, null, { timeout: GUARD });
   const [own, theirs] = [small, atlas].map((file) => new Set(rows("branches", file).map((b) => b.key)));
   const both = [...own].filter((key) => theirs.has(key)).length;
@@ -623,7 +623,7 @@ async function ownStructure(browser) {
   writeFileSync(study, shaftStudy());
   run("run", study, "-o", atlas);
   const server = await serve(atlas);
-  const { context, page, errors, shot } = await open(browser, server.url, "shaft");
+  const { context, page, errors, shot } = await open(browser, server.url, "shaft", calm);
   const b = rows("branches", atlas).find((row) => row.label === "S2(1)[01]");
   await page.fill("#search", "S2(1)");
   await page.keyboard.press("Enter");
