@@ -342,11 +342,11 @@ static void compare_end(replay *r, int k, real time)
                            ric_replay_part(error, r->norm)));
 }
 
-/* Whether r->w lies on a face. While a spring is closed, and where a loose mass rests on a stop,
- * nothing is said of how near it came. */
-static bool is_at(const replay *r, const face_t *face)
+/* Whether r->w lies on a face, as far as the digits of its gap tell. While a spring is closed, and
+ * where a loose mass rests on a stop, nothing is said of how near it came. */
+static bool is_at(const replay *r, const face_t *face, real digits)
 {
-    return fabs(ric_replay_gap(r, face, r->w)) <= REACH * face->limit;
+    return fabs(ric_replay_gap(r, face, r->w)) <= (REACH + digits) * face->limit;
 }
 
 /* Whether two gaps touch at the one instant at which flight k ends: there is nothing to compare.
@@ -381,7 +381,7 @@ static ric_status check_touch(replay *r, int k)
     if (e.refused || (e.hit && !undone && &r->face[e.face] != face)) r->check->faces_agree = false;
     const real digits = gap_by_digits(r, k) / face->limit;
     const bool met = e.hit || e.touches || fabs(r->reach - 1) <= REACH + digits;
-    if (!met && !is_at(r, face)) r->check->faces_agree = false;
+    if (!met && !is_at(r, face, digits)) r->check->faces_agree = false;
     compare_end(r, k, e.hit ? e.time : r->tau[k]);
     return RIC_OK;
 }
