@@ -1,18 +1,24 @@
-"""What check_certificate.py computes with: numbers in balls, exact matrices, and the flow of a
-linear structure, each of which can be read by itself. Nothing here knows of orbits."""
-import math
+"""What check_certificate.py computes with: arrays of numbers in balls, exact matrices, and the flow
+of a linear structure, each of which can be read by itself. Nothing here knows of orbits."""
 from fractions import Fraction
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
-from mpmath import mp
 
-mp.dps = 90  # of what is approximate, and of an angle
 P = 288
-ONE = 1 << P  # numbers are integers in units of 2^-P
-LONG = ONE * ONE << 5  # of |A| t, of which nothing is known: numbers grow to its exponential
-TERMS, SHORT, TAIL = 34, ONE >> 4, ONE // 10**75  # of exp(A t) for |A| t < 1/16: the rest is 10^-79
+ONE, UNIT = 1 << P, 2.0**-P  # centres are integers in units of 2^-P, radii are doubles,
+UP, LAST = 1 + 2.0**-40, 2.0**(1 - P)  # which this rounds up; what a shift rounds
+TERMS, SHORT, TAIL = 5, 2.0**-5, 2.0**-276  # 2^5 of exp(A t), |A| t < 2^-5: 2^-160/32! is the rest
 SIDES = {"both": (1, -1), "upper": (1,), "lower": (-1,)}
+
+np.seterr(all="ignore")  # what overflows is no number, which passes no test
+each = lambda f, x: np.frompyfunc(f, 1, 1)(np.asarray(x, object))
+exact = lambda x: each(lambda a: Fraction(str(a)), x)  # decimals
+eye = lambda n: np.eye(n, dtype=int).astype(object)
+
+
+REFUSED = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError,
+           np.linalg.LinAlgError)  # what is not as it should be
 
 
 def need(condition, what):
@@ -21,58 +27,74 @@ def need(condition, what):
 
 
 class Ball:
-    """A number within `rad` of `mid`; integers are exact beside it."""
+    """Numbers within `rad` of `mid`. A test is passed by no radius that is not a number."""
 
-    __slots__ = ("mid", "rad")
-
-    def __init__(self, mid, rad=0):
-        self.mid, self.rad = mid, rad
-
-    def __add__(a, b):
-        b = b if type(b) is Ball else Ball(b * ONE)
-        return Ball(a.mid + b.mid, a.rad + b.rad)
-
-    def __mul__(a, b):
-        if type(b) is not Ball:
-            return Ball(a.mid * b, a.rad * abs(b)) if b else 0
-        rad = abs(a.mid) * b.rad + a.rad * (abs(b.mid) + b.rad)
-        return Ball(a.mid * b.mid >> P, (rad >> P) + 2)
-
-    def __rtruediv__(a, b):
-        need(abs(a.mid) > a.rad, "a number may be zero")
-        one = ONE * ONE
-        return b * Ball(one // a.mid, one // (abs(a.mid) - a.rad) - one // abs(a.mid) + 2)
-
-    __radd__, __rmul__ = __add__, __mul__
+    __array_ufunc__ = None
+    __radd__ = lambda a, b: a + b
+    __rmul__ = lambda a, b: a * b
+    __mul__ = lambda a, b: a.product(np.multiply, b)
+    __matmul__ = lambda a, b: a.product(np.matmul, b)
+    __rmatmul__ = lambda a, b: ball(b) @ a
     __neg__ = lambda a: Ball(-a.mid, a.rad)
     __sub__ = lambda a, b: a + -b
     __rsub__ = lambda a, b: -a + b
-    __truediv__ = lambda a, b: b.__rtruediv__(a)
-    __abs__ = lambda a: Ball(abs(a.mid) + a.rad)
-    __gt__ = lambda a, b: a.mid - b * ONE > a.rad
+    __len__ = lambda a: len(a.mid)
+    __getitem__ = lambda a, at: Ball(a.mid[at], a.rad[at])
+    __gt__ = lambda a, b: (a - b).near > a.rad * UP
+    T = property(lambda a: Ball(a.mid.T, a.rad.T))
+    shape = property(lambda a: a.mid.shape)
+    middle = property(lambda a: Ball(a.mid))
+    near = cached_property(lambda a: a.mid.astype(float) * UNIT)
+    most = cached_property(lambda a: (abs(a.near) + a.rad) * UP)  # no number of it is larger
 
-    def rounded(self, decimals):
-        """The integer to which all of it times 10^decimals is rounded."""
-        ends = {math.floor(Fraction(end, ONE) * Fraction(10)**decimals + Fraction(1, 2))
-                for end in (self.mid - self.rad, self.mid + self.rad)}
-        need(len(ends) == 1, "a number lies between two integers")
-        return ends.pop()
+    def __init__(self, mid, rad=0.0):
+        self.mid = np.asarray(mid, object)
+        self.rad = np.asarray(rad + np.zeros(self.mid.shape), float)
+
+    def __add__(a, b):
+        b = ball(b)
+        return Ball(a.mid + b.mid, (a.rad + b.rad) * UP)
+
+    def product(a, f, b):
+        b = ball(b)
+        rad = f(a.most, b.rad) + f(a.rad, abs(b.near))
+        return Ball(f(a.mid, b.mid) >> P, rad * UP + LAST)
+
+    def __rtruediv__(a, b):
+        least = abs(a.near) / UP - a.rad
+        need((least > 0).all(), "a number may be zero")
+        return b * Ball(ONE * ONE // a.mid, a.rad / least / abs(a.near) * UP + LAST)
+
+    def __truediv__(a, b):
+        return 1 / ball(b) * a
 
 
-each = lambda f: np.vectorize(f, otypes=[object])
-exact = each(lambda x: Fraction(str(x)))  # a decimal
-balls = each(lambda x: Ball(x * ONE // 1, 1) if x % 1 else int(x))
-middle = each(lambda x: Ball(x.mid) if type(x) is Ball else x)
-eye = lambda n: np.eye(n, dtype=int).astype(object)
-size = lambda A: max(sum(map(abs, row), Ball(0)).mid for row in A)  # the largest sum in a row
-times = lambda t, W: W * t[0] + W[:, :1] * [0, *t[1:]]  # with derivatives behind both
+def ball(x):
+    if isinstance(x, Ball):
+        return x
+    return Ball(each(lambda a: int(a * ONE), x), each(lambda a: a % 1 and LAST, x))
+
+
+def stack(parts):
+    parts = [ball(part) for part in parts]
+    return Ball(*(np.vstack([getattr(part, one) for part in parts]) for one in ("mid", "rad")))
+
+
+def times(t, W):
+    """A number and a matrix with derivatives behind both."""
+    return W * t[0] + W[:, :1] * rates(t)
+
+
+def rates(t):
+    return Ball(*(np.where(np.arange(len(t)), one, 0) for one in (t.mid, t.rad)))
 
 
 def inverse(A):
     """Near that of the middle: nothing depends on it but whether a proof succeeds."""
-    with mp.workdps(50):
-        C = mp.inverse(mp.matrix(each(lambda x: mp.mpf((x + Ball(0)).mid) / ONE)(A).tolist()))
-        return each(lambda x: Ball(int(mp.ldexp(x, P))))(np.array(C.tolist(), object))
+    C = ball(np.linalg.inv(A.near))
+    for _ in range(2):
+        C = (C + C @ (eye(len(C)) - A.middle @ C)).middle
+    return C
 
 
 def reduced(A):
@@ -101,63 +123,69 @@ def pivots(A):
     """Of a symmetric matrix, with the signs of its eigenvalues, one by one while none is zero."""
     while len(A):
         yield A[0, 0]
-        A = A[1:, 1:] - np.outer(A[1:, 0] / A[0, 0], A[0, 1:])
+        A = A[1:, 1:] - A[1:, :1] / A[0, 0] * A[:1, 1:]
 
 
 class Phase:
     """While springs are closed: dw/dt = A w, w = (x, v, 1), with the energy w'Gw / 2."""
 
     def __init__(self, G, flow):
-        self.G, self.A = balls(G), balls(flow @ G)
-        fast = Fraction(2)**((size(self.A) >> P).bit_length() // 2)  # about its highest frequency
+        self.G, self.A = ball(G), ball(flow @ G)
+        fast = Fraction(2)**int(np.log2(self.A.most.sum(1).max() + 1) // 2)  # about its highest
         units = np.array([Fraction(1), 1 / fast, Fraction(1)]).repeat([len(G) // 2, len(G) // 2, 1])
-        self.back = balls(np.outer(1 / units, units))  # from speeds in units of that
-        A = balls(flow @ G * np.outer(units, 1 / units))
-        self.norm, self.terms = size(A), [eye(len(G))]
-        for k in range(1, TERMS):
-            self.terms.append(self.terms[-1] @ A * (1 / Ball(k * ONE)))
+        self.back = ball(np.outer(1 / units, units))  # from speeds in units of that frequency
+        A = ball(flow @ G * np.outer(units, 1 / units))
+        self.norm, terms = A.most.sum(1).max(), [ball(eye(len(G)))]
+        for k in range(1, 1 << TERMS):
+            terms.append(terms[-1] @ A * Fraction(1, k))
+        self.terms = stack([Ball(term.mid.reshape(1, -1), term.rad.reshape(1, -1))
+                            for term in terms])
 
-    @lru_cache(10000)
-    def series(self, mid, rad):
+    def exp(self, t):
         """exp(A t)"""
-        return self.back * self.scaled(mid, rad)
+        return self.back * self.scaled(int(t.mid), float(t.rad))
 
     @lru_cache(10000)
     def scaled(self, mid, rad):
-        need(abs(mid) < ONE << 40 and rad * self.norm < LONG, "a flight is too long")
-        if (abs(mid) + rad) * self.norm >= SHORT * ONE:
-            half = self.scaled(mid // 2, rad // 2 + 1)
+        """The same in those units."""
+        long = Ball(mid, rad).most * self.norm
+        need(long < 1 << 16 and rad * self.norm < 32, "a flight is too long")
+        if not long < SHORT:
+            half = self.scaled(mid // 2, (rad / 2 + UNIT) * UP)
             return half @ half
-        total, t = self.terms[-1], Ball(mid, rad)
-        for term in reversed(self.terms[:-1]):
-            total = total * t + term
-        return total + Ball(0, TAIL)
+        power, powers = Ball(mid, rad), ball([[1]])
+        for _ in range(TERMS):
+            powers, power = stack([powers, powers * power]), power * power
+        total = powers.T @ self.terms
+        return Ball(*(one.reshape(self.A.shape) for one in (total.mid, total.rad + TAIL)))
 
     def fly(self, W, t):
         """W after t, with derivatives. What moves little is flown as that, so that the rest of a
         stiff spring, where large numbers cancel, stays tight."""
-        t0 = t[0] + Ball(0)
-        W = self.series(t0.mid, 0) @ W
-        W = W + self.series(0, t0.rad) @ (self.A @ W) * Ball(0, t0.rad)
-        return W + self.A @ W[:, :1] * [0, *t[1:]]
+        off = Ball(0, t.rad[0])
+        W = self.exp(t[0].middle) @ W
+        if off.rad:
+            W = W + self.exp(off) @ (self.A @ W) * off
+        return W + self.A @ W[:, :1] * rates(t) if len(t) > 1 else W
 
-    def flies(self, row, W, factors, t, depth, opens, closes, pressed=False):
-        """Halves a flight of W @ factors until a gap is positive, or moves or bends away from where
-        it is 0; or `pressed` together: to 0, or to rest, at both ends, and bent towards 0 all the
-        way."""
+    def flies(self, rows, W, factors, t, depth, opens, closes, pressed):
+        """Halves a flight of W @ factors until all gaps are positive, or move or bend away from
+        where they are 0; or `pressed` together: to 0, or to rest, at both ends, and bent towards 0
+        all the way."""
         need(depth, "a face is passed, or not approached")
-        part = (t[0].mid + t[0].rad >> 1) + 1
-        if part * self.norm < LONG:
-            moves = self.A @ W
-            rate, bend = (-(row @ (self.series(part, part) @ dW)) @ factors
-                          for dW in (moves, self.A @ moves))
-            gap = Ball(part, part) * rate - row @ W @ factors
-            if (gap > 0 or opens and rate > 0 or closes and -rate > 0
-                    or (opens or closes) and bend > 0 or pressed and -bend > 0):
-                return
-        half = t / Ball(2 * ONE)
-        self.flies(row, W, factors, half, depth - 1, opens, False)
-        self.flies(row, self.fly(W, half), factors, half, depth - 1, False, closes)
+        part = Ball(0, t.most[0] / 2 * UP) + t.most[0] / 2
+        left = np.arange(len(rows))
+        if part.most * self.norm < 32:
+            moves, E = self.A @ W, self.exp(part)
+            rate, bend = (-(rows @ (E @ dW)) @ factors for dW in (moves, self.A @ moves))
+            gap = part * rate - rows @ W @ factors
+            left = np.flatnonzero(~((gap > 0) | opens & (rate > 0) | closes & (-rate > 0)
+                                    | (opens | closes) & (bend > 0) | pressed & (-bend > 0)))
+        if len(left):
+            half, rows, opens, closes = t * Fraction(1, 2), rows[left], opens[left], closes[left]
+            none = np.zeros(len(left), bool)
+            self.flies(rows, W, factors, half, depth - 1, opens, none, none)
+            self.flies(rows, self.fly(W, half), factors, half, depth - 1, none, closes, none)
 
 
 class Model:
@@ -178,10 +206,10 @@ class Model:
         self.faces = [(c, side) for c in range(len(sides)) for side in SIDES[sides[c]]]
         self.exact = {(c, s): np.array([*s * b[c], *none[0], -d[c] / d[0]])
                       for c in range(len(sides)) for s in (1, -1)}
-        self.rows = {face: balls(row) for face, row in self.exact.items()}
+        self.rows = {face: ball(row) for face, row in self.exact.items()}
         self.kick = {face: self.flow @ row for face, row in self.exact.items()}  # along which, and
         self.speed = {face: row @ self.flow @ self.G for face, row in self.exact.items()}
-        self.speeds = {face: balls(row) for face, row in self.speed.items()}
+        self.speeds = {face: ball(row) for face, row in self.speed.items()}
 
     @lru_cache(1000)
     def phase(self, closed):

@@ -5,20 +5,20 @@ The first line is the structure, in decimals; every other one is an orbit, a jun
 Each is a zero of one system of equations, closed by a number that is held, by what vanishes at a
 junction, or by planes across a line. A contraction in balls proves that it is there once, and all
 that the line says has to follow from it, digit by digit. See docs/proofs.md.
-Here is what each line says; the equations, with the proof that their zero is a motion, are in
-certificate_chain.py, arcs of them in certificate_tube.py, and numbers, matrices and flights in
-certificate_balls.py.
+Here is what each line says; the equations, with the proof that their zero is a motion, and arcs of
+motions are in certificate_chain.py, numbers, matrices and flights in certificate_balls.py.
 """
+import copy
 import json
 import math
 import sqlite3
 import sys
+from fractions import Fraction
 
 import numpy as np
 
-from certificate_balls import ONE, P, SIDES, Ball, Model, balls, eye, need, pivots
-from certificate_chain import UNIT, System
-from certificate_tube import join
+from certificate_balls import REFUSED, SIDES, Model, ball, eye, need, pivots, stack
+from certificate_chain import HALF, UNIT, System
 
 DIGITS = 12  # of energy, period and trace
 NEAR = 1e-8  # what an atlas stores is that near
@@ -28,7 +28,7 @@ def multipliers(s, u):
     """Sums over the pairs of multipliers x, 1/x but 1, 1 of r^k, r = x + 1/x, from traces of
     powers of the return to an event, or of half of it, where times are those of events."""
     n, (begins, ends), M = s.n, s.path(u)[0], s.m.one
-    way = [(k, k + 1, s.phases[k].A @ ends[k]) for k in range(s.count)]
+    way = [(k, k + 1, (s.phases[k].A @ ends[k])[:, :1]) for k in range(s.count)]
     if not s.general:
         back = np.array([[1]] * n + [[-1]] * n + [[1]], object)
         way += [(k, k, back * (s.phases[k].A @ begins[k])) for k in reversed(range(s.count))]
@@ -36,13 +36,16 @@ def multipliers(s, u):
         M = s.phases[k].fly(M, u[(k + 1) * s.width - 1])
         if s.faces[event]:
             row = s.m.rows[s.faces[event]]
-            M = s.jumps[event] @ (M - np.outer(flow[:, 0] / (row @ flow)[0], row @ M))
-    M, power, traces = (-M if s.symmetric else M)[:-1, :-1], eye(2 * n), [2 * n - 2]
+            M = s.jumps[event] @ (M - flow / (row @ flow)[0] * (row @ M))
+    M, power, traces = (-M if s.symmetric else M)[:-1, :-1], ball(eye(2 * n)), [[2 * n - 2]]
     for _ in range(2 * n - 2):
         power = power @ M
-        traces.append(power.trace() - 1)
-    return [sum(math.comb(k, j) * traces[abs(k - 2 * j)] for j in range(k + 1)) * Ball(ONE >> 1)
-            for k in range(2 * n - 1)]
+        traces.append(sum(power[i, i] for i in range(2 * n))[None] - 1)
+    binomials = 0 * eye(2 * n - 1)
+    for k in range(2 * n - 1):
+        for j in range(k + 1):
+            binomials[k, abs(k - 2 * j)] += math.comb(k, j)
+    return binomials @ stack(traces)[:, 0] * HALF
 
 
 def stability(sums):
@@ -52,7 +55,7 @@ def stability(sums):
     n, stable = len(sums) // 2, "yes"
     if any(sums[2 * k] > n * 4**k for k in range(1, n + 1)):
         return "no"
-    H = np.array([[4 * sums[i + j] - sums[i + j + 2] for j in range(n)] for i in range(n)])
+    H = stack([sums[i:i + n] * 4 - sums[i + 2:i + n + 2] for i in range(n)])
     for pivot in pivots(H):
         if not (pivot > 0 or -pivot > 0):
             return "undecided"
@@ -66,26 +69,30 @@ def check(model, line, points=None):
         need(line["arcs"] and min(map(len, line["arcs"])) > 1, "an arc has no two orbits")
         for arc in line["arcs"]:
             nodes = [System(model, {**line, **node}) for node in arc]
+            need({node.kind for node in nodes} == {"held"}, "an orbit of a curve is held")
             orbits = [(node, node.prove()) for node in nodes]
             for (a, u), (b, v) in zip(orbits, orbits[1:]):
-                join(a, u, b, v)
+                need(a.said != b.said, "an orbit stands there twice")
+                copy.copy(a).join(u, v)
         return
     s, point = System(model, line), line["type"] == "point"
     need(point == (s.kind == "held") and not (point and "twin" in line), "it is no junction")
     u = s.prove()
     s.stands(u)
     w, copies = s.path(u)[0][0][0], s.copies
-    numbers = {"energy": (w.T @ s.phases[0].G @ w)[0, 0] * balls(model.scale**2 / 2)[()],
-               "period": sum(u[s.width - 1::s.width, 0]) * balls(copies / model.scale)[()]}
+    numbers = {"energy": (w.T @ s.phases[0].G @ w)[0, 0] * (model.scale**2 / 2),
+               "period": sum(u[s.width - 1::s.width, 0]) * (copies / model.scale)}
     sums = multipliers(s, u) if point else None
     if "trace" in line:
         numbers["trace"] = sums[2] - 2 * (s.n - 1) if s.symmetric else sums[1]
     stored = points[line["branch"] if point else "junction", line[line["type"]]] if points else {}
     for name, true in numbers.items():
-        value = true.mid / ONE
-        decimals = min(UNIT, DIGITS + UNIT - len(str(abs(true.mid) * 10**UNIT >> P)))
-        need(line[name] == [true.rounded(decimals), -decimals], f"the {name} is another one")
-        need(abs(value / stored.get(name, value) - 1) < NEAR, "the atlas has another one")
+        digits, power = line[name]
+        decimals = min(UNIT, DIGITS - len(str(abs(digits))) - power)
+        need(type(digits) is int and power == -decimals, f"the {name} has other digits")
+        unit, near = Fraction(10)**power, stored.get(name, float(true.near))
+        need((true - digits * unit).most < unit / 2, f"the {name} is another one")
+        need(abs(float(true.near) / near - 1) < NEAR, "the atlas has another one")
     if point:
         stable = stability(sums)
         need(line["stable"] in ("undecided", stable), f"the stability is: {stable}")
@@ -133,7 +140,7 @@ def main(path, atlas=None):
                 continue
             check(model, line, points)
             count[0] += 1
-        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        except REFUSED as error:
             count[1] += 1
             print(f"{path}:{where}: refused: {error or type(error).__name__}")
     print(f"{count[0]} accepted, {count[1]} refused")

@@ -41,6 +41,52 @@ ends() {
 ok 'the first and last of every branch in no more time' ends "$folder/elementary.jsonl"
 ok 'no certificate is no success' bash -c '! "$0" tools/check_certificate.py /dev/null' "$python"
 
+# Numbers in balls, some at their very ends, by exact fractions, and flights by mpmath.
+balls() {
+    "$python" - <<'END'
+import random, sys
+sys.path.insert(0, "tools")
+from fractions import Fraction
+from mpmath import mp
+import certificate_balls as numbers
+from certificate_balls import ONE, Ball, ball
+random.seed(5)
+def number():
+    mid = int(random.choice([1, -1]) * 10 ** random.uniform(-60, 12) * 2.0 ** 200) << 88
+    rad = random.choice([0.0, 10 ** random.uniform(-80, 3)])
+    return Ball(mid, rad), Fraction(mid, ONE) + Fraction(rad) * random.choice([-1, 1, Fraction(random.randint(-99, 99), 99)])
+def holds(a, true): return abs(Fraction(int(a.mid), ONE) - true) <= Fraction(float(a.rad))
+for _ in range(2000):
+    (a, x), (b, y) = number(), number()
+    assert holds(a + b, x + y) and holds(a - b, x - y) and holds(a * b, x * y)
+    assert Fraction(float(a.most)) >= abs(x) and (not a > 0 or x > 0)
+    try: assert holds(a / b, x / y)
+    except ValueError: assert float(b.rad) >= 0.99 * abs(float(b.near))
+for _ in range(100):
+    rows, columns = ([number() for _ in range(5)] for _ in range(2))
+    A, B = (numbers.stack([one[None] for one, _ in some])[:, 0] for some in (rows, columns))
+    assert holds(A @ B, sum(x * y for (_, x), (_, y) in zip(rows, columns)))
+    x = Fraction(random.randint(-10 ** 9, 10 ** 9), random.randint(1, 10 ** 9))
+    assert holds(ball(x), x) and holds(ball(float(x)), Fraction(float(x)))
+mp.dps = 120
+ratio = lambda a: mp.mpf(int(Fraction(a).numerator)) / int(Fraction(a).denominator)
+for n in (1, 2, 3, 2, 3):
+    one = numbers.eye(n)
+    K = numbers.each(lambda _: random.randint(-3, 3), one)
+    K = K @ K.T + random.choice([0, 1000]) * one
+    phase = numbers.Phase(numbers.framed([[K, 0 * one], [0 * one, one]]) * Fraction(1), numbers.framed([[0 * one, one], [-one, 0 * one]]))
+    t, rad = random.uniform(0, 9), random.choice([0.0, 1e-40, 1e-3])
+    E, true = phase.exp(ball(t) + Ball(0, rad)), Fraction(t) + Fraction(rad) * random.choice([-1, 1])
+    A = mp.matrix([[ratio(Fraction(int(a), ONE)) for a in row] for row in phase.A.mid])
+    true = mp.expm(A * ratio(true), method="taylor")
+    for i in range(2 * n + 1):
+        for j in range(2 * n + 1):
+            off, radius = abs(mp.mpf(int(E[i, j].mid)) / ONE - true[i, j]), float(E[i, j].rad)
+            assert off <= radius and (rad or radius < 1e-60), (n, i, j, off, radius)
+END
+}
+ok 'balls hold what exact numbers are, and flights what mpmath says' balls
+
 # lies NAME CODE: Python over the model and the lines of that atlas; refused(LINE): why the checker refuses what a liar signs, or None
 lies() {
     "$python" - "$folder/$1" "$(every_of 300)" <<END
@@ -70,7 +116,7 @@ def body(line):
 def reason(attempt):
     try:
         attempt()
-    except (AttributeError, ArithmeticError, LookupError, TypeError, ValueError) as error:
+    except checker.REFUSED as error:
         return str(error) or type(error).__name__
     return None
 
@@ -125,8 +171,8 @@ u = orbit.prove()
 orbit.stands(u)
 closed = next(phase for phase, faces in zip(orbit.phases, orbit.closed) if faces)
 flies = type(closed).flies
-def other(phase, row, W, factors, t, depth, *met):
-    flies(phase, -row if phase is closed and depth == DEEPEST else row, W, factors, t, depth, *met)
+def other(phase, rows, W, factors, t, depth, *met):
+    flies(phase, -rows if phase is closed and depth == DEEPEST else rows, W, factors, t, depth, *met)
 type(closed).flies = other
 assert reason(lambda: orbit.stands(u)) == "a face is passed, or not approached"'
 
