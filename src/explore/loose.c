@@ -8,26 +8,40 @@
 
 /* SLOWEST: scaled frequency at which the scan begins where the window has no lower end */
 #define SLOWEST 1e-3
-#define INSIDE 1e-6 /* part by which it begins above that end: a start on it may be outside */
-#define SCAN 1.01   /* ratio of neighbouring frequencies of the scan */
-/* How long springs are closed is not known: it is tried from LONG of the time that there is down to
- * SHORT of that in which the fastest mode of the closed structure turns by 1 rad, in ratios of
- * ONE_SPRING, or of TWO_SPRINGS where two of them are closed in turn. */
+/* INSIDE: part by which it begins above that end, as a start on it may be outside; and by which a
+ * contact may be longer than a bound that it reaches */
+#define INSIDE 1e-6
+#define SCAN 1.01 /* ratio of neighbouring frequencies at which orbits are looked for */
+#define TURN 0.01 /* in rad, of the fastest free mode between orbits that are looked at */
+#define JUMP 0.5  /* of an orbit between two of them, of its size */
+/* How long springs are closed is not known: it is tried from LONG of the time that there is, or the
+ * longest that may be, down to SHORT of that in which the fastest mode of the closed structure
+ * turns by 1 rad, in ratios of ONE_SPRING, or of TWO_SPRINGS where two of them are closed in turn.
+ */
 #define SHORT 0.25
 #define LONG 0.95
-#define ONE_SPRING 1.2
-#define TWO_SPRINGS 1.5
+#define ONE_SPRING 1.1
+#define TWO_SPRINGS 1.25
 #define NO_PIVOT 1e-300 /* of equations without a solution */
-/* frequencies of the scan: orbits in between come from neighbours */
-enum { ONE_EVERY = 2, TWO_EVERY = 6 };
+enum {
+    TWO_EVERY = 2
+}; /* frequencies, between two springs: orbits in between come from neighbours */
 enum { MOST_GUESSES = 200 };
 enum { MOST_FLIGHTS = 3 }; /* closed, open, closed */
+
+/* What is looked for, and who takes it. */
+typedef struct {
+    const ric_limits *limits;
+    ric_loose_take take;
+    void *data;
+} scan;
 
 /* The orbits between two faces at one frequency, which the scan carries upwards. */
 typedef struct {
     ric_shooting *chain, *plain; /* plain: equations that are linear in the state */
     int n_spring;                /* of both ends */
     int closed[2];               /* their flights */
+    double longest[2];           /* of these, that may be admissible */
     int n, size;
     double *u; /* [size * n_unknown] */
     bool *inside;
@@ -68,6 +82,24 @@ static void release(family *a)
     *a = (family){0};
 }
 
+/* How long a spring that a loose mass meets may be closed from the middle of the contact on. Where
+ * all modes then have a frequency its force has no mean, and a sum of vibrations without mean keeps
+ * its sign for no longer than half a period of each in turn: taken at all instants that shifts by
+ * some of these halves lead to, it adds up to nothing. */
+static ric_status bound(family *a)
+{
+    const ric_model *m = a->chain->model;
+    for (int i = 0; i < a->n_spring; i++) {
+        const ric_regime *phase;
+        ric_status status = ric_regime_get(m, a->chain->closed[a->closed[i]], &phase);
+        if (status) return status;
+        double halves = 0;
+        for (int k = 0; k < m->n; k++) halves += RIC_PI / 2 / phase->omega[k];
+        a->longest[i] = (1 + INSIDE) * halves;
+    }
+    return RIC_OK;
+}
+
 static ric_status create(const ric_model *m, int f, int g, family *a)
 {
     *a = (family){0};
@@ -82,7 +114,7 @@ static ric_status create(const ric_model *m, int f, int g, family *a)
     a->r = a->J + rows * wide;
     a->A = a->r + rows;
     a->first = a->A + wide * wide;
-    return RIC_OK;
+    return bound(a);
 }
 
 /* ------------------------------------------------------------------ orbits */
@@ -127,6 +159,8 @@ static bool correct(family *a, double *u, double time)
         return false;
     for (int k = n; k < wide; k++)
         if (!(u[k] > 0)) return false;
+    for (int i = 0; i < a->n_spring; i++)
+        if (u[n + a->closed[i]] > a->longest[i]) return false;
     return true;
 }
 
@@ -161,16 +195,29 @@ static ric_status keep(family *a, const double *u)
     return RIC_OK;
 }
 
-/* The orbits of the frequency before, at this one; those that are lost, or come together, go. */
-static void go_on(family *a, double time)
+/* Whether what `correct` has found is far from where it came from: at energies beyond all bounds,
+ * as where a mode resonates, an orbit goes over to another branch. */
+static bool has_jumped(const family *a, const double *u)
+{
+    double off = 0, size = 0;
+    for (int k = 0; k < a->chain->n_unknown; k++) {
+        off = fmax(off, fabs(u[k] - a->first[k]));
+        size = fmax(size, fabs(u[k]));
+    }
+    return off > JUMP * size;
+}
+
+/* Orbits `from` on, at this time; those that are lost, or come together, go. */
+static void go_on(family *a, int from, double time)
 {
     const int wide = a->chain->n_unknown;
-    int count = 0;
-    for (int i = 0; i < a->n; i++) {
+    int count = from;
+    for (int i = from; i < a->n; i++) {
         double *u = a->u + count * wide;
         memmove(u, a->u + i * wide, (size_t)wide * sizeof *u);
         a->inside[count] = a->inside[i];
-        count += correct(a, u, time) && !is_known(a, count, u);
+        if (!correct(a, u, time) || is_known(a, count, u)) continue;
+        a->inside[count++] &= !has_jumped(a, u);
     }
     a->n = count;
 }
@@ -193,13 +240,14 @@ static int guess(const family *a, int i, double time, double *out)
 {
     const ric_model *m = a->chain->model;
     const double ratio = a->n_spring > 1 ? TWO_SPRINGS : ONE_SPRING;
+    const double longest = fmin(a->longest[i], LONG * time);
     const ric_regime *phase;
     int count = 0;
-    for (double t = LONG * time; count < MOST_GUESSES && t > SHORT / a->chain->fastest; t /= ratio)
+    for (double t = longest; count < MOST_GUESSES && t > SHORT / a->chain->fastest; t /= ratio)
         out[count++] = t;
     if (ric_regime_get(m, a->chain->closed[a->closed[i]], &phase)) return count;
     for (int k = 0; k < m->n && count < MOST_GUESSES; k++)
-        if (phase->omega[k] * LONG * time > RIC_PI / 2) out[count++] = RIC_PI / 2 / phase->omega[k];
+        if (phase->omega[k] * longest > RIC_PI / 2) out[count++] = RIC_PI / 2 / phase->omega[k];
     return count;
 }
 
@@ -233,24 +281,70 @@ static bool is_admissible(family *a, const ric_limits *limits, const double *u)
            ric_continuation_approach(c, true) > 0 && ric_reach(c, u, NULL) < 1;
 }
 
-static ric_status scan_family(family *a, const ric_limits *limits, ric_loose_take take, void *data)
+/* From orbits `from` on, those that become admissible at this period are given to start from. */
+static ric_status look(family *a, const scan *s, int from)
 {
-    const double low = isfinite(limits->period[1]) ? RIC_TWO_PI / limits->period[1] : SLOWEST;
-    double omega = low * (1 + INSIDE);
-    const int wide = a->chain->n_unknown, every = a->n_spring > 1   ? TWO_EVERY
-                                                  : a->n_spring > 0 ? ONE_EVERY
-                                                                    : 1;
-    double *u = ric_malloc((size_t)wide * sizeof *u);
+    const int wide = a->chain->n_unknown;
+    ric_status status = RIC_OK;
+    for (int k = from; !status && k < a->n; k++) {
+        const bool good = is_admissible(a, s->limits, a->u + k * wide);
+        if (good && !a->inside[k]) status = s->take(s->data, a->chain, a->u + k * wide);
+        a->inside[k] = good;
+    }
+    return status;
+}
+
+/* Orbits `from` on, from one time to another one and looked at on the way, in steps in which the
+ * fastest mode turns little: stretches are as short as its motion makes them. */
+static ric_status go_to(family *a, const scan *s, int from, const double time[2])
+{
+    const double turn = a->chain->model->omega[a->chain->model->n - 1] * fabs(time[1] - time[0]);
+    const int steps = 1 + (int)(turn / TURN);
+    ric_status status = RIC_OK;
+    for (int i = 1; i <= steps && !status && a->n > from; i++) {
+        go_on(a, from, i < steps ? time[0] + i * (time[1] - time[0]) / steps : time[1]);
+        status = look(a, s, from);
+    }
+    return status;
+}
+
+/* New orbits at time[1], which may be admissible back to time[0] only, where they were not yet
+ * looked for; they stay as they are at time[1]. */
+static ric_status find_more(family *a, const scan *s, const double time[2], double *u)
+{
+    const int before = a->n, wide = a->chain->n_unknown;
+    ric_status status = attempt_all(a, time[1], u);
+    if (!status) status = look(a, s, before);
+    const size_t found = (size_t)(a->n - before), size = found * (size_t)wide;
+    if (status || found == 0) return status;
+    double *kept = ric_malloc(size * sizeof *kept + found * sizeof *a->inside);
+    if (!kept) return ric_no_memory("orbits of a loose mass");
+    bool *inside = (bool *)(kept + size);
+    memcpy(kept, a->u + before * wide, size * sizeof *kept);
+    memcpy(inside, a->inside + before, found * sizeof *inside);
+    status = go_to(a, s, before, (double[]){time[1], time[0]});
+    memcpy(a->u + before * wide, kept, size * sizeof *kept);
+    memcpy(a->inside + before, inside, found * sizeof *inside);
+    a->n = before + (int)found;
+    free(kept);
+    return status;
+}
+
+static ric_status scan_family(family *a, const scan *s)
+{
+    const double *period = s->limits->period;
+    const double low = isfinite(period[1]) ? RIC_TWO_PI / period[1] : SLOWEST;
+    const int every = a->n_spring > 1 ? TWO_EVERY : 1;
+    double omega = low * (1 + INSIDE), before = 0, last = 0;
+    double *u = ric_malloc((size_t)a->chain->n_unknown * sizeof *u);
     ric_status status = u ? RIC_OK : ric_no_memory("an orbit of a loose mass");
-    for (int i = 0; !status && omega < RIC_TWO_PI / limits->period[0]; i++, omega *= SCAN) {
+    for (int i = 0; !status && omega < RIC_TWO_PI / period[0]; i++, omega *= SCAN) {
         const double time = RIC_TWO_PI / omega / a->chain->multiple;
-        go_on(a, time);
-        if (i % every == 0) status = attempt_all(a, time, u);
-        for (int k = 0; !status && k < a->n; k++) {
-            const bool good = is_admissible(a, limits, a->u + k * wide);
-            if (good && !a->inside[k]) status = take(data, a->chain, a->u + k * wide);
-            a->inside[k] = good;
-        }
+        if (i > 0) status = go_to(a, s, 0, (double[]){last, time});
+        last = time;
+        if (status || i % every) continue;
+        status = find_more(a, s, (double[]){i ? before : time, time}, u);
+        before = time;
     }
     free(u);
     return status;
@@ -265,7 +359,7 @@ ric_status ric_loose_scan(const ric_model *m, const ric_limits *limits, ric_loos
             family a;
             if (!ric_model_opposite(m, f, g)) continue;
             status = create(m, m->face[f].mirror == g ? -1 : f, m->face[f].mirror == g ? f : g, &a);
-            if (!status) status = scan_family(&a, limits, take, data);
+            if (!status) status = scan_family(&a, &(scan){limits, take, data});
             release(&a);
         }
     return status;

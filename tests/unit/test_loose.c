@@ -17,6 +17,7 @@ enum { MOST = 4000 };
 
 typedef struct {
     int n;
+    double unit; /* of frequencies */
     double frequency[MOST], energy[MOST];
 } found;
 
@@ -46,6 +47,7 @@ static void scan(int n, const double *M, const double *K, int n_contact,
     const ric_limits limits = {.energy = {1e-6, 1e6},
                                .period = {2 * RIC_PI / frequency[1], 2 * RIC_PI / frequency[0]}};
     out->n = 0;
+    out->unit = m->omega_ref;
     assert_int_equal(ric_loose_scan(m, &limits, take, out), RIC_OK);
     ric_model_free(m);
 }
@@ -100,6 +102,52 @@ static void orders(void **state)
     }
 }
 
+static int starts_between(const found *f, const double stretch[2])
+{
+    int count = 0;
+    for (int i = 0; i < f->n; i++) {
+        const double omega = f->frequency[i] * f->unit;
+        count += omega > stretch[0] && omega < stretch[1];
+    }
+    return count;
+}
+
+/* Between a wall and a spring some stretches of admissible orbits are narrower than the steps in
+ * which orbits are looked for; those of 0.343 and 0.398 rad/s were found by brute force. */
+static void narrow(void **state)
+{
+    (void)state;
+    const double M[] = {2, 0, 0, 3.3}, K[] = {0, 0, 0, 19.844716564731524}, b[] = {1, 0, 1, -1};
+    const double window[] = {0.13, 0.2};
+    const double stretch[][2] = {{0.34157, 0.34380}, {0.39685, 0.39986}, {0.47347, 0.47776}};
+    const ric_contact contacts[] = {{.clearance = 0.86, .normal = b, .sides = RIC_SIDES_UPPER},
+                                    {.clearance = 0.19,
+                                     .normal = b + 2,
+                                     .sides = RIC_SIDES_LOWER,
+                                     .law = RIC_LAW_BILINEAR,
+                                     .stiffness = 53.4}};
+    found f;
+    scan(2, M, K, 2, contacts, window, &f);
+    for (int i = 0; i < 3; i++) assert_true(starts_between(&f, stretch[i]) > 0);
+}
+
+/* Where a mode makes an odd number of turns in a period its amplitude is beyond all bounds: one
+ * stretch ends there, and the next one begins. Between stops both have a start. */
+static void resonances(void **state)
+{
+    (void)state;
+    const double M[] = {3.3, 0, 0, 0, 0.5, 0, 0, 0, 3.3}, b[] = {1, 0, -1}, window[] = {0.2, 0.6};
+    const double K[] = {0, 0, 0, 0, 63.7, -33.6, 0, -33.6, 33.6};
+    const ric_contact contact = {.clearance = 0.41, .normal = b, .sides = RIC_SIDES_BOTH};
+    const double mean = (K[4] / M[4] + K[8] / M[8]) / 2, product = K[4] * K[8] - K[5] * K[7];
+    const double upper = sqrt(mean + sqrt(mean * mean - product / (M[4] * M[8])));
+    found f;
+    scan(3, M, K, 1, &contact, window, &f);
+    for (int turns = 11; turns < 23; turns += 2)
+        if (turns != 17) /* beside which no orbit is admissible */
+            assert_true(starts_between(&f, (double[]){upper / turns, 1.001 * upper / turns}) > 0);
+}
+
 /* What is pushed to one side only, and masses that are loose in two ways, have none. */
 static void none(void **state)
 {
@@ -115,9 +163,8 @@ static void none(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_body),
-        cmocka_unit_test(orders),
-        cmocka_unit_test(none),
+        cmocka_unit_test(one_body),   cmocka_unit_test(orders), cmocka_unit_test(narrow),
+        cmocka_unit_test(resonances), cmocka_unit_test(none),
     };
     return cmocka_run_group_tests_name("loose", tests, NULL, NULL);
 }
