@@ -27,89 +27,22 @@ remade_digest() { # the tool finds the digest that the program has written, and 
 }
 ok 'the digest of an atlas is made anew by a tool' remade_digest
 
-# What lies in the place of the files that the program itself names. `laid KIND PATH`: 0 unless it cannot be made here.
 trap 'rm -rf "$folder" "$folder"-*' EXIT
-dear=$folder/dear
-laid() {
-    rm -rf "$2" "$dear"
-    echo precious >"$dear"
-    case $1 in
-        link) ln -s "$dear" "$2" ;;
-        nothing) ln -s "$folder/absent" "$2" ;;
-        hard) ln "$dear" "$2" ;;
-        file) cp "$dear" "$2" ;;
-        almost) echo 'process 12 on my list since 2020' >"$2" ;;
-        folder) mkdir "$2" ;;
-        pipe) mkfifo "$2" ;;
-        device) mknod "$2" c 1 3 2>/dev/null ;;
-        other) cp /dev/null "$2" && chmod 666 "$2" && chown 65534 "$2" 2>/dev/null ;;
-    esac
-}
-state() { find "$folder" -mindepth 1 ! -name log -printf '%P %y %l %s %U %m %n %T@\n' | sort; cat "$dear"; }
-# A run, a longer run and a reader leave all as it is, and say which file it is.
-untouched() { # KIND PATH PATTERN COMMAND...
-    local kind=$1 path=$2 pattern=$3
-    shift 3
-    laid "$kind" "$path" || { echo "cannot be made here: $kind"; return 0; }
-    state >"$folder-before"
-    timeout 300 "$ricochet" "$@" >"$folder-out" 2>&1
-    local code=$?
-    cat "$folder-out"
-    state >"$folder-after"
-    rm -rf "$path"
-    diff "$folder-before" "$folder-after" || return 1
-    [ "$code" = 1 ] && grep -q "^ricochet: .*$path: it is $pattern.* nothing was changed" "$folder-out" && [ "$(wc -l <"$folder-out")" = 1 ]
-}
+state() { find "$folder" -mindepth 1 ! -name log -printf '%P %y %l %s %U %m %n %T@\n' | sort; }
 sed 's/depth: .*/depth: 3/' "$study" >"$folder/more.yaml"
 cp "$atlas" "$folder/c.ricochet"
-kinds='link:a_symbolic_link nothing:a_symbolic_link hard:a_file_with_a_second_name file:a_file_with_other_contents
-    almost:a_file_with_other_contents folder:a_folder pipe:a_pipe device:a_device other:a_file_of_another_user'
-for kind in $kinds; do
-    what=${kind#*:}
-    what=${what//_/ }
-    kind=${kind%%:*}
-    ok "a new atlas leaves $what in the place of its lock" untouched "$kind" "$folder/n.ricochet-lock" "$what" run "$folder/more.yaml" -o "$folder/n.ricochet"
-    ok "an extended atlas leaves $what in the place of its lock" untouched "$kind" "$folder/c.ricochet-lock" "$what" run "$folder/more.yaml" -o "$folder/c.ricochet"
-    for side in journal wal; do
-        [ "$kind" = nothing ] || [ "$kind" = other ] && continue
-        ok "a run leaves $what in the place of its $side" untouched "$kind" "$folder/n.ricochet-$side" "$what" run "$folder/more.yaml" -o "$folder/n.ricochet"
-        ok "a reader leaves $what in the place of the $side" untouched "$kind" "$folder/c.ricochet-$side" "$what" branches "$folder/c.ricochet"
-    done
-done
-for kind in link file folder pipe device; do
-    laid "$kind" "$folder/b.ricochet" || continue
-    state >"$folder-before"
-    [ $kind = link ] || [ $kind = file ] && what='not an atlas' || what='not a file but'
-    refused() { timeout 300 "$ricochet" "$@" 2>&1 | grep -q "$what" && state | diff "$folder-before" -; }
-    ok "a run leaves a $kind in the place of the atlas" refused run "$folder/more.yaml" -o "$folder/b.ricochet"
-    ok "a reader leaves a $kind in the place of the atlas" refused branches "$folder/b.ricochet"
-done
-rm -rf "$folder/b.ricochet"
-laid nothing "$folder/b.ricochet"
-what='a symbolic link to a file that is not there'
-state >"$folder-before"
-ok 'an atlas is not made through a link to nothing' refused run "$folder/more.yaml" -o "$folder/b.ricochet"
-rm -rf "$folder/b.ricochet"
+# What lies in the place of the files that the program itself names, or is to draw.
+pictures=
+! command -v gnuplot >/dev/null || pictures=pictures
+python3 -S tests/support/in_the_way.py "$ricochet" "$folder" $pictures >"$folder-claims"
+ok 'what lies in the way was tried' test $? = 0 -a "$(grep -c 'in the place of' "$folder-claims")" -ge 46
+claims "$folder-claims"
 
-# The picture that the user names may be a link to a file, and nothing else but a file.
-drawn() { # KIND PATTERN
-    laid "$1" "$folder/p.svg"
-    state >"$folder-before"
-    timeout 300 "$ricochet" plot fep "$atlas" -o "$folder/p.svg" >"$folder-out" 2>&1
-    local code=$?
-    cat "$folder-out"
-    state | diff "$folder-before" - && [ $code = 2 ] && grep -q "$2" "$folder-out"
-}
-link_drawn() {
-    laid link "$folder/p.svg"
-    "$ricochet" plot fep "$atlas" -o "$folder/p.svg" && [ -L "$folder/p.svg" ] && grep -q '<svg' "$dear"
-}
 if command -v gnuplot >/dev/null; then
     quoted() { # quotes in a title, also at its beginning
         "$ricochet" plot fep "$atlas" --title "'t Hooft's ''plot''" -o "$folder/h.svg" && grep -q "'t Hooft's ''plot''" "$folder/h.svg"
     }
     ok 'quotes in a title are drawn' quoted
-    ok 'a picture goes through a link to a file' link_drawn
     ranges() { # axes of a trace beyond all doubles, and of gaps of a million clearances, have a few ticks
         cp "$atlas" "$folder/h.ricochet"
         sql "$folder/h.ricochet" 'UPDATE point SET trace_asinh = 1e15 WHERE branch = 2' >/dev/null
@@ -127,10 +60,6 @@ db.commit()' "$folder/h.ricochet"
         timeout 300 "$ricochet" plot sheet "$folder/h.ricochet" --segment 1 -o "$folder/h.svg" && [ "$(grep -o ">[^<]*00000<" "$folder/h.svg" | wc -l)" -ge 3 ]
     }
     ok 'axes of absurd ranges have a few ticks' ranges
-    ok 'a picture is not made through a link to nothing' drawn nothing 'a symbolic link to nothing'
-    ok 'a picture does not take the place of a folder' drawn folder 'a folder'
-    ok 'a picture does not take the place of a pipe' drawn pipe 'no plain file'
-    rm -rf "$folder/p.svg"
 fi
 
 # Texts of a study and of its atlas steer no terminal.
@@ -187,7 +116,7 @@ small_files() { # a limit of the size of files is an error with a message
 ok 'a file that may not grow is reported' small_files
 
 names_another() { # a journal can have SQLite remove a file of any name: such a one is refused
-    laid file "$folder/x"
+    echo precious >"$folder/x"
     python3 -S -c 'import sys, struct
 name, magic = sys.argv[2].encode(), b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7"
 head = magic + struct.pack(">iIIII", 0, 1, 80, 512, 4096)
