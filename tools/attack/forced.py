@@ -3,7 +3,7 @@
 `ricochet response` makes curves of motions under damping and a harmonic force. Points of them drawn by chance are flown anew: the state
 (x, v, cos, sin, 1) goes through each phase of closed springs by one exponential, contacts are looked for on a grid of 0.08 rad of the
 fastest mode and located by bisection. A motion has to return after its period, whatever it meets on the way, and its largest multiplier
-is compared with that of differences, where three sizes of them agree. It takes SciPy, too (Debian: python3-scipy).
+is compared with that of differences, where three sizes of them agree, and the stability flag with both. It takes SciPy, too (Debian: python3-scipy).
 
     ATTACK_PART=forced tools/attack/attack build/ricochet KIND STRUCTURES SEED [POINTS]
 """
@@ -165,6 +165,8 @@ def judge(model, zeta, force, point):
         return "", False
     if abs(found[1] - largest) > AGREE * largest:
         return f"largest multiplier {found[1]:.8g}, {largest:.8g} stored", False
+    if abs(found[1] - 1) > 2 * AGREE and point["stable"] != ("yes" if found[1] < 1 else "no"):
+        return f"largest multiplier {found[1]:.8g}, stable {point['stable']}", False
     return "", True
 
 
