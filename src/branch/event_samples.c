@@ -109,6 +109,8 @@ static int make_room(ric_continuation *tr, double x)
 
 ric_status ric_event_samples_insert(ric_continuation *tr, double x, double h, bool *good)
 {
+    *good = false;
+    if (tr->samples.n == RIC_MOST_SAMPLES) return RIC_OK;
     ric_status status = ric_event_solve(tr, x, h, RIC_LOOK_ALL | RIC_LOOK_FOR, &tr->mid, good);
     if (status || !*good) return status;
     take(tr, make_room(tr, x), x, &tr->mid);
@@ -141,7 +143,7 @@ ric_status ric_event_samples_add(ric_continuation *tr, double x, double h)
     bool good;
     for (int i = q->now; i < q->n; i++)
         if (fabs(q->x[i] - x) <= near) return RIC_OK;
-    return q->n == RIC_MOST_SAMPLES ? RIC_OK : ric_event_samples_insert(tr, x, h, &good);
+    return ric_event_samples_insert(tr, x, h, &good);
 }
 
 int ric_event_samples_changes(const ric_continuation *tr, unsigned which, bool pairs)

@@ -241,6 +241,41 @@ static int count_at(const ric_atlas *atlas, ric_kind kind, double energy)
     return count;
 }
 
+/* A step has room for so many points: one more is not taken, nor written behind them. */
+static void no_more_points_than_there_is_room_for(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    const char *text = "model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
+                       "  contacts:\n"
+                       "    - {normal: [-1, 1], clearance: 1, sides: both, law: rigid}\n"
+                       "explore: {energy: [0, 50], frequency: [0.3, 10], impacts: 2, depth: 1}\n";
+    assert_int_equal(ric_study_parse(text, "test", ".", &study), RIC_OK);
+    ric_graph *graph = explored_graph(study);
+    int i = 0;
+    while (graph->edges[i].trace->n_point < 12 || graph->edges[i].trace->chain->n < 2) i++;
+    const ric_limits limits = graph->limits;
+    ric_continuation *way = again(graph->edges[i].trace, &limits, 1e9);
+    ric_course course = {0};
+    bool done, good = true;
+    for (int k = 0; k < 4; k++) assert_int_equal(ric_continuation_advance(way, &done), RIC_OK);
+    const double h = way->step;
+    way->solved.n = 0;
+    assert_true(ric_continuation_try(way, h, &course) && ric_continuation_stays(way, &course));
+    ric_event_samples_begin(way, h);
+    for (int k = 1; k < 2 * RIC_MOST_SAMPLES; k++) {
+        const int n = way->samples.n;
+        assert_int_equal(ric_event_samples_insert(way, h * k / (2 * RIC_MOST_SAMPLES), h, &good),
+                         RIC_OK);
+        assert_true(good == (n < RIC_MOST_SAMPLES));
+        assert_int_equal(way->samples.n, good ? n + 1 : n);
+    }
+    assert_int_equal(way->samples.n, RIC_MOST_SAMPLES);
+    ric_continuation_free(way);
+    ric_graph_free(graph);
+    ric_study_free(study);
+}
+
 /* A3[001] passes -1 with one multiplier and comes back within a thirtieth of a step. */
 static void doubling_and_back(void **state)
 {
@@ -325,6 +360,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(two_modes),
                                        cmocka_unit_test(three_modes),
                                        cmocka_unit_test(springs),
+                                       cmocka_unit_test(no_more_points_than_there_is_room_for),
                                        cmocka_unit_test(doubling_and_back),
                                        cmocka_unit_test(tripling_and_back),
                                        cmocka_unit_test(last_point_is_an_extremum),
