@@ -59,6 +59,22 @@ static void direction(ric_shooting *c, const double *u, int k, double *t)
     t[k] = 1;
 }
 
+bool ric_meeting_crosses(const ric_model *m, const ric_periodic *cycle)
+{
+    ric_shooting *c = NULL;
+    double *u = NULL;
+    ric_singular q;
+    bool crosses = false;
+    if (!ric_periodic_to_chain(m, cycle, &c, &u) && c->n_unknown <= RIC_DENSE_MOST &&
+        !ric_singular_create(c, false, &q)) {
+        crosses = ric_singular_factor(&q, u) && c->n_unknown - ric_singular_rank(&q, SINGULAR) > 1;
+        ric_singular_free(&q);
+    }
+    ric_shooting_free(c);
+    free(u);
+    return crosses;
+}
+
 /* The same of orbits whose flight k lasts about places[i] * h, looked for from `from` along `t`.
  * Returns how far the two polynomials are apart. */
 static double cross(ric_shooting *c, const double *from, const double *t, int k, double h,

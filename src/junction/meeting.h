@@ -9,4 +9,7 @@
  * of different contacts, in its canonical form. NULL: it is not found there. */
 ric_periodic *ric_meeting_solve(const ric_model *model, const ric_periodic *cycle);
 
+/* Whether another curve of solutions crosses the branch at an orbit. */
+bool ric_meeting_crosses(const ric_model *model, const ric_periodic *cycle);
+
 #endif

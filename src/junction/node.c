@@ -151,8 +151,9 @@ static ric_status refuse(const ric_model *m, ric_periodic *cycle, ric_refusal wh
     return RIC_OK;
 }
 
-/* Another order of the pairs seems to be the same motion: then the branch ends where it comes to
- * those that close them together for good. What has two orders after all is passed. */
+/* Another order of the pairs seems to be the same motion, or another curve of solutions crosses:
+ * then the branch ends where it comes to those that close them together for good. What has two
+ * orders after all is passed. */
 static ric_status meet(const ric_model *m, const ric_periodic *cycle, ric_node **out)
 {
     int pairs[RIC_MAX_TOUCHES];
@@ -161,7 +162,8 @@ static ric_status meet(const ric_model *m, const ric_periodic *cycle, ric_node *
                            ? ric_corner_pairs(m, met, NO_TIME, RIC_MAX_TOUCHES, pairs)
                            : 0;
     ric_status status = RIC_E_NUMERIC;
-    if (n_pair > 0 && ric_corner_fixed(m, met, n_pair, pairs, RIC_SAME_LOCATED)) {
+    if (n_pair > 0 && (ric_corner_fixed(m, met, n_pair, pairs, RIC_SAME_LOCATED) ||
+                       ric_meeting_crosses(m, met))) {
         if ((status = refuse(m, met, RIC_REFUSAL_TOGETHER, out))) return status;
         (*out)->n_touch = n_pair;
         memcpy((*out)->touch, pairs, sizeof pairs);
@@ -173,6 +175,19 @@ static ric_status meet(const ric_model *m, const ric_periodic *cycle, ric_node *
                  cycle->N);
     ric_periodic_free(met);
     return status;
+}
+
+/* Where the structure is its own image with both contacts exchanged, the other order is that image
+ * of the branch, and motions that close both together for good are as good solutions of the corner:
+ * which of them it comes to is rounding. */
+static ric_status passed_corner(const ric_model *m, const ric_periodic *cycle, int n_pair,
+                                const int *pairs, ric_node **out)
+{
+    const ric_status status = finish_corner(m, cycle, n_pair, pairs, out);
+    if (status || !ric_meeting_crosses(m, (*out)->cycle)) return status;
+    ric_node_free(*out);
+    *out = NULL;
+    return meet(m, cycle, out);
 }
 
 /* The orbit at the end of a branch where a gap touches at the instant of an impact: where branches
@@ -201,7 +216,7 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
     else fixed = n_pair > 0 && ric_corner_fixed(m, full, n_pair, pairs, RIC_SAME_EXTRAPOLATED);
     ric_periodic_free(full);
     if (fixed) return meet(m, cycle, out);
-    if (n_pair > 0) return finish_corner(m, cycle, n_pair, pairs, out);
+    if (n_pair > 0) return passed_corner(m, cycle, n_pair, pairs, out);
     ric_status status = ric_node_mode_together(m, cycle, out);
     if (status || *out) return status;
     ric_periodic *end = touching_end(m, cycle);
