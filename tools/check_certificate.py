@@ -17,7 +17,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from certificate_balls import REFUSED, SIDES, Model, ball, eye, need, pivots, stack
+from certificate_balls import P, REFUSED, SIDES, Model, ball, eye, need, pivots, stack
 from certificate_chain import HALF, UNIT, System
 
 DIGITS = 12  # of energy, period and trace
@@ -88,7 +88,7 @@ def check(model, line, points=None):
     stored = points[line["branch"] if point else "junction", line[line["type"]]] if points else {}
     for name, true in numbers.items():
         digits, power = line[name]
-        decimals = min(UNIT, DIGITS - len(str(abs(digits))) - power)
+        decimals = min(UNIT, DIGITS + UNIT - len(str(abs(int(true.mid)) * 10**UNIT >> P)))
         need(type(digits) is int and power == -decimals, f"the {name} has other digits")
         unit, near = Fraction(10)**power, stored.get(name, float(true.near))
         need((true - digits * unit).most < unit / 2, f"the {name} is another one")

@@ -87,6 +87,10 @@ for first in [16] if every > 1 else range(14, len(line["arcs"][0]) - 1): assert 
 ok 'and beside a branch point, where it has a line to halve' lies '
 other, (line,) = read("cascade-c")
 assert not refused(part(line, 0, 2), other)'
+certificates "$folder/cascade.ricochet" "$folder/cascade-five.jsonl" '' 5 >"$folder/said" 2>&1
+awk 'NR == 1 || /"trace": \[-1000000000000, -12\]/' "$folder/cascade-five.jsonl" >"$folder/some.jsonl"
+count=1
+ok 'a trace that is rounded up to one digit more is accepted' accepted "$folder/some.jsonl"
 certificates "$folder/cascade.ricochet" "$folder/cascade-six.jsonl" --curves 6 >"$folder/said" 2>&1
 ok 'which is why there are few orbits in between' [ "$(grep -o '"held"' "$folder/cascade-six.jsonl" | wc -l)" -lt 300 ]
 ok 'what leaves out all orbits but the first and the last is joined all the same' lies '
