@@ -512,8 +512,8 @@ static bool asserts(const char *source, const char *name, int depth)
 }
 
 /* "FILE: TEST", a test of another program: TEST is run there, and asserts something. In a shell
- * test it is the text of an `ok`, in test_article_power.c an entry of its table, which the page has
- * with its verdict. */
+ * test it is the text of an `ok`, or `seen` in a picture, in test_article_power.c an entry of its
+ * table, which the page has with its verdict. */
 static bool tested_elsewhere(const char *reference)
 {
     char path[128], *source, run[160];
@@ -526,6 +526,8 @@ static bool tested_elsewhere(const char *reference)
     bool found = list && strstr(list, run) && (shell || power || asserts(source, name, 3));
     if (shell) {
         snprintf(run, sizeof run, "ok '%s'", name);
+        found = found || strstr(source, run);
+        snprintf(run, sizeof run, "seen '%s'", name);
         found = found || strstr(source, run);
     }
     if (power) {
