@@ -23,9 +23,9 @@
 #define ONE_SPRING 1.1
 #define TWO_SPRINGS 1.25
 #define NO_PIVOT 1e-300 /* of equations without a solution */
-enum {
-    TWO_EVERY = 2
-}; /* frequencies, between two springs: orbits in between come from neighbours */
+/* TWO_EVERY: frequencies, between two springs: orbits in between come from neighbours; MOST_LOOKS:
+ * from one frequency to the next: a long period has thousands of turns */
+enum { TWO_EVERY = 2, MOST_LOOKS = 32 };
 enum { MOST_GUESSES = 200 };
 enum { MOST_FLIGHTS = 3 }; /* closed, open, closed */
 
@@ -295,11 +295,12 @@ static ric_status look(family *a, const scan *s, int from)
 }
 
 /* Orbits `from` on, from one time to another one and looked at on the way, in steps in which the
- * fastest mode turns little: stretches are as short as its motion makes them. */
+ * fastest mode turns little: stretches are as short as its motion makes them. Where it turns often
+ * in a period, shorter ones are not seen. */
 static ric_status go_to(family *a, const scan *s, int from, const double time[2])
 {
     const double turn = a->chain->model->omega[a->chain->model->n - 1] * fabs(time[1] - time[0]);
-    const int steps = 1 + (int)(turn / TURN);
+    const int steps = 1 + (int)fmin(turn / TURN, MOST_LOOKS - 1);
     ric_status status = RIC_OK;
     for (int i = 1; i <= steps && !status && a->n > from; i++) {
         go_on(a, from, i < steps ? time[0] + i * (time[1] - time[0]) / steps : time[1]);
