@@ -9,7 +9,8 @@
  * of different contacts, in its canonical form. NULL: it is not found there. */
 ric_periodic *ric_meeting_solve(const ric_model *model, const ric_periodic *cycle);
 
-/* Whether another curve of solutions crosses the branch at an orbit. */
-bool ric_meeting_crosses(const ric_model *model, const ric_periodic *cycle);
+/* Whether an orbit with no time between two impacts has neighbours with none: it lies on the curve
+ * of those that close both contacts together, and not where the branch comes to that. */
+bool ric_meeting_stays(const ric_model *model, const ric_periodic *cycle);
 
 #endif

@@ -151,10 +151,10 @@ static ric_status refuse(const ric_model *m, ric_periodic *cycle, ric_refusal wh
     return RIC_OK;
 }
 
-/* Another order of the pairs seems to be the same motion, or another curve of solutions crosses:
- * then the branch ends where it comes to those that close them together for good. What has two
- * orders after all is passed. */
-static ric_status meet(const ric_model *m, const ric_periodic *cycle, ric_node **out)
+/* The branch ends where it comes to motions that close pairs together for good, whose curve it
+ * `crosses`; if that is not known, another order of them seems to be the same motion, and what has
+ * two orders after all is passed. */
+static ric_status meet(const ric_model *m, const ric_periodic *cycle, bool crosses, ric_node **out)
 {
     int pairs[RIC_MAX_TOUCHES];
     ric_periodic *met = ric_meeting_solve(m, cycle);
@@ -162,8 +162,7 @@ static ric_status meet(const ric_model *m, const ric_periodic *cycle, ric_node *
                            ? ric_corner_pairs(m, met, NO_TIME, RIC_MAX_TOUCHES, pairs)
                            : 0;
     ric_status status = RIC_E_NUMERIC;
-    if (n_pair > 0 && (ric_corner_fixed(m, met, n_pair, pairs, RIC_SAME_LOCATED) ||
-                       ric_meeting_crosses(m, met))) {
+    if (n_pair > 0 && (crosses || ric_corner_fixed(m, met, n_pair, pairs, RIC_SAME_LOCATED))) {
         if ((status = refuse(m, met, RIC_REFUSAL_TOGETHER, out))) return status;
         (*out)->n_touch = n_pair;
         memcpy((*out)->touch, pairs, sizeof pairs);
@@ -184,10 +183,10 @@ static ric_status passed_corner(const ric_model *m, const ric_periodic *cycle, i
                                 const int *pairs, ric_node **out)
 {
     const ric_status status = finish_corner(m, cycle, n_pair, pairs, out);
-    if (status || !ric_meeting_crosses(m, (*out)->cycle)) return status;
+    if (status || !ric_meeting_stays(m, (*out)->cycle)) return status;
     ric_node_free(*out);
     *out = NULL;
-    return meet(m, cycle, out);
+    return meet(m, cycle, true, out);
 }
 
 /* The orbit at the end of a branch where a gap touches at the instant of an impact: where branches
@@ -215,7 +214,7 @@ ric_status ric_node_corner(const ric_model *m, const ric_periodic *cycle, ric_no
     if (n_pair > 0 && full->N > cycle->N) n_pair = RIC_CORNER_TOGETHER;
     else fixed = n_pair > 0 && ric_corner_fixed(m, full, n_pair, pairs, RIC_SAME_EXTRAPOLATED);
     ric_periodic_free(full);
-    if (fixed) return meet(m, cycle, out);
+    if (fixed) return meet(m, cycle, false, out);
     if (n_pair > 0) return passed_corner(m, cycle, n_pair, pairs, out);
     ric_status status = ric_node_mode_together(m, cycle, out);
     if (status || *out) return status;
