@@ -82,6 +82,13 @@ real ric_replay_gap(const replay *r, const face_t *face, const real *w)
     return face->side * ric_replay_dot(r->n, face->c, w) - face->limit;
 }
 
+real ric_replay_lever(const replay *r, const face_t *face)
+{
+    real sum = 0;
+    for (int i = 0; i < r->n; i++) sum += face->c[i] / r->kappa[i] * (face->c[i] / r->kappa[i]);
+    return sqrt(sum);
+}
+
 real ric_replay_fastest(const replay *r, const face_t *face)
 {
     return sqrt(2 * r->energy * face->cc);

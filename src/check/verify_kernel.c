@@ -160,7 +160,7 @@ static ric_status check_kind(kernel *q, const ric_junction *j, ric_claims *out)
     }
 }
 
-static bool is_told(ric_kind kind)
+bool ric_verify_kernel_tells(ric_kind kind)
 {
     return kind == RIC_KIND_EXTREMUM || kind == RIC_KIND_PERIOD_EXTREMUM ||
            kind == RIC_KIND_BRANCH_POINT || kind == RIC_KIND_MULTIPLICATION;
@@ -170,7 +170,6 @@ ric_status ric_verify_kernel(const ric_equations *of, const ric_junction *j, ric
 {
     const size_t m = (size_t)of->size;
     kernel q = {.of = of, .size = of->size};
-    if (!is_told(j->kind)) return RIC_OK;
     if (of->size == 0 || of->size > LONGEST) {
         ric_verify_digits_doubt(out, j->kind == RIC_KIND_MULTIPLICATION ? "multipliers" : "kind");
         return RIC_OK;

@@ -21,8 +21,10 @@ struct ric_equations {
     void (*fill)(const ric_equations *of, ric_number *J, ric_number turn, ric_still row);
 };
 
-/* Whether an orbit is what makes its junction one: an extremum of energy or period, a branch point,
- * or a multiplication. */
+/* Whether a kind of junctions is told so: an extremum of energy or period, a branch point, or a
+ * multiplication. */
+bool ric_verify_kernel_tells(ric_kind kind);
+/* Whether an orbit is what makes its junction, of one of these kinds, one. */
 ric_status ric_verify_kernel(const ric_equations *of, const ric_junction *j, ric_claims *out);
 
 #endif

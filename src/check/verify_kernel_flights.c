@@ -25,20 +25,12 @@ static void put_state(const chain *q, const real *column, ric_number *out)
         out[i] = (double)ric_replay_dot(n, q->share + i % s * n, column + (i < s ? 0 : n));
 }
 
-/* The gap of a face over what a unit of the state moves it at most. */
-static double lever(const chain *q, const face_t *face)
-{
-    real sum = 0;
-    for (int i = 0; i < q->r->n; i++) sum += pow(face->c[i] / q->r->kappa[i], 2);
-    return (double)sqrt(sum);
-}
-
 static void fill_flight(const chain *q, int k, ric_number *J, ric_number turn)
 {
     const replay *r = q->r;
     const int n = r->n, s = q->n_seen, rows = 2 * s + 1, last = k == r->n_flight - 1;
     const face_t *face = ric_replay_end_face(r, k);
-    const double length = lever(q, face);
+    const double length = (double)ric_replay_lever(r, face);
     const size_t ld = (size_t)q->size + 1;
     ric_number *block = J + (size_t)(k * rows) * ld + k * rows;
     real column[2 * n], w[2 * n];
@@ -100,7 +92,7 @@ static double left_open(const chain *q)
     for (int k = 0; k < r->n_flight; k++) {
         const face_t *face = ric_replay_end_face(r, k);
         const real gap = ric_replay_gap(r, face, r->chain + (size_t)(k + 1) * step);
-        open = fmax(open, (double)fabs(gap) / lever(q, face));
+        open = fmax(open, (double)fabs(gap) / (double)ric_replay_lever(r, face));
     }
     return open / (double)r->norm;
 }
@@ -118,6 +110,7 @@ ric_status ric_verify_kind(const replay *r, const ric_junction *j, ric_claims *o
     const int n = r->n;
     int seen[n];
     real share[(n + 1) * n];
+    if (!ric_verify_kernel_tells(j->kind)) return RIC_OK;
     double *unit = ric_malloc((size_t)r->n_flight * sizeof *unit);
     if (!unit) return ric_no_memory("the flights of a junction");
     chain q = {.r = r, .n_seen = ric_verify_seen(r, seen, share), .share = share, .unit = unit};

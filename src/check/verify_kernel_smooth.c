@@ -129,12 +129,16 @@ static ric_status fly_all(parts *q, const ric_junction *j, double *open)
     return status;
 }
 
-ric_status ric_verify_kind_smooth(const ric_model *m, const ric_junction *j, ric_claims *out)
+ric_status ric_verify_kind_smooth(const ric_model *m, ric_simulator_power *springs,
+                                  const ric_junction *j, ric_real period, ric_claims *out)
 {
-    parts q = {.d = ric_model_n_dof(m), .k = ric_model_n_mode(m), .period = 0};
+    if (!ric_verify_kernel_tells(j->kind)) return RIC_OK;
+    parts q = {.springs = springs,
+               .d = ric_model_n_dof(m),
+               .k = ric_model_n_mode(m),
+               .period = period,
+               .turn = RIC_TWO_PI_LONG / period};
     const size_t d = (size_t)q.d, k = (size_t)q.k, n = 2 * k;
-    for (int i = 0; i < (j->letters ? j->letters : 1); i++) q.period += j->flights[i];
-    q.turn = RIC_TWO_PI_LONG / q.period;
     q.to = ric_malloc((2 * k * d + (PARTS + 1) * 2 * d) * sizeof *q.to);
     q.M = ric_malloc(PARTS * n * (n + 1) * sizeof *q.M);
     if (!q.to || !q.M) {
@@ -146,11 +150,9 @@ ric_status ric_verify_kind_smooth(const ric_model *m, const ric_junction *j, ric
     q.start = q.from + d * k;
     q.flow = q.M + PARTS * n * n;
     ric_equations of = {.size = PARTS * (int)n + 1, .of = &q, .fill = fill};
-    ric_status status = ric_simulator_power_create(m, &q.springs);
-    if (!status) status = ric_verify_smooth_modes(m, q.d, q.k, q.from, q.to);
+    ric_status status = ric_verify_smooth_modes(m, q.d, q.k, q.from, q.to);
     if (!status) status = fly_all(&q, j, &of.open);
     if (!status) status = ric_verify_kernel(&of, j, out);
-    ric_simulator_power_free(q.springs);
     free(q.to);
     free(q.M);
     return status;

@@ -99,6 +99,8 @@ void ric_replay_fly(const replay *r, int k, real t, const real *w, real *after);
 /* p <- R p; returns the speed into the face before. */
 real ric_replay_reflect(const replay *r, const face_t *face, real *w);
 real ric_replay_gap(const replay *r, const face_t *face, const real *w);
+/* How far a state of size one, in the norm of the energy, moves a gap at most. */
+real ric_replay_lever(const replay *r, const face_t *face);
 /* Largest speed of the gap coordinate that the energy allows. */
 real ric_replay_fastest(const replay *r, const face_t *face);
 /* The face where flight k ends is that of event k + 1; none without impacts. */

@@ -231,9 +231,7 @@ static real period_of(const ric_junction *j)
 /* What an error of the size of the orbit makes of the gap of a face, of its clearance. */
 static real lever(const replay *r, const face_t *face)
 {
-    real sum = 0;
-    for (int i = 0; i < r->n; i++) sum += face->c[i] / r->kappa[i] * (face->c[i] / r->kappa[i]);
-    return sqrt(sum) * r->norm / face->limit;
+    return ric_replay_lever(r, face) * r->norm / face->limit;
 }
 
 /* What the flights of the word leave open at its faces and at the end, relative, beyond what
@@ -387,7 +385,7 @@ static ric_status check_smooth(const ric_model *m, const ric_junction *j, ric_cl
     }
     if (!status && !(open <= SOLVED + RIC_VERIFY_DIGIT * growth))
         ric_verify_disagree(out, "orbit is left open by 0", 0, (double)open);
-    else if (!status) status = ric_verify_kind_smooth(m, j, out);
+    else if (!status) status = ric_verify_kind_smooth(m, springs, j, period, out);
     ric_simulator_power_free(springs);
     free(Y);
     return status;

@@ -3,6 +3,7 @@
 #define RIC_CHECK_VERIFY_SMOOTH_H
 
 #include "simulator.h"
+#include "simulator_power.h"
 
 /* claims: NULL, or what is stored with the orbit is computed anew as well. */
 ric_status ric_verify_smooth(const ric_atlas *atlas, int branch, int point, ric_check *out,
@@ -15,7 +16,8 @@ ric_status ric_verify_smooth_images(const ric_atlas *atlas, int branch, int poin
 /* Shapes [d * k] of the modes that contacts see, and their transpose times the mass, [k * d], which
  * undoes them. */
 ric_status ric_verify_smooth_modes(const ric_model *m, int d, int k, ric_real *from, ric_real *to);
-/* As ric_verify_kind, of an orbit under power-law springs. */
-ric_status ric_verify_kind_smooth(const ric_model *m, const ric_junction *j, ric_claims *out);
+/* As ric_verify_kind, of an orbit of this period under power-law springs. */
+ric_status ric_verify_kind_smooth(const ric_model *m, ric_simulator_power *springs,
+                                  const ric_junction *j, ric_real period, ric_claims *out);
 
 #endif
