@@ -427,8 +427,9 @@ static const ric_continuation *find_s6(const ric_graph *g)
     for (int i = 0; i < g->n_edge; i++) {
         const ric_continuation *tr = g->edges[i].trace;
         if (tr->n_point < 10 || tr->chain->multiple != 4) continue;
-        ric_shooting_fly(tr->chain, tr->now.u);
-        ric_periodic *c = ric_periodic_from_chain(tr->chain, tr->now.u);
+        const double *u = tr->points + sizeof(ric_point) / sizeof(double);
+        ric_shooting_fly(tr->chain, u);
+        ric_periodic *c = ric_periodic_from_chain(tr->chain, u);
         bool found = c && c->N == 6;
         for (int k = 0; found && k < 6; k++)
             found = c->face[k] == c->face[k % 2] && c->face[0] != c->face[1];

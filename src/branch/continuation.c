@@ -328,6 +328,7 @@ static void station_free(ric_station *p)
     free(p->t);
     free(p->own);
     free(p->error);
+    *p = (ric_station){0};
 }
 
 static bool samples_create(ric_continuation *tr)
@@ -441,15 +442,38 @@ out:
     return status;
 }
 
-void ric_continuation_free(ric_continuation *tr)
+/* What ric_continuation_equip has made. */
+static void unequip(ric_continuation *tr)
 {
-    if (!tr) return;
-    ric_shooting_free(tr->chain);
     ric_floquet_release(&tr->floquet);
     station_free(&tr->now);
     station_free(&tr->next);
     station_free(&tr->mid);
     station_free(&tr->past);
+    double **const arrays[] = {&tr->samples.values, &tr->known.own, &tr->solved.u, &tr->du,
+                               &tr->guess,          &tr->start_u,   &tr->start_t};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
+        free(*arrays[i]);
+        *arrays[i] = NULL;
+    }
+}
+
+void ric_continuation_rest(ric_continuation *tr)
+{
+    unequip(tr);
+    ric_shooting_nodes_drop(tr->chain);
+    const size_t stored = (size_t)tr->n_point * tr->stride * sizeof *tr->points;
+    double *fits = stored ? ric_realloc(tr->points, stored) : NULL;
+    if (!fits) return;
+    tr->points = fits;
+    tr->point_capacity = tr->n_point;
+}
+
+void ric_continuation_free(ric_continuation *tr)
+{
+    if (!tr) return;
+    unequip(tr);
+    ric_shooting_free(tr->chain);
     for (int i = 0; i < tr->n_event; i++) {
         free(tr->events[i].u);
         free(tr->events[i].t);
@@ -458,16 +482,9 @@ void ric_continuation_free(ric_continuation *tr)
     free(tr->gaps);
     free(tr->resonances);
     free(tr->passed);
-    free(tr->samples.values);
-    free(tr->known.own);
-    free(tr->solved.u);
     free(tr->end.u);
     free(tr->end.t);
     free(tr->points);
-    free(tr->du);
-    free(tr->guess);
-    free(tr->start_u);
-    free(tr->start_t);
     free(tr);
 }
 

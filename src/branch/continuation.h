@@ -229,6 +229,9 @@ ric_status ric_continuation_create(ric_shooting *chain, const double *u0, const 
                                    unsigned ignore, const ric_limits *limits,
                                    ric_continuation **out);
 void ric_continuation_free(ric_continuation *trace);
+/* A trace that has come to its end makes no more steps: what it has room for beside what it has
+ * found goes, which is most of a short one. */
+void ric_continuation_rest(ric_continuation *trace);
 
 /* All that a step changes and the next one reads, but for the stations: those of the last two steps
  * are left alone until a step has succeeded (ric_continuation_advance). */

@@ -9,7 +9,7 @@
 #include "base/room.h"
 #include "atlas/room.h"
 
-#define HEAP_BLOCKS 6 /* of 31 MB: a run of 100,000 points has 150 MB */
+#define HEAP_BLOCKS 6 /* of 31 MB: a run of 100,000 points has 110 MB */
 #define STIFFEST 1e9
 /* PHASE: largest phase of a mode in one flight: touches are searched in steps of a part of a turn,
  * so that one orbit takes seconds, and the phase itself loses its digits */

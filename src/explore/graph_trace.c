@@ -169,7 +169,7 @@ static ric_status trace_once(const ric_model *m, const course *way, const ric_no
     ric_status status = *out ? RIC_OK : ric_trust(set_out(m, way, node, out));
     bool begun = !status;
     if (begun && *out) status = ric_continuation_run(*out);
-    if (begun && !status && *out) ric_shooting_nodes_drop((*out)->chain);
+    if (begun && !status && *out) ric_continuation_rest(*out);
     if (begun && !status && *out) status = ric_graph_has_left(*out);
     if (status && !(begun && status == RIC_E_INTERRUPTED)) {
         ric_continuation_free(*out);

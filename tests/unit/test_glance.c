@@ -135,9 +135,32 @@ static void places_are_solved_once(void **state)
         fail_msg("%ld evaluations, %ld points", evaluations, found);
 }
 
+/* A branch that has come to its end holds what was found on it, and no room for steps. */
+static void ended_branches_make_no_steps(void **state)
+{
+    (void)state;
+    ric_study *study = NULL;
+    if (ric_study_parse("model:\n  mass: [[2, 0], [0, 1]]\n  stiffness: [[9, -1], [-1, 1]]\n"
+                        "  contacts: [{normal: [-1, 1], clearance: 1}]\n"
+                        "explore: {energy: [0, 200], impacts: 2, multiply: 1}\n",
+                        "two impacts", ".", &study))
+        fail_msg("%s", ric_detail());
+    ric_graph *g = explored_graph(study);
+    assert_true(g->n_edge > 2);
+    for (int i = 0; i < g->n_edge; i++) {
+        const ric_continuation *tr = g->edges[i].trace;
+        assert_true(tr->n_point > 2);
+        assert_int_equal(tr->point_capacity, tr->n_point);
+        assert_true(!tr->samples.values && !tr->solved.u && !tr->now.u && !tr->floquet.work);
+    }
+    ric_graph_free(g);
+    ric_study_free(study);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(same_tests),
-                                       cmocka_unit_test(places_are_solved_once)};
+                                       cmocka_unit_test(places_are_solved_once),
+                                       cmocka_unit_test(ended_branches_make_no_steps)};
     return cmocka_run_group_tests_name("glance", tests, NULL, NULL);
 }
