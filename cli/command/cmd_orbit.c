@@ -180,8 +180,7 @@ static ric_status add_rows(json_t *rows, const request *ask, const ric_atlas *at
     return status;
 }
 
-/* The tongue that was stepped over where the orbit would be, " (..)"; "" if it is another reason.
- */
+/* The tongue that was stepped over where the orbit would be, ", and ..", or "". */
 static void find_gap(const request *ask, const ric_atlas *atlas, double unit, size_t size,
                      char *out)
 {
@@ -214,6 +213,17 @@ static int report_none(const request *ask, const ric_atlas *atlas)
             unit * (energy ? branch.energy_min : branch.frequency_min),
             unit * (energy ? branch.energy_max : branch.frequency_max), gap);
     return CLI_FAILED;
+}
+
+/* Where the branch has the energy or frequency elsewhere than in the gap, too. */
+static void report_left_out(const request *ask, const ric_atlas *atlas)
+{
+    char gap[CLI_TONGUE + 8] = "";
+    if (ask->at != RIC_AT_POINT)
+        find_gap(ask, atlas, unit_of(ask, ric_atlas_model(atlas)), sizeof gap, gap);
+    if (*gap)
+        cli_say("ricochet: orbits may be missing: branch %d has what is listed%s\n", ask->branch,
+                gap);
 }
 
 /* An orbit is too long for a line: the table has one line per quantity. */
@@ -254,9 +264,11 @@ static int answer(const request *ask)
         code = cli_wrong("orbit: --history %g gives more than %d rows; choose a larger step",
                          ask->step, STEPS_MAX);
     else if (status) code = cli_report(status);
-    else
+    else {
+        report_left_out(ask, atlas);
         code = ask->step > 0 ? cli_print_rows(rows, NULL, ask->format)
                              : print_orbits(rows, ask->format);
+    }
     json_decref(rows);
     ric_atlas_free(atlas);
     return code;

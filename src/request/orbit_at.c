@@ -11,6 +11,9 @@
 #include "branch/room.h"
 
 #define ON_VALUE 4e-16 /* relative: two last digits of the energy or frequency asked for */
+/* ITS_VALUE: relative: a stored orbit has the value asked for; at an extremum or an end rounding in
+ * other units, or of the junction there, would leave none */
+#define ITS_VALUE 1e-14
 /* MET: relative: beside a branch point an orbit is known to rounding over the distance */
 #define MET 1e-8
 #define ITS_FREQUENCY 1e-12 /* relative: a frequency asked for that is that of a linear mode */
@@ -310,7 +313,7 @@ static ric_status find_linear(const ric_atlas *a, const ric_branch *b, ric_at at
                       &list[(*n)++]); /* all amplitudes fit: the largest stands for them */
     }
     if (at == RIC_AT_ENERGY) {
-        if (!(value >= 0 && value <= b->energy_max)) return RIC_OK;
+        if (!(value >= 0 && value <= (1 + ITS_VALUE) * b->energy_max)) return RIC_OK;
         return linear(a, b, b->energy_max > 0 ? value / b->energy_max : 0, b->n_point - 1,
                       &list[(*n)++]);
     }
@@ -340,6 +343,7 @@ ric_status ric_orbit_find(const ric_atlas *a, int branch, ric_at at, double valu
         for (int i = 0; i < b.n_point && !status; i++) {
             if ((status = ric_atlas_point(a, branch, i, &p, NULL, NULL))) break;
             double f = (at == RIC_AT_ENERGY ? p.energy : p.frequency) - value;
+            if (fabs(f) <= ITS_VALUE * fabs(value)) f = 0;
             if (f == 0) status = at_point(a, &b, i, &list[(*n)++]);
             else if (i && last * f < 0 && !ric_branch_steps_over(a, branch, i - 1))
                 status = between_points(a, &b, i - 1, at, value, last, f, &list[(*n)++]);

@@ -40,6 +40,39 @@ in_gap()
     grep -q 'has no orbit of frequency .* steps over 9 : 1 with mode 2' "$folder/said"
 }
 ok 'there is no orbit in a gap, and it says why' in_gap
+cat >"$folder/four.yaml" <<'E1'
+model:
+  mass: [[1, 0, 0, 0], [0, 1.25, 0, 0], [0, 0, 1.5, 0], [0, 0, 0, 0.75]]
+  stiffness: [[5.75, -1, 0, 0], [-1, 8.25, -7.25, 0], [0, -7.25, 13.5, -6.25], [0, 0, -6.25, 6.25]]
+  contacts: [{normal: [0, 0, 0, 1], law: bilinear, clearance: 1.246, sides: upper, stiffness: 107.2}]
+explore: {start: [1], impacts: 1, multiply: 1, depth: 1, tongues: cross}
+E1
+"$ricochet" run "$folder/four.yaml" -o "$folder/four.ricochet" --quiet
+partly() { # E 0.361 is passed before and behind the gap from 0.3686 to 0.3538, and in it
+    "$ricochet" orbit "$folder/four.ricochet" --branch 'A1(1)[0]' --energy 0.361 --json 2>"$folder/said" | grep -q '"word"' &&
+        grep -q 'may be missing: .* steps over 5 : 1 with mode 2' "$folder/said"
+}
+ok 'where there are some elsewhere, it says what may be missing' partly
+whole() { ! "$ricochet" orbit "$folder/four.ricochet" --branch 'A1(1)[0]' --energy 0.5 --json 2>&1 >/dev/null | grep .; }
+ok 'and nothing where there is no gap' whole
+
+# Ends and extrema of a branch are its orbits, also in units in which the last digit comes out otherwise.
+ends()
+{
+    local unit
+    for unit in '' --physical --hz; do
+        "$ricochet" branches "$folder/four.ricochet" --json $unit | python3 -S -c '
+import json, sys
+for b in json.load(sys.stdin):
+    for what in ("energy_min", "energy_max", "frequency_min", "frequency_max"):
+        if b[what] > 0: print(b["id"], what[:-4], repr(b[what]))' >"$folder/ends"
+        [ "$(wc -l <"$folder/ends")" = 7 ] || return
+        while read -r id what value; do
+            "$ricochet" orbit "$folder/four.ricochet" --branch "$id" --"$what" "$value" $unit --csv || return
+        done <"$folder/ends"
+    done
+}
+ok 'the least and largest energies and frequencies of a branch have orbits in every unit' ends
 draws() { "$ricochet" plot fep "$folder/$1.ricochet" -o "$folder/$1.svg" && [ "$(grep -c '9 : 1, mode 2' "$folder/$1.svg")" = "$2" ]; }
 ok 'the picture names a resonance that is followed' draws follow 1
 ok 'and leaves a gap where none is' draws cross 0
