@@ -272,10 +272,10 @@ out:
     return status;
 }
 
-/* Whether an opening follows its closing at once: it is left out. */
-static bool implied(int n, const int *word, int i, int faces)
+/* Whether an opening follows its closing at once: it is left out, but where a word begins so. */
+static bool implied(const int *word, int i, int faces)
 {
-    return word[i] >= faces && word[(i + n - 1) % n] == word[i] - faces;
+    return i > 0 && word[i] >= faces && word[i - 1] == word[i] - faces;
 }
 
 ric_status ric_word_format(const ric_model *model, int n, const int *word, size_t size, char *out)
@@ -290,7 +290,7 @@ ric_status ric_word_format(const ric_model *model, int n, const int *word, size_
         int face = word[i] >= faces && is_spring(model, word[i] - faces) ? word[i] - faces
                                                                          : word[i];
         char text[16];
-        if ((status = check_letters(model, 1, &face)) || implied(n, word, i, faces)) continue;
+        if ((status = check_letters(model, 1, &face)) || implied(word, i, faces)) continue;
         const char *sign = word[i] == face ? "" : "-";
         if (dots) snprintf(text, sizeof text, "%s%s%d", used ? "." : "", sign, face);
         else snprintf(text, sizeof text, "%s%c", sign, letters[face]);
