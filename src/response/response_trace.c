@@ -196,16 +196,26 @@ static double read_probe(const tracer *t, const probe *p, reading what)
     }
 }
 
+static bool look_at(const tracer *t, const probe *from, double h, probe *p)
+{
+    return go(t, from, h, NULL) && look(t, from->orbit.tangent, from->orbit.arclength + h, p);
+}
+
 /* Zero of a reading between `from`, h = 0, and h, where it is `last`; `p` is the orbit there.
- * Regula falsi with the halving of Illinois, and bisection where that is slow. */
+ * Regula falsi with the halving of Illinois, and bisection where that is slow. Beside an orbit at
+ * which curves cross Newton's method may not come to an end, and what is tried lies farther from
+ * it.
+ */
 static bool locate(const tracer *t, const probe *from, reading what, double h, double last,
                    probe *p)
 {
     double a = 0, fa = read_probe(t, from, what), b = h, fb = last;
     for (int k = 0; k < LOCATE_MOST; k++) {
-        const double c = k % 3 == 2 ? (a + b) / 2 : a + (b - a) * (fa / (fa - fb));
-        if (!go(t, from, c, NULL) || !look(t, from->orbit.tangent, from->orbit.arclength + c, p))
-            return false;
+        double c = k % 3 == 2 ? (a + b) / 2 : a + (b - a) * (fa / (fa - fb));
+        if (!look_at(t, from, c, p)) {
+            c = fabs(c - a) > fabs(b - c) ? (3 * a + b) / 4 : (a + 3 * b) / 4;
+            if (!look_at(t, from, c, p)) return false;
+        }
         const double f = read_probe(t, p, what);
         if (f == 0 || fabs(b - a) < LOCATED * h) return true;
         if ((f > 0) == (fb > 0)) {
@@ -377,7 +387,8 @@ static bool keep_event(tracer *t, ric_response_kind kind, probe *p)
     return true;
 }
 
-typedef enum { GOES_ON, GRAZES, ARRIVES } step_end;
+/* UNCLEAR: it turns, and not where. */
+typedef enum { GOES_ON, GRAZES, ARRIVES, UNCLEAR } step_end;
 
 /* Events of the step from a to b, of length h, the grazing at its end among them; *ends: how. At an
  * arrival b becomes the orbit there, at a grazing one just before it. */
@@ -414,6 +425,7 @@ static bool find_events(tracer *t, const probe *a, probe *b, double h, step_end 
             free_orbit(&p.orbit);
             continue;
         }
+        if (what == BY_FOLD && !found && !(p.orbit.arclength > end)) *ends = UNCLEAR;
         if (found && p.orbit.arclength <= end && is_event(t, &p, (reading)what) &&
             !keep_event(t, kinds[what], &p)) {
             free_orbit(&p.orbit);
@@ -526,11 +538,13 @@ static ric_response_stop follow(tracer *t, probe *a)
             stop = RIC_RESPONSE_GRAZES;
             break;
         }
-        if (ends == GOES_ON && taken > FINEST * longest && unexplained(t, a, &b, known)) {
+        if (taken > FINEST * longest &&
+            (ends == UNCLEAR || (ends == GOES_ON && unexplained(t, a, &b, known)))) {
             drop_events(t, known, -INFINITY);
             h = taken / 2;
             continue;
         }
+        if (ends == UNCLEAR) break;
         if (!keep_point(t, &b)) break;
         if (ends == ARRIVES) {
             stop = RIC_RESPONSE_JOINS;

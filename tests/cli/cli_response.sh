@@ -250,6 +250,20 @@ assert abs(max(x for x, _ in left[0]) - (78 + (at[0] - 1.9094) * scale)) < 0.1, 
 END
 ok "no displacement" bash -c "! '$ricochet' plot response '$folder/a' --output x3 -o '$folder/b.svg' 2>/dev/null && ! test -e '$folder/b.svg'"
 
+# A rotor between two bearings: beside a branch point at which Newton's method does not come to an end
+bearing='law: rigid, clearance: 1000, sides: both'
+printf '%s\n' 'model:' '  mass: [[30000, 0, 0, 0, 0], [0, 27500, 0, 0, 0], [0, 0, 20000, 0, 0], [0, 0, 0, 27500, 0], [0, 0, 0, 0, 30000]]' \
+    '  stiffness: [[13000, -8500, 0, 0, 0], [-8500, 18750, -10250, 0, 0], [0, -10250, 20500, -10250, 0],' \
+    '              [0, 0, -10250, 18750, -8500], [0, 0, 0, -8500, 13000]]' \
+    "  contacts: [{normal: [1, 0, 0, 0, 0], $bearing}, {normal: [0, 0, 0, 0, 1], $bearing}]" \
+    'explore: {start: [1], impacts: 2, multiply: 1, depth: 1}' >"$folder/rotor.yaml"
+"$ricochet" run "$folder/rotor.yaml" -o "$folder/rotor.ricochet" --quiet
+"$ricochet" response "$folder/rotor.ricochet" --force 0.642,0.503,0.763,-0.939,0.384 --damping 0.001 --restitution 0.97 \
+    --omega 0.14,0.21 --level 2050000 --impacts 2 --periods 1 --most-curves 7 -o "$folder/rotor" --json >"$folder/curves"
+ok "a curve that lost a symmetry ends at the next branch point, and does not come back on its mirror image" rows '
+curves = [c for c in read("curves") if c["word"] == "01" and 0.2065 < c["lowest"] and c["highest"] < 0.2068]
+assert len(curves) == 1 and curves[0]["ends"] == "event" and curves[0]["to"], curves'
+
 # A stop between two others: the next impact turns the first mass round before its gap has a maximum within the flight.
 cat >"$folder/corner.yaml" <<'END'
 model:
