@@ -15,7 +15,9 @@
 #define UNDECIDED 1e-9
 #define FLAT 1e-14 /* relative: a maximum that is found cannot be passed by more */
 
-enum { DEEPEST = 52, PARTS = 64 };
+#define AGREE 1e-13 /* relative: two quadratures of one flight; their rounding is a tenth of it */
+
+enum { DEEPEST = 52, PARTS = 64, PANELS_MOST = 1024 };
 
 /* ------------------------------------------------------------------- maxima */
 
@@ -232,13 +234,14 @@ void ric_force_motion_enter(const ric_force_medium *m, const double *state, doub
     }
 }
 
-/* Adds int x_j^2 dt over a flight to rms, and the largest |x_j| at the nodes to peak. */
-static ric_status sample(const ric_force_orbit *o, int k, int panels, ric_force_measures *out)
+/* int x_j^2 dt over a flight by so many panels, and the largest |x_j| at the nodes to peak. */
+static ric_status sample(const ric_force_orbit *o, int k, int panels, double *squares, double *peak)
 {
     const int n = o->n;
     const bool goes_on = o->medium->smooth;
     ric_force_start start = ric_force_orbit_start(o, k);
     double z[2 * n], state[2 * n], last = 0;
+    for (int j = 0; j < n; j++) squares[j] = 0;
     for (int i = 0; i < 8 * panels; i++) {
         double weight;
         const double t = ric_gauss_node(ric_force_orbit_tau(o, k), panels, i, &weight);
@@ -251,11 +254,32 @@ static ric_status sample(const ric_force_orbit *o, int k, int panels, ric_force_
         }
         ric_force_motion_leave(o->medium, z, state);
         for (int j = 0; j < n; j++) {
-            out->rms[j] += weight * state[j] * state[j];
-            out->peak[j] = fmax(out->peak[j], fabs(state[j]));
+            squares[j] += weight * state[j] * state[j];
+            peak[j] = fmax(peak[j], fabs(state[j]));
         }
     }
     return RIC_OK;
+}
+
+/* Adds int x_j^2 dt over a flight to rms: panels are halved until two rules agree, as springs that
+ * are closed, or under a power law, are faster than the modes. */
+static ric_status squares_of(const ric_force_orbit *o, int k, int panels, ric_force_measures *out)
+{
+    const int n = o->n;
+    double before[n], sum[n];
+    ric_status status = sample(o, k, panels, sum, out->peak);
+    for (double off = INFINITY, most = 0; !status && off > AGREE * most && panels < PANELS_MOST;) {
+        memcpy(before, sum, sizeof sum);
+        panels *= 2;
+        status = sample(o, k, panels, sum, out->peak);
+        off = most = 0;
+        for (int j = 0; j < n; j++) {
+            off = fmax(off, fabs(sum[j] - before[j]));
+            most = fmax(most, sum[j]);
+        }
+    }
+    for (int j = 0; j < n; j++) out->rms[j] += sum[j];
+    return status;
 }
 
 /* Largest |x_j| over a flight, its ends among it. */
@@ -339,7 +363,7 @@ ric_status ric_force_motion_measure(const ric_force_orbit *o, ric_force_measures
     }
     ric_status status = find_reach(o, out);
     for (int k = 0; k < o->N && !status; k++) {
-        status = sample(o, k, 2 + (int)(fastest * ric_force_orbit_tau(o, k) / 2), out);
+        status = squares_of(o, k, 1 + (int)(fastest * ric_force_orbit_tau(o, k) / 4), out);
         if (!status) status = o->medium->smooth ? smooth_peaks(o, k, out) : peaks(o, k, out);
     }
     for (int i = 0; i < n; i++) out->rms[i] = sqrt(out->rms[i] / period);

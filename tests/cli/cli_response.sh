@@ -264,6 +264,27 @@ ok "a curve that lost a symmetry ends at the next branch point, and does not com
 curves = [c for c in read("curves") if c["word"] == "01" and 0.2065 < c["lowest"] and c["highest"] < 0.2068]
 assert len(curves) == 1 and curves[0]["ends"] == "event" and curves[0]["to"], curves'
 
+# A spring of fifth power that is a hundred times as stiff as the structure: flights are faster than the mode.
+printf '%s\n' 'model:' '  mass: [[1]]' '  stiffness: [[1]]' '  contacts: [{normal: [1], law: power, exponent: 5, stiffness: 200}]' \
+    'explore: {energy: [0.001, 20], impacts: 2, depth: 1}' >"$folder/fifth.yaml"
+"$ricochet" run "$folder/fifth.yaml" -o "$folder/fifth.ricochet" --quiet
+"$ricochet" response "$folder/fifth.ricochet" --force 1 --damping 0.01 --level 4 --omega 0.6,1.5 --most-points 40 --most-curves 1 -o "$folder/fifth" >/dev/null
+"$ricochet" response "$folder/fifth" --points --json >"$folder/points"
+flown() { # what the simulator, which takes steps of its own, makes of a point that is drawn from those with a large peak
+    python3 -S - "$folder" "$ricochet" <<'END'
+import json, math, subprocess, sys
+folder, program = sys.argv[1:]
+p = max(json.load(open(folder + "/points")), key=lambda p: p["peak"][0])
+rows = json.loads(subprocess.run([program, "simulate", folder + "/fifth.yaml", "--state", *map(repr, p["state"]), "--time", repr(p["period"]),
+    "--steps", "1000", "--force", "1", "--omega", repr(p["omega"]), "--level", repr(p["level"]), "--phase", repr(p["phase"]),
+    "--damping", "0.01", "--json"], stdout=subprocess.PIPE, check=True).stdout)
+x = [r["x1"] for r in rows]
+assert len(x) == 1001 and abs(x[0] - x[-1]) < 1e-9, (len(x), x[0], x[-1])
+rms = math.sqrt(sum(y * y for y in x[1:]) / 1000)
+assert abs(rms - p["rms"][0]) < 1e-9 * rms, (rms, p["rms"])
+END
+}
+ok "the root of the mean square, where a spring is steep" flown
 # A stop between two others: the next impact turns the first mass round before its gap has a maximum within the flight.
 cat >"$folder/corner.yaml" <<'END'
 model:
