@@ -299,7 +299,9 @@ static int compute(request *ask)
 {
     ric_atlas *atlas = NULL;
     const ric_status status = ric_atlas_read(ask->path, &atlas);
-    int code = status ? cli_report(status) : complete(ask, atlas);
+    int code = status      ? cli_report(status)
+               : !ask->out ? cli_wrong("response: -o FILE is missing, the file for the response")
+                           : complete(ask, atlas);
     if (!code) code = run_response(ask, atlas);
     ric_atlas_free(atlas);
     return code;
@@ -345,8 +347,6 @@ static int take_request(int *argc, char **argv, request *ask)
         (step && !cli_parse_number(step, "--step", &o->step)))
         return CLI_WRONG;
     ask->curve = number;
-    if (ric_response_is(ask->path)) return CLI_DONE;
-    if (!ask->out) return cli_wrong("response: -o FILE is missing, the file for the response");
     return CLI_DONE;
 }
 

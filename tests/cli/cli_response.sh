@@ -285,6 +285,8 @@ assert abs(rms - p["rms"][0]) < 1e-9 * rms, (rms, p["rms"])
 END
 }
 ok "the root of the mean square, where a spring is steep" flown
+ok "a file that is not there" ends 2 "no such file" "$folder/none.response" --points
+
 # A stop between two others: the next impact turns the first mass round before its gap has a maximum within the flight.
 cat >"$folder/corner.yaml" <<'END'
 model:
