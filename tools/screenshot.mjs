@@ -5,7 +5,7 @@ import { createInterface } from "node:readline";
 import { chromium } from "../web/node_modules/playwright-core/index.mjs";
 
 const [ricochet, atlas, out] = process.argv.slice(2);
-const browserPath = process.env.CHROMIUM || execFileSync("sh", ["-c", "command -v chromium || command -v chromium-browser || command -v google-chrome"], { encoding: "utf8" }).trim();
+const browserPath = process.env.CHROMIUM || execFileSync("sh", ["-c", "command -v chromium-headless-shell || command -v chromium || command -v chromium-browser || command -v google-chrome"], { encoding: "utf8" }).trim();
 const server = spawn(ricochet, ["view", atlas, "--no-browser", "--port", "0"], { stdio: ["ignore", "pipe", "ignore"] });
 const url = await new Promise((resolve) => createInterface({ input: server.stdout }).once("line", resolve));
 const browser = await chromium.launch({ executablePath: browserPath, args: ["--disable-gpu", ...(process.getuid?.() === 0 ? ["--no-sandbox"] : [])] });

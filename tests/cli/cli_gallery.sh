@@ -50,7 +50,7 @@ done
 
 # Labels as a browser sets them, which has letters of its own; in the short form those of every third picture.
 pictures=($(ls "$folder"/*.svg | awk -v every="$(every_of 3)" 'NR % every == 2 % every'))
-browser=${CHROMIUM:-$(command -v chromium || command -v chromium-browser || command -v google-chrome)}
+browser=$(browser_there)
 if [ -n "$browser" ] && command -v node >/dev/null && [ -e web/node_modules/playwright-core/package.json ]; then
     ok 'no label is cut or lies on another' node tests/cli/gallery_texts.mjs "$browser" "${pictures[@]}"
 fi

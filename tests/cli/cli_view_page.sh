@@ -5,7 +5,7 @@ set -u
 
 skip() { echo "1..0 # SKIP $1"; exit 77; }
 if "$ricochet" view /dev/null 2>&1 | grep -q 'built without'; then skip 'this program was built without the page'; fi
-browser=${CHROMIUM:-$(command -v chromium || command -v chromium-browser || command -v google-chrome)} || skip 'chromium is missing'
+browser=$(browser_there) || skip 'chromium is missing'
 command -v node >/dev/null || skip 'node is missing'
 [ -e web/node_modules/playwright-core/package.json ] || skip 'web/node_modules has no playwright-core'
 # what runs for seconds only is not worth to be compiled twice

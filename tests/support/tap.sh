@@ -31,6 +31,12 @@ needs_checker()
     if [ -z "$python" ]; then echo '1..0 # SKIP no mpmath or numpy'; exit 77; fi
 }
 
+# The browser that $CHROMIUM names, or what is there; the one without windows takes two thirds of the time.
+browser_there()
+{
+    echo "${CHROMIUM:-$(command -v chromium-headless-shell || command -v chromium || command -v chromium-browser || command -v google-chrome)}" | grep .
+}
+
 # Whether everything is to be tried that the suite takes a sample of (`make long`, CONTRIBUTING.md).
 long_form() { [ "${RICOCHET_TEST_LONG:-0}" != 0 ]; }
 every_of() { if long_form; then echo 1; else echo "$1"; fi; } # FEW: every how many cases one is taken
