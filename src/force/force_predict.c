@@ -7,6 +7,7 @@
  * docs/forcing.md). */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/room.h"
 #include "force_stability.h"
@@ -26,19 +27,25 @@
 
 /* ------------------------------------------------------------------- slope */
 
-/* The stored point next to an arclength, at least one from either end if there are three. */
-static int middle_point(const ric_atlas *a, const ric_branch *b, double arclength)
+/* The three stored points around an arclength, at places of their own: a junction may be stored
+ * twice. False: there are fewer. */
+static bool around(const ric_atlas *a, const ric_branch *b, double arclength, ric_point out[3])
 {
-    int best = 0;
+    ric_point last[3], p;
     double least = INFINITY;
-    ric_point p;
-    for (int i = 0; i < b->n_point && !ric_atlas_point(a, b->id, i, &p, NULL, NULL); i++)
-        if (fabs(p.arclength - arclength) < least) {
-            least = fabs(p.arclength - arclength);
-            best = i;
-        }
-    if (best == b->n_point - 1) best--;
-    return best > 0 ? best : 1;
+    int n = 0;
+    for (int i = 0; i < b->n_point && !ric_atlas_point(a, b->id, i, &p, NULL, NULL); i++) {
+        if (n > 0 && fabs(p.arclength - last[2].arclength) <= RIC_TIE * (1 + fabs(p.arclength)))
+            continue;
+        last[0] = last[1];
+        last[1] = last[2];
+        last[2] = p;
+        n++;
+        if (n < 3 || !(fabs(last[1].arclength - arclength) < least)) continue;
+        least = fabs(last[1].arclength - arclength);
+        memcpy(out, last, sizeof last);
+    }
+    return isfinite(least);
 }
 
 /* First and second derivative at a place of the parabola through three values. */
@@ -59,15 +66,12 @@ typedef struct {
 static course course_of(const ric_atlas *a, const ric_branch *b, double arclength)
 {
     double s[3], e[3], t[3], by_e[2], by_t[2];
-    ric_point p;
-    const course unknown = {NAN, NAN};
-    if (b->n_point < 3) return unknown;
-    const int middle = middle_point(a, b, arclength);
+    ric_point p[3];
+    if (!around(a, b, arclength, p)) return (course){NAN, NAN};
     for (int k = 0; k < 3; k++) {
-        if (ric_atlas_point(a, b->id, middle - 1 + k, &p, NULL, NULL)) return unknown;
-        s[k] = p.arclength;
-        e[k] = log(p.energy);
-        t[k] = -log(p.frequency);
+        s[k] = p[k].arclength;
+        e[k] = log(p[k].energy);
+        t[k] = -log(p[k].frequency);
     }
     parabola(s, t, arclength, by_t);
     parabola(s, e, arclength, by_e);

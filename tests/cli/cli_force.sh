@@ -38,6 +38,25 @@ ok "a force of the wrong length" ends 2 "3 numbers" "$atlas" --force 1,0,0 --dam
 ok "a force that is no number" ends 2 "not a finite number" "$atlas" --force 1,x --damping 0.001
 ok "restitution 0" ends 2 "restitution 0" "$atlas" --force 1,0 --restitution 0
 ok "nothing is lost" ends 2 "nothing is lost" "$atlas" --force 1,0
+cat >"$folder/twice.yaml" <<'END'
+model:
+  mass: [[0.5, 0], [0, 0.5]]
+  stiffness: [[7.75, -5.25], [-5.25, 5.25]]
+  contacts: [{normal: [0, 1], clearance: 1.273, sides: upper}, {normal: [-1, 1], clearance: 0.6489}, {normal: [1, 1], clearance: 1.315, sides: upper}]
+explore: {impacts: 1, multiply: 2, depth: 1}
+END
+"$ricochet" run "$folder/twice.yaml" -o "$folder/twice.ricochet" --quiet
+"$ricochet" force "$folder/twice.ricochet" --force 1,0 --damping 0.001 --branch 'A1+[3]' --json >"$folder/rows"
+slopes() { # dT/dE beside a junction that is stored twice, from the periods of the orbits around it
+    rows 'import math
+double = [k for k in range(1, len(rows) - 2) if rows[k + 1]["energy"] - rows[k]["energy"] < 1e-9 * rows[k]["energy"]]
+assert double, "no point is stored twice"
+for k in double:
+    a, b = rows[k - 1], rows[k + 2]
+    chord = 2 * math.pi * (1 / b["frequency"] - 1 / a["frequency"]) / (b["energy"] - a["energy"])
+    for r in rows[k:k + 2]: assert 0.5 < r["slope"] / chord < 2, (r, chord)'
+}
+ok "a junction that is stored twice has the slope of the branch" slopes
 ok "an energy without an orbit" ends 1 "no orbit of energy" "$atlas" --force 1,0 --damping 0.001 --energy 1e9
 ok "a window without an orbit" ends 1 "no stored orbit" "$atlas" --force 1,0 --damping 0.001 --energy 1e8,1e9
 ok "a window the wrong way round" ends 2 "window" "$atlas" --force 1,0 --damping 0.001 --energy 2,1
