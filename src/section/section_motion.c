@@ -244,6 +244,9 @@ static bool meet(ric_section_motion *s, int f)
         ric_section_measure_growth(&s->measure, s->u);
     ric_section_motion_onto(s->n, face->g, face->gap, s->w);
     level(s);
+    /* Where a force along the face is large, as of modes that are bent against each other, each of
+     * the two undoes the other, and more at every event, if the state is left beside the face. */
+    ric_section_motion_onto(s->n, face->g, face->gap, s->w);
     s->face = f;
     bool opens = face->spring > 0 && ric_face_in(s->closed, f);
     if (face->spring > 0) s->closed ^= (uint64_t)1 << f;

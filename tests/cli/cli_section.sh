@@ -120,6 +120,29 @@ ok "no colour by another name" undrawn 2 "lyapunov and rotation" "$folder/study.
 ok "no picture of an empty window" undrawn 1 "nothing to draw" "$folder/study.yaml" --energy 5 --window 2:3,2:3
 ok "no picture of one mode" undrawn 1 "single mode" examples/free-pair/study.yaml --energy 5
 
+# Soft modes bent against each other: the force along the face is as large as the energy over the gap.
+cat >"$folder/bent.yaml" <<'END'
+model:
+  mass: [[1.5, -0.0625, 0.125], [-0.0625, 2.203125, 0.140625], [0.125, 0.140625, 1.40625]]
+  stiffness: [[931250, 237500, 181250], [237500, 781250, -162500], [181250, -162500, 206250]]
+  contacts: [{normal: [-1, 0, 1], law: bilinear, clearance: 0.02705, sides: lower, stiffness: 7700000}]
+explore: {impacts: 1, multiply: 1, depth: 1}
+END
+"$ricochet" run "$folder/bent.yaml" -o "$folder/bent.ricochet" --quiet
+on_the_face() {
+    "$ricochet" section "$folder/bent.ricochet" --branch 'A1(1)[0]' --energy 37324.488 --impacts 200 --json | python3 -S -c '
+import json, sys
+K, M = [[931250, 237500, 181250], [237500, 781250, -162500], [181250, -162500, 206250]], [[1.5, -0.0625, 0.125], [-0.0625, 2.203125, 0.140625], [0.125, 0.140625, 1.40625]]
+square = lambda A, y: sum(y[i] * A[i][j] * y[j] for i in range(3) for j in range(3))
+rows = json.load(sys.stdin)
+assert len(rows) == 200
+for r in rows: # the spring is not pressed yet
+    x, v = ([r[f"{name}{i}"] for i in (1, 2, 3)] for name in "xv")
+    energy = (square(M, v) + square(K, x)) / 2
+    assert abs(x[0] - x[2] - 1) < 1e-14 and abs(energy / 37324.488 - 1) < 1e-12, (r, energy)'
+}
+ok "every row lies on its face, with the energy, where the force along the face is large" on_the_face
+
 got=0
 section "$folder/study.yaml" --energy 5 --impacts 100000000 --starts 2 --exponents --seconds 0.2 --csv >"$folder/out" 2>"$folder/err" || got=$?
 ok "a limit of time" test "$got" = 3
