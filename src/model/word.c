@@ -290,16 +290,17 @@ ric_status ric_word_format(const ric_model *model, int n, const int *word, size_
         int face = word[i] >= faces && is_spring(model, word[i] - faces) ? word[i] - faces
                                                                          : word[i];
         char text[16];
+        size_t length = 0;
         if ((status = check_letters(model, 1, &face)) || implied(word, i, faces)) continue;
-        const char *sign = word[i] == face ? "" : "-";
-        if (dots) snprintf(text, sizeof text, "%s%s%d", used ? "." : "", sign, face);
-        else snprintf(text, sizeof text, "%s%c", sign, letters[face]);
-        size_t length = strlen(text);
+        if (dots && used) text[length++] = '.';
+        if (word[i] != face) text[length++] = '-';
+        if (dots) length += (size_t)snprintf(text + length, sizeof text - length, "%d", face);
+        else text[length++] = letters[face];
         if (used + length + 1 > size)
             return ric_fail(RIC_E_RANGE,
                             "the text of a word of %d letters needs more than %zu bytes", n, size);
-        memcpy(out + used, text, length + 1);
-        used += length;
+        memcpy(out + used, text, length);
+        out[used += length] = '\0';
     }
     return status;
 }

@@ -256,12 +256,13 @@ static inline __attribute__((always_inline)) void search_flight(search *q, sampl
 {
     sample ends[LEVELS];
     int waiting = 0;
-    while (!ric_halt(16 * q->n)) {
+    for (;;) {
         bool single = false, open = r.t > l.t && undecided(q, l, r, &single);
         const bool close = r.t - l.t < CLOSE * q->tau;
         if (close && ((q->own_start && l.t == 0) || (q->own_end && r.t == q->tau))) open = false;
         if (open && !single && waiting < LEVELS && !(r.t - l.t < NARROWEST * q->tau) &&
             !is_still(q, l, r)) {
+            if (ric_halt(32 * q->n)) return;
             ends[waiting++] = r;
             r = sample_at(q, (l.t + r.t) / 2);
             if (r.ds == 0) offer_stationary(q, r);
