@@ -17,7 +17,9 @@ static const cli_item items[] = {
     {.name = "about",
      .text =
          "one row: program, n_dof, length (the clearance), finished (0 if the run was stopped)"},
-    {.name = "branches", .text = "one row per branch, as `ricochet branches` has them"},
+    {.name = "branches",
+     .text = "one row per branch, as `ricochet branches` has them, with lists resonances_m, "
+             "resonances_n, .. of its resonances"},
     {.name = "points",
      .text =
          "all stored points in the order of branches: branch, point (from 0), arclength, energy, "

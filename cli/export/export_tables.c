@@ -37,20 +37,34 @@ void export_tables_free(export_table tables[EXPORT_N_TABLE])
 
 /* ------------------------------------------------------------ rows of JSON */
 
-/* Members of objects become values of the row: departures_taken. */
-static bool flatten(json_t *row)
+static void name_of(const char *key, const char *inner, size_t size, char *name)
+{
+    snprintf(name, size, "%s_%s", key, inner);
+    for (char *c = name; *c; c++) *c = *c == '-' || *c == '.' ? '_' : *c;
+}
+
+/* Members of objects become values of the row, departures_taken, and those of a list of objects
+ * lists, resonances_m; the keys of such lists in `lists`. */
+static bool flatten(json_t *row, json_t *lists)
 {
     json_t *flat = json_object();
     const char *key, *inner;
-    json_t *value, *member;
+    json_t *value, *one, *member;
+    size_t k;
     char name[64];
     json_object_foreach(row, key, value)
     {
         json_object_foreach(value, inner, member)
         {
-            snprintf(name, sizeof name, "%s_%s", key, inner);
-            for (char *c = name; *c; c++) *c = *c == '-' || *c == '.' ? '_' : *c;
+            name_of(key, inner, sizeof name, name);
             json_object_set(flat, name, member);
+        }
+        json_array_foreach(value, k, one) json_object_foreach(one, inner, member)
+        {
+            name_of(key, inner, sizeof name, name);
+            if (!json_object_get(flat, name)) json_object_set_new(flat, name, json_array());
+            json_array_append(json_object_get(flat, name), member);
+            json_object_set(lists, key, json_true());
         }
     }
     json_object_foreach(flat, key, value) json_object_set(row, key, value);
@@ -130,17 +144,22 @@ static bool add_key(export_table *table, const json_t *rows, const char *key)
 /* Every key of any row becomes a column, in the order in which they appear. */
 static bool add_rows(export_table *table, json_t *rows)
 {
+    json_t *lists = json_object();
+    bool done = lists != NULL;
     table->rows = json_array_size(rows);
-    for (size_t i = 0; i < table->rows; i++)
-        if (!flatten(json_array_get(rows, i))) return false;
-    if (cli_lost_memory()) return false;
-    for (size_t i = 0; i < table->rows; i++) {
+    for (size_t i = 0; i < table->rows && done; i++) done = flatten(json_array_get(rows, i), lists);
+    done = done && !cli_lost_memory();
+    for (size_t i = 0; i < table->rows && done; i++) {
         const char *key;
         json_t *value, *row = json_array_get(rows, i);
-        json_object_foreach(row, key, value) if (!json_is_object(value) &&
-                                                 !add_key(table, rows, key)) return false;
+        json_object_foreach(row, key, value)
+        {
+            if (json_is_object(value) || json_object_get(lists, key)) continue;
+            if (!(done = add_key(table, rows, key))) break;
+        }
     }
-    return true;
+    json_decref(lists);
+    return done;
 }
 
 /* ------------------------------------------------------------------ tables */

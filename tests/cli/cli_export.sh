@@ -37,6 +37,27 @@ else
     left_out 'mat: Octave reads it' 'no octave-cli, which the long form installs, or no python3 with numpy, or no libmatio'
 fi
 
+# A branch with internal resonances, which JSON has as a list of objects.
+printf '%s\n' 'model: {mass: [[1, 0], [0, 1]], stiffness: [[1, 0], [0, 85.1929]], contacts: [{normal: [1, 0.004], clearance: 1}]}' \
+    'explore: {start: [1], energy: [0, 5], frequency: [0.1, 20], impacts: 2, multiply: 1, depth: 1, tongues: cross}' >"$folder/t.yaml"
+"$ricochet" run "$folder/t.yaml" -o "$folder/t.ricochet" --quiet
+resonances() {
+    "$ricochet" export "$folder/t.ricochet" -o "$folder/t.csv" && "$ricochet" branches "$folder/t.ricochet" --json >"$folder/t.json" &&
+        python3 -S - "$folder" <<'END'
+import csv, json, sys
+lines = list(csv.reader(open(sys.argv[1] + "/t.csv")))
+begin = lines.index(["# branches"])
+heading, rows = lines[begin + 1], [line for line in lines[begin + 2:lines.index(["# points"])] if line]
+asked = json.load(open(sys.argv[1] + "/t.json"))
+assert len(rows) == len(asked) and any(len(b["resonances"]) > 2 for b in asked) and "resonances" not in heading
+for row, b in zip(rows, asked):
+    one = dict(zip(heading, row))
+    for name in "m", "n", "mode", "energy_from", "energy_to", "crossed":
+        assert [float(x) for x in one["resonances_" + name].split()] == [r[name] for r in b["resonances"]], (one, b)
+END
+}
+ok 'csv: internal resonances are there, too' resonances
+
 untouched() { echo mine >"$folder/a.txt"; "$ricochet" export "$folder/a.ricochet" -o "$folder/a.txt"; [ $? = 2 ] && [ "$(cat "$folder/a.txt")" = mine ]; }
 ok 'another ending is refused and the file left alone' untouched
 no_folder() { mkdir "$folder/b.csv"; "$ricochet" export "$folder/a.ricochet" -o "$folder/b.csv"; [ $? = 2 ]; }
