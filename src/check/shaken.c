@@ -455,6 +455,26 @@ static void midpoint(const ric_shaken *s, real H, int parts, real *out, real *wo
     for (int i = 0; i < size; i++) out[i] = (last[i] + out[i] + h * dy[i]) / 2;
 }
 
+/* A stage of the extrapolation; how far it moves displacements and velocities, each relative to the
+ * largest of them at both ends of the step, infinite where the step is so long that it overflows.
+ */
+static real stage(int n, real ratio, const real *y, real *up, const real *down)
+{
+    real worst = 0;
+    for (int half = 0; half < 2; half++) {
+        real moved = 0, largest = 0;
+        for (int i = half * n; i < (half + 1) * n; i++) {
+            const real before = up[i];
+            up[i] = down[i] + (down[i] - up[i]) / (ratio * ratio - 1);
+            if (!isfinite(up[i])) worst = HUGE_VAL;
+            moved = fmax(moved, fabs(up[i] - before));
+            largest = fmax(largest, fmax(fabs(y[i]), fabs(up[i])));
+        }
+        if (moved > 0) worst = fmax(worst, moved / largest);
+    }
+    return worst;
+}
+
 /* One step of at most H; what was done, 0: it fails. */
 static real extrapolate(ric_shaken *s, real H)
 {
@@ -462,20 +482,12 @@ static real extrapolate(ric_shaken *s, real H)
     real *work = s->table + LEVELS * size;
     for (int attempt = 0; attempt < 60; attempt++, H *= 0.4L)
         for (int k = 0; k < LEVELS; k++) {
-            real moved = 0, largest = 0;
+            real moved = HUGE_VAL;
             midpoint(s, H, 2 * (k + 1), s->table + k * size, work);
-            for (int j = k - 1; j >= 0; j--) {
-                const real ratio = (real)(k + 1) / (j + 1);
-                real *up = s->table + j * size, *down = up + size;
-                moved = largest = 0;
-                for (int i = 0; i < size; i++) {
-                    const real before = up[i];
-                    up[i] = down[i] + (down[i] - up[i]) / (ratio * ratio - 1);
-                    moved = fmax(moved, fabs(up[i] - before));
-                    largest = fmax(largest, fabs(up[i]));
-                }
-            }
-            if (k < 3 || !(moved <= TOLERANCE * largest)) continue;
+            for (int j = k - 1; j >= 0; j--)
+                moved = stage(s->n, (real)(k + 1) / (j + 1), s->y, s->table + j * size,
+                              s->table + (j + 1) * size);
+            if (k < 3 || !(moved <= TOLERANCE)) continue;
             memcpy(s->y, s->table, (size_t)size * sizeof *s->y);
             const real c = s->y[size], d = s->y[size + 1], turn = s->omega * H;
             s->y[size] = c * cos(turn) - d * sin(turn);
