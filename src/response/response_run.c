@@ -252,7 +252,7 @@ static ric_status check(const ric_response_options *o)
             return ric_fail(RIC_E_INPUT, "harmonic %d; harmonics are 1, 2, 3, ...",
                             o->harmonics[i]);
     if (!(o->step > 0 && o->step <= 1))
-        return ric_fail(RIC_E_INPUT, "step %.10g; give a number from 0 to 1", o->step);
+        return ric_fail(RIC_E_INPUT, "step %.10g; give a number above 0, at most 1", o->step);
     return RIC_OK;
 }
 
@@ -278,6 +278,8 @@ static ric_status open_driver(const ric_atlas *atlas, const ric_response_options
     if (!status) status = ric_force_create(atlas, &shaking, &d->force);
     if (!status) status = ric_force_medium_create(d->force, &d->medium);
     if (!status) status = check_along(d->medium, o);
+    ric_branch b;
+    if (!status && o->branch) status = ric_atlas_branch(atlas, o->branch, &b);
     if (status) return status;
     d->r = ric_response_create(d->medium->model);
     if (d->r) d->r->atlas = atlas;

@@ -285,6 +285,8 @@ assert abs(rms - p["rms"][0]) < 1e-9 * rms, (rms, p["rms"])
 END
 }
 ok "the root of the mean square, where a spring is steep" flown
+nowhere() { ends 1 "no branch 99" "$atlas" --force 1,0 --damping 0.01 --level 0.2 --omega 1,2 --branch 99 -o "$folder/nowhere" && [ ! -e "$folder/nowhere" ]; }
+ok "a branch that is not there leaves no file" nowhere
 ok "a file that is not there" ends 2 "no such file" "$folder/none.response" --points
 
 # A stop between two others: the next impact turns the first mass round before its gap has a maximum within the flight.
