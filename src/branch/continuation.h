@@ -12,7 +12,7 @@
 /* Version of the numerics of following a branch. Stored branches are taken up only by a program of
  * the same version: it is raised with every change after which the same departure may lead to other
  * bits, else an atlas that is continued would mix branches of two programs. */
-#define RIC_NUMERICS 54
+#define RIC_NUMERICS 55
 
 /* Why a trace ended where it did, where ric_stop alone does not say it. */
 typedef enum {

@@ -99,7 +99,11 @@ static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q
     double from = 0, before = ric_continuation_side(tr, k, &tr->now);
     if (before == 0) before = tr->passed[k];
     if (after == 0) return 0; /* the next step shows whether it was passed */
-    double place[BRIDGED] = {q->x[0], q->x[1], at, q->x[2], q->x[3], h};
+    double place[BRIDGED] = {q->x[0], q->x[1], q->x[2], q->x[3], at, h};
+    for (int i = 4; i > 0 && place[i - 1] > at; i--) {
+        place[i] = place[i - 1];
+        place[i - 1] = at;
+    }
     for (int i = 0; i < BRIDGED; i++) {
         double x = place[i];
         if (x <= from || x > h) continue;

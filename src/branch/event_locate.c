@@ -287,17 +287,26 @@ static void lagrange(const double *x, double at, double *value, double *slope)
     }
 }
 
+/* The function of a resonance at point i. That of several pairs tends to a sign where they are
+ * large, and a cubic through such values does not show that they are small in between: of one pair
+ * it is the pair, which grows like the square of the distance from an end that is its own image. */
+static double bridge_resonance(const ric_continuation *tr, const ric_event_bridge *q, int i,
+                               double rho)
+{
+    const int n_pair = tr->floquet.n_pair;
+    const double *own = q->own + i * 2 * n_pair;
+    return n_pair == 1 ? own[0] - rho : ric_resonance_test(own, n_pair, rho);
+}
+
 double ric_event_bridge_test(const ric_continuation *tr, const ric_event_bridge *q, int test,
                              double at)
 {
     double value[4], slope[4], sum = 0;
-    int n_pair = tr->floquet.n_pair;
     lagrange(q->x, at, value, slope);
     for (int i = 0; i < 4; i++)
         sum += value[i] * (test < RIC_N_TEST
                                ? q->test[i][test]
-                               : ric_resonance_test(q->own + i * 2 * n_pair, n_pair,
-                                                    tr->resonances[test - RIC_N_TEST].rho));
+                               : bridge_resonance(tr, q, i, tr->resonances[test - RIC_N_TEST].rho));
     return sum;
 }
 

@@ -576,6 +576,44 @@ static void ends_of_a_chain_that_strike_together(void **state)
     ric_atlas_free(atlas);
 }
 
+/* Whether a doubling lies on the branch behind an arclength. */
+static bool doubles_behind(const ric_atlas *atlas, const ric_branch *b, double arclength)
+{
+    bool found = false;
+    for (int k = 0; k < b->n_junction; k++)
+        found |= b->junction_at[k] > arclength &&
+                 junction_of(atlas, b->junctions[k]).kind == RIC_KIND_MULTIPLICATION;
+    return found;
+}
+
+/* A branch ends at its own image with a pair at 1: one that is at -1000 a step before has passed -1
+ * on the way, however large it is at all points from which the step over the end is read. */
+static void a_doubling_just_before_an_end(void **state)
+{
+    (void)state;
+    ric_atlas *atlas = explore_text(
+        "model:\n  mass: [[1.665, 0], [0, 1.7096]]\n"
+        "  stiffness: [[2.263, -0.5759], [-0.5759, 1.6038]]\n"
+        "  contacts: [{normal: [-1, 1], clearance: 1, sides: both, law: rigid}]\n"
+        "explore: {energy: [0, 100], frequency: [0.15, 10], impacts: 6, multiply: 2, depth: 2}\n");
+    int checked = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        const ric_branch b = branch_of(atlas, id);
+        ric_point p;
+        if (b.n_point < 2 || !b.to) continue;
+        const ric_kind kind = junction_of(atlas, b.to).kind;
+        if (kind != RIC_KIND_BRANCH_POINT && kind != RIC_KIND_MULTIPLICATION) continue;
+        assert_int_equal(ric_atlas_point(atlas, id, b.n_point - 2, &p, NULL, NULL), RIC_OK);
+        if (!(ric_point_trace(&p) < -3)) continue;
+        checked++;
+        if (!doubles_behind(atlas, &b, p.arclength))
+            fail_msg("%s at E %.10g: trace %g, and no doubling before the end", b.label, p.energy,
+                     ric_point_trace(&p));
+    }
+    assert_true(checked > 0);
+    ric_atlas_free(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -596,6 +634,7 @@ int main(void)
         cmocka_unit_test(a_touch_without_force),
         cmocka_unit_test(a_rigid_pair_between_walls),
         cmocka_unit_test(ends_of_a_chain_that_strike_together),
+        cmocka_unit_test(a_doubling_just_before_an_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
