@@ -6,6 +6,8 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import argparse
 import collections
+import contextlib
+import gc
 import json
 import multiprocessing
 import resource
@@ -36,15 +38,15 @@ def _alarm(_signal, _frame):
 def call(command, limit):
     """(exit code, stderr); exit code None where it took longer than `limit` seconds of processor time, so that what else the machine
     has to do does not count, or eight times that by the clock."""
-    def bound():
-        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
-
-    try:
-        out = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=8 * limit, check=False,
-                             preexec_fn=bound)
-        return (None, "") if out.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else (out.returncode, out.stderr)
-    except subprocess.TimeoutExpired:
-        return None, ""
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace") as process:
+        if hasattr(resource, "prlimit"):  # not by the child: that would be a copy of this process first
+            resource.prlimit(process.pid, resource.RLIMIT_CPU, (limit, limit + 5))
+        try:
+            errors = process.communicate(timeout=8 * limit)[1]
+        except subprocess.TimeoutExpired:
+            process.kill()
+            return None, ""
+    return (None, "") if process.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else (process.returncode, errors)
 
 
 def _processor():
@@ -205,8 +207,12 @@ def main():
     tasks = [(seed, options) for seed in range(first, first + count)]
     results = []
     log = open(options["log"], "a", encoding="utf-8") if options["log"] else None
-    with multiprocessing.Pool(options["j"], maxtasksperchild=50) as pool:
-        for out in pool.imap_unordered(one, tasks):
+    with contextlib.ExitStack() as stack:
+        judged_now = map(one, tasks)
+        if options["j"] > 1:
+            pool = stack.enter_context(multiprocessing.Pool(options["j"], maxtasksperchild=50))
+            judged_now = pool.imap_unordered(one, tasks)
+        for out in judged_now:
             results.append(out)
             if log:
                 log.write(json.dumps(out, default=str) + "\n")
@@ -226,9 +232,27 @@ def main():
     return 1 if found or few or open_ else 0
 
 
+def ended(work):
+    """Ends a child without taking apart what it has of its parent, which would copy all of that."""
+    code = 1
+    try:
+        code = work()
+    except SystemExit as e:
+        code = e.code if isinstance(e.code, int) else 1
+        if code == 1:
+            print(e)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+
+
 def each():
     """Calls that stand on stdin, a line `NAME<tab>ARGUMENTS` each, by one start of Python, which takes as long as a small structure.
     Lines `NAME<tab>WHY`, where WHY is empty if nothing was found."""
+    gc.freeze()  # what a child does not look at stays the parent's, page by page
     for line in sys.stdin.read().splitlines():
         name, _, arguments = line.partition("\t")
         sys.stdout.flush()
@@ -238,7 +262,7 @@ def each():
                 for stream in (1, 2):
                     os.dup2(said.fileno(), stream)
                 sys.argv[1:] = arguments.split()
-                sys.exit(main())
+                ended(main)
             code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
             said.seek(0)
             print(name, f"exit code {code}: " + " | ".join(said.read().splitlines()[-12:]) if code else "", sep="\t")
