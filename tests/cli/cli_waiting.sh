@@ -11,11 +11,22 @@ print("  stiffness:", row(row(2 * (i == j) - (abs(i - j) == 1) for j in range(n)
 print("  contacts:\n    - {normal:", row(int(i == n // 2) for i in range(n)) + ", clearance: 1}")
 print("explore: {points: 0, step: 0.0005}") # minutes on any machine: a first look may take less than the four seconds
 P
+# Once it has begun a run stands still while the clock goes on, which is what it asks: computing all that time shows no more.
+stands_still() # PID
+{
+    listens "$1"
+    sleep 0.3
+    kill -STOP "$1"
+    sleep 4
+    kill -CONT "$1"
+}
 stops() { # CODE OPTION...: a run that is stopped by its time, or by Ctrl-C
     local code=$1
     shift
     rm -f "$folder/long.ricochet"
-    "$ricochet" run "$folder/long.yaml" --seconds 4 "$@" >"$folder/out" 2>"$folder/said"
+    "$ricochet" run "$folder/long.yaml" --seconds 4 "$@" >"$folder/out" 2>"$folder/said" &
+    stands_still $!
+    wait $!
     [ $? = "$code" ]
 }
 in_said() { cat "$folder/said"; grep -q -e "$1" "$folder/said"; }
@@ -42,6 +53,7 @@ interrupted() {
     rm -f "$folder/long.ricochet"
     "$ricochet" run "$folder/long.yaml" >"$folder/out" 2>"$folder/said" &
     local pid=$!
+    stands_still $pid
     for _ in $(seq 2400); do grep -q 'steps/s' "$folder/said" && break; sleep 0.1; done
     kill -INT $pid
     wait $pid
