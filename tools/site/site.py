@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Builds the documentation site: site.py FOLDER [NOTEBOOKS]
+"""Builds the documentation site: site.py [--plain] FOLDER [NOTEBOOKS]; with --plain what is quoted has no colours
 
 README.md, docs/, CONTRIBUTING.md and CHANGELOG.md become pages, the header becomes the reference of the C library, and
 the notebooks, from NOTEBOOKS if they were run there, pages with their pictures. pandoc (Debian: pandoc) reads Markdown and
@@ -77,7 +77,7 @@ def address(source):
     return re.sub(r"\.(md|ipynb)$", "", source.removeprefix("docs/")) + ".html"
 
 
-def converted(source, notebooks):
+def converted(source, notebooks, plain):
     """(title, table of contents, body) as pandoc makes them of a source."""
     kind = "ipynb" if source.endswith(".ipynb") else "gfm+tex_math_dollars"
     folder = notebooks if notebooks and kind == "ipynb" else os.path.join(ROOT, os.path.dirname(source))
@@ -92,7 +92,7 @@ def converted(source, notebooks):
         text = re.sub(found, meant, text)
     made = subprocess.run(["pandoc", "-f", kind, "-t", "html5", "--mathml", "--toc", "--toc-depth=2", "--self-contained"
                            if kind == "ipynb" else "--wrap=none", "--highlight-style=kate", "--standalone", "--metadata",
-                           "title=-", "--template", os.path.join(HERE, "parts.html")],
+                           "title=-", "--template", os.path.join(HERE, "parts.html"), *(["--no-highlight"] if plain else [])],
                           input=text, capture_output=True, text=True, check=False, cwd=folder)
     if made.returncode or made.stderr.strip():
         raise SystemExit(f"site: {source}: {made.stderr.strip()}")
@@ -108,11 +108,11 @@ def converted(source, notebooks):
 class Site:
     """Pages, and the files that they link to."""
 
-    def __init__(self, folder, notebooks):
+    def __init__(self, folder, notebooks, plain):
         self.folder, self.groups, self.copied = folder, sources(), set()
         self.listed = [source for _, found in self.groups for source in found]
         with ThreadPoolExecutor(2) as pool:
-            self.pages = dict(zip(self.listed, pool.map(lambda source: converted(source, notebooks), self.listed)))
+            self.pages = dict(zip(self.listed, pool.map(lambda source: converted(source, notebooks, plain), self.listed)))
 
     def write(self, name, text):
         """A file of the site."""
@@ -186,10 +186,11 @@ class Site:
 def main():
     if not shutil.which("pandoc"):
         raise SystemExit("site: pandoc is missing (Debian: pandoc)")
-    folder = sys.argv[1]
+    plain = sys.argv[1] == "--plain"
+    folder, *notebooks = sys.argv[1 + plain:]
     if os.path.isdir(folder):
         shutil.rmtree(folder)
-    site = Site(folder, sys.argv[2] if len(sys.argv) > 2 else None)
+    site = Site(folder, notebooks[0] if notebooks else None, plain)
     site.build()
     print(f"{folder}/index.html: {len(site.pages)} pages, {len(site.copied)} files that they link to")
 
