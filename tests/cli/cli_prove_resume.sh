@@ -33,7 +33,7 @@ END
 PYTHONPATH=$folder
 export PYTHONPATH
 
-ok 'a curve that is stopped goes on behind the arcs that are proved' python3 - "$ricochet" "$folder" <<'END'
+ok 'a curve that is stopped goes on behind the arcs that are proved' python3 -S - "$ricochet" "$folder" <<'END'
 from shared import *
 whole = json.loads(run("prove", copy("whole"), "--curves", "--json", "--branch", "9").stdout)
 assert whole[0]["verdict"] == "proved" and whole[0]["tubes"] > 20, whole
@@ -43,7 +43,7 @@ assert any(seen) and seen == sorted(seen), seen
 assert rows == whole, (rows, whole)
 assert arcs(path) == 0
 END
-ok 'its certificate is the same' python3 - "$ricochet" "$folder" <<'END'
+ok 'its certificate is the same' python3 -S - "$ricochet" "$folder" <<'END'
 from shared import *
 run("prove", copy("whole"), "--curves", "-o", folder + "/whole.jsonl", "--branch", "9")
 path = copy("again")
@@ -55,7 +55,7 @@ shutil.copy(path, folder + "/midst.ricochet")
 run("prove", path, "--curves", "-o", folder + "/again.jsonl", "--branch", "9")
 assert certificate(folder + "/again.jsonl") == certificate(folder + "/whole.jsonl") != []
 END
-ok 'an arc that was changed counts for nothing, nor do those behind it' python3 - "$ricochet" "$folder" <<'END'
+ok 'an arc that was changed counts for nothing, nor do those behind it' python3 -S - "$ricochet" "$folder" <<'END'
 from shared import *
 whole = json.loads(run("prove", copy("whole"), "--curves", "--json", "--branch", "9").stdout)
 for change in ("tubes = tubes + 7", "certificate = replace(certificate, '1', '2')", "begins = 1 - begins", "approach = 2 * approach", "point = point + 1",
@@ -68,7 +68,7 @@ path = copy("changed", "midst")
 ask(path, "DELETE FROM proof_arc WHERE point = (SELECT min(point) FROM proof_arc)")
 assert json.loads(run("prove", path, "--curves", "--json", "--branch", "9").stdout) == whole
 END
-ok 'a kill leaves what was proved' python3 - "$ricochet" "$folder" <<'END'
+ok 'a kill leaves what was proved' python3 -S - "$ricochet" "$folder" <<'END'
 from shared import *
 import signal, time
 source = folder + "/cascade.ricochet"
@@ -82,7 +82,7 @@ run("prove", source, "--curves", "--branch", "9", "--seconds", "0.01")
 assert arcs(source) >= before and (before or ask(source, "SELECT 1 FROM proof_graph"))
 END
 
-ok 'what another prover has refused is tried again' python3 - "$ricochet" "$folder" <<'END'
+ok 'what another prover has refused is tried again' python3 -S - "$ricochet" "$folder" <<'END'
 from shared import *
 path = copy("refused")
 ask(path, "UPDATE point SET stable = 1 - stable WHERE branch = 3 AND stable < 2")

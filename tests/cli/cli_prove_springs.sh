@@ -77,7 +77,7 @@ def period(E):
 for row in some:
     T = period(sum(row["energy"]) / 2)
     assert abs(row["period"][0] - T) < 1e-13 * T and abs(row["period"][1] - T) < 1e-13 * T, (row, T)'
-ok 'and touches at its first energy, 1/2' bash -c '"$0" prove "$1" --junctions --json 2>/dev/null | python3 -c "
+ok 'and touches at its first energy, 1/2' bash -c '"$0" prove "$1" --junctions --json 2>/dev/null | python3 -S -c "
 import json, sys
 row = json.load(sys.stdin)[0]
 assert row[\"verdict\"] == \"proved\" and row[\"energy\"][0] <= 0.5 <= row[\"energy\"][1] and row[\"how\"].startswith(\"a gap touches\"), row"' "$ricochet" "$folder/one.ricochet"

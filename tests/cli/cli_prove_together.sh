@@ -149,7 +149,7 @@ assert len(some) == 4 and all(row["exists"] < 1e-30 and row["distance"] < 1e-12 
 assert len(proved) == len(rows) > 180, [row for row in rows if row not in proved]'
 beside_ends() {
     local ids
-    ids=$(python3 -c '
+    ids=$(python3 -S -c '
 import json, sys
 print(*[row["branch"] for row in json.load(open(sys.argv[1])) if row["how"].startswith("a gap touches beside")])' "$folder/rows.json")
     [ "$(wc -w <<<"$ids")" = 4 ] || return 1

@@ -14,7 +14,7 @@ needs_python()
 {
     local why
     if sanitized; then why='the library is instrumented, and Python is not'
-    else why=$(tools/python -c '' 2>&1) && return
+    else why=$(tools/python -c 'import sys; print(sys.executable)' 2>&1) && export PYTHON=$why && return # looked for once
     fi
     echo "1..0 # SKIP $why"
     exit 77
@@ -26,7 +26,7 @@ needs_checker()
     local one
     python=
     for one in python3 /usr/bin/python3; do
-        if "$one" -c 'import mpmath, numpy, yaml' 2>/dev/null; then python=$one && break; fi
+        if "$one" -c 'import importlib.util, sys; sys.exit(not all(map(importlib.util.find_spec, ["mpmath", "numpy", "yaml"])))' 2>/dev/null; then python=$one && break; fi
     done
     if [ -z "$python" ]; then echo '1..0 # SKIP no mpmath or numpy'; exit 77; fi
 }
