@@ -98,17 +98,17 @@ faults()
 
 "$ricochet" run "$folder/study.yaml" -o "$folder/whole.ricochet" 2>/dev/null
 rows "$folder/whole.ricochet" >"$folder/whole"
-faults "a first run" "$(some_of 20 120)" "$(some_of 13 1)"
+faults "a first run" "$(some_of 12 120)" "$(some_of 19 1)"
 
 "$ricochet" run "$folder/small.yaml" -o "$folder/small.ricochet" 2>/dev/null
 rows "$folder/small.ricochet" >"$folder/small"
 work "$folder/small.ricochet" >"$folder/old-work"
 ok "the small atlas has less in it" eval '! cmp -s "$folder/small" "$folder/whole" && test -s "$folder/old-work"'
 old=$folder/small.ricochet
-faults "a run that extends an atlas" "$(some_of 10 60)" "$(some_of 17 1)"
+faults "a run that extends an atlas" "$(some_of 6 60)" "$(some_of 23 1)"
 
 workers=2
-faults "the same with two workers" "$(some_of 6 30)" "$(some_of 29 7)"
+faults "the same with two workers" "$(some_of 4 30)" "$(some_of 37 7)"
 echo "# ${#resumed[@]} kinds of remains were taken up"
 
 last=$(every_of 29) number_of=0
