@@ -37,9 +37,11 @@ ok 'a curve that is stopped goes on behind the arcs that are proved' python3 -S 
 from shared import *
 whole = json.loads(run("prove", copy("whole"), "--curves", "--json", "--branch", "9").stdout)
 assert whole[0]["verdict"] == "proved" and whole[0]["tubes"] > 20, whole
-path = copy("pieces")
-seen, rows = in_pieces(path, "--branch", "9")
-assert any(seen) and seen == sorted(seen), seen
+seen = []
+while not any(seen): # a busy machine may stop it before the first arc and then not before the last
+    path = copy("pieces")
+    seen, rows = in_pieces(path, "--branch", "9")
+    assert seen == sorted(seen), seen
 assert rows == whole, (rows, whole)
 assert arcs(path) == 0
 END
@@ -49,8 +51,9 @@ run("prove", copy("whole"), "--curves", "-o", folder + "/whole.jsonl", "--branch
 path = copy("again")
 # stopped once in its midst, then with a certificate
 seconds = 0.01
-while arcs(path) == 0 and run("prove", path, "--curves", "--branch", "9", "--seconds", str(seconds)).returncode == 3: seconds *= 1.25
-assert arcs(path) > 0
+while arcs(path) == 0:
+    if run("prove", path, "--curves", "--branch", "9", "--seconds", str(seconds)).returncode == 3: seconds *= 1.25
+    else: path, seconds = copy("again"), 0.7 * seconds # it came to its end meanwhile
 shutil.copy(path, folder + "/midst.ricochet")
 run("prove", path, "--curves", "-o", folder + "/again.jsonl", "--branch", "9")
 assert certificate(folder + "/again.jsonl") == certificate(folder + "/whole.jsonl") != []
