@@ -2,6 +2,7 @@
  * whose multipliers are roots of unity the family of q periods is traced to its next such orbit,
  * which is solved on its own equations, and so on. Everything costs O(impacts): the trace, the
  * junction and the departure. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -195,26 +196,30 @@ static ric_status advance(ric_cascade *c, ric_continuation *tr, int level, int f
     }
 }
 
-/* The multiplication at an event of a trace, as the next stage; *found = false where it does not
- * converge. */
-static ric_status add_multiplication(ric_cascade *c, const ric_continuation *tr, int event,
-                                     bool *found)
+/* The multiplication by q at an orbit, which is taken over, as the next stage; *found = false where
+ * it does not converge. */
+static ric_status add_multiplication(ric_cascade *c, ric_periodic *cycle, int p, int q, bool *found)
 {
-    const ric_resonance *r = ric_continuation_resonance(tr, tr->events[event].test);
-    ric_periodic *cycle = ric_continuation_cycle(tr, tr->events[event].u);
     ric_node *node = NULL;
     if (!cycle) return ric_no_memory("a cascade");
-    ric_status status = ric_node_multiplication(c->model, cycle, r->p, r->q, &node);
+    ric_status status = ric_node_multiplication(c->model, cycle, p, q, &node);
     ric_periodic_free(cycle);
     *found = !status;
     if (status) return status == RIC_E_NUMERIC ? RIC_OK : status;
     stage *s = &c->stages[c->n++];
     *s = (stage){.node = node,
                  .orbit = ric_periodic_copy(node->cycle),
-                 .multiple = r->q,
+                 .multiple = q,
                  .p = node->rotation[0],
                  .ratio = NAN};
     return s->orbit ? measure(c->model, s) : ric_no_memory("a cascade");
+}
+
+static ric_status add_event(ric_cascade *c, const ric_continuation *tr, int event, bool *found)
+{
+    const ric_resonance *r = ric_continuation_resonance(tr, tr->events[event].test);
+    return add_multiplication(c, ric_continuation_cycle(tr, tr->events[event].u), r->p, r->q,
+                              found);
 }
 
 /* Where the last family ends. */
@@ -264,7 +269,7 @@ static ric_status search_along(ric_cascade *c, ric_continuation *tr, bool keep, 
         if ((status = advance(c, tr, level, event + 1, &done, &event))) break;
         if (event < 0 && !last) break;
         bool good = true;
-        status = last ? add_end(c, tr) : add_multiplication(c, tr, event, &good);
+        status = last ? add_end(c, tr) : add_event(c, tr, event, &good);
         if (status || !good) continue;
         stage *s = &c->stages[level];
         s->n_point = last || !keep ? tr->n_point
@@ -370,6 +375,48 @@ static ric_status search_branch(ric_cascade *c, const ric_atlas *a, const ric_br
     return status;
 }
 
+/* The stored point next to an arclength. */
+static int point_at(const ric_atlas *a, const ric_branch *b, double arclength)
+{
+    double least = INFINITY;
+    int best = 0;
+    ric_point p;
+    for (int i = 0; i < b->n_point && !ric_atlas_point(a, b->id, i, &p, NULL, NULL); i++)
+        if (fabs(p.arclength - arclength) < least) {
+            least = fabs(p.arclength - arclength);
+            best = i;
+        }
+    return best;
+}
+
+/* Steps from the middle may pass two multiplications that lie close together: from those that the
+ * atlas has. */
+static ric_status search_junctions(ric_cascade *c, const ric_atlas *a, const ric_branch *b,
+                                   bool *found)
+{
+    const int q = c->options->multiple[0], p = c->options->rotation ? c->options->rotation[0] : 0;
+    ric_status status = RIC_OK;
+    for (int k = 0; k < b->n_junction && !status && !*found; k++) {
+        const int i = point_at(a, b, b->junction_at[k]);
+        ric_periodic *cycle = NULL;
+        ric_junction j;
+        ric_point point;
+        bool good;
+        if ((status = ric_atlas_junction(a, b->junctions[k], &j))) break;
+        if (j.kind != RIC_KIND_MULTIPLICATION || j.multiple != q ||
+            (p && p != j.rotation[0] && p != q - j.rotation[0]))
+            continue;
+        if (!(status = ric_stored_cycle(a, b, i, &point, &cycle)))
+            status = ric_stored_symmetries(a, b, i, cycle);
+        if (status) ric_periodic_free(cycle);
+        else status = add_multiplication(c, cycle, j.rotation[0], q, &good);
+        if (status || !good) continue;
+        status = descend(c, found);
+        if (!*found && c->n) stage_clear(&c->stages[--c->n]);
+    }
+    return status;
+}
+
 /* ------------------------------------------------------------------- the whole */
 
 /* At a doubling of an orbit with z(t+T/2) = -z(t) a symmetry is lost with the period: it is not of
@@ -424,6 +471,7 @@ ric_status ric_cascade_follow(const ric_atlas *a, int branch, const ric_cascade_
                                         e->max_step, MAX_POINTS);
     c->limits.multiply = largest;
     status = search_branch(c, a, &b, &found);
+    if (!status && !found && !c->deepest) status = search_junctions(c, a, &b, &found);
     if (!status && !found)
         status = ric_fail(
             RIC_E_RANGE, "no such cascade from branch %d: %d of %d multiplications were found; %s",

@@ -106,4 +106,22 @@ if command -v gnuplot >/dev/null; then
     done
 fi
 
+# A mirrored chain between two springs: its trace touches -2, and steps of another length pass both doublings there.
+cat >"$folder/mirrored.yaml" <<'END'
+model:
+  mass: [[3.5, 0], [0, 3.5]]
+  stiffness: [[21.75, -16], [-16, 21.75]]
+  contacts: [{normal: [-1, 0], law: bilinear, clearance: 1, sides: upper, stiffness: 19.18}, {normal: [0, 1], law: bilinear, clearance: 1, sides: upper, stiffness: 19.18}]
+explore: {start: [1], impacts: 2, multiply: 2, depth: 1}
+END
+"$ricochet" run "$folder/mirrored.yaml" -o "$folder/mirrored.ricochet" --quiet
+doubled() {
+    python3 -S - <("$ricochet" cascade "$folder/mirrored.ricochet" --branch 'A2+[01]' --doublings 1 --json) \
+        <("$ricochet" junctions "$folder/mirrored.ricochet" --kind multiplication --json) <<'END'
+import json, sys
+steps, junctions = (json.load(open(path)) for path in sys.argv[1:])
+assert len(steps) == 1 and any(abs(j["energy"] - steps[0]["energy"]) < 1e-9 * j["energy"] for j in junctions), (steps, junctions)
+END
+}
+ok 'a doubling that the atlas has begins a cascade' doubled
 finish
