@@ -90,13 +90,15 @@ ric_status ric_event_cross_corner(ric_continuation *tr, double h, int *end_test,
 
 /* Where resonance k is passed up to distance `to` in a step over a branch point at `at`, looked at
  * between the points that are known: multipliers may go to and fro beside it. Room for BRIDGED
- * places; returns their number. */
+ * places; returns their number. At an end that is its own image the only pair is 2, from where it
+ * goes with the square of the distance, on both sides: on sharp turns cubics miss it by hundreds.
+ */
 static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q, int k, double at,
                            double to, double h, ric_event_root *out)
 {
     int test = RIC_N_TEST + k, n = 0;
-    const double after = ric_continuation_side(tr, k, &tr->next);
-    double from = 0, before = ric_continuation_side(tr, k, &tr->now);
+    const double after = ric_continuation_side(tr, k, &tr->next), rho = tr->resonances[k].rho;
+    double from = 0, before = ric_continuation_side(tr, k, &tr->now), own = tr->now.own[0];
     if (before == 0) before = tr->passed[k];
     if (after == 0) return 0; /* the next step shows whether it was passed */
     double place[BRIDGED] = {q->x[0], q->x[1], q->x[2], q->x[3], at, h};
@@ -107,13 +109,16 @@ static int cross_resonance(const ric_continuation *tr, const ric_event_bridge *q
     for (int i = 0; i < BRIDGED; i++) {
         double x = place[i];
         if (x <= from || x > h) continue;
-        double value = x == h ? after : ric_event_bridge_test(tr, q, test, x);
+        const bool image = x == q->image && tr->floquet.n_pair == 1;
+        double value = x == h ? after : image ? 2 - rho : ric_event_bridge_test(tr, q, test, x);
         if (before * value < 0) {
-            double root_at = ric_event_bridge_root(tr, q, test, from, x, before, NAN);
+            double root_at = image ? x - (x - from) * sqrt((2 - rho) / (2 - own))
+                                   : ric_event_bridge_root(tr, q, test, from, x, before, NAN);
             if (root_at < to || to == h) out[n++] = (ric_event_root){test, root_at};
         }
         from = x;
         before = value;
+        own = value + rho;
     }
     return n;
 }
@@ -171,8 +176,7 @@ ric_status ric_event_cross(ric_continuation *tr, double h, int *end_test, double
     int n = 0, first = tr->n_event;
     ric_status status = ric_event_bridge_build(tr, h, &q);
     *end_test = -1;
-    if ((*retry = status == RIC_E_NUMERIC && tr->avoided)) return RIC_OK;
-    if (status) return status;
+    if (status) return (*retry = status == RIC_E_NUMERIC && tr->avoided) ? RIC_OK : status;
     double at = crossing(tr, &q);
     if (meets_corner(tr, &q, h, &at)) *end_test = RIC_TEST_FLIGHT;
     else if (meets_touch(tr, &q, at)) *end_test = RIC_TEST_REACH;
@@ -182,6 +186,7 @@ ric_status ric_event_cross(ric_continuation *tr, double h, int *end_test, double
     const int times = ric_symmetric_end_repeats(tr, tr->mid.u);
     const bool arrived = *end_test >= 0, repeated = times > 1, level = times >= FLAT && !arrived;
     if (arrived) *end = at;
+    q.image = *end_test == RIC_TEST_DET ? at : NAN;
     /* the determinant has a zero of higher order there, which cubics place badly; the slope has a
      * simple one */
     if (level && q.test[0][RIC_TEST_SLOPE] * q.test[3][RIC_TEST_SLOPE] < 0) {

@@ -108,8 +108,9 @@ ric_status ric_event_cross_touches(ric_continuation *trace, double h, bool *touc
 /* A step over a branch point: four points of it, and the cubics through them. free(u). */
 typedef struct {
     double x[4], test[4][RIC_N_TEST];
-    double *u;   /* [4 * n_unknown] */
-    double *own; /* [4 * 2 * n_pair], behind u */
+    double *u;    /* [4 * n_unknown] */
+    double *own;  /* [4 * 2 * n_pair], behind u */
+    double image; /* where the branch ends at its own image, and a pair is 2; NAN */
 } ric_event_bridge;
 
 ric_status ric_event_bridge_build(ric_continuation *trace, double h, ric_event_bridge *out);
