@@ -11,8 +11,8 @@
 /* Takes the orbit of a chain at its unknowns u, flown there, as one to start from. */
 typedef ric_status (*ric_loose_take)(void *data, ric_shooting *chain, const double *u);
 
-/* Goes through the frequencies of a window, upwards, and gives one orbit of every stretch of
- * admissible ones, between each two faces of the model. */
+/* Follows the curves of orbits between each two faces of the model that pass some frequencies of a
+ * window, and gives one orbit of every stretch of admissible ones. */
 ric_status ric_loose_scan(const ric_model *model, const ric_limits *limits, ric_loose_take take,
                           void *data);
 

@@ -180,7 +180,7 @@ low() { rows loose-mass branches label energy_min | grep -E '^S2.*\|0\.0(10*|099
 ok 'loose-mass: the family of the loose mass starts at the lower edge of the window' low
 ok 'loose-mass: branches' branches loose-mass 10
 ok 'gears: branches of free gears' branches gears 20
-ok 'gears: sixteen of them from no linear mode' exactly 16 '^S2\[01\]$' gears branches label
+ok 'gears: seventeen of them from no linear mode' exactly 17 '^S2\[01\]$' gears branches label
 tongue() { # S+ goes on to the end of the window from where it touches the 3-duplicate of S-, over two more extrema
     rows peeters branches id label stop energy_max junctions | grep '^1|S+|window|10000' >"$folder/path" && cat "$folder/path" || return 1
     rows peeters junctions id kind multiple energy frequency branches | python3 -S -c '
