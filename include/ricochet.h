@@ -74,6 +74,8 @@ typedef struct {
     double stiffness;         /* of law bilinear, and of law power without a length */
     int exponent;             /* of law power: odd, 3 to 99 */
     double length, reference; /* of law power, instead of a stiffness; 0 otherwise */
+    int together;             /* contacts that it stands for, which close together (key `together`
+                                 of a study); 0: itself */
 } ric_contact;
 
 typedef struct ric_model ric_model;
@@ -107,6 +109,13 @@ typedef struct {
 const ric_units *ric_model_units(const ric_model *model);
 void ric_model_name_units(ric_model *model, const ric_units *units);
 double ric_model_restitution(const ric_model *model);
+/* Pairs of contacts that close together wherever certain modes move alone, as key `together` of a
+ * study takes them ("[[1, 2], [3, -4]]"), and these modes, mode [n_dof]; the one after number
+ * `last` (0: the first). Its number; 0: there is no more. Modes of one frequency may hide some. */
+int ric_model_together(const ric_model *model, int last, size_t size, char *text, bool *mode);
+/* RIC_E_INPUT where contacts close together and the motion from x, v [n_dof each] would part them:
+ * it is none of this structure. */
+ric_status ric_model_check_state(const ric_model *model, const double *x, const double *v);
 /* Raw data, borrowed: mass [n*n], stiffness [n*n]. */
 const double *ric_model_mass(const ric_model *model);
 const double *ric_model_stiffness(const ric_model *model);
@@ -314,7 +323,7 @@ void ric_simulator_free(ric_simulator *sim);
 void ric_simulator_set_restitution(ric_simulator *sim, double restitution);
 /* Places the structure at (x, v) [n_dof each, scaled] at time 0. A state beyond a rigid stop is
  * RIC_E_INPUT; springs that it is beyond are closed. A state on a face that moves into it counts as
- * just before the impact. */
+ * just before the impact. Not asked: ric_model_check_state. */
 ric_status ric_simulator_start(ric_simulator *sim, const double *x, const double *v);
 /* Runs to the next impact, or closing or opening of a spring, or to time t, whichever is first.
  * *hit tells; impact may be NULL. State and time are kept inside. */

@@ -99,6 +99,17 @@ static void set_numbered(json_t *row, const char *stem, int number, double value
     json_object_set_new(row, key, cli_number(value));
 }
 
+/* The contacts that close together where mode i and others move alone, as a study says it. */
+static json_t *together_of(const facts *f, int i)
+{
+    char text[CLI_TOGETHER];
+    bool mode[f->n];
+    json_t *list = json_array();
+    for (int last = 0; (last = ric_model_together(f->model, last, sizeof text, text, mode));)
+        if (mode[i]) json_array_append_new(list, json_string(text));
+    return list;
+}
+
 static json_t *mode_row(const facts *f, int i)
 {
     json_t *row = json_object();
@@ -119,6 +130,7 @@ static json_t *mode_row(const facts *f, int i)
     }
     json_object_set_new(row, "parts", json_integer(ric_model_n_part(f->model)));
     json_object_set_new(row, "symmetric", json_boolean(ric_model_symmetric(f->model)));
+    json_object_set_new(row, "together", together_of(f, i));
     return row;
 }
 
@@ -353,7 +365,11 @@ static void print_remarks(const facts *f)
         seen_rigid += f->seen[i] && f->frequency[i] == 0;
     }
     if (unseen || seen_rigid) putchar('\n');
-    if (unseen)
+    if (unseen && *cli_together_remark(f->model))
+        printf("%d mode%s no contact sees %s left out: contacts that close together would part "
+               "there\n",
+               unseen, cli_plural(unseen), unseen == 1 ? "is" : "are");
+    else if (unseen)
         printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact "
                "orbits\n",
                unseen, cli_plural(unseen), unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
@@ -373,6 +389,13 @@ static void print_remarks(const facts *f)
     if (seen_rigid > 1) puts("masses are loose in several ways: " CLI_SEVERAL);
 }
 
+static void print_together(const facts *f)
+{
+    char text[CLI_TOGETHER];
+    if (*cli_together_remark(f->model)) printf("\n%s\n", cli_together_remark(f->model));
+    for (int last = 0; cli_together_next(f->model, &last, text);) printf("\n%s\n", text);
+}
+
 static ric_status print_text(const facts *f, const ric_study *study)
 {
     print_head(f, study);
@@ -382,6 +405,7 @@ static ric_status print_text(const facts *f, const ric_study *study)
     print_growth(f);
     print_doubles(f);
     print_remarks(f);
+    print_together(f);
     if (*cli_forcing_remark(study)) printf("\n%s\n", cli_forcing_remark(study));
     if (*ric_study_remark(study)) printf("\n%s\n", ric_study_remark(study));
     return cli_windows_print(study);
@@ -433,7 +457,9 @@ static const cli_item items[] = {
              "contact J's values "
              "are normal_J, compliance_J (c.c up to this mode) and locked_J; the windows are "
              "window_energy and "
-             "window_frequency."},
+             "window_frequency. Where contacts close together as long as some modes move alone, a "
+             "sentence says so; "
+             "together in --json lists it, for each mode, as key `together` of a study takes it."},
     {.name = "STUDY",
      .text = "a file, or - for standard input; files that it names are then looked for from the "
              "folder of the call"},

@@ -351,6 +351,15 @@ static long count_points(const ric_atlas *atlas)
     return sum;
 }
 
+static void add_together(json_t *rows, const ric_model *model)
+{
+    char text[CLI_TOGETHER];
+    if (*cli_together_remark(model))
+        add(rows, "contacts that close together", json_null(), cli_together_remark(model));
+    for (int last = 0; cli_together_next(model, &last, text);)
+        add(rows, "contacts that close together", json_null(), text);
+}
+
 static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
 {
     const char *over[RIC_N_BUDGET] =
@@ -398,6 +407,7 @@ static ric_status add_departures(json_t *rows, const ric_atlas *atlas)
     if ((status = cli_windows_loose(ric_atlas_study(atlas), &ways))) return status;
     if (ways > 1) add_count(rows, "ways in which masses are loose", ways, CLI_SEVERAL);
     add_regions(rows, atlas);
+    add_together(rows, ric_atlas_model(atlas));
     if (*cli_forcing_remark(ric_atlas_study(atlas)))
         add(rows, "losses and force", json_null(), cli_forcing_remark(ric_atlas_study(atlas)));
     add_refusals(rows, atlas);

@@ -369,6 +369,14 @@ static int tell_stopped(const char *path, const char *study, const ric_atlas *at
     return d->over ? CLI_LIMIT : CLI_INTERRUPTED;
 }
 
+/* Contacts that close together, or might. */
+static void say_together(const ric_model *model)
+{
+    char text[CLI_TOGETHER];
+    if (*cli_together_remark(model)) cli_say("ricochet: %s\n", cli_together_remark(model));
+    for (int last = 0; cli_together_next(model, &last, text);) cli_say("ricochet: %s\n", text);
+}
+
 static int explore(const ric_study *study, const char *name, const char *path, display d)
 {
     if (!d.quiet) d.line = cli_progress_begin();
@@ -386,6 +394,7 @@ static int explore(const ric_study *study, const char *name, const char *path, d
     if (*ric_study_remark(study)) cli_say("ricochet: %s: %s\n", name, ric_study_remark(study));
     if (!d.quiet) cli_forcing_warn(study, name, "the atlas");
     cli_windows_warn(study);
+    if (!d.quiet) say_together(ric_study_model(study));
     cli_catch_signals();
     ric_status status = ric_explore_with(study, path, &options, &more, &atlas);
     cli_progress_end(&d.line);

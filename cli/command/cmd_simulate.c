@@ -179,7 +179,8 @@ static int run(int argc, char **argv)
     if (physical) s.length = cli_unit_of_lengths(ric_study_model(s.study), true);
     if (!make_columns(&s)) code = cli_report(RIC_E_NOMEM);
     else if ((code = cli_drive_complete(&s.drive, "simulate", s.study)) == CLI_DONE)
-        code = cli_parse_state("simulate", s.n, count, texts, s.length, s.state)
+        code = cli_parse_state("simulate", ric_study_model(s.study), count, texts, s.length,
+                               s.state)
                    ? simulate_and_print(&s, format)
                    : CLI_WRONG;
 out:

@@ -277,6 +277,12 @@ typedef struct {
 bool cli_count_proofs(const ric_atlas *atlas, cli_proofs *out);
 /* "720 of 720 points, 12 of 12 curves, 18 of 18 junctions" */
 void cli_write_proofs(const cli_proofs *p, char *text, size_t size);
+/* together.c. What the next pair of contacts in `last` (0: before the first) that close together is
+ * good for; false: there is no more. And what is said where a study has joined some, "" if none. */
+enum { CLI_TOGETHER = 400 };
+bool cli_together_next(const ric_model *model, int *last, char text[CLI_TOGETHER]);
+const char *cli_together_remark(const ric_model *model);
+
 /* Proves the orbits, curves and junctions of an atlas and keeps the proofs in it; the counts go to
  * `out`, NULL: nowhere. An exit code. */
 int cli_prove_atlas(const char *path, int workers, FILE *out);
@@ -323,11 +329,11 @@ bool cli_take_value(int *argc, char **argv, const char *name, const char **value
 /* Takes `--name` out of argv. */
 bool cli_take_flag(int *argc, char **argv, const char *name);
 /* state.c. Takes `--state` and the numbers that follow it, texts [argc]; a negative number is none
- * of the options. Then reads the 2 n of them, divided by a length, and a time. False with a message
- * that starts with `what`. */
+ * of the options. Then reads those of a motion of the model, divided by a length, and a time. False
+ * with a message that starts with `what`. */
 bool cli_take_state(int *argc, char **argv, const char *what, int *count, const char **texts);
-bool cli_parse_state(const char *what, int n, int count, const char **texts, double length,
-                     double *out);
+bool cli_parse_state(const char *what, const ric_model *model, int count, const char **texts,
+                     double length, double *out);
 bool cli_parse_end(const char *what, const char *text, double *out);
 /* Whether every option in argv is one of the command's table; else a message that shows the usage,
  * and false. */

@@ -42,9 +42,10 @@ bool cli_take_state(int *argc, char **argv, const char *what, int *count, const 
     return true;
 }
 
-bool cli_parse_state(const char *what, int n, int count, const char **texts, double length,
-                     double *out)
+bool cli_parse_state(const char *what, const ric_model *model, int count, const char **texts,
+                     double length, double *out)
 {
+    const int n = ric_model_n_dof(model);
     if (count != 2 * n) {
         cli_wrong("%s: --state has %d number%s; this study needs %d: %d displacement%s, then as "
                   "many velocities",
@@ -55,7 +56,9 @@ bool cli_parse_state(const char *what, int n, int count, const char **texts, dou
         if (!cli_parse_number(texts[i], "--state", &out[i])) return false;
         out[i] /= length;
     }
-    return true;
+    if (!ric_model_check_state(model, out, out + n)) return true;
+    cli_wrong("%s: --state: %s", what, ric_detail());
+    return false;
 }
 
 bool cli_parse_end(const char *what, const char *text, double *out)

@@ -192,8 +192,8 @@ static int take_state(simulation *s, int count, const char **texts, double lengt
     const int n = s->motion.n;
     s->state = calloc(2 * (size_t)n, sizeof *s->state);
     if (!s->state) return cli_report(RIC_E_NOMEM);
-    return cli_parse_state("plot simulate", n, count, texts, length, s->state) ? CLI_DONE
-                                                                               : CLI_WRONG;
+    return cli_parse_state("plot simulate", s->model, count, texts, length, s->state) ? CLI_DONE
+                                                                                      : CLI_WRONG;
 }
 
 static int run(simulation *s, const plot_options *common, const char *path, int count,

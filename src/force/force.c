@@ -111,7 +111,7 @@ ric_status ric_force_check(const ric_model *m, const ric_shaking *s)
         status = ric_fail(RIC_E_INPUT, "restitution %.10g is not from 0 to 1", s->restitution);
     if (!status && s->n_ratio) status = ric_losses_check_ratios(n, s->n_ratio, s->ratios);
     if (!status && s->n_matrix) status = ric_losses_check_matrix(n, s->n_matrix, s->matrix);
-    return status;
+    return status ? status : ric_joined_check_shaking(m, s);
 }
 
 ric_status ric_force_create(const ric_atlas *atlas, const ric_shaking *s, ric_force **out)
@@ -121,6 +121,7 @@ ric_status ric_force_create(const ric_atlas *atlas, const ric_shaking *s, ric_fo
     *out = NULL;
     ric_status status = ric_losses_check_force(m->n_dof, s->n_force, s->force);
     if (!status) status = check_restitution(m, s->restitution);
+    if (!status) status = ric_joined_check_shaking(m, s);
     if (status) return status;
     ric_force *f = ric_calloc(1, sizeof *f);
     if (!f) return ric_no_memory("a force");

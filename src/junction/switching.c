@@ -45,8 +45,9 @@ static const char *together(const ric_model *m, const ric_periodic *c)
     for (int i = 0; i < c->N; i++) {
         const ric_face *f = &m->face[c->face[i]], *g = &m->face[c->face[(i + 1) % c->N]];
         if (f->contact == g->contact || c->tau[i] > RIC_COINCIDENT) continue;
-        return ric_corner_commute(m, f, g) ? "two contacts close together for a whole branch; such "
-                                             "branches are not followed by this version"
+        return ric_corner_commute(m, f, g) ? "two contacts close together for a whole branch; "
+                                             "`together` under `model` makes a study of such "
+                                             "motions"
                                            : "two contacts close together and their normals are "
                                              "not orthogonal in the metric of M^-1: the "
                                              "impact law does not say what happens";

@@ -2,6 +2,7 @@
 #ifndef RIC_MODEL_ROOM_H
 #define RIC_MODEL_ROOM_H
 
+#include "joined.h"
 #include "losses.h"
 #include "mixture.h"
 #include "modal.h"

@@ -547,8 +547,14 @@ static ric_status raw_of(const ric_model *m, ric_raw_model *out)
     out->contacts = ric_calloc((size_t)out->n_contact + 1, sizeof *out->contacts);
     if (!out->contacts)
         return ric_fail(RIC_E_NOMEM, "no memory for a study of %d contacts", out->n_contact);
-    for (int i = 0; i < out->n_contact && !status; i++)
+    for (int i = 0; i < out->n_contact && !status; i++) {
         status = ric_model_contact(m, i, &out->contacts[i]);
+        if (!status && out->contacts[i].together > 1)
+            status = ric_fail(RIC_E_INPUT,
+                              "contact %d stands for %d that close together, which only the text "
+                              "of a study can say: take that, with its key `together`",
+                              i + 1, out->contacts[i].together);
+    }
     return status;
 }
 

@@ -477,9 +477,9 @@ static ric_status read_contacts(const ric_yaml *r, const ric_yaml_node *map,
 
 /* ------------------------------------------------------------------- model */
 
-enum { M_MASS, M_STIFFNESS, M_CONTACTS, M_RESTITUTION, M_MODES, M_COUNT };
-static const char *const model_keys[M_COUNT] = {"mass", "stiffness", "contacts", "restitution",
-                                                "modes"};
+enum { M_MASS, M_STIFFNESS, M_CONTACTS, M_TOGETHER, M_RESTITUTION, M_MODES, M_COUNT };
+static const char *const model_keys[M_COUNT] = {"mass",     "stiffness",   "contacts",
+                                                "together", "restitution", "modes"};
 
 void ric_study_contacts_free(int n, ric_contact *contacts)
 {
@@ -493,6 +493,8 @@ void ric_study_contacts_free(int n, ric_contact *contacts)
 void ric_study_model_free(ric_raw_model *raw)
 {
     ric_study_contacts_free(raw->n_contact, raw->contacts);
+    ric_study_contacts_free(raw->n_given, raw->given);
+    ric_joined_free(&raw->joined);
     free(raw->mass);
     free(raw->stiffness);
 }
@@ -535,7 +537,9 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from,
     if ((status = ric_study_matrix_read(r, &slots[M_STIFFNESS], "model.stiffness", &n,
                                         &raw->stiffness, raw)))
         return status;
-    if ((status = read_contacts(r, from->key, &slots[M_CONTACTS], raw))) return status;
+    if ((status = read_contacts(r, from->key, &slots[M_CONTACTS], raw)) ||
+        (status = ric_study_together_read(r, &slots[M_TOGETHER], raw)))
+        return status;
     raw->restitution = 1;
     const ric_yaml_node *restitution = slots[M_RESTITUTION].value;
     raw->restitution_line = restitution ? restitution->start_mark.line + 1 : 0;
@@ -546,6 +550,7 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from,
         return ric_yaml_wrong(r, restitution, "model.restitution",
                               "%.10g is out of range; give a number in [0, 1]", raw->restitution);
     status = create_model(r, from->key, slots, raw, out);
+    if (!status) status = ric_study_together_check(r, &slots[M_TOGETHER], raw, *out);
     return status ? status : ric_study_modes_read(r, &slots[M_MODES], options, open, raw, out);
 }
 
@@ -601,9 +606,12 @@ void ric_study_model_write(const ric_raw_model *raw, FILE *out)
     ric_option_text_write(raw->restitution, out);
     if (raw->n_mode > 0) fprintf(out, "\n  modes: %d", raw->n_mode);
     if (raw->n_mode < 0) fputs("\n  modes: all", out);
-    fputs("\n  contacts:\n", out);
-    for (int i = 0; i < raw->n_contact; i++) {
-        const ric_contact *contact = &raw->contacts[i];
+    fputs("\n", out);
+    ric_study_together_write(raw, out);
+    fputs("  contacts:\n", out);
+    const int n_contact = raw->given ? raw->n_given : raw->n_contact;
+    for (int i = 0; i < n_contact; i++) {
+        const ric_contact *contact = raw->given ? &raw->given[i] : &raw->contacts[i];
         fputs("    - normal: ", out);
         ric_study_list_write(raw->n, contact->normal, out);
         if (contact->name) {

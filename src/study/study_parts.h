@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <yaml.h>
 
+#include "model/room.h"
 #include "options.h"
 #include "study.h"
 
@@ -82,6 +83,9 @@ typedef struct {
     int n, n_contact;
     double *mass, *stiffness;
     ric_contact *contacts; /* names and normals owned */
+    int n_given;           /* contacts as the study gives them, where some of them close together */
+    ric_contact *given;    /* NULL where none do; owned likewise */
+    ric_joined joined;
     double restitution;
     size_t restitution_line; /* 0 if not given */
     const ric_model
@@ -110,6 +114,16 @@ void ric_study_matrix_write(const char *key, int n, const double *A, FILE *out);
 /* One sentence after the other, as long as there is room. */
 void ric_study_remark_add(ric_raw_model *raw, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* ---------------------------------------------------------- study_together.c */
+
+/* Makes one contact of those that close together; then whether the model of it holds what they do;
+ * and the key as text. */
+ric_status ric_study_together_read(const ric_yaml *r, const ric_yaml_slot *from,
+                                   ric_raw_model *raw);
+ric_status ric_study_together_check(const ric_yaml *r, const ric_yaml_slot *from,
+                                    const ric_raw_model *raw, const ric_model *model);
+void ric_study_together_write(const ric_raw_model *raw, FILE *out);
 
 /* ------------------------------------------------------------- study_modes.c */
 

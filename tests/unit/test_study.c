@@ -148,7 +148,8 @@ static void unknown_keys(void **state)
     line_refused(15, "  colour: 3", "explore.colour",
                  SAYS("unknown key", "start, energy, frequency, impacts"));
     line_refused(4, "  damping: [[0]]", "model.damping",
-                 SAYS("unknown key", "top of the study", "mass, stiffness, contacts, restitution"));
+                 SAYS("unknown key", "top of the study",
+                      "mass, stiffness, contacts, together, restitution"));
     line_refused(4, "  units: SI", "model.units", SAYS("unknown key", "top of the study", "N/mm"));
     line_refused(8, "      gap: 1", "model.contacts[1].gap", SAYS("did you mean 'clearance'"));
     line_refused(8, "      clearence: 1", "model.contacts[1].clearence",

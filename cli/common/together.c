@@ -1,0 +1,49 @@
+/* Contacts that close together: what a study may say of them, and what follows where it does. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli.h"
+
+/* "modes 1, 3" */
+static void list_modes(int n, const bool *mode, size_t size, char *out)
+{
+    int count = 0;
+    for (int i = 0; i < n; i++) count += mode[i];
+    size_t used = (size_t)snprintf(out, size, "mode%s", cli_plural(count));
+    bool any = false;
+    for (int i = 0; i < n && used < size; i++) {
+        if (!mode[i]) continue;
+        used += (size_t)snprintf(out + used, size - used, "%s%d", any ? ", " : " ", i + 1);
+        any = true;
+    }
+}
+
+bool cli_together_next(const ric_model *model, int *last, char text[CLI_TOGETHER])
+{
+    enum { MODES = 120, KEY = 160 };
+    const int n = ric_model_n_dof(model);
+    char key[KEY], modes[MODES];
+    bool *mode = calloc((size_t)n + 1, sizeof *mode);
+    *last = mode ? ric_model_together(model, *last, sizeof key, key, mode) : 0;
+    if (*last) {
+        list_modes(n, mode, sizeof modes, modes);
+        snprintf(text, CLI_TOGETHER,
+                 "motions of %s alone close contacts together and are no branches here: "
+                 "`together: %s` under `model` makes the study of them",
+                 modes, key);
+    }
+    free(mode);
+    return *last;
+}
+
+const char *cli_together_remark(const ric_model *model)
+{
+    ric_contact c;
+    for (int f = 0; f < ric_model_n_contact(model); f++)
+        if (!ric_model_contact(model, f, &c) && c.together > 1)
+            return "by `together`, motions in which contacts close together; a disturbance that "
+                   "parts them is not among those that stability, multipliers and junctions here "
+                   "are about";
+    return "";
+}
