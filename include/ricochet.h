@@ -113,6 +113,8 @@ double ric_model_restitution(const ric_model *model);
  * study takes them ("[[1, 2], [3, -4]]"), and these modes, mode [n_dof]; the one after number
  * `last` (0: the first). Its number; 0: there is no more. Modes of one frequency may hide some. */
 int ric_model_together(const ric_model *model, int last, size_t size, char *text, bool *mode);
+/* Whether contacts that close together in the structure would part in mode i, [n_dof]. */
+ric_status ric_model_parted(const ric_model *model, bool *out);
 /* RIC_E_INPUT where contacts close together and the motion from x, v [n_dof each] would part them:
  * it is none of this structure. */
 ric_status ric_model_check_state(const ric_model *model, const double *x, const double *v);
@@ -617,6 +619,11 @@ ric_status ric_atlas_multipliers(const ric_atlas *atlas, int branch, int first, 
 double ric_orbit_multiplier_error(const ric_orbit *orbit);
 /* As the multipliers have it, whatever is stored with the orbit. */
 ric_stability ric_orbit_stability(const ric_orbit *orbit);
+/* Of an orbit on which contacts close together (key `together` of a study): multipliers of the
+ * disturbances that part them, which those above are not about. *n of them, re, im each, out
+ * [4 n_dof], and what they say; 0 where nothing closes together, on a linear mode, too.
+ * RIC_E_INPUT: they are not defined, or not computed; why is told. */
+ric_status ric_orbit_parting(const ric_orbit *orbit, int *n, double *out, ric_stability *stable);
 /* State at time t (taken modulo the period), scaled, x and v [n_dof each]. */
 void ric_orbit_at_time(const ric_orbit *orbit, double t, double *x, double *v);
 /* Largest |x_i| over the period, scaled, [n_dof]. */

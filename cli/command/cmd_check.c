@@ -16,6 +16,7 @@ typedef struct {
     int kept;                   /* the lowest modes, that the study keeps */
     double *frequency, *energy; /* [n] */
     bool *seen;                 /* [n] */
+    bool *parted;               /* [n] contacts that close together would part in it */
     int *contact;               /* [n] */
     double *normal;             /* [m * n] */
     double *compliance;         /* [m * n], cumulative */
@@ -32,6 +33,7 @@ static void facts_free(facts *f)
     free(f->frequency);
     free(f->energy);
     free(f->seen);
+    free(f->parted);
     free(f->contact);
     free(f->normal);
     free(f->compliance);
@@ -46,13 +48,14 @@ static bool facts_allocate(facts *f, const ric_model *model)
     f->frequency = malloc(n * sizeof *f->frequency);
     f->energy = malloc(n * sizeof *f->energy);
     f->seen = malloc(n * sizeof *f->seen);
+    f->parted = malloc(n * sizeof *f->parted);
     f->contact = malloc(n * sizeof *f->contact);
     f->normal = malloc(m * n * sizeof *f->normal);
     f->compliance = malloc(m * n * sizeof *f->compliance);
     f->locked = malloc(m * n * sizeof *f->locked);
     f->face = malloc(m * sizeof *f->face);
-    return f->frequency && f->energy && f->seen && f->contact && f->normal && f->compliance &&
-           f->locked && f->face;
+    return f->frequency && f->energy && f->seen && f->parted && f->contact && f->normal &&
+           f->compliance && f->locked && f->face;
 }
 
 /* A frequency in the unit that is asked for. */
@@ -71,6 +74,7 @@ static ric_status facts_ask(facts *f)
 {
     ric_status status = ric_model_frequencies(f->model, f->frequency);
     if (!status) status = ric_model_seen(f->model, f->seen);
+    if (!status) status = ric_model_parted(f->model, f->parted);
     if (!status) status = ric_model_grazing_energies(f->model, f->energy, f->contact);
     if (!status) status = ric_model_modal_normals(f->model, f->normal);
     for (int i = 0; i < f->m && !status; i++) {
@@ -130,6 +134,7 @@ static json_t *mode_row(const facts *f, int i)
     }
     json_object_set_new(row, "parts", json_integer(ric_model_n_part(f->model)));
     json_object_set_new(row, "symmetric", json_boolean(ric_model_symmetric(f->model)));
+    json_object_set_new(row, "parted", json_boolean(f->parted[i]));
     json_object_set_new(row, "together", together_of(f, i));
     return row;
 }
@@ -253,7 +258,7 @@ static void print_modes(const facts *f)
         if (f->frequency[i] > 0) printf("%#14.8g  ", 2 * acos(-1) / f->frequency[i]);
         else printf("%14s  ", "-");
         printf("%-6s ", i >= f->kept ? "-" : f->seen[i] ? "yes" : "no");
-        if (i >= f->kept) puts(is_smooth(f) ? "left out" : "        left out");
+        if (i >= f->kept || f->parted[i]) puts(is_smooth(f) ? "left out" : "        left out");
         else if (is_smooth(f))
             puts(f->frequency[i] == 0 ? "rigid motion"
                  : f->seen[i]         ? "starts a branch at energy 0"
@@ -358,18 +363,18 @@ static void print_doubles(const facts *f)
 
 static void print_remarks(const facts *f)
 {
-    int unseen = 0, unseen_rigid = 0, seen_rigid = 0;
+    int parted = 0, unseen = 0, unseen_rigid = 0, seen_rigid = 0;
     for (int i = 0; i < f->kept; i++) {
-        unseen += !f->seen[i];
-        unseen_rigid += !f->seen[i] && f->frequency[i] == 0;
+        parted += f->parted[i];
+        unseen += !f->seen[i] && !f->parted[i];
+        unseen_rigid += !f->seen[i] && !f->parted[i] && f->frequency[i] == 0;
         seen_rigid += f->seen[i] && f->frequency[i] == 0;
     }
-    if (unseen || seen_rigid) putchar('\n');
-    if (unseen && *cli_together_remark(f->model))
-        printf("%d mode%s no contact sees %s left out: contacts that close together would part "
-               "there\n",
-               unseen, cli_plural(unseen), unseen == 1 ? "is" : "are");
-    else if (unseen)
+    if (parted || unseen || seen_rigid) putchar('\n');
+    if (parted)
+        printf("%d mode%s in which contacts that close together would part %s left out\n", parted,
+               cli_plural(parted), parted == 1 ? "is" : "are");
+    if (unseen)
         printf("%d mode%s no contact sees stay%s linear for ever and %s left out of the impact "
                "orbits\n",
                unseen, cli_plural(unseen), unseen == 1 ? "s" : "", unseen == 1 ? "is" : "are");
@@ -459,7 +464,8 @@ static const cli_item items[] = {
              "window_energy and "
              "window_frequency. Where contacts close together as long as some modes move alone, a "
              "sentence says so; "
-             "together in --json lists it, for each mode, as key `together` of a study takes it."},
+             "together in --json lists it, for each mode, as key `together` of a study takes it; "
+             "parted: contacts that close together by it would part."},
     {.name = "STUDY",
      .text = "a file, or - for standard input; files that it names are then looked for from the "
              "folder of the call"},

@@ -79,6 +79,20 @@ static json_t *multiplier_pairs(subject *s)
     return cli_pairs(n, s->multipliers);
 }
 
+/* What parts contacts that close together, where some do. */
+static void add_parting(json_t *row, const subject *s)
+{
+    double *pairs = calloc(4 * (size_t)s->n_dof, sizeof *pairs);
+    ric_stability stable = RIC_STABLE_UNDECIDED;
+    int n = 0;
+    const ric_status status = pairs ? ric_orbit_parting(s->orbit, &n, pairs, &stable) : RIC_E_NOMEM;
+    if (status || n) {
+        json_object_set_new(row, "parting", status ? json_null() : cli_pairs(n, pairs));
+        json_object_set_new(row, "parting_stable", json_string(cli_stability(stable)));
+    }
+    free(pairs);
+}
+
 static ric_status add_orbit(json_t *rows, subject *s)
 {
     json_t *row = json_object(), *speeds = json_array(), *impulses = json_array();
@@ -94,6 +108,7 @@ static ric_status add_orbit(json_t *rows, subject *s)
     json_object_set_new(row, "energy", cli_energy(s->point.energy, s->d));
     json_object_set_new(row, "multipliers", multiplier_pairs(s));
     json_object_set_new(row, "stable", json_string(cli_stability((ric_stability)s->point.stable)));
+    add_parting(row, s);
     json_object_set_new(row, "amplitudes",
                         status ? json_null() : cli_numbers(s->n_dof, amplitudes, s->d));
     if (!status) status = add_impacts(s, speeds, impulses);
@@ -358,6 +373,10 @@ static const cli_item items[] = {
     {.name = "multipliers",
      .text = "beside the trivial ones, as pairs of real and imaginary part; null where they are "
              "lost in rounding"},
+    {.name = "parting",
+     .text = "where contacts close together (key `together` of the study): multipliers of "
+             "disturbances that part them, null where they are not defined; parting_stable: yes, "
+             "no or undecided"},
     {.name = "amplitudes", .text = "largest |x| of every degree of freedom over the period"},
     {.name = "impact_speeds",
      .text = "speed of approach of each impact of the word; impulses: the momentum exchanged"},

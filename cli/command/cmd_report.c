@@ -424,6 +424,44 @@ static int sample_size(const ric_atlas *atlas)
     return larger > 1 ? (int)(SAMPLE / (larger * larger * larger)) : SAMPLE;
 }
 
+/* Of orbits in the midst of branches, on how many a disturbance grows that parts contacts which
+ * close together. */
+static ric_status add_parting(json_t *rows, const ric_atlas *atlas)
+{
+    const int size = sample_size(atlas), n_branch = size ? ric_atlas_n_branch(atlas) : 0,
+              step = n_branch / (size + !size) + 1;
+    int asked = 0, grows = 0;
+    double pairs[4 * ric_model_n_dof(ric_atlas_model(atlas))];
+    if (!*cli_together_remark(ric_atlas_model(atlas))) return RIC_OK;
+    for (int id = 1; id <= n_branch; id += step) {
+        ric_branch b;
+        ric_orbit **orbits = NULL;
+        ric_stability stable;
+        int found = 0, n = 0;
+        ric_status status = ric_atlas_branch(atlas, id, &b);
+        if (status) return status;
+        if (!b.n_point || ric_branch_linear(ric_atlas_model(atlas), &b)) continue;
+        status = ric_orbit_find(atlas, id, RIC_AT_POINT, b.n_point / 2, &found, &orbits);
+        const ric_status known = status ? status : ric_orbit_parting(orbits[0], &n, pairs, &stable);
+        ric_orbits_free(found, orbits);
+        if (status) return status;
+        if (known == RIC_E_INPUT) {
+            add(rows, "disturbances that part contacts", json_string("unknown"), ric_detail());
+            return RIC_OK;
+        }
+        if (known || !n) continue;
+        asked++;
+        grows += stable == RIC_STABLE_NO;
+    }
+    char detail[160];
+    snprintf(detail, sizeof detail,
+             "of %d orbits in the midst of branches; `ricochet orbit` has their multipliers as "
+             "parting",
+             asked);
+    add_count(rows, "disturbances that part contacts grow", grows, detail);
+    return RIC_OK;
+}
+
 static ric_status add_replay(json_t *rows, const ric_atlas *atlas)
 {
     int size = sample_size(atlas), n = size ? ric_atlas_n_branch(atlas) : 0,
@@ -484,6 +522,7 @@ ric_status cli_report_rows(const ric_atlas *atlas, json_t *rows)
     if (!status) status = add_gaps(rows, atlas);
     if (!status) status = add_refused(rows, atlas);
     if (!status) status = cli_report_places(atlas, rows);
+    if (!status) status = add_parting(rows, atlas);
     return status ? status : add_replay(rows, atlas);
 }
 

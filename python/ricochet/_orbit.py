@@ -68,6 +68,14 @@ class Orbit:
         return filled(2 * n + 1, lambda out: lib.ric_orbit_multipliers(self._handle, out))[:2 * n].view(complex)
 
     @property
+    def parting(self) -> np.ndarray:
+        """Complex, of disturbances that part contacts which close together (key `together` of a study): empty where
+        none do. InputError where they are not defined."""
+        n, stable = ffi.new("int *"), ffi.new("ric_stability *")
+        out = filled(4 * self.model.n_dof, lambda out: lib.ric_orbit_parting(self._handle, n, out, stable))
+        return out[:2 * n[0]].view(complex)
+
+    @property
     def impact_times(self) -> np.ndarray:
         """[max(letters, 1)], s, from 0 on."""
         return np.concatenate([[0.0], np.cumsum(self.flights)[:-1]])

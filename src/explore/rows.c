@@ -39,7 +39,7 @@ static ric_status linear_rows(const ric_graph *g, ric_branch_row *branches, int 
         if (!ric_model_detached(m) && seen >= 0) continue; /* its branch is traced */
         for (int k = 0; k < g->n_node; k++)
             if (seen >= 0 && g->nodes[k]->mode == seen && g->nodes[k]->multiple == 1) node = k;
-        if (m->frequency[i] == 0 ||
+        if (m->frequency[i] == 0 || ric_joined_parts(m, i) ||
             !(started(g->options, i) || (node >= 0 && departed(g->nodes[node]))))
             continue;
         status = ric_branch_row_linear(m, g->options, i, seen, node,

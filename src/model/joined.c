@@ -17,7 +17,8 @@
 
 ric_status ric_joined_create(int n_contact, ric_joined *out)
 {
-    *out = (ric_joined){.group = ric_calloc((size_t)n_contact + 1, sizeof *out->group),
+    *out = (ric_joined){.n_contact = n_contact,
+                        .group = ric_calloc((size_t)n_contact + 1, sizeof *out->group),
                         .sign = ric_calloc((size_t)n_contact + 1, sizeof *out->sign)};
     if (out->group && out->sign) return RIC_OK;
     ric_joined_free(out);
@@ -61,13 +62,13 @@ static const char *difference(const ric_contact *a, const ric_contact *b, int si
 }
 
 /* Contact `first` with all of its group. */
-static ric_status join(const ric_joined *j, int n, int n_contact, const ric_contact *contacts,
-                       int first, ric_contact *out)
+static ric_status join(const ric_joined *j, int n, const ric_contact *contacts, int first,
+                       ric_contact *out)
 {
     double *normal = ric_own(out->normal), largest = 0, size = 0;
     char name[200] = "";
     size_t used = 0;
-    for (int i = first; i < n_contact; i++) {
+    for (int i = first; i < j->n_contact; i++) {
         if (j->group[i] != j->group[first]) continue;
         const char *why = difference(&contacts[first], &contacts[i], j->sign[i]);
         if (why)
@@ -101,9 +102,10 @@ static ric_status join(const ric_joined *j, int n, int n_contact, const ric_cont
     return RIC_OK;
 }
 
-ric_status ric_joined_contacts(const ric_joined *j, int n, int n_contact,
-                               const ric_contact *contacts, int *n_out, ric_contact **out)
+ric_status ric_joined_contacts(const ric_joined *j, int n, const ric_contact *contacts, int *n_out,
+                               ric_contact **out)
 {
+    const int n_contact = j->n_contact;
     bool done[n_contact + 1];
     memset(done, 0, sizeof done);
     *n_out = 0;
@@ -118,7 +120,7 @@ ric_status ric_joined_contacts(const ric_joined *j, int n, int n_contact,
         c->normal = normal; /* released with the contact, also on failure */
         if (!normal) return ric_no_memory("contacts that close together");
         if (j->group[i]) {
-            const ric_status status = join(j, n, n_contact, contacts, i, c);
+            const ric_status status = join(j, n, contacts, i, c);
             if (status) return status;
             done[j->group[i]] = true;
             continue;
@@ -148,10 +150,9 @@ static double norm(const ric_model *m, const double *y)
     return sqrt(sum);
 }
 
-ric_status ric_joined_check(const ric_joined *j, const ric_model *m, int n_contact,
-                            const ric_contact *contacts)
+ric_status ric_joined_check(const ric_joined *j, const ric_model *m, const ric_contact *contacts)
 {
-    for (int i = 0; i < n_contact; i++) {
+    for (int i = 0; i < j->n_contact; i++) {
         int first = 0;
         while (j->group[i] && j->group[first] != j->group[i]) first++;
         if (!j->group[i] || first == i) continue;
@@ -247,12 +248,12 @@ static bool begin(const search *s, int f, int g, int sign, ric_joined *j)
     return first == f && j->group[g] == j->group[f] && j->sign[g] == sign;
 }
 
-void ric_joined_write(const ric_joined *j, int n_contact, size_t size, char *out)
+void ric_joined_write(const ric_joined *j, size_t size, char *out)
 {
     size_t used = (size_t)snprintf(out, size, "[");
     for (int k = 1; k <= j->n_group; k++) {
         bool any = false;
-        for (int i = 0; i < n_contact && used < size; i++) {
+        for (int i = 0; i < j->n_contact && used < size; i++) {
             if (j->group[i] != k) continue;
             used += (size_t)snprintf(out + used, size - used, "%s%d",
                                      any     ? ", "
@@ -283,19 +284,117 @@ int ric_model_together(const ric_model *m, int last, size_t size, char *text, bo
             for (int sign = 1; sign >= -1 && !at; sign -= 2)
                 if (++number > last && begin(&s, f, g, sign, &found)) at = number;
     for (int k = 0; k < m->n_dof && at; k++) mode[k] = mode[k] && m->seen[k];
-    if (at) ric_joined_write(&found, n, size, text);
+    if (at) ric_joined_write(&found, size, text);
     ric_joined_free(&found);
     return at;
 }
 
-/* ------------------------------------------------------------ what does not belong */
+/* ------------------------------------------------------------ what parts them */
 
-static bool is_joined(const ric_model *m)
+void ric_joined_members_free(ric_members *members)
 {
-    for (int f = 0; f < m->n_contact; f++)
-        if (m->contact[f].together > 1) return true;
+    if (!members) return;
+    free(members->mode);
+    free(members->first);
+    free(members->omega);
+    free(members->c);
+    free(members->cc);
+    free(members->disturbs);
+    free(members);
+}
+
+static ric_status allocate_members(int n, int n_contact, int n_member, ric_members **out)
+{
+    const size_t most = (size_t)n + 1;
+    ric_members *m = *out = ric_calloc(1, sizeof *m);
+    if (!m) return ric_no_memory("contacts that close together");
+    m->mode = ric_calloc(most, sizeof *m->mode);
+    m->first = ric_calloc((size_t)n_contact + 1, sizeof *m->first);
+    m->omega = ric_calloc(most, sizeof *m->omega);
+    m->c = ric_calloc(most * (size_t)n_member, sizeof *m->c);
+    m->cc = ric_calloc((size_t)n_member, sizeof *m->cc);
+    m->disturbs = ric_calloc((size_t)n_contact + 1, sizeof *m->disturbs);
+    return m->mode && m->first && m->omega && m->c && m->cc && m->disturbs
+               ? RIC_OK
+               : ric_no_memory("contacts that close together");
+}
+
+/* The contacts in the order of those that stand for them, parts [n_contact * n_mode] of their
+ * normals in all modes. */
+static void list_members(const ric_joined *j, const ric_model *model, int n_mode,
+                         const ric_contact *contacts, ric_members *m, double *parts)
+{
+    const double unit = sqrt(ric_dot(model->n_dof, model->normal, model->normal)); /* model.c */
+    int contact = 0;
+    for (int f = 0; f < j->n_contact; f++) {
+        bool before = false;
+        for (int g = 0; g < f; g++) before |= j->group[f] && j->group[g] == j->group[f];
+        if (before) continue;
+        m->first[contact] = m->n_member;
+        for (int g = f; g < j->n_contact; g++) {
+            if (g != f && (!j->group[f] || j->group[g] != j->group[f])) continue;
+            double *own = parts + m->n_member++ * n_mode;
+            for (int i = 0; i < n_mode; i++)
+                own[i] = (j->sign[g] < 0 ? -1 : 1) / unit * part(model, i, contacts[g].normal);
+        }
+        m->first[++contact] = m->n_member;
+    }
+}
+
+/* The modes in which some of them part. */
+static void list_modes(const ric_model *model, int n_mode, const double *parts, ric_members *m)
+{
+    for (int i = 0; i < n_mode; i++) {
+        bool any = false;
+        for (int a = 0; a < m->n_member; a++)
+            any |= fabs(parts[a * n_mode + i]) > ALIKE * sqrt(m->cc[a]);
+        if (model->seen[i] || !any) continue;
+        m->omega[m->n] = model->frequency[i] / model->omega_ref;
+        m->mode[m->n++] = i;
+    }
+    for (int a = 0; a < m->n_member; a++)
+        for (int k = 0; k < m->n; k++) m->c[a * m->n + k] = parts[a * n_mode + m->mode[k]];
+}
+
+ric_status ric_joined_attach(const ric_joined *j, int n_mode, const ric_contact *contacts,
+                             ric_model *model)
+{
+    ric_members *m;
+    ric_status status = allocate_members(n_mode, model->n_contact, j->n_contact, &m);
+    double *parts = ric_calloc((size_t)j->n_contact * (size_t)n_mode, sizeof *parts);
+    ric_joined_members_free(model->members);
+    model->members = m;
+    if (!status && !parts) status = ric_no_memory("contacts that close together");
+    if (!status) {
+        list_members(j, model, n_mode, contacts, m, parts);
+        for (int a = 0; a < m->n_member; a++)
+            m->cc[a] = ric_dot(n_mode, parts + a * n_mode, parts + a * n_mode);
+        for (int f = 0; f < model->n_contact; f++)
+            for (int a = m->first[f]; a < m->first[f + 1]; a++)
+                for (int b = m->first[f]; b < a; b++)
+                    m->disturbs[f] |= fabs(
+                                          ric_dot(n_mode, parts + a * n_mode, parts + b * n_mode)) >
+                                      ALIKE * sqrt(m->cc[a] * m->cc[b]);
+        list_modes(model, n_mode, parts, m);
+    }
+    free(parts);
+    return status;
+}
+
+bool ric_joined_parts(const ric_model *m, int mode)
+{
+    for (int k = 0; m->members && k < m->members->n; k++)
+        if (m->members->mode[k] == mode) return true;
     return false;
 }
+
+ric_status ric_model_parted(const ric_model *m, bool *out)
+{
+    for (int i = 0; i < m->n_dof; i++) out[i] = ric_joined_parts(m, i);
+    return RIC_OK;
+}
+
+/* ------------------------------------------------------------ what does not belong */
 
 /* y [n_dof] by its parts in the modes, a force or a momentum. */
 static ric_status check_parts(const ric_model *m, const double *y, const char *what)
@@ -303,7 +402,7 @@ static ric_status check_parts(const ric_model *m, const double *y, const char *w
     double size = 0;
     for (int i = 0; i < m->n_dof; i++) size = fmax(size, fabs(part(m, i, y)));
     for (int i = 0; i < m->n_dof; i++)
-        if (!m->seen[i] && fabs(part(m, i, y)) > ALIKE * size)
+        if (ric_joined_parts(m, i) && fabs(part(m, i, y)) > ALIKE * size)
             return ric_fail(RIC_E_INPUT,
                             "%s mode %d of %.6g rad/s, in which contacts that close together by "
                             "`together` would part; leave that out, or `together` in the study",
@@ -315,7 +414,7 @@ ric_status ric_model_check_state(const ric_model *m, const double *x, const doub
 {
     double momentum[m->n_dof];
     ric_status status = RIC_OK;
-    for (int which = 0; which < 2 && is_joined(m) && !status; which++) {
+    for (int which = 0; which < 2 && m->members && !status; which++) {
         for (int i = 0; i < m->n_dof; i++)
             momentum[i] = ric_dot(m->n_dof, m->M + i * m->n_dof, which ? v : x);
         status = check_parts(m, momentum,
@@ -343,7 +442,7 @@ static ric_status check_damping(const ric_model *m, const double *C)
 
 ric_status ric_joined_check_shaking(const ric_model *m, const ric_shaking *s)
 {
-    if (!is_joined(m)) return RIC_OK;
+    if (!m->members) return RIC_OK;
     const ric_status status = s->n_force ? check_parts(m, s->force, "the force pushes") : RIC_OK;
     return !status && s->n_matrix ? check_damping(m, s->matrix) : status;
 }

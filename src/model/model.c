@@ -7,6 +7,7 @@
 
 #include <lapacke.h>
 
+#include "joined.h"
 #include "mixture.h"
 #include "modes.h"
 #include "modal.h"
@@ -409,6 +410,7 @@ void ric_model_free(ric_model *m)
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     ric_regimes_free(m);
     ric_mixtures_free(m);
+    ric_joined_members_free(m->members);
     ric_shelf_free(m->simulators);
     free(m);
 }

@@ -75,6 +75,7 @@ struct ric_model {
     struct ric_phases *phases; /* regime.h: what contacts of law bilinear make of the modes while
                                   they are closed */
     struct ric_mixtures *mixtures; /* mixture.h: motions of modes that share a frequency */
+    struct ric_members *members;   /* joined.h: NULL where no contacts close together */
     ric_shelf *simulators;         /* the judge's, between two orbits (check/simulator.h) */
 };
 

@@ -4,6 +4,7 @@
 
 #include "floquet.h"
 #include "floquet_fine.h"
+#include "parting.h"
 #include "periodic.h"
 #include "reach.h"
 #include "shooting.h"

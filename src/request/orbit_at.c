@@ -399,6 +399,17 @@ ric_stability ric_orbit_stability(const ric_orbit *o)
     return o->stable;
 }
 
+ric_status ric_orbit_parting(const ric_orbit *o, int *n, double *out, ric_stability *stable)
+{
+    const int count = o->cycle ? ric_parting_count(o->model) : 0;
+    double error[count + 1];
+    const ric_status status = count ? ric_parting_multipliers(o->model, o->cycle, out, error)
+                                    : RIC_OK;
+    *n = status ? 0 : count;
+    *stable = status ? RIC_STABLE_UNDECIDED : ric_parting_stability(count, out, error);
+    return status;
+}
+
 void ric_orbit_at_time(const ric_orbit *o, double t, double *x, double *v)
 {
     const ric_model *m = o->model;

@@ -551,7 +551,8 @@ ric_status ric_study_model_read(const ric_yaml *r, const ric_yaml_slot *from,
                               "%.10g is out of range; give a number in [0, 1]", raw->restitution);
     status = create_model(r, from->key, slots, raw, out);
     if (!status) status = ric_study_together_check(r, &slots[M_TOGETHER], raw, *out);
-    return status ? status : ric_study_modes_read(r, &slots[M_MODES], options, open, raw, out);
+    if (!status) status = ric_study_modes_read(r, &slots[M_MODES], options, open, raw, out);
+    return status ? status : ric_study_together_attach(raw, *out);
 }
 
 /* ----------------------------------------------------------------- writing */

@@ -117,12 +117,14 @@ void ric_study_remark_add(ric_raw_model *raw, const char *format, ...)
 
 /* ---------------------------------------------------------- study_together.c */
 
-/* Makes one contact of those that close together; then whether the model of it holds what they do;
- * and the key as text. */
+/* Makes one contact of those that close together; whether the model of it holds what they do; and
+ * the key as text. */
 ric_status ric_study_together_read(const ric_yaml *r, const ric_yaml_slot *from,
                                    ric_raw_model *raw);
 ric_status ric_study_together_check(const ric_yaml *r, const ric_yaml_slot *from,
                                     const ric_raw_model *raw, const ric_model *model);
+/* What parts them, known to the model from now on. */
+ric_status ric_study_together_attach(const ric_raw_model *raw, ric_model *model);
 void ric_study_together_write(const ric_raw_model *raw, FILE *out);
 
 /* ------------------------------------------------------------- study_modes.c */

@@ -57,8 +57,7 @@ static ric_status take(const ric_yaml *r, const ric_yaml_node *where, ric_raw_mo
     ric_contact *made = NULL;
     int n_made = 0;
     char why[400];
-    ric_status status = ric_joined_contacts(&raw->joined, raw->n, raw->n_contact, raw->contacts,
-                                            &n_made, &made);
+    ric_status status = ric_joined_contacts(&raw->joined, raw->n, raw->contacts, &n_made, &made);
     if (status) {
         snprintf(why, sizeof why, "%s", ric_detail());
         ric_study_contacts_free(made ? n_made : 0, made);
@@ -92,16 +91,22 @@ ric_status ric_study_together_check(const ric_yaml *r, const ric_yaml_slot *from
 {
     char why[400];
     if (!from->key) return RIC_OK;
-    const ric_status status = ric_joined_check(&raw->joined, model, raw->n_given, raw->given);
+    const ric_status status = ric_joined_check(&raw->joined, model, raw->given);
     if (status != RIC_E_INPUT) return status;
     snprintf(why, sizeof why, "%s", ric_detail());
     return ric_yaml_wrong(r, from->value, "model.together", "%s", why);
+}
+
+ric_status ric_study_together_attach(const ric_raw_model *raw, ric_model *model)
+{
+    const int kept = raw->n_mode > 0 ? raw->n_mode : raw->n;
+    return raw->given ? ric_joined_attach(&raw->joined, kept, raw->given, model) : RIC_OK;
 }
 
 void ric_study_together_write(const ric_raw_model *raw, FILE *out)
 {
     char text[32 * (raw->n_given + 1)];
     if (!raw->given) return;
-    ric_joined_write(&raw->joined, raw->n_given, sizeof text, text);
+    ric_joined_write(&raw->joined, sizeof text, text);
     fprintf(out, "  together: %s\n", text);
 }

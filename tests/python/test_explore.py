@@ -264,6 +264,16 @@ def test_flags(folder):
     assert (atlas.branches.column("energy_max") <= 20 * (1 + 1e-12)).all()
 
 
+def test_together(folder):
+    """of contacts that close together there is more than one kind of disturbance"""
+    atlas = ricochet.explore(ricochet.Study.read("examples/two-bearings/study.yaml"), os.path.join(folder, "a.ricochet"))
+    assert [one.name for one in atlas.model.contacts] == ["left+right"]
+    orbit = atlas.branch("S2(1)[01]").orbit(energy=2)
+    assert orbit.parting.shape == (2,) and abs(orbit.parting.prod() - 1) < 1e-9
+    assert atlas.branch("S0(1)").orbit(energy=1).parting.shape == (0,)
+    raises(ricochet.InputError, "close together", ricochet.Study, atlas.model)
+
+
 def test_shows(folder):
     """every object prints itself, and shows itself in a notebook"""
     study = two_masses(energy=[0, 20], impacts=4, multiply=2)
@@ -349,4 +359,5 @@ def test_linear_algebra(folder):
 
 
 run([test_same_atlas, test_matrices, test_all_digits, test_interrupt, test_kernel, test_stops, test_errors, test_several, test_flags,
+     test_together,
      test_shows, test_copies, test_older, test_few_packages, test_bar, test_linear_algebra])

@@ -137,8 +137,10 @@ static void same_atlases(const ric_atlas *a, const ric_atlas *b)
         assert_true(near(p.energy, q.energy));
         assert_true(near(p.frequency, q.frequency));
     }
-    /* the modes of the whole have other numbers, and those that are not seen are branches, too */
+    /* the modes of the whole have other numbers; one in which the contacts would part is no branch
+     */
     int other = 0;
+    assert_int_equal(ric_atlas_n_branch(a), ric_atlas_n_branch(b));
     for (int id = 1; id <= ric_atlas_n_branch(a); id++) {
         const ric_branch p = branch_of(a, id);
         if (p.impacts == 0) continue;
@@ -234,6 +236,117 @@ static void an_orbit_is_one_of_the_whole(void **state)
         ric_atlas_free(atlas);
     }
     assert_true(replayed > 30);
+}
+
+/* ------------------------------------------------------------------ what parts them */
+
+/* A state of the orbit, moved by `by` along displacement (or velocity) i of the first half and
+ * oppositely in the second one, after a time on the whole structure. */
+static void move_on(ric_simulator *sim, const double *x, int sign, int i, double by, double time,
+                    double *out)
+{
+    double y[2 * N];
+    bool hit = true;
+    memcpy(y, x, sizeof y);
+    const int at = i < HALF ? i : N + i - HALF;
+    y[at] += by;
+    y[at + HALF] -= sign * by;
+    assert_int_equal(ric_simulator_start(sim, y, y + N), RIC_OK);
+    while (hit) assert_int_equal(ric_simulator_advance(sim, time, &hit, NULL), RIC_OK);
+    ric_simulator_state(sim, NULL, out, out + N);
+}
+
+/* The trace of the map of disturbances over a period, by differences: they stay apart. */
+static double trace_of(ric_simulator *sim, const ric_orbit *orbit, int sign, double *spread)
+{
+    const double step = 1e-8; /* to second order the two ways to part them differ */
+    double x[2 * N], ahead[2 * N], behind[2 * N], flights[64], trace = 0;
+    ric_point point;
+    ric_orbit_data(orbit, &point, NULL, flights, NULL);
+    ric_orbit_at_time(orbit, flights[0] / 2, x, x + N); /* in flight, and so is the end */
+    *spread = 0;
+    for (int i = 0; i < 2 * HALF; i++) {
+        const int at = i < HALF ? i : N + i - HALF;
+        const double time = 2 * acos(-1) / point.frequency;
+        move_on(sim, x, sign, i, step, time, ahead);
+        move_on(sim, x, sign, i, -step, time, behind);
+        trace += (ahead[at] - behind[at]) / (2 * step);
+        *spread = fmax(*spread, fabs(ahead[at] - behind[at]) / (2 * step));
+        for (int k = 0; k < HALF; k++) /* what is even stays as it is */
+            assert_true(
+                fabs(ahead[k] + sign * ahead[k + HALF] - behind[k] - sign * behind[k + HALF]) <
+                1e-4 * step * (1 + *spread) * (1 + *spread));
+    }
+    return trace;
+}
+
+/* Stops, whose masses move on their own, and springs: the sum of the multipliers against a replay
+ * of disturbed motions on the whole structure, which meet the two contacts one after the other. */
+static void what_parts_them_is_known(void **state)
+{
+    (void)state;
+    seed_now = 71000701;
+    int asked = 0, flags[3] = {0};
+    for (int k = 0; k < 6; k++) {
+        const int sign = k % 2 ? -1 : 1;
+        const char *law = k / 2 % 2 ? ", law: bilinear, stiffness: 3" : "";
+        const structure s = random_structure(sign, 0);
+        char text[TEXT];
+        ric_atlas *atlas = explored_whole(&s, k % 2, "both", law);
+        write_whole(&s, NULL, "both", law, text);
+        ric_study *study = study_of(text);
+        ric_simulator *sim = NULL;
+        assert_int_equal(ric_simulator_create(ric_study_model(study), &sim), RIC_OK);
+        for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+            const ric_branch b = branch_of(atlas, id);
+            ric_orbit **orbits = NULL;
+            ric_stability stable;
+            double pairs[4 * N], sum = 0, spread;
+            int n = 0, count = 0;
+            if (!b.impacts) continue;
+            assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, b.n_point / 2, &n, &orbits),
+                             RIC_OK);
+            assert_int_equal(ric_orbit_parting(orbits[0], &count, pairs, &stable), RIC_OK);
+            assert_int_equal(count, 2 * (N - HALF));
+            for (int i = 0; i < count; i++) sum += pairs[2 * i];
+            const double trace = trace_of(sim, orbits[0], sign, &spread);
+            if (spread < 100) {
+                assert_true(fabs(trace - sum) < 1e-5 * (1 + spread));
+                flags[stable]++;
+                asked++;
+            }
+            ric_orbits_free(n, orbits);
+        }
+        ric_simulator_free(sim);
+        ric_study_free(study);
+        ric_atlas_free(atlas);
+    }
+    assert_true(asked > 20 && flags[RIC_STABLE_YES] && flags[RIC_STABLE_NO]);
+}
+
+/* The order of two impacts that disturb each other is not known, and nothing is said. */
+static void an_unknown_order_is_told(void **state)
+{
+    (void)state;
+    seed_now = 71000801;
+    const structure s = random_structure(1, 0.2);
+    ric_atlas *atlas = explored_whole(&s, false, "both", "");
+    int asked = 0;
+    for (int id = 1; id <= ric_atlas_n_branch(atlas); id++) {
+        ric_orbit **orbits = NULL;
+        ric_stability stable;
+        double pairs[4 * N];
+        int n = 0, count = 0;
+        assert_int_equal(ric_orbit_find(atlas, id, RIC_AT_POINT, 1, &n, &orbits), RIC_OK);
+        const bool impacts = branch_of(atlas, id).impacts > 0;
+        assert_int_equal(ric_orbit_parting(orbits[0], &count, pairs, &stable),
+                         impacts ? RIC_E_INPUT : RIC_OK);
+        assert_int_equal(count, 0);
+        asked += impacts;
+        ric_orbits_free(n, orbits);
+    }
+    assert_true(asked > 0);
+    ric_atlas_free(atlas);
 }
 
 /* ------------------------------------------------------------------ what is said */
@@ -354,6 +467,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_atlas_is_that_of_the_half),
         cmocka_unit_test(an_orbit_is_one_of_the_whole),
+        cmocka_unit_test(what_parts_them_is_known),
+        cmocka_unit_test(an_unknown_order_is_told),
         cmocka_unit_test(a_wrong_group_is_refused),
         cmocka_unit_test(the_text_is_read_back),
         cmocka_unit_test(what_may_be_joined_is_found),
