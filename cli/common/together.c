@@ -42,8 +42,8 @@ const char *cli_together_remark(const ric_model *model)
     ric_contact c;
     for (int f = 0; f < ric_model_n_contact(model); f++)
         if (!ric_model_contact(model, f, &c) && c.together > 1)
-            return "by `together`, motions in which contacts close together; a disturbance that "
-                   "parts them is not among those that stability, multipliers and junctions here "
-                   "are about";
+            return "contacts close together, by `together`: stability, multipliers and junctions "
+                   "are about disturbances that keep them so; of others `ricochet orbit` has "
+                   "`parting`";
     return "";
 }
