@@ -132,9 +132,7 @@ static ric_status create(const ric_model *m, int f, int g, family *a)
     a->r = a->J + rows * wide;
     a->A = a->r + rows;
     a->first = a->A + wide * wide;
-    status = bound(a);
-    return status || a->n_spring == 0 ? status
-                                      : ric_loose_zeros_create(m, f, g, a->longest, &a->zeros);
+    return bound(a);
 }
 
 /* ------------------------------------------------------------------ orbits */
@@ -562,9 +560,14 @@ static ric_status make_levels(family *a, const scan *s)
     return RIC_OK;
 }
 
-static ric_status scan_family(family *a, const scan *s)
+static ric_status scan_family(family *a, const scan *s, int f, int g)
 {
     ric_status status = make_levels(a, s);
+    double longest[2] = {0}; /* what is loose in a contact, too, sets no bound */
+    for (int i = 0; i < a->n_spring && a->n_level > 0; i++)
+        longest[i] = fmin(a->longest[i], a->levels[0].time);
+    if (!status && a->n_spring > 0 && a->n_level > 0)
+        status = ric_loose_zeros_create(a->chain->model, f, g, longest, &a->zeros);
     for (int i = 0; i < a->n_level && !status; i++) {
         trial t = {a, s, &a->levels[i]};
         if (a->n_spring > 0) status = ric_loose_zeros_find(a->zeros, t.at->time, try_box, &t);
@@ -581,8 +584,11 @@ ric_status ric_loose_scan(const ric_model *m, const ric_limits *limits, ric_loos
         for (int g = f + 1; g < m->n_face && !status; g++) {
             family a;
             if (!ric_model_opposite(m, f, g)) continue;
-            status = create(m, m->face[f].mirror == g ? -1 : f, m->face[f].mirror == g ? f : g, &a);
-            if (!status) status = scan_family(&a, &(scan){limits, take, data});
+            const bool image = m->face[f].mirror == g;
+            status = create(m, image ? -1 : f, image ? f : g, &a);
+            if (!status)
+                status = scan_family(&a, &(scan){limits, take, data}, image ? -1 : f,
+                                     image ? f : g);
             release(&a);
         }
     return status;

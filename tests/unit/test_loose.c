@@ -188,6 +188,20 @@ static void through_the_centre(void **state)
     for (int i = 0; i < 4; i++) assert_true(starts_between(&f, stretch[i]) > 0);
 }
 
+/* Two loose masses with springs between them, which stay loose while one is closed: nothing bounds
+ * the contact but the period. */
+static void loose_in_contact(void **state)
+{
+    (void)state;
+    const double window[] = {0.5, 0.6}, M[] = {1, 0, 0, 1}, K[] = {0, 0, 0, 0}, b[] = {1, -1, 1, 0};
+    ric_contact contacts[] = {{.clearance = 1, .normal = b, .sides = RIC_SIDES_BOTH},
+                              {.clearance = 1, .normal = b + 2, .sides = RIC_SIDES_BOTH}};
+    contacts[0].law = RIC_LAW_BILINEAR;
+    contacts[0].stiffness = 100;
+    found f;
+    scan(2, M, K, 2, contacts, window, &f);
+}
+
 /* What is pushed to one side only, and masses that are loose in two ways, have none. */
 static void none(void **state)
 {
@@ -209,6 +223,7 @@ int main(void)
         cmocka_unit_test(resonances),
         cmocka_unit_test(beside_each_other),
         cmocka_unit_test(through_the_centre),
+        cmocka_unit_test(loose_in_contact),
         cmocka_unit_test(none),
     };
     return cmocka_run_group_tests_name("loose", tests, NULL, NULL);
