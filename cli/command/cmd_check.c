@@ -103,15 +103,16 @@ static void set_numbered(json_t *row, const char *stem, int number, double value
     json_object_set_new(row, key, cli_number(value));
 }
 
-/* The contacts that close together where mode i and others move alone, as a study says it. */
-static json_t *together_of(const facts *f, int i)
+/* The contacts that close together where a mode and others move alone, as a study says it. */
+static void add_together(const facts *f, json_t *rows)
 {
     char text[CLI_TOGETHER];
     bool mode[f->n];
-    json_t *list = json_array();
     for (int last = 0; (last = ric_model_together(f->model, last, sizeof text, text, mode));)
-        if (mode[i]) json_array_append_new(list, json_string(text));
-    return list;
+        for (int i = 0; i < f->n; i++)
+            if (mode[i])
+                json_array_append_new(json_object_get(json_array_get(rows, (size_t)i), "together"),
+                                      json_string(text));
 }
 
 static json_t *mode_row(const facts *f, int i)
@@ -135,7 +136,7 @@ static json_t *mode_row(const facts *f, int i)
     json_object_set_new(row, "parts", json_integer(ric_model_n_part(f->model)));
     json_object_set_new(row, "symmetric", json_boolean(ric_model_symmetric(f->model)));
     json_object_set_new(row, "parted", json_boolean(f->parted[i]));
-    json_object_set_new(row, "together", together_of(f, i));
+    json_object_set_new(row, "together", json_array());
     return row;
 }
 
@@ -143,6 +144,7 @@ static int print_rows(const facts *f, const ric_study *study, cli_format format)
 {
     json_t *rows = json_array();
     for (int i = 0; i < f->n; i++) json_array_append_new(rows, mode_row(f, i));
+    add_together(f, rows);
     const ric_status status = cli_windows_rows(study, rows);
     for (int i = 0; i < f->n && f->hertz; i++) {
         size_t k;

@@ -5,23 +5,22 @@
 
 #include "cli.h"
 
-/* "modes 1, 3" */
+/* "modes 1, 3"; of many the first ones, and how many they are. */
 static void list_modes(int n, const bool *mode, size_t size, char *out)
 {
-    int count = 0;
+    enum { SHOWN = 12 };
+    int count = 0, shown = 0;
     for (int i = 0; i < n; i++) count += mode[i];
     size_t used = (size_t)snprintf(out, size, "mode%s", cli_plural(count));
-    bool any = false;
-    for (int i = 0; i < n && used < size; i++) {
-        if (!mode[i]) continue;
-        used += (size_t)snprintf(out + used, size - used, "%s%d", any ? ", " : " ", i + 1);
-        any = true;
-    }
+    for (int i = 0; i < n && shown < SHOWN; i++)
+        if (mode[i])
+            used += (size_t)snprintf(out + used, size - used, "%s%d", shown++ ? ", " : " ", i + 1);
+    if (shown < count) snprintf(out + used, size - used, ", ... (%d in all)", count);
 }
 
 bool cli_together_next(const ric_model *model, int *last, char text[CLI_TOGETHER])
 {
-    enum { MODES = 120, KEY = 160 };
+    enum { MODES = 200, KEY = CLI_TOGETHER - 400 };
     const int n = ric_model_n_dof(model);
     char key[KEY], modes[MODES];
     bool *mode = calloc((size_t)n + 1, sizeof *mode);

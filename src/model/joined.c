@@ -8,12 +8,15 @@
 #include "base/room.h"
 #include "modal.h"
 #include "model.h"
+#include "modes.h"
 
 /* ALIKE: of |c|: parts of normals in a mode that differ by less are the same but for rounding of
  * shapes, which have an error of rounding over the distance of frequencies */
 #define ALIKE 1e-9
 /* SAME: relative: numbers of a study that are meant to be one */
 #define SAME 1e-12
+/* NEARLY: of |c|: what is left of a mode in the mean of normals that are nearly images */
+#define NEARLY 1e-6
 
 ric_status ric_joined_create(int n_contact, ric_joined *out)
 {
@@ -150,6 +153,20 @@ static double norm(const ric_model *m, const double *y)
     return sqrt(sum);
 }
 
+/* "" or what a user may do where contacts part by no more than last digits, or a mode that parts
+ * them is seen by no more than these. */
+static const char *remedy(const ric_model *m, int mode, double apart, double size)
+{
+    bool nearly = true;
+    for (int f = 0; f < m->n_contact; f++) {
+        const double *c = &m->normal[f * m->n_dof];
+        nearly &= fabs(c[mode]) <= NEARLY * sqrt(ric_dot(m->n_dof, c, c));
+    }
+    return nearly || apart <= NEARLY * size
+               ? "; but for the last digits it is one, so that the mean of it and its image will do"
+               : "";
+}
+
 ric_status ric_joined_check(const ric_joined *j, const ric_model *m, const ric_contact *contacts)
 {
     for (int i = 0; i < j->n_contact; i++) {
@@ -165,8 +182,9 @@ ric_status ric_joined_check(const ric_joined *j, const ric_model *m, const ric_c
                                 "contacts %d and %d do not stay together: mode %d of %.6g rad/s "
                                 "moves them by %.10g and %.10g, and the impacts that they share "
                                 "would start it; only where a structure is its own image with "
-                                "contacts exchanged do they, all that are exchanged at once",
-                                first + 1, i + 1, k + 1, m->frequency[k], a, j->sign[i] * b);
+                                "contacts exchanged do they, all that are exchanged at once%s",
+                                first + 1, j->sign[i] * (i + 1), k + 1, m->frequency[k], a, b,
+                                remedy(m, k, fabs(a - b), size));
         }
     }
     return RIC_OK;
@@ -187,21 +205,26 @@ static double of(const search *s, int f, int mode)
 }
 
 /* Whether contacts f and g, one of them turned by sign, move as one in the modes that are alike,
- * and oppositely in the others. */
+ * and oppositely in the others, so that their mean does not see those. */
 static bool exchanged(const search *s, int f, int g, int sign)
 {
     const double lost = ALIKE * (s->size[f] + s->size[g]);
+    double both = 0, rest = 0;
     if (difference(&s->m->contact[f], &s->m->contact[g], sign)) return false;
-    for (int k = 0; k < s->m->n_dof; k++)
-        if (!(fabs(of(s, f, k) - (s->alike[k] ? sign : -sign) * of(s, g, k)) <= lost)) return false;
-    return true;
+    for (int k = 0; k < s->m->n_dof; k++) {
+        const double mean = (of(s, f, k) + sign * of(s, g, k)) / 2;
+        if (!s->alike[k]) rest = fmax(rest, fabs(mean));
+        else if (!(fabs(of(s, f, k) - sign * of(s, g, k)) <= lost)) return false;
+        else both += mean * mean;
+    }
+    return rest <= RIC_UNSEEN * sqrt(both);
 }
 
 /* Whether contact f is its own image. */
 static bool alone(const search *s, int f)
 {
     for (int k = 0; k < s->m->n_dof; k++)
-        if (!s->alike[k] && fabs(of(s, f, k)) > ALIKE * s->size[f]) return false;
+        if (!s->alike[k] && of(s, f, k) != 0) return false;
     return true;
 }
 
@@ -242,10 +265,9 @@ static bool begin(const search *s, int f, int g, int sign, ric_joined *j)
         apart |= !s->alike[k];
     }
     /* the pair that comes first of all that it joins: each is told once */
-    if (!both || !apart || !join_all(s, j)) return false;
-    int first = 0;
-    while (!j->group[first]) first++;
-    return first == f && j->group[g] == j->group[f] && j->sign[g] == sign;
+    for (int i = 0; i < f; i++)
+        if (!alone(s, i)) return false;
+    return both && apart && join_all(s, j) && j->group[g] == j->group[f] && j->sign[g] == sign;
 }
 
 void ric_joined_write(const ric_joined *j, size_t size, char *out)

@@ -10,8 +10,6 @@
 #include "modal.h"
 #include "base/room.h"
 
-/* A modal normal below this fraction of |c_f| is rounding: the mode is not seen by the contact. */
-#define UNSEEN 1e-12
 /* Of c.c: beyond it, and below its inverse, squares and products of three leave what a double can
  * hold. */
 #define EXTREME 1e100
@@ -361,7 +359,7 @@ static ric_status find_seen(ric_model *m)
                             "another unit of mass, or divide normal and clearance by one number",
                             f + 1, cc, 1 / EXTREME, EXTREME);
         for (int i = 0; i < n; i++) {
-            if (fabs(m->normal[f * n + i]) <= UNSEEN * sqrt(cc)) m->normal[f * n + i] = 0;
+            if (fabs(m->normal[f * n + i]) <= RIC_UNSEEN * sqrt(cc)) m->normal[f * n + i] = 0;
             else m->seen[i] = true;
         }
     }

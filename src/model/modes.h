@@ -5,6 +5,9 @@
 
 #include "model.h"
 
+/* A modal normal below this fraction of |c_f| is rounding: the mode is not seen by the contact. */
+#define RIC_UNSEEN 1e-12
+
 /* K phi = lambda M phi: frequencies (rigid-body modes have exactly 0) with what rounding took from
  * them, and shapes of a model with its raw data. Modes whose frequencies rounding of the matrices
  * alone tells apart have one, to the last bit, and the basis in which most are unseen; every shape

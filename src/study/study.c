@@ -188,13 +188,20 @@ static ric_status read_explore(const ric_yaml *r, const ric_yaml_slot *from, pla
 }
 
 static ric_status check_start(const ric_yaml *r, const ric_yaml_node *start, int n_dof,
-                              const ric_explore_options *options)
+                              const ric_model *model, const ric_explore_options *options)
 {
-    for (int i = 0; i < options->n_start; i++)
-        if (options->start[i] > n_dof)
+    for (int i = 0; i < options->n_start; i++) {
+        const int mode = options->start[i];
+        if (mode > n_dof)
             return ric_yaml_wrong(r, start, "explore.start",
-                                  "there is no mode %d; the structure has modes 1 to %d",
-                                  options->start[i], n_dof);
+                                  "there is no mode %d; the structure has modes 1 to %d", mode,
+                                  n_dof);
+        if (ric_joined_parts(model, mode - 1))
+            return ric_yaml_wrong(r, start, "explore.start",
+                                  "mode %d parts contacts that close together by model.together, "
+                                  "and no family here starts from it; leave it out",
+                                  mode);
+    }
     return RIC_OK;
 }
 
@@ -444,7 +451,7 @@ static ric_status read_study(const ric_yaml *r, ric_study *study, ric_raw_model 
         return status;
     study->restitution_line = raw->restitution_line;
     snprintf(study->remark, sizeof study->remark, "%s", raw->remark);
-    if ((status = check_start(r, given.start, raw->n, &study->options)) ||
+    if ((status = check_start(r, given.start, raw->n, study->model, &study->options)) ||
         (status = settle_look(r, &given, study->model, &study->options)) ||
         (status = settle_options(r,
                                  slots[S_EXPLORE].key ? slots[S_EXPLORE].key : slots[S_MODEL].key,

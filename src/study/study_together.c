@@ -56,7 +56,7 @@ static ric_status take(const ric_yaml *r, const ric_yaml_node *where, ric_raw_mo
 {
     ric_contact *made = NULL;
     int n_made = 0;
-    char why[400];
+    char why[700];
     ric_status status = ric_joined_contacts(&raw->joined, raw->n, raw->contacts, &n_made, &made);
     if (status) {
         snprintf(why, sizeof why, "%s", ric_detail());
@@ -89,7 +89,7 @@ ric_status ric_study_together_read(const ric_yaml *r, const ric_yaml_slot *from,
 ric_status ric_study_together_check(const ric_yaml *r, const ric_yaml_slot *from,
                                     const ric_raw_model *raw, const ric_model *model)
 {
-    char why[400];
+    char why[700];
     if (!from->key) return RIC_OK;
     const ric_status status = ric_joined_check(&raw->joined, model, raw->given);
     if (status != RIC_E_INPUT) return status;

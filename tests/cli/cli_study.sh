@@ -156,6 +156,29 @@ P
 }
 ok 'its limits are those of the reader' limits
 
+together() { # of many contacts, all that close together are told, and taken as they are told
+    python3 -S - "$ricochet" "$folder" <<'P'
+import re, subprocess, sys
+program, folder = sys.argv[1:]
+n = 50
+rows = lambda entry: "[" + ", ".join(str([entry(i, j) for j in range(n)]) for i in range(n)) + "]"
+contacts = "".join(f"    - {{normal: {[int(i == j) for j in range(n)]}, clearance: 1}}\n" for i in range(n))
+model = (f"model:\n  mass: {rows(lambda i, j: int(i == j))}\n"
+         f"  stiffness: {rows(lambda i, j: 3 if i == j else -(abs(i - j) == 1))}\n")
+def check(key, *options):
+    open(f"{folder}/try.yaml", "w").write(f"{model}{key}  modes: all\n  contacts:\n{contacts}")
+    done = subprocess.run([program, "check", f"{folder}/try.yaml", *options], capture_output=True, text=True)
+    return done.returncode, done.stdout + done.stderr
+code, said = check("")
+told = re.findall(r"motions of modes ((?:\d+, )+)\.\.\. \((\d+) in all\) .*`(together: \S.*\]\])` under", said)
+assert code == 0 and len(told) == 2 and [count for _, count, _ in told] == ["25", "25"], said
+for modes, _, key in told:
+    code, said = check(f"  {key}\n", "--json")
+    assert code == 0 and said.count('"parted": true') == 25, said
+P
+}
+ok 'all contacts that close together are told, however many' together
+
 template() { # what `new` writes is true: it runs, and every value in it is the default
     (cd "$folder" && "$ricochet" new fresh && "$ricochet" check fresh/study.yaml && "$ricochet" run fresh/study.yaml) || return 1
     sed '/^explore:/,/^tolerance/d' "$folder/fresh/study.yaml" >"$folder/bare.yaml"

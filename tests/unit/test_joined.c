@@ -443,6 +443,57 @@ static void what_may_be_joined_is_found(void **state)
     }
 }
 
+/* What is told is taken: of structures that are their own image to so many digits, too. */
+static void what_is_told_is_taken(void **state)
+{
+    (void)state;
+    seed_now = 72000501;
+    int told = 0, refusals = 0;
+    for (int k = 0; k < 40; k++) {
+        structure s = random_structure(1, 0.2);
+        char text[TEXT], found[100];
+        bool mode[N];
+        s.K[0] *= 1 + pow(10, -15 + k / 4);
+        write_whole(&s, NULL, "both", "", text);
+        ric_study *study = study_of(text), *joined = NULL;
+        for (int last = 0; (last = ric_model_together(ric_study_model(study), last, sizeof found,
+                                                      found, mode));) {
+            write_whole(&s, found, "both", "", text);
+            if (ric_study_parse(text, "test", ".", &joined)) fail_msg("%d: %s", k, ric_detail());
+            ric_study_free(joined);
+            told++;
+        }
+        write_whole(&s, "[[1, 2]]", "both", "", text);
+        if (k >= 12 && k < 36) { /* 1e-12 to 1e-7 */
+            if (ric_study_parse(text, "test", ".", &joined) == RIC_OK) ric_study_free(joined);
+            else refusals += strstr(ric_detail(), "but for the last digits it is one") != NULL;
+        }
+        ric_study_free(study);
+    }
+    assert_true(told >= 16 && refusals >= 16);
+}
+
+/* A mode that parts them starts no family. */
+static void a_start_that_parts_them_is_refused(void **state)
+{
+    (void)state;
+    seed_now = 72000601;
+    const structure s = random_structure(1, 0);
+    char text[TEXT], whole[TEXT + 100], key[40];
+    bool parted[N];
+    write_whole(&s, "[[1, 2]]", "both", "", text);
+    ric_study *study = study_of(text);
+    assert_int_equal(ric_model_parted(ric_study_model(study), parted), RIC_OK);
+    ric_study_free(study);
+    char *at = strstr(text, "explore: {") + strlen("explore: {");
+    for (int i = 0; i < N; i++) {
+        snprintf(key, sizeof key, "start: [%d], ", i + 1);
+        snprintf(whole, sizeof whole, "%.*s%s%s", (int)(at - text), text, key, at);
+        if (parted[i]) refused(whole, "parts contacts that close together by model.together");
+        else ric_study_free(study_of(whole));
+    }
+}
+
 /* A motion that parts them is none of the structure. */
 static void a_state_that_parts_them_is_told(void **state)
 {
@@ -472,6 +523,8 @@ int main(void)
         cmocka_unit_test(a_wrong_group_is_refused),
         cmocka_unit_test(the_text_is_read_back),
         cmocka_unit_test(what_may_be_joined_is_found),
+        cmocka_unit_test(what_is_told_is_taken),
+        cmocka_unit_test(a_start_that_parts_them_is_refused),
         cmocka_unit_test(a_state_that_parts_them_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
