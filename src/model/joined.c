@@ -204,20 +204,28 @@ static double of(const search *s, int f, int mode)
     return s->m->normal[f * s->m->n_dof + mode];
 }
 
-/* Whether contacts f and g, one of them turned by sign, move as one in the modes that are alike,
- * and oppositely in the others, so that their mean does not see those. */
-static bool exchanged(const search *s, int f, int g, int sign)
+/* Whether contacts f and g, one of them turned by sign, move as one in the modes that are alike. */
+static bool as_one(const search *s, int f, int g, int sign)
 {
     const double lost = ALIKE * (s->size[f] + s->size[g]);
-    double both = 0, rest = 0;
     if (difference(&s->m->contact[f], &s->m->contact[g], sign)) return false;
+    for (int k = 0; k < s->m->n_dof; k++)
+        if (s->alike[k] && !(fabs(of(s, f, k) - sign * of(s, g, k)) <= lost)) return false;
+    return true;
+}
+
+/* Whether the mean of a group sees modes that are alike, and no others. */
+static bool sees_these(const search *s, const ric_joined *j, int group)
+{
+    double these = 0, others = 0;
     for (int k = 0; k < s->m->n_dof; k++) {
-        const double mean = (of(s, f, k) + sign * of(s, g, k)) / 2;
-        if (!s->alike[k]) rest = fmax(rest, fabs(mean));
-        else if (!(fabs(of(s, f, k) - sign * of(s, g, k)) <= lost)) return false;
-        else both += mean * mean;
+        double sum = 0;
+        for (int f = 0; f < j->n_contact; f++)
+            if (j->group[f] == group) sum += j->sign[f] * of(s, f, k);
+        if (s->alike[k]) these += sum * sum;
+        else others = fmax(others, fabs(sum));
     }
-    return rest <= RIC_UNSEEN * sqrt(both);
+    return these > 0 && others <= RIC_UNSEEN * sqrt(these);
 }
 
 /* Whether contact f is its own image. */
@@ -228,14 +236,6 @@ static bool alone(const search *s, int f)
     return true;
 }
 
-/* A group with contact f in it; the sign of the partner g. */
-static void pair(ric_joined *j, int f, int g, int sign)
-{
-    j->group[f] = j->group[g] = ++j->n_group;
-    j->sign[f] = 1;
-    j->sign[g] = sign;
-}
-
 /* All contacts, from the modes that are alike: false where some have no partner, or none has. */
 static bool join_all(const search *s, ric_joined *j)
 {
@@ -243,11 +243,18 @@ static bool join_all(const search *s, ric_joined *j)
     j->n_group = 0;
     memset(j->group, 0, (size_t)n * sizeof *j->group);
     for (int f = 0; f < n; f++) {
+        int count = 1;
         if (j->group[f] || alone(s, f)) continue;
-        for (int g = f + 1; g < n && !j->group[f]; g++)
-            for (int sign = 1; sign >= -1 && !j->group[f] && !j->group[g]; sign -= 2)
-                if (exchanged(s, f, g, sign)) pair(j, f, g, sign);
-        if (!j->group[f]) return false;
+        j->group[f] = ++j->n_group;
+        j->sign[f] = 1;
+        for (int g = f + 1; g < n; g++)
+            for (int sign = 1; sign >= -1 && !j->group[g]; sign -= 2) {
+                if (!as_one(s, f, g, sign) || alone(s, g)) continue;
+                j->group[g] = j->n_group;
+                j->sign[g] = sign;
+                count++;
+            }
+        if (count == 1 || !sees_these(s, j, j->n_group)) return false;
     }
     return j->n_group > 0;
 }
@@ -264,10 +271,14 @@ static bool begin(const search *s, int f, int g, int sign, ric_joined *j)
         both |= s->alike[k] && fabs(a) > lost;
         apart |= !s->alike[k];
     }
+    if (!both || !apart) return false;
     /* the pair that comes first of all that it joins: each is told once */
     for (int i = 0; i < f; i++)
         if (!alone(s, i)) return false;
-    return both && apart && join_all(s, j) && j->group[g] == j->group[f] && j->sign[g] == sign;
+    if (!join_all(s, j)) return false;
+    for (int i = f + 1; i < g; i++)
+        if (j->group[i] == j->group[f]) return false;
+    return j->group[g] == j->group[f] && j->sign[g] == sign;
 }
 
 void ric_joined_write(const ric_joined *j, size_t size, char *out)
@@ -300,7 +311,7 @@ int ric_model_together(const ric_model *m, int last, size_t size, char *text, bo
         const double *c = &m->normal[f * m->n_dof];
         norms[f] = sqrt(ric_dot(m->n_dof, c, c));
     }
-    if (ric_joined_create(n, &found)) return 0;
+    if (m->members || ric_joined_create(n, &found)) return 0;
     for (int f = 0; f < n && !at; f++)
         for (int g = f + 1; g < n && !at; g++)
             for (int sign = 1; sign >= -1 && !at; sign -= 2)

@@ -21,15 +21,15 @@ void ric_study_vary_free(ric_vary *v)
 }
 
 static ric_status read_rates(const ric_yaml *r, const ric_yaml_node *list, int n_contact,
-                             double **out)
+                             bool joined, double **out)
 {
     const char *key = "vary.clearance";
     if (!ric_yaml_is_list(list) || ric_yaml_length(list) != n_contact)
         return ric_yaml_wrong(r, list, key,
-                              "expected a list of %d numbers, by how much the clearance of each "
-                              "contact grows with the "
-                              "parameter",
-                              n_contact);
+                              "expected a list of %d number%s, by how much the clearance of each "
+                              "contact grows with the parameter%s",
+                              n_contact, n_contact == 1 ? "" : "s",
+                              joined ? "; those of model.together count as one" : "");
     if (!(*out = ric_calloc((size_t)n_contact, sizeof **out))) return ric_yaml_no_memory(r);
     for (int i = 0; i < n_contact; i++) {
         ric_status status = ric_yaml_real(r, ric_yaml_item(r, list, i), key, &(*out)[i]);
@@ -101,7 +101,7 @@ ric_status ric_study_vary_read(const ric_yaml *r, const ric_yaml_slot *from, ric
     if (!status)
         status = read_derivative(r, &slots[V_STIFFNESS], "vary.stiffness", raw, &stiffness);
     if (!status && slots[V_CLEARANCE].key)
-        status = read_rates(r, slots[V_CLEARANCE].value, raw->n_contact, &clearance);
+        status = read_rates(r, slots[V_CLEARANCE].value, raw->n_contact, raw->given, &clearance);
     out->name = name;
     out->mass = mass;
     out->stiffness = stiffness;

@@ -443,6 +443,78 @@ static void what_may_be_joined_is_found(void **state)
     }
 }
 
+/* Three contacts around a ring: where they move as one, all are told at once. */
+static void a_ring_is_found(void **state)
+{
+    (void)state;
+    enum { RING = 6 };
+    seed_now = 72000701;
+    for (int trial = 0; trial < 8; trial++) {
+        const char *const odd = trial % 2 ? "[[1, 2, -3]]" : "[[1, 2, 3]]";
+        double M[RING * RING] = {0}, K[RING * RING] = {0}, A[HALF * HALF], B[HALF * HALF], b[RING];
+        char text[TEXT], found[100];
+        bool mode[RING];
+        int told = 0, alike = 0;
+        random_definite(HALF, HALF, 2, A);
+        for (int i = 0; i < HALF * HALF; i++) B[i] = uniform(-0.4, 0.4);
+        for (int i = 0; i < RING; i++) M[i * RING + i] = 1;
+        for (int k = 0; k < 3; k++)
+            for (int i = 0; i < HALF; i++)
+                for (int j = 0; j < HALF; j++) {
+                    const int row = k * HALF + i, next = (k + 1) % 3 * HALF + j;
+                    K[row * RING + k * HALF + j] = A[i * HALF + j];
+                    K[row * RING + next] = K[next * RING + row] = B[i * HALF + j];
+                }
+        for (int i = 0; i < HALF; i++) b[i] = uniform(0.2, 1);
+        size_t at = (size_t)snprintf(text, TEXT, "model:\n");
+        at = put_matrix(text, at, "mass", RING, M);
+        at = put_matrix(text, at, "stiffness", RING, K);
+        const size_t key = at;
+        at += (size_t)snprintf(text + at, TEXT - at, "  contacts:\n");
+        for (int k = 0; k < 3; k++) {
+            if (k == 2 && trial % 2)
+                for (int i = 0; i < HALF; i++) b[i] = -b[i];
+            at = put_contact(text, at, RING, k * HALF, b, "clearance: 1");
+        }
+        ric_study *study = study_of(text);
+        for (int last = 0;
+             (last = ric_model_together(ric_study_model(study), last, sizeof found, found, mode));)
+            if (!strcmp(found, odd)) {
+                told++;
+                for (int i = 0; i < RING; i++) alike += mode[i];
+            }
+        ric_study_free(study);
+        assert_int_equal(told, 1);
+        assert_int_equal(alike, HALF);
+        snprintf(found, sizeof found, "  together: %s\n", odd);
+        memmove(text + key + strlen(found), text + key, strlen(text + key) + 1);
+        memcpy(text + key, found, strlen(found));
+        ric_study_free(study_of(text));
+    }
+}
+
+/* Where some are joined the numbers of the rest are not those of the study: no more is told. */
+static void of_joined_contacts_no_more_is_told(void **state)
+{
+    (void)state;
+    static const char square[] =
+        "model:\n  mass: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+        "  stiffness: [[3, -1, 0, -1], [-1, 3, -1, 0], [0, -1, 3, -1], [-1, 0, -1, 3]]\n%s"
+        "  contacts:\n    - {normal: [1, 0, 0, 0], clearance: 1}\n"
+        "    - {normal: [0, 1, 0, 0], clearance: 1}\n    - {normal: [0, 0, 1, 0], clearance: 1}\n"
+        "    - {normal: [0, 0, 0, 1], clearance: 1}\n";
+    char text[TEXT], found[100];
+    bool mode[4];
+    for (int joined = 0; joined < 2; joined++) {
+        snprintf(text, TEXT, square, joined ? "  together: [[1, 3], [2, 4]]\n" : "");
+        ric_study *study = study_of(text);
+        assert_int_equal(ric_model_together(ric_study_model(study), 0, sizeof found, found, mode) ==
+                             0,
+                         joined);
+        ric_study_free(study);
+    }
+}
+
 /* What is told is taken: of structures that are their own image to so many digits, too. */
 static void what_is_told_is_taken(void **state)
 {
@@ -523,6 +595,8 @@ int main(void)
         cmocka_unit_test(a_wrong_group_is_refused),
         cmocka_unit_test(the_text_is_read_back),
         cmocka_unit_test(what_may_be_joined_is_found),
+        cmocka_unit_test(a_ring_is_found),
+        cmocka_unit_test(of_joined_contacts_no_more_is_told),
         cmocka_unit_test(what_is_told_is_taken),
         cmocka_unit_test(a_start_that_parts_them_is_refused),
         cmocka_unit_test(a_state_that_parts_them_is_told),
