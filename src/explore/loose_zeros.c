@@ -32,6 +32,7 @@ typedef struct {
 typedef struct {
     int face;                /* -1: the centre */
     const ric_regime *phase; /* NULL: no spring */
+    double *leave;           /* [(2n + 1) * 2n] of each mode while it is closed, and of its rest */
     int n;
     side *sides; /* [n + 3], from the longest; the last are for what lies between two of them */
 } end;
@@ -55,21 +56,15 @@ static void make_side(const ric_model *m, const end *e, double time, side *out)
 {
     const int n = m->n, ld = n + 1;
     const ric_face *face = e->face >= 0 ? &m->face[e->face] : NULL;
-    double z[2 * n], w[2 * n];
     out->time = time;
     memset(out->S, 0, 2 * (size_t)(n * ld) * sizeof *out->S);
     memset(out->gap, 0, (size_t)ld * sizeof *out->gap);
-    for (int j = 0; j <= n && e->phase; j++) { /* the last: no deflection from equilibrium */
-        memset(z, 0, sizeof z);
-        if (j < n) {
-            z[j] = cos(e->phase->omega[j] * time);
-            z[n + j] = -sin(e->phase->omega[j] * time);
-        }
-        ric_regime_leave(e->phase, z, w);
-        for (int i = 0; i < 2 * n; i++) out->S[i * ld + j] = w[i];
+    for (int j = 0; j < n && e->phase; j++) {
+        const double c = cos(e->phase->omega[j] * time), d = sin(e->phase->omega[j] * time);
+        const double *q = e->leave + 2 * n * j, *p = e->leave + 2 * n * (n + j);
+        for (int i = 0; i < 2 * n; i++) out->S[i * ld + j] = c * q[i] - d * p[i];
     }
-    for (int i = 0; i < 2 * n && e->phase; i++)
-        for (int j = 0; j < n; j++) out->S[i * ld + j] -= out->S[i * ld + n];
+    for (int i = 0; i < 2 * n && e->phase; i++) out->S[i * ld + n] = e->leave[4 * n * n + i];
     if (!face)
         for (int i = 0; i < n; i++) out->S[(n + i) * ld + i] = 1;
     if (face && !e->phase) { /* displacements on the face, and the speed of the impact */
@@ -90,6 +85,25 @@ static void make_side(const ric_model *m, const end *e, double time, side *out)
     out->gap[n] -= face->gap;
 }
 
+/* What closed modes are of the others: the last, no deflection from equilibrium, is taken off each.
+ */
+static ric_status make_leave(const ric_model *m, end *e)
+{
+    const int n = m->n, width = 2 * n;
+    double z[2 * n];
+    e->leave = ric_malloc((size_t)((width + 1) * width) * sizeof *e->leave);
+    if (!e->leave) return ric_no_memory("contacts of a loose mass");
+    const double *rest = e->leave + width * width;
+    for (int j = width; j >= 0; j--) {
+        double *w = e->leave + j * width;
+        memset(z, 0, sizeof z);
+        if (j < width) z[j] = 1;
+        ric_regime_leave(e->phase, z, w);
+        for (int i = 0; i < width && j < width; i++) w[i] -= rest[i];
+    }
+    return RIC_OK;
+}
+
 static ric_status make_end(const ric_model *m, int face, bool two, double longest, end *e)
 {
     e->face = face;
@@ -98,6 +112,8 @@ static ric_status make_end(const ric_model *m, int face, bool two, double longes
         const ric_status status = ric_regime_get(m, (uint64_t)1 << face, &e->phase);
         if (status) return status;
         for (int i = 0; i < m->n; i++) fastest = fmax(fastest, e->phase->omega[i]);
+        const ric_status made = make_leave(m, e);
+        if (made) return made;
     }
     const int n = m->n, ld = n + 1;
     const size_t size = (size_t)(2 * n * ld + ld);
@@ -149,7 +165,10 @@ ric_status ric_loose_zeros_create(const ric_model *m, int f, int g, const double
 void ric_loose_zeros_free(ric_loose_zeros *z)
 {
     if (!z) return;
-    for (int i = 0; i < 2; i++) free(z->ends[i].sides);
+    for (int i = 0; i < 2; i++) {
+        free(z->ends[i].leave);
+        free(z->ends[i].sides);
+    }
     free(z->work);
     free(z->points);
     free(z);
