@@ -109,7 +109,7 @@ typedef struct {
 const ric_units *ric_model_units(const ric_model *model);
 void ric_model_name_units(ric_model *model, const ric_units *units);
 double ric_model_restitution(const ric_model *model);
-/* Pairs of contacts that close together wherever certain modes move alone, as key `together` of a
+/* Groups of contacts that close together wherever certain modes move alone, as key `together` of a
  * study takes them ("[[1, 2], [3, -4]]"), and these modes, mode [n_dof]; the one after number
  * `last` (0: the first). Its number; 0: there is no more. Modes of one frequency may hide some. */
 int ric_model_together(const ric_model *model, int last, size_t size, char *text, bool *mode);

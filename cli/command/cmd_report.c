@@ -430,7 +430,8 @@ static ric_status add_parting(json_t *rows, const ric_atlas *atlas)
 {
     const int size = sample_size(atlas), n_branch = size ? ric_atlas_n_branch(atlas) : 0,
               step = n_branch / (size + !size) + 1;
-    int asked = 0, grows = 0;
+    int asked = 0, grows = 0, unknown = 0;
+    char why[160] = "", detail[400];
     double pairs[4 * ric_model_n_dof(ric_atlas_model(atlas))];
     if (!*cli_together_remark(ric_atlas_model(atlas))) return RIC_OK;
     for (int id = 1; id <= n_branch; id += step) {
@@ -445,19 +446,18 @@ static ric_status add_parting(json_t *rows, const ric_atlas *atlas)
         const ric_status known = status ? status : ric_orbit_parting(orbits[0], &n, pairs, &stable);
         ric_orbits_free(found, orbits);
         if (status) return status;
-        if (known == RIC_E_INPUT) {
-            add(rows, "disturbances that part contacts", json_string("unknown"), ric_detail());
-            return RIC_OK;
-        }
+        if (known == RIC_E_INPUT && !unknown++) snprintf(why, sizeof why, "%s", ric_detail());
         if (known || !n) continue;
         asked++;
         grows += stable == RIC_STABLE_NO;
     }
-    char detail[160];
-    snprintf(detail, sizeof detail,
-             "of %d orbits in the midst of branches; `ricochet orbit` has their multipliers as "
-             "parting",
-             asked);
+    const size_t used = (size_t)snprintf(detail, sizeof detail,
+                                         "of %d orbits in the midst of branches; `ricochet orbit` "
+                                         "has their multipliers as parting",
+                                         asked);
+    if (unknown)
+        snprintf(detail + used, sizeof detail - used, "; of %d more it is unknown: %s", unknown,
+                 why);
     add_count(rows, "disturbances that part contacts grow", grows, detail);
     return RIC_OK;
 }
