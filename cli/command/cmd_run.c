@@ -358,6 +358,7 @@ static int tell_stopped(const char *path, const char *study, const ric_atlas *at
         cli_say(" %d departure%s of depth %d %s left, and what follows from %s", d->last.open,
                 cli_plural(d->last.open), d->last.depth, d->last.open == 1 ? "is" : "are",
                 d->last.open == 1 ? "it" : "them");
+    else if (d->last.branches == 0) fputs(" it was looking for where branches start", stderr);
     else fputs(" all departures are done", stderr);
     if (unmeasured)
         cli_say(", %d label%s not measured yet", unmeasured, unmeasured == 1 ? " is" : "s are");

@@ -324,6 +324,7 @@ static ric_status offer(family *a, const scan *s, const double *u, bool *inside)
 {
     double margin[N_MARGIN];
     measure(a, s, u, margin);
+    if (ric_halted()) return ric_trust(RIC_OK);
     *inside = margin[OPEN] > 0 && a->chain->residual < RIC_SAME_SOLVED && is_possible(a, u);
     return *inside ? s->take(s->data, a->chain, u) : RIC_OK;
 }
@@ -470,6 +471,7 @@ static ric_status follow(family *a, const scan *s, const double *start, int way,
     double h = START * size_of(wide, at.u);
     measure(a, s, at.u, margin[0]);
     for (int i = 0; i < MOST_STEPS && !status && !been; i++) {
+        if (ric_halted()) return ric_trust(RIC_OK);
         const double size = size_of(wide, at.u), bend = at.back > 0 ? BEND : STRAIGHT * BEND;
         h = fmin(h, LONGEST * size);
         if (h < SHORTEST * size) break;

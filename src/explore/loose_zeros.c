@@ -412,6 +412,7 @@ ric_status ric_loose_zeros_find(ric_loose_zeros *z, double time, ric_loose_box t
     for (int i = 0; i < f->n; i++)
         for (int j = 0; j < g->n; j++) {
             const double flight = time - f->sides[i].time - g->sides[j].time;
+            if (ric_halt(pow(z->model->n, 3))) return ric_trust(RIC_OK);
             if (flight > REST * time)
                 evaluate(z, &f->sides[i], &g->sides[j], flight, &z->points[i * g->n + j], NULL);
         }

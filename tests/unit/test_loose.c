@@ -52,6 +52,37 @@ static void scan(int n, const double *M, const double *K, int n_contact,
     ric_model_free(m);
 }
 
+static bool at_once(void *user)
+{
+    (void)user;
+    return true;
+}
+
+/* Two bodies on a spring between springs: a stop that is asked for ends the scan, long before its
+ * end. */
+static void a_stop_ends_it(void **state)
+{
+    (void)state;
+    const double M[] = {1, 0, 0, 2}, K[] = {3, -3, -3, 3}, b[] = {1, 0, 0, 1};
+    const ric_contact contacts[] =
+        {{.clearance = 1, .normal = b, .law = RIC_LAW_BILINEAR, .stiffness = 20},
+         {.clearance = 1, .normal = b + 2, .law = RIC_LAW_BILINEAR, .stiffness = 30}};
+    const ric_limits limits = {.energy = {1e-6, 1e6}, .period = {1, 20}};
+    ric_model *m = NULL;
+    found f = {.n = 0};
+    assert_int_equal(ric_model_create(2, M, K, 2, contacts, 1, &m), RIC_OK);
+    f.unit = m->omega_ref;
+    ric_halt_ask(at_once, NULL);
+    const ric_status stopped = ric_loose_scan(m, &limits, take, &f);
+    const int before = f.n;
+    ric_halt_ask(NULL, NULL);
+    assert_int_equal(stopped, RIC_E_INTERRUPTED);
+    f.n = 0;
+    assert_int_equal(ric_loose_scan(m, &limits, take, &f), RIC_OK);
+    assert_true(f.n > 0 && before <= f.n);
+    ric_model_free(m);
+}
+
 /* A body alone between two stops crosses the gap 2 d four times a period at one speed: E = 8 d^2 m
  * / T^2 in the units of the frame. Between springs k it is carried back in half a period of m and
  * k. */
@@ -217,6 +248,7 @@ static void none(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_stop_ends_it),
         cmocka_unit_test(one_body),
         cmocka_unit_test(orders),
         cmocka_unit_test(narrow),
