@@ -319,7 +319,7 @@ wrong() {
 ok "a range without the study" wrong "does not hold 0" "vary: {from: 1, to: 2, stiffness: [[1, 0], [0, 0]]}"
 ok "nothing varies" wrong "nothing depends" "vary: {from: -1, to: 2, stiffness: [[0, 0], [0, 0]]}"
 ok "a gap that closes" wrong "clearance of -1" "vary: {from: -2, to: 2, clearance: [1]}"
-ok "too many gaps" wrong "list of 1 numbers" "vary: {from: -0.5, to: 2, clearance: [1, 2]}"
+ok "too many gaps" wrong "list of 1 number," "vary: {from: -0.5, to: 2, clearance: [1, 2]}"
 ok "a matrix of another size" wrong "3 x 3" "vary: {from: -1, to: 2, mass: [[1, 0, 0], [0, 0, 0], [0, 0, 0]]}"
 ok "no range" wrong "missing" "vary: {to: 2, mass: [[1, 0], [0, 0]]}"
 ok "a picture" "$ricochet" plot locus "$folder/v.ricochet" --junction 11 --junction 12 -o "$folder/l.svg"
