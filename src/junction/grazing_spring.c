@@ -122,7 +122,8 @@ static int side_of(const ric_node *node, const touch *touches, unsigned choice)
     for (int side = 1; side >= -1; side -= 2) {
         bool fits = true;
         for (int bit = 0; bit < node->n_touch * node->multiple; bit++)
-            fits = fits && (side * touches[bit % node->n_touch].alpha > 0) == (choice >> bit & 1);
+            fits = fits &&
+                   (side * touches[bit % node->n_touch].alpha > 0) == ric_node_strikes(choice, bit);
         if (fits) return side;
     }
     return 0;

@@ -238,7 +238,7 @@ static unsigned mapped(const ric_node *node, const action *actions, operation o,
     unsigned out = 0;
     int p = node->n_touch, k = node->multiple;
     for (int bit = 0; bit < p * k; bit++) {
-        if (!(choice & 1u << bit)) continue;
+        if (!ric_node_strikes(choice, bit)) continue;
         int turn = o.shift + a->later[bit % p] + (o.element < 2 ? bit / p : -(bit / p));
         out |= 1u << ((turn % k + k) % k * p + a->to[bit % p]);
     }
@@ -352,7 +352,7 @@ ric_periodic *ric_grazing_words_cycle(const ric_model *m, const ric_node *node, 
     for (int i = 0; i < all; i++) keep[i] = true;
     for (int bit = 0; bit < p * node->multiple; bit++) {
         int place = bit / p * N + node->touch[bit % p];
-        keep[place] = choice & 1u << bit;
+        keep[place] = ric_node_strikes(choice, bit);
         if (ric_node_soft(node, bit % p)) keep[(place + 1) % all] = keep[place];
     }
     for (int i = 0; i < all; i++) kept += keep[i];

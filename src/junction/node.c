@@ -549,7 +549,8 @@ int ric_node_impacts(const ric_node *node, unsigned choice)
     if (node->kind == RIC_KIND_MULTIPLICATION && choice != RIC_THROUGH)
         return count * node->multiple;
     if (node->kind != RIC_KIND_GRAZING) return count;
-    for (int i = 0; i < node->n_touch * node->multiple; i++) missing += !(choice & 1u << i);
+    for (int i = 0; i < node->n_touch * node->multiple; i++)
+        missing += !ric_node_strikes(choice, i);
     return count * node->multiple - missing;
 }
 

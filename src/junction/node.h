@@ -33,6 +33,13 @@ typedef struct {
     int job;           /* number under which workers prepare it; 0: they do not */
 } ric_departure;
 
+/* Whether a choice of a grazing strikes touch `bit`. Where there are more than RIC_MAX_TOUCHES
+ * nothing departs, and the only choice strikes none. */
+static inline bool ric_node_strikes(unsigned choice, int bit)
+{
+    return bit < RIC_MAX_TOUCHES && choice >> bit & 1;
+}
+
 /* Why no branch leaves a junction at all. */
 typedef enum {
     RIC_REFUSAL_NONE,

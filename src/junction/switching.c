@@ -439,7 +439,7 @@ static void orient(int side, double length, ric_outset *out)
 static bool keeps_soft(const ric_node *node, unsigned choice)
 {
     for (int bit = 0; bit < node->n_touch * node->multiple; bit++)
-        if (choice & 1u << bit && ric_node_soft(node, bit % node->n_touch)) return true;
+        if (ric_node_strikes(choice, bit) && ric_node_soft(node, bit % node->n_touch)) return true;
     return false;
 }
 
