@@ -277,8 +277,8 @@ typedef struct {
 bool cli_count_proofs(const ric_atlas *atlas, cli_proofs *out);
 /* "720 of 720 points, 12 of 12 curves, 18 of 18 junctions" */
 void cli_write_proofs(const cli_proofs *p, char *text, size_t size);
-/* together.c. What the next pair of contacts in `last` (0: before the first) that close together is
- * good for; false: there is no more. And what is said where a study has joined some, "" if none. */
+/* together.c. What the next contacts after `last` (0: the first) that close together are good for;
+ * false: there is no more. And what is said where a study has joined some, "" if none. */
 enum { CLI_TOGETHER = 16 * 1024 }; /* all contacts that a study may have */
 bool cli_together_next(const ric_model *model, int *last, char text[CLI_TOGETHER]);
 const char *cli_together_remark(const ric_model *model);

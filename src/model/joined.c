@@ -149,7 +149,10 @@ static double part(const ric_model *m, int i, const double *y)
 static double norm(const ric_model *m, const double *y)
 {
     double sum = 0;
-    for (int i = 0; i < m->n_dof; i++) sum += part(m, i, y) * part(m, i, y);
+    for (int i = 0; i < m->n_dof; i++) {
+        const double c = part(m, i, y);
+        sum += c * c;
+    }
     return sqrt(sum);
 }
 
@@ -432,10 +435,13 @@ ric_status ric_model_parted(const ric_model *m, bool *out)
 /* y [n_dof] by its parts in the modes, a force or a momentum. */
 static ric_status check_parts(const ric_model *m, const double *y, const char *what)
 {
-    double size = 0;
-    for (int i = 0; i < m->n_dof; i++) size = fmax(size, fabs(part(m, i, y)));
+    double size = 0, parts[m->n_dof];
+    for (int i = 0; i < m->n_dof; i++) {
+        parts[i] = part(m, i, y);
+        size = fmax(size, fabs(parts[i]));
+    }
     for (int i = 0; i < m->n_dof; i++)
-        if (ric_joined_parts(m, i) && fabs(part(m, i, y)) > ALIKE * size)
+        if (ric_joined_parts(m, i) && fabs(parts[i]) > ALIKE * size)
             return ric_fail(RIC_E_INPUT,
                             "%s mode %d of %.6g rad/s, in which contacts that close together by "
                             "`together` would part; leave that out, or `together` in the study",

@@ -105,24 +105,27 @@ static void strike(const ric_members *s, int contact, double ratio, double *Y)
     }
 }
 
-/* The map over a period from after impact 0, Y [2n * 2n]; *noise: its rounding. */
-static bool monodromy(const ric_model *m, const ric_periodic *c, double *work, double *Y,
-                      double *noise)
+/* The map over a period from after impact 0, Y [2n * 2n], of the states W after each event; *noise:
+ * its rounding. */
+static bool monodromy(const ric_model *m, const ric_periodic *c, const double *W, double *work,
+                      double *Y, double *noise)
 {
     const int width = 2 * m->members->n;
-    double w[2 * m->n], rate[2 * m->n];
+    double rate[2 * m->n];
+    uint64_t closed = c->closed;
     *noise = 0;
     for (int i = 0; i < width * width; i++) Y[i] = i % (width + 1) == 0;
     for (int i = 0; i < c->N; i++) {
         const int next = (i + 1) % c->N;
         const ric_face *face = &m->face[c->face[next]];
-        double largest = 0, speed, acceleration = 0;
-        if (!fly(m, ric_periodic_closed(m, c, i), c->tau[i], work, Y)) return false;
+        const double *w = W + 2 * m->n * next;
+        double largest = 0;
+        if (!fly(m, closed, c->tau[i], work, Y)) return false;
+        closed = ric_flight_toggle(m, closed, c->face[next]);
         if (face->spring == 0) { /* after the impact the gap opens as fast as it has closed */
-            ric_periodic_state(m, c, next, w);
-            ric_flight_rate(m, ric_periodic_closed(m, c, next), w, rate);
-            speed = -ric_dot(m->n, face->c, w + m->n);
-            acceleration = ric_dot(m->n, face->c, rate + m->n);
+            ric_flight_rate(m, closed, w, rate);
+            const double speed = -ric_dot(m->n, face->c, w + m->n),
+                         acceleration = ric_dot(m->n, face->c, rate + m->n);
             strike(m->members, face->contact, acceleration / speed, Y);
         }
         for (int k = 0; k < width * width; k++) largest = fmax(largest, fabs(Y[k]));
@@ -141,10 +144,12 @@ ric_status ric_parting_multipliers(const ric_model *m, const ric_periodic *c, do
     double noise;
     if (why) return ric_fail(RIC_E_INPUT, "%s", why);
     if (width == 0) return RIC_OK;
-    double *Y = ric_calloc(3 * square, sizeof *Y);
+    double *Y = ric_calloc(3 * square + (size_t)c->N * 2 * (size_t)m->n, sizeof *Y),
+           *W = Y ? Y + 3 * square : NULL;
+    if (W) ric_periodic_states(m, c, W);
     ric_status status = Y ? RIC_OK : ric_no_memory("disturbances that part contacts");
     if (!status &&
-        (!monodromy(m, c, Y + square, Y, &noise) || !ric_eigen_conditions(width, Y, out, error)))
+        (!monodromy(m, c, W, Y + square, Y, &noise) || !ric_eigen_conditions(width, Y, out, error)))
         status = ric_fail(RIC_E_NUMERIC, "the multipliers of disturbances that part contacts could "
                                          "not be computed");
     for (int i = 0; i < width && !status; i++) error[i] *= noise;
